@@ -1,0 +1,174 @@
+//! What one filter has estimated so far, sample by sample.
+
+use crate::filter::Correction;
+use crate::gaussian::Gaussian;
+use crate::{Channel, FilterError, FilterKind, Quantity};
+
+/// Why and where a filter stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stop {
+    /// The first sample without an estimate.
+    pub sample: usize,
+    /// What went wrong there.
+    pub reason: FilterError,
+}
+
+/// The estimates of one filter: everything that it computed at each sample, from k = 0 on.
+///
+/// With n channels and m sensors a sample has n means, an n × n covariance, m innovations, their m × m covariance and an
+/// n × m gain. At k = 0 and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
+#[derive(Clone, Debug)]
+pub struct Estimates {
+    name: String,
+    kind: FilterKind,
+    channels: Vec<Channel>,
+    sensors: Vec<Quantity>,
+    mean: Vec<f64>,
+    cov: Vec<f64>,
+    innovation: Vec<f64>,
+    innovation_cov: Vec<f64>,
+    gain: Vec<f64>,
+    nis: Vec<f64>,
+    log_likelihood: Vec<f64>,
+    stop: Option<Stop>,
+}
+
+impl Estimates {
+    pub(crate) fn new(
+        name: String,
+        kind: FilterKind,
+        channels: Vec<Channel>,
+        sensors: Vec<Quantity>,
+        capacity: usize,
+    ) -> Self {
+        let (n, m) = (channels.len(), sensors.len());
+        let room = |per_sample: usize| Vec::with_capacity(capacity * per_sample);
+        Self {
+            name,
+            kind,
+            channels,
+            sensors,
+            mean: room(n),
+            cov: room(n * n),
+            innovation: room(m),
+            innovation_cov: room(m * m),
+            gain: room(n * m),
+            nis: room(1),
+            log_likelihood: room(1),
+            stop: None,
+        }
+    }
+
+    pub(crate) fn push<const N: usize>(&mut self, belief: &Gaussian<N>, correction: &Correction<N>) {
+        let m = self.sensors.len();
+        self.mean.extend_from_slice(belief.mean.as_slice());
+        self.cov.extend_from_slice(belief.cov.as_slice());
+        self.innovation.extend_from_slice(&correction.innovation[..m]);
+        for sensor in 0..m {
+            self.innovation_cov.extend_from_slice(&correction.innovation_cov[sensor][..m]);
+            self.gain.extend_from_slice(&correction.gain[sensor]);
+        }
+        self.nis.push(correction.nis);
+        self.log_likelihood.push(correction.log_likelihood);
+    }
+
+    pub(crate) fn stop_at(&mut self, reason: FilterError) {
+        self.stop = Some(Stop { sample: self.len(), reason });
+    }
+
+    /// The filter's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The filter's kind.
+    pub fn kind(&self) -> FilterKind {
+        self.kind
+    }
+
+    /// The channels, in the order of every mean and covariance.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// The place of a channel, if the filter estimates it.
+    pub fn place(&self, channel: Channel) -> Option<usize> {
+        self.channels.iter().position(|&c| c == channel)
+    }
+
+    /// The sensors, in the order of every innovation.
+    pub fn sensors(&self) -> &[Quantity] {
+        &self.sensors
+    }
+
+    /// The number of samples with an estimate.
+    pub fn len(&self) -> usize {
+        self.nis.len()
+    }
+
+    /// Whether there is no estimate yet.
+    pub fn is_empty(&self) -> bool {
+        self.nis.is_empty()
+    }
+
+    /// Where the filter stopped, if it could not go on.
+    pub fn stop(&self) -> Option<Stop> {
+        self.stop
+    }
+
+    /// The mean at sample `k`, one number a channel.
+    pub fn mean(&self, k: usize) -> &[f64] {
+        chunk(&self.mean, k, self.channels.len())
+    }
+
+    /// The standard deviation of one channel at sample `k`.
+    pub fn std(&self, k: usize, channel: usize) -> f64 {
+        let n = self.channels.len();
+        self.cov[k * n * n + channel * (n + 1)].sqrt()
+    }
+
+    /// The covariance at sample `k`, n × n.
+    pub fn cov(&self, k: usize) -> &[f64] {
+        let n = self.channels.len();
+        chunk(&self.cov, k, n * n)
+    }
+
+    /// The innovations e at sample `k`, one a sensor.
+    pub fn innovation(&self, k: usize) -> &[f64] {
+        chunk(&self.innovation, k, self.sensors.len())
+    }
+
+    /// The innovations' covariance S at sample `k`, m × m.
+    pub fn innovation_cov(&self, k: usize) -> &[f64] {
+        let m = self.sensors.len();
+        chunk(&self.innovation_cov, k, m * m)
+    }
+
+    /// The gain K at sample `k`: for each sensor in turn, n numbers.
+    pub fn gain(&self, k: usize) -> &[f64] {
+        chunk(&self.gain, k, self.channels.len() * self.sensors.len())
+    }
+
+    /// The normalised innovation squared of every sample.
+    pub fn nis(&self) -> &[f64] {
+        &self.nis
+    }
+
+    /// The log likelihood of every sample.
+    pub fn log_likelihood(&self) -> &[f64] {
+        &self.log_likelihood
+    }
+
+    /// A number that changes whenever a bit of any mean or covariance does (64-bit FNV-1a), to compare platforms with.
+    pub fn checksum(&self) -> u64 {
+        self.mean
+            .iter()
+            .chain(&self.cov)
+            .flat_map(|x| x.to_bits().to_le_bytes())
+            .fold(0xcbf2_9ce4_8422_2325, |hash, b| (hash ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
+    }
+}
+
+fn chunk(values: &[f64], k: usize, size: usize) -> &[f64] {
+    &values[k * size..(k + 1) * size]
+}

@@ -1,0 +1,263 @@
+//! Predict and update, written once: a kind of filter is a choice of how to push a Gaussian through a function.
+
+mod linearised;
+mod unscented;
+
+use nalgebra::Cholesky;
+use thiserror::Error;
+
+use crate::gaussian::{Gaussian, Matrix, Vector, mirror_lower};
+use crate::model::{Model, Output};
+use crate::sensor::MAX_SENSORS;
+
+/// Why a filter cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum FilterError {
+    /// A number of the belief has overflowed or is undefined.
+    #[error("the estimate is no longer a finite number: the filter has diverged")]
+    NotFinite,
+    /// The covariance has a negative variance in some direction.
+    #[error("the covariance is no longer positive semidefinite")]
+    IndefiniteCovariance,
+    /// The innovation covariance S cannot be inverted.
+    #[error("the innovation covariance S is singular")]
+    SingularInnovation,
+}
+
+/// How a Gaussian is pushed through the model and the sensors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transform {
+    /// First-order linearisation at the mean: the (extended) Kalman filter.
+    Linearised,
+    /// Scaled sigma points, each moved by a Runge-Kutta step: the unscented Kalman filter.
+    Unscented,
+}
+
+/// The noise that a filter ascribes to model and sensors, and how fast it forgets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise<const N: usize> {
+    /// Diagonal of Q: variances that each step adds, in the channels' units squared.
+    pub process: Vector<N>,
+    /// Diagonal of R, in the sensors' order and units squared.
+    pub sensors: Vec<f64>,
+    /// Fading factor λ ≥ 1 on the predicted covariance.
+    pub fading: f64,
+}
+
+/// A recursive estimator with a Gaussian belief over the N-component state of a model.
+#[derive(Clone, Debug)]
+pub struct Filter<P: Model<N>, const N: usize> {
+    model: P,
+    transform: Transform,
+    dt: f64,
+    noise: Noise<N>,
+    outputs: Vec<Output>,
+    belief: Gaussian<N>,
+}
+
+/// What one measurement told. Sensors that were skipped have an innovation of NaN and no gain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correction<const N: usize> {
+    /// e = z - h(y⁻), in the sensors' units.
+    pub innovation: [f64; MAX_SENSORS],
+    /// S, the covariance of e.
+    pub innovation_cov: [[f64; MAX_SENSORS]; MAX_SENSORS],
+    /// K: for each sensor, what a unit of innovation adds to each channel.
+    pub gain: [[f64; N]; MAX_SENSORS],
+    /// Normalised innovation squared `eᵀ S⁻¹ e`.
+    pub nis: f64,
+    /// `-(NIS + ln det S + m ln 2π) / 2`
+    pub log_likelihood: f64,
+}
+
+impl<const N: usize> Correction<N> {
+    /// The correction by no measurement at all.
+    pub const NOTHING: Self = Self {
+        innovation: [f64::NAN; MAX_SENSORS],
+        innovation_cov: [[f64::NAN; MAX_SENSORS]; MAX_SENSORS],
+        gain: [[0.0; N]; MAX_SENSORS],
+        nis: f64::NAN,
+        log_likelihood: f64::NAN,
+    };
+}
+
+/// A sensor that has delivered a measurement: where it reads, its place among the sensors, its variance.
+#[derive(Clone, Copy, Debug)]
+struct Active {
+    sensor: usize,
+    output: Output,
+    variance: f64,
+}
+
+/// What a belief says of M measurements before they are seen.
+struct Expected<const N: usize, const M: usize> {
+    mean: Vector<M>,
+    /// S, noise included.
+    cov: Matrix<M, M>,
+    /// Covariance of state and measurement.
+    cross: Matrix<N, M>,
+    /// H, where the measurements are linear in the state or taken to be.
+    jacobian: Option<Matrix<M, N>>,
+}
+
+impl<P: Model<N>, const N: usize> Filter<P, N> {
+    /// A filter at k = 0. `outputs` says what each sensor reads, `dt` \[s\] is the time between samples.
+    pub fn new(
+        model: P,
+        transform: Transform,
+        dt: f64,
+        noise: Noise<N>,
+        outputs: Vec<Output>,
+        belief: Gaussian<N>,
+    ) -> Self {
+        Self { model, transform, dt, noise, outputs, belief }
+    }
+
+    /// The belief after the last predict or update.
+    pub fn belief(&self) -> &Gaussian<N> {
+        &self.belief
+    }
+
+    /// Carries the belief over one step in which the force over mass was `force` \[m/s²\].
+    ///
+    /// ```text
+    /// P⁻ = λ cov(g-step of y) + Q
+    /// ```
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn; [`FilterError::NotFinite`] where the
+    /// prediction overflows.
+    pub fn predict(&mut self, force: f64) -> Result<(), FilterError> {
+        let Self { model, transform, dt, noise, outputs: _, belief } = self;
+        match transform {
+            Transform::Linearised => linearised::predict(model, belief, force, *dt),
+            Transform::Unscented => unscented::predict(model, belief, force, *dt)?,
+        }
+        belief.cov *= noise.fading;
+        for i in 0..N {
+            belief.cov[(i, i)] += noise.process[i];
+        }
+        if belief.is_finite() { Ok(()) } else { Err(FilterError::NotFinite) }
+    }
+
+    /// Conditions the belief on one sample of the sensors; `force` acts at the same sample. A measurement that is NaN
+    /// skips its sensor.
+    ///
+    /// ```text
+    /// e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e
+    /// ```
+    ///
+    /// # Errors
+    /// [`FilterError::SingularInnovation`] where S is not positive definite; [`FilterError::IndefiniteCovariance`] where
+    /// sigma points cannot be drawn or a variance comes out negative; [`FilterError::NotFinite`] where the belief
+    /// overflows.
+    pub fn update(&mut self, force: f64, measured: &[f64]) -> Result<Correction<N>, FilterError> {
+        let mut active = [Active { sensor: 0, output: Output::State(0), variance: 0.0 }; MAX_SENSORS];
+        let mut count = 0;
+        for (sensor, &output) in self.outputs.iter().enumerate() {
+            if !measured[sensor].is_nan() {
+                active[count] = Active { sensor, output, variance: self.noise.sensors[sensor] };
+                count += 1;
+            }
+        }
+        match count {
+            0 => Ok(Correction::NOTHING),
+            1 => self.condition([active[0]], force, measured),
+            2 => self.condition([active[0], active[1]], force, measured),
+            _ => self.condition(active, force, measured),
+        }
+    }
+
+    fn condition<const M: usize>(
+        &mut self,
+        active: [Active; M],
+        force: f64,
+        measured: &[f64],
+    ) -> Result<Correction<N>, FilterError> {
+        let Self { model, transform, belief, .. } = self;
+        let linear = active.iter().all(|a| matches!(a.output, Output::State(_)));
+        let expected = match transform {
+            Transform::Unscented if !linear => unscented::expect(model, belief, &active, force)?,
+            // Sigma points through a linear function give its exact moments, which this gives for less.
+            Transform::Linearised | Transform::Unscented => linearised::expect(model, belief, &active, force),
+        };
+        let Expected { mean, cov: innovation_cov, cross, jacobian } = expected;
+        let innovation = Vector::<M>::from_fn(|i, _| measured[active[i].sensor]) - mean;
+        let Some(root) = Cholesky::new(innovation_cov) else {
+            return Err(if innovation_cov.sum().is_finite() {
+                FilterError::SingularInnovation
+            } else {
+                FilterError::NotFinite
+            });
+        };
+        let gain = root.solve(&cross.transpose()).transpose();
+
+        belief.mean += gain * innovation;
+        belief.cov = match jacobian {
+            Some(jacobian) => joseph(&belief.cov, &gain, &jacobian, &active),
+            None => subtract(&belief.cov, &gain, &innovation_cov),
+        };
+        if !belief.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        if belief.cov.diagonal().min() < 0.0 {
+            return Err(FilterError::IndefiniteCovariance);
+        }
+
+        let nis = innovation.dot(&root.solve(&innovation));
+        let ln_det = libm::log(root.determinant());
+        let mut correction = Correction::NOTHING;
+        correction.nis = nis;
+        correction.log_likelihood = -0.5 * (nis + ln_det + M as f64 * LN_2_PI);
+        for (i, row) in active.iter().enumerate() {
+            correction.innovation[row.sensor] = innovation[i];
+            correction.gain[row.sensor] = gain.column(i).into();
+            for (j, column) in active.iter().enumerate() {
+                correction.innovation_cov[row.sensor][column.sensor] = innovation_cov[(i, j)];
+            }
+        }
+        Ok(correction)
+    }
+}
+
+/// ln 2π
+const LN_2_PI: f64 = 1.837_877_066_409_345_5;
+
+/// `(I - K H) P (I - K H)ᵀ + K R Kᵀ`: keeps P positive semidefinite where sensors are far more precise than the belief.
+///
+/// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
+fn joseph<const N: usize, const M: usize>(
+    cov: &Matrix<N, N>,
+    gain: &Matrix<N, M>,
+    jacobian: &Matrix<M, N>,
+    active: &[Active; M],
+) -> Matrix<N, N> {
+    let keep = Matrix::<N, N>::identity() - gain * jacobian;
+    let kept = keep * cov;
+    let mut result = Matrix::<N, N>::zeros();
+    for j in 0..N {
+        for i in j..N {
+            let mut entry = 0.0;
+            for k in 0..N {
+                entry += kept[(i, k)] * keep[(j, k)];
+            }
+            for (k, sensor) in active.iter().enumerate() {
+                entry += gain[(i, k)] * sensor.variance * gain[(j, k)];
+            }
+            result[(i, j)] = entry;
+        }
+    }
+    mirror_lower(&mut result);
+    result
+}
+
+/// `P - K S Kᵀ`
+fn subtract<const N: usize, const M: usize>(
+    cov: &Matrix<N, N>,
+    gain: &Matrix<N, M>,
+    innovation_cov: &Matrix<M, M>,
+) -> Matrix<N, N> {
+    let mut result = cov - gain * innovation_cov * gain.transpose();
+    mirror_lower(&mut result);
+    result
+}

@@ -1,0 +1,47 @@
+//! First-order linearisation at the mean.
+//!
+//! Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal
+//! Estimation*, section 6.1.
+
+use super::{Active, Expected};
+use crate::gaussian::{Gaussian, Matrix, Vector, mirror_lower};
+use crate::model::{Model, Output};
+
+/// `y⁻ = y + dt φ₁(A dt) g(y, f)` and `Φ P Φᵀ`.
+pub(super) fn predict<P: Model<N>, const N: usize>(model: &P, belief: &mut Gaussian<N>, force: f64, dt: f64) {
+    let (mean, transition) = model.linearised_step(&belief.mean, force, dt);
+    belief.mean = mean;
+    belief.cov = transition * belief.cov * transition.transpose();
+    mirror_lower(&mut belief.cov);
+}
+
+/// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`.
+pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
+    model: &P,
+    belief: &Gaussian<N>,
+    active: &[Active; M],
+    force: f64,
+) -> Expected<N, M> {
+    let Gaussian { mean: state, cov } = belief;
+    let mut mean = Vector::<M>::zeros();
+    let mut jacobian = Matrix::<M, N>::zeros();
+    for (row, sensor) in active.iter().enumerate() {
+        match sensor.output {
+            Output::State(i) => {
+                mean[row] = state[i];
+                jacobian[(row, i)] = 1.0;
+            }
+            Output::Rate(i) => {
+                mean[row] = model.rate(state, force)[i];
+                jacobian.set_row(row, &model.jacobian(state).row(i));
+            }
+        }
+    }
+    let cross = cov * jacobian.transpose();
+    let mut innovation_cov = jacobian * cross;
+    for (row, sensor) in active.iter().enumerate() {
+        innovation_cov[(row, row)] += sensor.variance;
+    }
+    mirror_lower(&mut innovation_cov);
+    Expected { mean, cov: innovation_cov, cross, jacobian: Some(jacobian) }
+}

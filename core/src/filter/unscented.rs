@@ -1,0 +1,106 @@
+//! Scaled sigma points.
+//!
+//! ```text
+//! χ₀ = y,  χ± = y ± c L e_i,  L Lᵀ = P,  c² = α² (n + κ)
+//! ```
+//!
+//! with α = 1, β = 2, κ = 3 - n. Means and covariances are taken about the centre's image: in exact arithmetic that is
+//! the weighted sum of the textbooks, in floating point it leaves a component that does not vary exactly where it is, and
+//! with these constants it is a sum of squares, so that no covariance turns negative:
+//!
+//! ```text
+//! dᵢ = g(χᵢ) - g(χ₀),  s = Σ W dᵢ,  mean = g(χ₀) + s,  cov = Σ W dᵢ dᵢᵀ + (W₀ᶜ + 2nW - 2) s sᵀ = Σ W dᵢ dᵢᵀ + s sᵀ
+//! ```
+//!
+//! Source: Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation; van der Merwe (2004), section 3.2.
+
+use super::{Active, Expected};
+use crate::FilterError;
+use crate::gaussian::{Gaussian, Matrix, Vector, lower_root, mirror_lower};
+use crate::model::{Model, Output};
+use crate::propagation::runge_kutta;
+
+/// α² (n + κ) with α = 1 and κ = 3 - n: sigma points are √3 standard deviations away.
+const SPREAD: f64 = 3.0;
+/// Weight of each sigma point but the centre.
+const WEIGHT: f64 = 1.0 / (2.0 * SPREAD);
+/// The distances of the sigma points from the mean: the columns of `√3 L`.
+fn distances<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, FilterError> {
+    Ok(lower_root(cov)? * SPREAD.sqrt())
+}
+
+/// Mean and covariance of the belief after one Runge-Kutta step of each sigma point.
+pub(super) fn predict<P: Model<N>, const N: usize>(
+    model: &P,
+    belief: &mut Gaussian<N>,
+    force: f64,
+    dt: f64,
+) -> Result<(), FilterError> {
+    let distances = distances(&belief.cov)?;
+    let step = |state: Vector<N>| runge_kutta(&state, dt, |y| model.rate(y, force));
+    let centre = step(belief.mean);
+    let mut sum = Vector::<N>::zeros();
+    let mut squares = Matrix::<N, N>::zeros();
+    for i in 0..N {
+        let distance: Vector<N> = distances.column(i).into();
+        for image in [step(belief.mean + distance), step(belief.mean - distance)] {
+            let d = image - centre;
+            sum += d;
+            add_square(&mut squares, &d);
+        }
+    }
+    let offset = sum * WEIGHT;
+    belief.mean = centre + offset;
+    belief.cov = squares * WEIGHT;
+    add_square(&mut belief.cov, &offset);
+    mirror_lower(&mut belief.cov);
+    Ok(())
+}
+
+/// What the sensors will read, from sigma points drawn afresh from the prediction.
+pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
+    model: &P,
+    belief: &Gaussian<N>,
+    active: &[Active; M],
+    force: f64,
+) -> Result<Expected<N, M>, FilterError> {
+    let distances = distances(&belief.cov)?;
+    let read = |state: &Vector<N>| {
+        let rate = model.rate(state, force);
+        Vector::<M>::from_fn(|row, _| match active[row].output {
+            Output::State(i) => state[i],
+            Output::Rate(i) => rate[i],
+        })
+    };
+    let centre = read(&belief.mean);
+    let mut sum = Vector::<M>::zeros();
+    let mut cov = Matrix::<M, M>::zeros();
+    let mut cross = Matrix::<N, M>::zeros();
+    for i in 0..N {
+        let distance: Vector<N> = distances.column(i).into();
+        let high = read(&(belief.mean + distance)) - centre;
+        let low = read(&(belief.mean - distance)) - centre;
+        sum += high + low;
+        add_square(&mut cov, &high);
+        add_square(&mut cov, &low);
+        cross += distance * (high - low).transpose() * WEIGHT;
+    }
+    let offset = sum * WEIGHT;
+    cov *= WEIGHT;
+    add_square(&mut cov, &offset);
+    for (row, sensor) in active.iter().enumerate() {
+        cov[(row, row)] += sensor.variance;
+    }
+    mirror_lower(&mut cov);
+    Ok(Expected { mean: centre + offset, cov, cross, jacobian: None })
+}
+
+/// Adds `d dᵀ` to the lower triangle.
+#[inline]
+fn add_square<const N: usize>(sum: &mut Matrix<N, N>, d: &Vector<N>) {
+    for j in 0..N {
+        for i in j..N {
+            sum[(i, j)] += d[i] * d[j];
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Identification of an oscillator with Kalman filters, without a screen.
+//!
+//! ```text
+//! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Summary
+//! (settings)   (or a CSV: measured record)
+//! ```
+//!
+//! [`Run::step`] is the only engine: a whole record is that step in a loop. The same scenario gives the same bits on
+//! every platform: random numbers come from seeded ChaCha8 streams, one a purpose, and every transcendental function
+//! from `libm`.
+//!
+//! ```
+//! use kalmanscope_core::{Run, Scenario};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let scenario = Scenario::from_toml("duration = 20.0\n[plant]\nnatural_frequency = 6.0")?;
+//! let mut run = Run::new(&scenario)?;
+//! run.finish();
+//! let ekf = &run.estimates()[0];
+//! let wn = ekf.mean(ekf.len() - 1)[2];
+//! assert!((wn - 6.0).abs() < 0.1);
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod channel;
+pub mod diagnostics;
+pub mod estimates;
+pub mod filter;
+pub mod force;
+pub mod gaussian;
+pub mod model;
+pub mod models;
+pub mod propagation;
+pub mod record;
+pub mod run;
+pub mod scenario;
+pub mod sensor;
+pub mod signal;
+pub mod simulate;
+
+mod random;
+
+pub use channel::Channel;
+pub use diagnostics::Summary;
+pub use estimates::{Estimates, Stop};
+pub use filter::FilterError;
+pub use force::Force;
+pub use record::{Record, RecordError};
+pub use run::{Run, RunError};
+pub use scenario::{FilterKind, FilterSettings, PerChannel, Plant, Scenario, ScenarioError, Sensor};
+pub use sensor::Quantity;
+pub use signal::Signal;

@@ -1,0 +1,42 @@
+//! What a filter knows of a plant: its rate of change, the Jacobian of that, and what sensors see.
+
+use crate::gaussian::{Matrix, Vector};
+use crate::propagation::exp_and_integral;
+use crate::{Channel, Quantity};
+
+/// Where a sensor's quantity stands in the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// A component of the state.
+    State(usize),
+    /// The rate of change of a component of the state.
+    Rate(usize),
+}
+
+/// A plant with an N-component augmented state `y` (motion and parameters) and rate `ẏ = g(y, f)`.
+pub trait Model<const N: usize>: Clone + Send + 'static {
+    /// What each component is.
+    const CHANNELS: [Channel; N];
+
+    /// `g(y, f)`, with the force over mass `force` \[m/s²\]; each component in its unit per second.
+    fn rate(&self, state: &Vector<N>, force: f64) -> Vector<N>;
+
+    /// `A = ∂g/∂y`, N × N. The force enters additively, so it does not appear.
+    fn jacobian(&self, state: &Vector<N>) -> Matrix<N, N>;
+
+    /// Where the quantity is found.
+    fn output(&self, quantity: Quantity) -> Output;
+
+    /// One step of local linearisation: the state after `dt` \[s\] and its transition matrix.
+    ///
+    /// ```text
+    /// A = ∂g/∂y,  Φ = exp(A dt),  y⁻ = y + dt φ₁(A dt) g(y, f)
+    /// ```
+    ///
+    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*, with `A⁻¹(exp(A dt) - I)` read as the
+    /// entire function `dt φ₁(A dt)`, which a singular `A` does not trouble.
+    fn linearised_step(&self, state: &Vector<N>, force: f64, dt: f64) -> (Vector<N>, Matrix<N, N>) {
+        let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
+        (state + integral * self.rate(state, force), transition)
+    }
+}

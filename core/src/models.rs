@@ -1,0 +1,3 @@
+//! The plants, one a file.
+
+pub mod sdof;

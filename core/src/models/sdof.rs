@@ -1,0 +1,131 @@
+//! The linear oscillator with a single degree of freedom.
+
+use crate::gaussian::{Matrix, Vector};
+use crate::model::{Model, Output};
+use crate::propagation::{ImpulseResponse, exp_and_integral};
+use crate::{Channel, Quantity};
+
+/// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
+///
+/// ```text
+/// g(y, f) = [v, f - 2ζωₙv - ωₙ²x, -η ωₙ, -η ζ]
+/// ```
+///
+/// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*.
+#[derive(Clone, Copy, Debug)]
+pub struct Sdof {
+    /// η, the rate at which the parameters decay \[1/s\].
+    pub eta: f64,
+}
+
+impl Model<4> for Sdof {
+    const CHANNELS: [Channel; 4] = Channel::ALL;
+
+    #[inline]
+    fn rate(&self, state: &Vector<4>, force: f64) -> Vector<4> {
+        let [[x, v, wn, zeta]] = state.data.0;
+        Vector::<4>::new(v, force - 2.0 * zeta * wn * v - wn * wn * x, -self.eta * wn, -self.eta * zeta)
+    }
+
+    #[inline]
+    fn jacobian(&self, state: &Vector<4>) -> Matrix<4, 4> {
+        let [[x, v, wn, zeta]] = state.data.0;
+        #[rustfmt::skip]
+        let jacobian = Matrix::<4, 4>::new(
+            0.0,      1.0,              0.0,                          0.0,
+            -wn * wn, -2.0 * zeta * wn, -2.0 * (wn * x + zeta * v),   -2.0 * wn * v,
+            0.0,      0.0,              -self.eta,                    0.0,
+            0.0,      0.0,              0.0,                          -self.eta,
+        );
+        jacobian
+    }
+
+    fn output(&self, quantity: Quantity) -> Output {
+        match quantity {
+            Quantity::Displacement => Output::State(0),
+            Quantity::Velocity => Output::State(1),
+            Quantity::Acceleration => Output::Rate(1),
+        }
+    }
+
+    /// With η = 0 all of `exp(A dt)` and `dt φ₁(A dt) g` follows from the oscillator's impulse response.
+    #[inline]
+    fn linearised_step(&self, state: &Vector<4>, force: f64, dt: f64) -> (Vector<4>, Matrix<4, 4>) {
+        if self.eta != 0.0 {
+            let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
+            return (state + integral * self.rate(state, force), transition);
+        }
+        let [[x, v, wn, zeta]] = state.data.0;
+        let (stiffness, damping) = (-wn * wn, -2.0 * zeta * wn);
+        let acceleration = force + damping * v + stiffness * x;
+        let by_frequency = -2.0 * (wn * x + zeta * v);
+        let by_damping = -2.0 * wn * v;
+
+        let ImpulseResponse { value: h, integral: q } = ImpulseResponse::new(stiffness, damping, dt);
+        let mean = Vector::<4>::new(
+            x + (h - damping * q) * v + q * acceleration,
+            v + stiffness * q * v + h * acceleration,
+            wn,
+            zeta,
+        );
+        #[rustfmt::skip]
+        let transition = Matrix::<4, 4>::new(
+            1.0 + stiffness * q, h,                                  q * by_frequency, q * by_damping,
+            stiffness * h,       1.0 + stiffness * q + damping * h,  h * by_frequency, h * by_damping,
+            0.0,                 0.0,                                1.0,              0.0,
+            0.0,                 0.0,                                0.0,              1.0,
+        );
+        (mean, transition)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STATES: [[f64; 4]; 7] = [
+        [0.1, -0.4, 6.0, 0.05],
+        [-0.2, 0.3, 6.0, 1.0],
+        [0.3, 0.2, 4.0, 3.0],
+        [0.1, 0.5, 3.0, -0.2],
+        [0.1, 0.5, 0.0, 0.1],
+        [0.1, 0.5, -6.0, -0.05],
+        [0.05, 0.5, 250.0, 0.02],
+    ];
+
+    #[test]
+    fn jacobian_agrees_with_differences() {
+        for eta in [0.0, 0.02] {
+            let model = Sdof { eta };
+            for state in STATES.map(Vector::<4>::from) {
+                let analytic = model.jacobian(&state);
+                for j in 0..4 {
+                    let step = 1e-6 * state[j].abs().max(1.0);
+                    let mut high = state;
+                    let mut low = state;
+                    high[j] += step;
+                    low[j] -= step;
+                    let difference = (model.rate(&high, 2.0) - model.rate(&low, 2.0)) / (2.0 * step);
+                    let error = (difference - analytic.column(j)).amax();
+                    assert!(error < 1e-7 * analytic.amax().max(1.0), "{state} column {j}: {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_closed_form_is_the_matrix_exponential() {
+        let model = Sdof { eta: 0.0 };
+        for dt in [1e-6, 0.001, 0.01, 0.1, 1.0] {
+            for state in STATES.map(Vector::<4>::from) {
+                let (mean, transition) = model.linearised_step(&state, 3.0, dt);
+                let (exp, integral) = exp_and_integral(&model.jacobian(&state), dt);
+                let general = state + integral * model.rate(&state, 3.0);
+                let error = (transition - exp).amax() / exp.amax();
+                assert!(error < 1e-11, "transition of {state} over {dt}: {error}");
+                let error = (mean - general).amax() / general.amax();
+                assert!(error < 1e-11, "mean of {state} over {dt}: {error}");
+            }
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! Seeded streams of standard normal numbers, one a purpose.
+//!
+//! The Box-Muller transform stands here, and not a crate's sampler, because the bits must not depend on the build:
+//! `rand_distr` takes its logarithm from `num-traits`, and that from the platform's mathematical library as soon as any
+//! other crate of the build asks `num-traits` for `std`.
+
+use std::f64::consts::TAU;
+
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
+
+/// What a stream of random numbers is for. Each purpose has a stream of its own, so that adding a sensor or a
+/// disturbance does not reshuffle the rest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Purpose {
+    Force,
+    Disturbance,
+    Sensor(crate::Quantity),
+}
+
+impl Purpose {
+    const fn stream(self) -> u64 {
+        match self {
+            Self::Force => 0,
+            Self::Disturbance => 1,
+            Self::Sensor(quantity) => 16 + quantity as u64,
+        }
+    }
+}
+
+/// An endless stream of independent standard normal numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Normal {
+    rng: ChaCha8Rng,
+    spare: Option<f64>,
+}
+
+impl Normal {
+    pub(crate) fn new(seed: u64, purpose: Purpose) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(purpose.stream());
+        Self { rng, spare: None }
+    }
+
+    /// A number uniform in (0, 1], of 53 random bits.
+    fn uniform(&mut self) -> f64 {
+        ((self.rng.next_u64() >> 11) + 1) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// The next number.
+    pub(crate) fn sample(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        let radius = (-2.0 * libm::log(self.uniform())).sqrt();
+        let (sin, cos) = libm::sincos(TAU * self.uniform());
+        self.spare = Some(radius * sin);
+        radius * cos
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Quantity;
+
+    #[test]
+    fn moments_are_those_of_the_standard_normal() {
+        let mut normal = Normal::new(7, Purpose::Force);
+        let n = 200_000;
+        let draws: Vec<f64> = (0..n).map(|_| normal.sample()).collect();
+        let moment = |p: i32| draws.iter().map(|x| x.powi(p)).sum::<f64>() / f64::from(n);
+        assert!(moment(1).abs() < 0.01, "mean {}", moment(1));
+        assert!((moment(2) - 1.0).abs() < 0.015, "variance {}", moment(2));
+        assert!(moment(3).abs() < 0.03, "skewness {}", moment(3));
+        assert!((moment(4) - 3.0).abs() < 0.1, "kurtosis {}", moment(4));
+    }
+
+    #[test]
+    fn purposes_are_independent_and_seeds_repeat() {
+        let first = |seed, purpose| Normal::new(seed, purpose).sample().to_bits();
+        assert_eq!(first(1, Purpose::Force), first(1, Purpose::Force));
+        assert_ne!(first(1, Purpose::Force), first(2, Purpose::Force));
+        assert_ne!(first(1, Purpose::Force), first(1, Purpose::Disturbance));
+        assert_ne!(first(1, Purpose::Sensor(Quantity::Displacement)), first(1, Purpose::Sensor(Quantity::Velocity)));
+    }
+}

@@ -1,0 +1,93 @@
+//! What was applied and measured, simulated or from a file.
+
+mod csv_file;
+
+pub use csv_file::RecordError;
+
+use crate::{Channel, Quantity};
+
+/// Equally spaced samples of force, measurements and, where it is known, the truth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    dt: f64,
+    start: f64,
+    force: Vec<f64>,
+    sensors: Vec<Quantity>,
+    measured: Vec<Vec<f64>>,
+    truth_channels: Vec<Channel>,
+    truth: Vec<Vec<f64>>,
+}
+
+impl Record {
+    pub(crate) fn empty(dt: f64, sensors: Vec<Quantity>, truth_channels: Vec<Channel>) -> Self {
+        Self {
+            dt,
+            start: 0.0,
+            force: Vec::new(),
+            measured: vec![Vec::new(); sensors.len()],
+            sensors,
+            truth: vec![Vec::new(); truth_channels.len()],
+            truth_channels,
+        }
+    }
+
+    pub(crate) fn push(
+        &mut self,
+        force: f64,
+        measured: impl IntoIterator<Item = f64>,
+        truth: impl IntoIterator<Item = f64>,
+    ) {
+        self.force.push(force);
+        for (column, value) in self.measured.iter_mut().zip(measured) {
+            column.push(value);
+        }
+        for (column, value) in self.truth.iter_mut().zip(truth) {
+            column.push(value);
+        }
+    }
+
+    /// Time between samples \[s\].
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// Time of sample `k` \[s\].
+    pub fn time(&self, k: usize) -> f64 {
+        self.start + k as f64 * self.dt
+    }
+
+    /// The number of samples.
+    pub fn len(&self) -> usize {
+        self.force.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.force.is_empty()
+    }
+
+    /// The force over mass at every sample, held until the next \[m/s²\].
+    pub fn force(&self) -> &[f64] {
+        &self.force
+    }
+
+    /// What is measured.
+    pub fn sensors(&self) -> &[Quantity] {
+        &self.sensors
+    }
+
+    /// All measurements of one sensor, in its quantity's unit; NaN where one is missing.
+    pub fn measured(&self, sensor: usize) -> &[f64] {
+        &self.measured[sensor]
+    }
+
+    /// All measurements of one quantity, if there is a sensor for it.
+    pub fn measured_quantity(&self, quantity: Quantity) -> Option<&[f64]> {
+        self.sensors.iter().position(|&s| s == quantity).map(|i| self.measured(i))
+    }
+
+    /// The true values of a channel, if they are known; NaN where one is missing.
+    pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
+        self.truth_channels.iter().position(|&c| c == channel).map(|i| self.truth[i].as_slice())
+    }
+}

@@ -1,0 +1,195 @@
+//! Records as CSV files: `t, force`, a column a sensor, and `true_…` columns where the truth is known.
+
+use std::io::{Read, Write};
+
+use thiserror::Error;
+
+use super::Record;
+use crate::{Channel, Quantity};
+
+/// Why a file is no record.
+#[derive(Debug, Error)]
+pub enum RecordError {
+    /// It is no CSV, or cannot be read or written.
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    /// A column is missing.
+    #[error("line 1: there is no column `{missing}`; the columns are {found}")]
+    Column {
+        /// The column's name.
+        missing: String,
+        /// The names that there are.
+        found: String,
+    },
+    /// A cell is no number.
+    #[error("line {line}, column `{column}`: `{value}` is not {allowed}")]
+    Cell {
+        /// Line of the file, the header being line 1.
+        line: u64,
+        /// The column's name.
+        column: String,
+        /// What stands there.
+        value: String,
+        /// What may stand there.
+        allowed: &'static str,
+    },
+    /// The samples are not equally spaced.
+    #[error("line {line}: t = {found} s, but samples {dt} s apart would have t = {expected} s here")]
+    Spacing {
+        /// Line of the file.
+        line: u64,
+        /// The time that stands there \[s\].
+        found: f64,
+        /// The time that should \[s\].
+        expected: f64,
+        /// The mean time between samples \[s\].
+        dt: f64,
+    },
+    /// There are too few samples to tell the time between them.
+    #[error("{0} sample(s), but at least 2 are needed")]
+    TooShort(usize),
+    /// Time does not go forward.
+    #[error("t must rise, but goes from {first} s to {last} s")]
+    NotRising {
+        /// First time \[s\].
+        first: f64,
+        /// Last time \[s\].
+        last: f64,
+    },
+}
+
+impl Record {
+    /// Reads a CSV file with a header. Needs the columns `t`, `force` and one for each of `sensors`; takes
+    /// `true_displacement` and the like as the truth where they are; ignores other columns and lines that begin with `#`.
+    /// An empty cell or `nan` is a missing measurement.
+    ///
+    /// # Errors
+    /// [`RecordError`] with the line and column at fault.
+    pub fn read_csv(input: impl Read, sensors: &[Quantity]) -> Result<Self, RecordError> {
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(input);
+        let header = reader.headers()?.clone();
+        let find = |name: &str| header.iter().position(|h| h == name);
+        let need = |name: &str| {
+            find(name).ok_or_else(|| RecordError::Column {
+                missing: name.to_owned(),
+                found: header.iter().collect::<Vec<_>>().join(", "),
+            })
+        };
+        let time_column = need("t")?;
+        let force_column = need("force")?;
+        let sensor_columns = sensors.iter().map(|s| need(s.key())).collect::<Result<Vec<_>, _>>()?;
+        let (truth_channels, truth_columns): (Vec<Channel>, Vec<usize>) =
+            Channel::ALL.into_iter().filter_map(|c| Some((c, find(&format!("true_{}", c.key()))?))).unzip();
+
+        let mut record = Self::empty(0.0, sensors.to_vec(), truth_channels);
+        let mut times = Vec::new();
+        for row in reader.records() {
+            let row = row?;
+            let line = row.position().map_or(0, csv::Position::line);
+            let cell = |column: usize, may_be_missing: bool| {
+                let text = row.get(column).unwrap_or_default();
+                let number = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
+                number.filter(|x: &f64| x.is_finite() || (may_be_missing && x.is_nan())).ok_or_else(|| {
+                    RecordError::Cell {
+                        line,
+                        column: header[column].to_owned(),
+                        value: text.to_owned(),
+                        allowed: if may_be_missing { "a number, `nan` or empty" } else { "a finite number" },
+                    }
+                })
+            };
+            let optional = |column: &usize| cell(*column, true);
+            times.push((line, cell(time_column, false)?));
+            let measured = sensor_columns.iter().map(optional).collect::<Result<Vec<_>, _>>()?;
+            let truth = truth_columns.iter().map(optional).collect::<Result<Vec<_>, _>>()?;
+            record.push(cell(force_column, false)?, measured, truth);
+        }
+        (record.start, record.dt) = spacing(&times)?;
+        Ok(record)
+    }
+
+    /// Writes what [`Self::read_csv`] reads, with 17 significant digits, so that every bit survives.
+    ///
+    /// # Errors
+    /// [`RecordError::Csv`] where `output` cannot be written.
+    pub fn write_csv(&self, output: impl Write) -> Result<(), RecordError> {
+        let mut writer = csv::Writer::from_writer(output);
+        let sensors = self.sensors.iter().map(|s| s.key().to_owned());
+        let truth = self.truth_channels.iter().map(|c| format!("true_{}", c.key()));
+        writer.write_record(["t".to_owned(), "force".to_owned()].into_iter().chain(sensors).chain(truth))?;
+        for k in 0..self.len() {
+            let columns = self.measured.iter().chain(&self.truth).map(|column| column[k]);
+            let row = [self.time(k), self.force[k]].into_iter().chain(columns);
+            writer.write_record(row.map(|x| if x.is_nan() { String::new() } else { format!("{x:.16e}") }))?;
+        }
+        writer.flush().map_err(csv::Error::from)?;
+        Ok(())
+    }
+}
+
+/// Start and step of times that should be equally spaced, to a hundredth of the step.
+fn spacing(times: &[(u64, f64)]) -> Result<(f64, f64), RecordError> {
+    let [(_, first), .., (_, last)] = *times else {
+        return Err(RecordError::TooShort(times.len()));
+    };
+    if last <= first {
+        return Err(RecordError::NotRising { first, last });
+    }
+    let dt = (last - first) / (times.len() - 1) as f64;
+    for (k, &(line, found)) in times.iter().enumerate() {
+        let expected = first + k as f64 * dt;
+        if (found - expected).abs() > 0.01 * dt {
+            return Err(RecordError::Spacing { line, found, expected, dt });
+        }
+    }
+    Ok((first, dt))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SENSORS: [Quantity; 1] = [Quantity::Velocity];
+
+    fn message(text: &str) -> String {
+        Record::read_csv(text.as_bytes(), &SENSORS).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn columns_are_found_by_name_and_missing_measurements_are_nan() {
+        let text = "velocity,force,t,true_velocity\n# a remark\n1,2,0.5,0.9\n,3,1.0,1\nnan,4,1.5,1.1\n";
+        let record = Record::read_csv(text.as_bytes(), &SENSORS).unwrap();
+        assert_eq!((record.dt(), record.time(2), record.force()), (0.5, 1.5, &[2.0, 3.0, 4.0][..]));
+        assert_eq!(record.measured(0)[0], 1.0);
+        assert!(record.measured(0)[1].is_nan() && record.measured(0)[2].is_nan());
+        assert_eq!(record.truth(Channel::Velocity), Some(&[0.9, 1.0, 1.1][..]));
+        assert_eq!(record.truth(Channel::Displacement), None);
+    }
+
+    #[test]
+    fn every_bit_survives_a_file() {
+        let text = "t,force,velocity\n0,0.1,0.30000000000000004\n0.01,-1e-300,\n";
+        let record = Record::read_csv(text.as_bytes(), &SENSORS).unwrap();
+        let mut file = Vec::new();
+        record.write_csv(&mut file).unwrap();
+        let again = Record::read_csv(file.as_slice(), &SENSORS).unwrap();
+        assert_eq!(again.measured(0)[0].to_bits(), 0.300_000_000_000_000_04_f64.to_bits());
+        assert!(again.measured(0)[1].is_nan());
+        assert_eq!(again.force(), record.force());
+    }
+
+    #[test]
+    fn errors_say_where_and_what_is_allowed() {
+        let missing = message("t,velocity\n0,1\n1,1\n");
+        assert_eq!(missing, "line 1: there is no column `force`; the columns are t, velocity");
+        let cell = message("t,force,velocity\n0,1,2\n1,oops,2\n");
+        assert_eq!(cell, "line 3, column `force`: `oops` is not a finite number");
+        let infinite = message("t,force,velocity\n0,1,inf\n1,1,2\n");
+        assert_eq!(infinite, "line 2, column `velocity`: `inf` is not a number, `nan` or empty");
+        let gap = message("t,force,velocity\n0,1,2\n1,1,2\n3,1,2\n");
+        assert!(gap.starts_with("line 3: t = 1 s, but samples 1.5 s apart"), "{gap}");
+        assert_eq!(message("t,force,velocity\n0,1,2\n"), "1 sample(s), but at least 2 are needed");
+        assert!(message("t,force,velocity\n0,1,2\n0,1,2\n").starts_with("t must rise"));
+        assert!(message("t,force,velocity\n0,1\n").contains("line"), "{}", message("t,force,velocity\n0,1\n"));
+    }
+}

@@ -1,0 +1,218 @@
+//! The one engine: a truth or a measured record, and the filters that follow it sample by sample.
+
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use crate::filter::{Correction, Filter, Noise, Transform};
+use crate::gaussian::{Gaussian, Vector};
+use crate::model::Model;
+use crate::models::sdof::Sdof;
+use crate::simulate::Simulator;
+use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Record, Scenario, ScenarioError};
+
+/// Why a run cannot begin.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum RunError {
+    /// The scenario is impossible.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The record lacks a sensor of the scenario.
+    #[error("the record does not measure {}, but the scenario has a sensor for it", .0.key())]
+    MissingSensor(Quantity),
+}
+
+/// A scenario in progress.
+pub struct Run {
+    source: Source,
+    samples: usize,
+    step: usize,
+    /// The place of each of the scenario's sensors in the record.
+    sensors: Vec<usize>,
+    measured: Vec<f64>,
+    estimators: Vec<Box<dyn Estimator>>,
+    estimates: Vec<Estimates>,
+}
+
+enum Source {
+    Simulated { simulator: Box<Simulator>, record: Record },
+    Measured(Arc<Record>),
+}
+
+impl Source {
+    fn record(&self) -> &Record {
+        match self {
+            Self::Simulated { record, .. } => record,
+            Self::Measured(record) => record,
+        }
+    }
+}
+
+impl Run {
+    /// A run over the scenario's own simulated record, before its first sample.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible.
+    pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
+        scenario.validate()?;
+        let simulator = Box::new(Simulator::new(scenario));
+        let record = simulator.empty_record();
+        Self::over(scenario, Source::Simulated { simulator, record }, scenario.samples())
+    }
+
+    /// A run of the scenario's filters over a given record, whose `dt` counts instead of the scenario's.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::MissingSensor`] where the record lacks one
+    /// of its sensors.
+    pub fn on_record(scenario: &Scenario, record: Arc<Record>) -> Result<Self, RunError> {
+        scenario.validate()?;
+        let samples = record.len();
+        Self::over(scenario, Source::Measured(record), samples)
+    }
+
+    fn over(scenario: &Scenario, source: Source, samples: usize) -> Result<Self, RunError> {
+        let record = source.record();
+        let place = |q: Quantity| record.sensors().iter().position(|&s| s == q).ok_or(RunError::MissingSensor(q));
+        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let sensors = quantities.iter().map(|&q| place(q)).collect::<Result<Vec<_>, _>>()?;
+        let dt = record.dt();
+        Ok(Self {
+            measured: vec![f64::NAN; sensors.len()],
+            estimators: scenario.filters.iter().map(|f| estimator(f, &quantities, dt)).collect(),
+            estimates: scenario
+                .filters
+                .iter()
+                .map(|f| Estimates::new(f.name.clone(), f.kind, Sdof::CHANNELS.to_vec(), quantities.clone(), samples))
+                .collect(),
+            source,
+            samples,
+            step: 0,
+            sensors,
+        })
+    }
+
+    /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
+    /// initial beliefs. A filter that fails keeps its estimates so far and says why in [`Estimates::stop`]; the others go
+    /// on. Returns whether there was a sample left.
+    pub fn step(&mut self) -> bool {
+        let Self { source, samples, step, sensors, measured, estimators, estimates } = self;
+        if *step >= *samples {
+            return false;
+        }
+        if let Source::Simulated { simulator, record } = source {
+            simulator.step(record);
+        }
+        let k = *step;
+        let record = source.record();
+        for (value, &sensor) in measured.iter_mut().zip(sensors.iter()) {
+            *value = record.measured(sensor)[k];
+        }
+        for (estimator, estimates) in estimators.iter_mut().zip(estimates) {
+            if k == 0 {
+                estimator.begin(estimates);
+            } else if estimates.stop().is_none()
+                && let Err(reason) = estimator.step(record.force()[k - 1], record.force()[k], measured, estimates)
+            {
+                estimates.stop_at(reason);
+            }
+        }
+        *step += 1;
+        true
+    }
+
+    /// Steps until `samples` samples are done or there are none left.
+    pub fn advance_to(&mut self, samples: usize) {
+        while self.step < samples && self.step() {}
+    }
+
+    /// Steps to the end of the record.
+    pub fn finish(&mut self) {
+        self.advance_to(self.samples);
+    }
+
+    /// The number of samples done.
+    pub fn len(&self) -> usize {
+        self.step
+    }
+
+    /// Whether no sample is done yet.
+    pub fn is_empty(&self) -> bool {
+        self.step == 0
+    }
+
+    /// The number of samples of the whole record.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// The record: as far as it is simulated, or all of a measured one.
+    pub fn record(&self) -> &Record {
+        self.source.record()
+    }
+
+    /// The estimates so far, one a filter.
+    pub fn estimates(&self) -> &[Estimates] {
+        &self.estimates
+    }
+
+    /// Checksum of all estimates, to compare platforms with.
+    pub fn checksum(&self) -> u64 {
+        self.estimates.iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
+    }
+}
+
+/// A filter with its sizes erased.
+trait Estimator: Send {
+    /// Reports the initial belief.
+    fn begin(&self, estimates: &mut Estimates);
+
+    /// Predicts from the last sample with its force, updates with this sample's measurements, and reports.
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        estimates: &mut Estimates,
+    ) -> Result<(), FilterError>;
+}
+
+impl<P: Model<N>, const N: usize> Estimator for Filter<P, N> {
+    fn begin(&self, estimates: &mut Estimates) {
+        estimates.push(self.belief(), &Correction::NOTHING);
+    }
+
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        estimates: &mut Estimates,
+    ) -> Result<(), FilterError> {
+        self.predict(force_before)?;
+        let correction = self.update(force, measured)?;
+        estimates.push(self.belief(), &correction);
+        Ok(())
+    }
+}
+
+fn estimator(settings: &FilterSettings, sensors: &[Quantity], dt: f64) -> Box<dyn Estimator> {
+    let known = settings.kind == FilterKind::Kf;
+    let model = Sdof { eta: if known { 0.0 } else { settings.eta } };
+    let transform = match settings.kind {
+        FilterKind::Kf | FilterKind::Ekf => Transform::Linearised,
+        FilterKind::Ukf => Transform::Unscented,
+    };
+    let values = |per: &crate::PerChannel| Vector::from(Sdof::CHANNELS.map(|c| per[c]));
+    let spread = |per: &crate::PerChannel| {
+        Vector::from(Sdof::CHANNELS.map(|c| if known && c.is_parameter() { 0.0 } else { per[c] }))
+    };
+    let noise = Noise {
+        process: spread(&settings.process_std).map(|s| s * s),
+        sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
+        fading: settings.fading,
+    };
+    let belief = Gaussian::independent(values(&settings.initial_mean), &spread(&settings.initial_std));
+    let outputs = sensors.iter().map(|&q| model.output(q)).collect();
+    Box::new(Filter::new(model, transform, dt, noise, outputs, belief))
+}

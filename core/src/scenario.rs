@@ -1,0 +1,288 @@
+//! The settings from which everything follows.
+
+mod per_channel;
+mod validate;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::{Channel, Force, Quantity, Signal};
+
+pub use per_channel::PerChannel;
+
+/// A truth, the sensors that watch it and the filters that estimate it: plain data, TOML on disk.
+///
+/// A missing key has a default, an unknown key is an error. Everything that a run shows follows from these settings.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scenario {
+    /// Seed of every random number.
+    pub seed: u64,
+    /// Time between samples \[s\].
+    pub dt: f64,
+    /// Time from the first sample to the last \[s\].
+    pub duration: f64,
+    /// The truth.
+    pub plant: Plant,
+    /// The measured force.
+    pub force: Force,
+    /// What is measured, each quantity at most once.
+    pub sensors: Vec<Sensor>,
+    /// What estimates.
+    pub filters: Vec<FilterSettings>,
+}
+
+/// The oscillator `ẍ + 2ζωₙẋ + ωₙ²x = f + d` that the filters are to identify.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Plant {
+    /// The kind of plant.
+    pub kind: PlantKind,
+    /// ωₙ \[rad/s\]
+    pub natural_frequency: Signal,
+    /// ζ \[-\]
+    pub damping_ratio: Signal,
+    /// The motion at t = 0.
+    pub initial: Motion,
+    /// Standard deviation of d, an unmeasured force over mass that is normal and held over each step \[m/s²\].
+    pub disturbance_std: f64,
+}
+
+/// The kinds of plant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PlantKind {
+    /// A linear oscillator with a single degree of freedom.
+    #[default]
+    Sdof,
+}
+
+/// Displacement and velocity of the mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Motion {
+    /// x \[m\]
+    pub displacement: f64,
+    /// ẋ \[m/s\]
+    pub velocity: f64,
+}
+
+/// A sensor and its true noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sensor {
+    /// The quantity that it measures.
+    pub measures: Quantity,
+    /// Standard deviation of its noise, which is white and normal; in the quantity's unit.
+    pub noise_std: f64,
+}
+
+/// The kinds of filter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FilterKind {
+    /// Kalman filter: the parameters are known, so their standard deviations and `eta` are taken as zero.
+    Kf,
+    /// Extended Kalman filter: local linearisation.
+    #[default]
+    Ekf,
+    /// Unscented Kalman filter: scaled sigma points.
+    Ukf,
+}
+
+impl FilterKind {
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Kf, Self::Ekf, Self::Ukf];
+
+    /// The usual abbreviation.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Kf => "KF",
+            Self::Ekf => "EKF",
+            Self::Ukf => "UKF",
+        }
+    }
+}
+
+/// One filter: what it believes at first and how far it trusts the model and the sensors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FilterSettings {
+    /// The name on screen and in files; its kind's if left empty.
+    pub name: String,
+    /// The kind of filter.
+    pub kind: FilterKind,
+    /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
+    pub fading: f64,
+    /// Rate η ≥ 0 at which the model lets the parameters decay \[1/s\]; 0 keeps them constant.
+    pub eta: f64,
+    /// Standard deviations that the filter ascribes to the sensors, in their order: the square roots of the diagonal of
+    /// R. The sensors' true ones if left empty in a file.
+    pub sensor_std: Vec<f64>,
+    /// Mean of the initial belief.
+    #[serde(deserialize_with = "per_channel::initial_mean")]
+    pub initial_mean: PerChannel,
+    /// Standard deviations of the initial belief.
+    #[serde(deserialize_with = "per_channel::initial_std")]
+    pub initial_std: PerChannel,
+    /// Standard deviations of the process noise per step: the square roots of the diagonal of Q.
+    #[serde(deserialize_with = "per_channel::process_std")]
+    pub process_std: PerChannel,
+}
+
+/// Why a scenario cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ScenarioError {
+    /// The text is not a scenario: the message has line, key and what is allowed.
+    #[error("{0}")]
+    Syntax(String),
+    /// A value is impossible.
+    #[error("`{key}` is {value}, but must be {allowed}")]
+    Value {
+        /// The key's path in the file.
+        key: String,
+        /// What it is.
+        value: String,
+        /// What it may be.
+        allowed: String,
+    },
+}
+
+impl Default for Plant {
+    fn default() -> Self {
+        Self {
+            kind: PlantKind::Sdof,
+            natural_frequency: Signal::Step(crate::signal::Step { from: 6.0, to: 4.8, at: 30.0 }),
+            damping_ratio: Signal::Constant(0.05),
+            initial: Motion::default(),
+            disturbance_std: 0.0,
+        }
+    }
+}
+
+impl Default for FilterSettings {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            kind: FilterKind::Ekf,
+            fading: 1.0,
+            eta: 0.0,
+            sensor_std: Vec::new(),
+            initial_mean: PerChannel::INITIAL_MEAN,
+            initial_std: PerChannel::INITIAL_STD,
+            process_std: PerChannel::PROCESS_STD,
+        }
+    }
+}
+
+impl Default for Scenario {
+    /// A stiffness loss half-way, seen by an EKF and a UKF with fading memory.
+    fn default() -> Self {
+        let fading = |kind: FilterKind| FilterSettings { kind, fading: 1.005, ..FilterSettings::default() };
+        let mut scenario = Self {
+            seed: 1,
+            dt: 0.01,
+            duration: 60.0,
+            plant: Plant::default(),
+            force: Force::default(),
+            sensors: vec![
+                Sensor { measures: Quantity::Displacement, noise_std: 0.01 },
+                Sensor { measures: Quantity::Velocity, noise_std: 0.06 },
+            ],
+            filters: vec![fading(FilterKind::Ekf), fading(FilterKind::Ukf)],
+        };
+        scenario.fill_in();
+        scenario
+    }
+}
+
+impl Scenario {
+    /// Reads a scenario file and checks it.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Syntax`] where it is no TOML, has an unknown key or a value of the wrong type;
+    /// [`ScenarioError::Value`] where [`Self::validate`] finds an impossible value.
+    pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
+        let mut scenario: Self =
+            toml::from_str(text).map_err(|e| ScenarioError::Syntax(e.to_string().trim_end().to_owned()))?;
+        scenario.fill_in();
+        scenario.validate()?;
+        Ok(scenario)
+    }
+
+    /// The scenario as a file that [`Self::from_toml`] reads back to an equal one.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Syntax`] where the seed does not fit TOML's integers, which are signed.
+    pub fn to_toml(&self) -> Result<String, ScenarioError> {
+        toml::to_string(self).map_err(|e| ScenarioError::Syntax(e.to_string()))
+    }
+
+    /// The number of samples, the one at t = 0 counted.
+    pub fn samples(&self) -> usize {
+        libm::round(self.duration / self.dt) as usize + 1
+    }
+
+    /// Adds a sensor, or does nothing if its quantity is measured already. Every filter ascribes its true noise to it.
+    pub fn add_sensor(&mut self, sensor: Sensor) {
+        if self.sensors.iter().any(|s| s.measures == sensor.measures) {
+            return;
+        }
+        let place = self.sensors.partition_point(|s| (s.measures as u8) < sensor.measures as u8);
+        self.sensors.insert(place, sensor);
+        for filter in &mut self.filters {
+            filter.sensor_std.insert(place.min(filter.sensor_std.len()), usable_std(sensor.noise_std));
+        }
+    }
+
+    /// Removes the sensor of a quantity, from the filters too.
+    pub fn remove_sensor(&mut self, quantity: Quantity) {
+        while let Some(place) = self.sensors.iter().position(|s| s.measures == quantity) {
+            self.sensors.remove(place);
+            for filter in self.filters.iter_mut().filter(|f| place < f.sensor_std.len()) {
+                filter.sensor_std.remove(place);
+            }
+        }
+    }
+
+    /// The noise that a filter would be told by someone who knows the truth: the sensors' own standard deviations, what
+    /// the disturbance adds in a step, and the root mean square change of the parameters per step.
+    pub fn true_noise(&self) -> (Vec<f64>, PerChannel) {
+        let sensor_std = self.sensors.iter().map(|s| usable_std(s.noise_std)).collect();
+        let d = self.plant.disturbance_std;
+        let mut process_std = PerChannel {
+            displacement: d * self.dt * self.dt / 2.0,
+            velocity: d * self.dt,
+            natural_frequency: 0.0,
+            damping_ratio: 0.0,
+        };
+        let steps = self.samples() - 1;
+        for (channel, signal) in [
+            (Channel::NaturalFrequency, &self.plant.natural_frequency),
+            (Channel::DampingRatio, &self.plant.damping_ratio),
+        ] {
+            let change = |k: usize| signal.at((k + 1) as f64 * self.dt) - signal.at(k as f64 * self.dt);
+            let square: f64 = (0..steps).map(|k| change(k) * change(k)).sum();
+            process_std[channel] = (square / steps.max(1) as f64).sqrt();
+        }
+        (sensor_std, process_std)
+    }
+
+    /// Completes what a file may leave out because it follows from the rest.
+    fn fill_in(&mut self) {
+        let Self { sensors, filters, .. } = self;
+        for filter in filters {
+            if filter.name.is_empty() {
+                filter.name = filter.kind.name().to_owned();
+            }
+            if filter.sensor_std.is_empty() {
+                filter.sensor_std = sensors.iter().map(|s| usable_std(s.noise_std)).collect();
+            }
+        }
+    }
+}
+
+/// A sensor may be perfect, but a filter that is told so has a singular innovation covariance sooner or later.
+fn usable_std(noise_std: f64) -> f64 {
+    noise_std.max(1e-9)
+}

@@ -1,0 +1,152 @@
+//! Which values a scenario may have.
+
+use std::fmt::Display;
+
+use super::{FilterSettings, Plant, Scenario, ScenarioError};
+use crate::{Channel, PerChannel, Signal};
+
+/// The most samples of one record: at 100 Hz more than five hours, about a gigabyte of estimates a filter.
+pub(super) const MAX_SAMPLES: usize = 2_000_000;
+
+/// The most filters of one scenario.
+pub(super) const MAX_FILTERS: usize = 16;
+
+impl Scenario {
+    /// Checks every value.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Value`] for the first impossible one, with its key and what is allowed.
+    pub fn validate(&self) -> Result<(), ScenarioError> {
+        let Self { seed, dt, duration, plant, force, sensors, filters } = self;
+        require(i64::try_from(*seed).is_ok(), "seed", seed, "a whole number from 0 to 2⁶³ - 1")?;
+        positive("dt", *dt)?;
+        positive("duration", *duration)?;
+        require(
+            *duration >= *dt && duration / dt <= (MAX_SAMPLES - 1) as f64,
+            "duration",
+            duration,
+            format_args!("from 1 to {} times dt", MAX_SAMPLES - 1),
+        )?;
+        plant.validate()?;
+        for (name, value, must_be_positive) in force.numbers() {
+            let key = format!("force.{name}");
+            if must_be_positive {
+                positive(key, value)?;
+            } else if name.ends_with("std") {
+                not_negative(key, value)?;
+            } else {
+                finite(key, value)?;
+            }
+        }
+        for (i, sensor) in sensors.iter().enumerate() {
+            not_negative(format!("sensors[{i}].noise_std"), sensor.noise_std)?;
+            require(
+                sensors[..i].iter().all(|s| s.measures != sensor.measures),
+                format_args!("sensors[{i}].measures"),
+                format_args!("\"{}\" again", sensor.measures.key()),
+                "a quantity that no other sensor measures",
+            )?;
+        }
+        require(
+            filters.len() <= MAX_FILTERS,
+            "filters",
+            format_args!("a list of {}", filters.len()),
+            format_args!("at most {MAX_FILTERS}"),
+        )?;
+        for (i, filter) in filters.iter().enumerate() {
+            filter.validate(&format!("filters[{i}]"), sensors.len())?;
+        }
+        Ok(())
+    }
+}
+
+impl Plant {
+    fn validate(&self) -> Result<(), ScenarioError> {
+        let Self { kind: _, natural_frequency, damping_ratio, initial, disturbance_std } = self;
+        signal("plant.natural_frequency", natural_frequency)?;
+        require(
+            natural_frequency.minimum() > 0.0,
+            "plant.natural_frequency",
+            format_args!("{} at its lowest", natural_frequency.minimum()),
+            "above 0 at all times",
+        )?;
+        signal("plant.damping_ratio", damping_ratio)?;
+        require(
+            damping_ratio.minimum() >= 0.0,
+            "plant.damping_ratio",
+            format_args!("{} at its lowest", damping_ratio.minimum()),
+            "at least 0 at all times",
+        )?;
+        finite("plant.initial.displacement", initial.displacement)?;
+        finite("plant.initial.velocity", initial.velocity)?;
+        not_negative("plant.disturbance_std", *disturbance_std)
+    }
+}
+
+impl FilterSettings {
+    fn validate(&self, path: &str, sensors: usize) -> Result<(), ScenarioError> {
+        let Self { name: _, kind: _, fading, eta, sensor_std, initial_mean, initial_std, process_std } = self;
+        require(
+            fading.is_finite() && *fading >= 1.0,
+            format_args!("{path}.fading"),
+            fading,
+            "a finite number, at least 1 (1 forgets nothing)",
+        )?;
+        not_negative(format!("{path}.eta"), *eta)?;
+        require(
+            sensor_std.len() == sensors,
+            format_args!("{path}.sensor_std"),
+            format_args!("a list of {}", sensor_std.len()),
+            format_args!("a list of {sensors}, one for each sensor"),
+        )?;
+        for (i, std) in sensor_std.iter().enumerate() {
+            positive(format!("{path}.sensor_std[{i}]"), *std)?;
+        }
+        each(&format!("{path}.initial_mean"), initial_mean, finite)?;
+        each(&format!("{path}.initial_std"), initial_std, not_negative)?;
+        each(&format!("{path}.process_std"), process_std, not_negative)
+    }
+}
+
+fn each(
+    path: &str,
+    values: &PerChannel,
+    check: impl Fn(String, f64) -> Result<(), ScenarioError>,
+) -> Result<(), ScenarioError> {
+    Channel::ALL.into_iter().try_for_each(|channel| check(format!("{path}.{}", channel.key()), values[channel]))
+}
+
+fn signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {
+    for (name, value) in signal.numbers() {
+        finite(format!("{path}{name}"), value)?;
+    }
+    match signal {
+        Signal::Ramp(ramp) => require(
+            ramp.end >= ramp.start,
+            format_args!("{path}.ramp.end"),
+            ramp.end,
+            format_args!("at least ramp.start = {}", ramp.start),
+        ),
+        Signal::Sine(sine) => positive(format!("{path}.sine.period"), sine.period),
+        Signal::Constant(_) | Signal::Step(_) => Ok(()),
+    }
+}
+
+fn finite(key: impl Display, value: f64) -> Result<(), ScenarioError> {
+    require(value.is_finite(), key, value, "a finite number")
+}
+
+fn positive(key: impl Display, value: f64) -> Result<(), ScenarioError> {
+    require(value.is_finite() && value > 0.0, key, value, "a finite number above 0")
+}
+
+fn not_negative(key: impl Display, value: f64) -> Result<(), ScenarioError> {
+    require(value.is_finite() && value >= 0.0, key, value, "a finite number, at least 0")
+}
+
+fn require(holds: bool, key: impl Display, value: impl Display, allowed: impl Display) -> Result<(), ScenarioError> {
+    if holds {
+        return Ok(());
+    }
+    Err(ScenarioError::Value { key: key.to_string(), value: value.to_string(), allowed: allowed.to_string() })
+}

@@ -1,0 +1,191 @@
+//! Parameters of the truth as functions of time.
+
+use std::f64::consts::TAU;
+use std::fmt;
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, Deserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+
+/// A value over time. In a scenario file a bare number is a constant, anything else a table with the shape's name:
+/// `{ step = { from = 6.0, to = 4.8, at = 30.0 } }`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Signal {
+    /// The same value for ever.
+    Constant(f64),
+    /// One sudden change.
+    Step(Step),
+    /// A change at a constant rate.
+    Ramp(Ramp),
+    /// A periodic change.
+    Sine(Sine),
+}
+
+/// `from` before the time `at`, `to` from then on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Step {
+    /// Value before.
+    pub from: f64,
+    /// Value after.
+    pub to: f64,
+    /// Time of the change \[s\].
+    pub at: f64,
+}
+
+/// `from` until `start`, then linear, `to` from `end` on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ramp {
+    /// Value before.
+    pub from: f64,
+    /// Value after.
+    pub to: f64,
+    /// Time at which the change begins \[s\].
+    pub start: f64,
+    /// Time at which the change is complete \[s\].
+    pub end: f64,
+}
+
+/// `mean + amplitude sin(2π t / period)`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sine {
+    /// Mean value.
+    pub mean: f64,
+    /// Largest distance from the mean.
+    pub amplitude: f64,
+    /// Time of one cycle \[s\].
+    pub period: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Shape {
+    Step(Step),
+    Ramp(Ramp),
+    Sine(Sine),
+}
+
+impl Signal {
+    /// The value at the time `t` \[s\].
+    pub fn at(&self, t: f64) -> f64 {
+        match *self {
+            Self::Constant(value) => value,
+            Self::Step(Step { from, to, at }) => {
+                if t < at {
+                    from
+                } else {
+                    to
+                }
+            }
+            Self::Ramp(Ramp { from, to, start, end }) => {
+                if t < start {
+                    from
+                } else if t >= end {
+                    to
+                } else {
+                    from + (to - from) * (t - start) / (end - start)
+                }
+            }
+            Self::Sine(Sine { mean, amplitude, period }) => mean + amplitude * libm::sin(TAU * t / period),
+        }
+    }
+
+    /// The smallest value that the signal can take.
+    pub fn minimum(&self) -> f64 {
+        match *self {
+            Self::Constant(value) => value,
+            Self::Step(Step { from, to, .. }) | Self::Ramp(Ramp { from, to, .. }) => from.min(to),
+            Self::Sine(Sine { mean, amplitude, .. }) => mean - amplitude.abs(),
+        }
+    }
+
+    /// Every number of the signal with its name, for validation.
+    pub(crate) fn numbers(&self) -> Vec<(&'static str, f64)> {
+        match *self {
+            Self::Constant(value) => vec![("", value)],
+            Self::Step(Step { from, to, at }) => vec![(".step.from", from), (".step.to", to), (".step.at", at)],
+            Self::Ramp(Ramp { from, to, start, end }) => {
+                vec![(".ramp.from", from), (".ramp.to", to), (".ramp.start", start), (".ramp.end", end)]
+            }
+            Self::Sine(Sine { mean, amplitude, period }) => {
+                vec![(".sine.mean", mean), (".sine.amplitude", amplitude), (".sine.period", period)]
+            }
+        }
+    }
+}
+
+impl From<f64> for Signal {
+    fn from(value: f64) -> Self {
+        Self::Constant(value)
+    }
+}
+
+impl Serialize for Signal {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match *self {
+            Self::Constant(value) => serializer.serialize_f64(value),
+            Self::Step(shape) => Shape::Step(shape).serialize(serializer),
+            Self::Ramp(shape) => Shape::Ramp(shape).serialize(serializer),
+            Self::Sine(shape) => Shape::Sine(shape).serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Signal {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct SignalVisitor;
+
+        impl<'de> Visitor<'de> for SignalVisitor {
+            type Value = Signal;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, or a table with one of `step`, `ramp`, `sine`")
+            }
+
+            fn visit_f64<E: de::Error>(self, value: f64) -> Result<Signal, E> {
+                Ok(Signal::Constant(value))
+            }
+
+            fn visit_i64<E: de::Error>(self, value: i64) -> Result<Signal, E> {
+                Ok(Signal::Constant(value as f64))
+            }
+
+            fn visit_u64<E: de::Error>(self, value: u64) -> Result<Signal, E> {
+                Ok(Signal::Constant(value as f64))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Signal, A::Error> {
+                Ok(match Shape::deserialize(MapAccessDeserializer::new(map))? {
+                    Shape::Step(shape) => Signal::Step(shape),
+                    Shape::Ramp(shape) => Signal::Ramp(shape),
+                    Shape::Sine(shape) => Signal::Sine(shape),
+                })
+            }
+        }
+
+        deserializer.deserialize_any(SignalVisitor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_at_and_around_the_changes() {
+        let step = Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 });
+        assert_eq!([step.at(0.0), step.at(29.99), step.at(30.0)], [6.0, 6.0, 4.8]);
+        let ramp = Signal::Ramp(Ramp { from: 1.0, to: 3.0, start: 10.0, end: 20.0 });
+        assert_eq!(
+            [ramp.at(9.0), ramp.at(10.0), ramp.at(15.0), ramp.at(20.0), ramp.at(99.0)],
+            [1.0, 1.0, 2.0, 3.0, 3.0]
+        );
+        let sudden = Signal::Ramp(Ramp { from: 1.0, to: 3.0, start: 10.0, end: 10.0 });
+        assert_eq!([sudden.at(9.9), sudden.at(10.0)], [1.0, 3.0]);
+        let sine = Signal::Sine(Sine { mean: 6.0, amplitude: 0.5, period: 8.0 });
+        assert!((sine.at(2.0) - 6.5).abs() < 1e-15 && (sine.at(6.0) - 5.5).abs() < 1e-15);
+        assert_eq!(sine.minimum(), 5.5);
+    }
+}

@@ -1,0 +1,75 @@
+//! Every case that an independent program has worked out, to 1e-8.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use kalmanscope_core::{Record, Run, Scenario};
+
+const CASES: [&str; 7] = [
+    "ekf-acceleration-only",
+    "ekf-basic",
+    "ekf-eta",
+    "ekf-fading-stiffness-loss",
+    "kf-known-parameters",
+    "ukf-basic",
+    "ukf-fading-stiffness-loss",
+];
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+}
+
+/// Largest deviation from the expected numbers, relative to the number or, near a zero crossing, to 1e-3.
+fn worst_deviation(case: &str) -> (f64, usize) {
+    let toml = std::fs::read_to_string(data(&format!("{case}.toml"))).unwrap();
+    let scenario = Scenario::from_toml(&toml).unwrap();
+    let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
+    let file = std::fs::File::open(data(&format!("{case}.record.csv"))).unwrap();
+    let record = Arc::new(Record::read_csv(file, &sensors).unwrap());
+    let mut run = Run::on_record(&scenario, record).unwrap();
+    run.finish();
+    let estimates = &run.estimates()[0];
+    assert_eq!(estimates.stop(), None);
+
+    let mut expected = csv::Reader::from_path(data(&format!("{case}.expected.csv"))).unwrap();
+    let (mut worst, mut compared) = (0.0_f64, 0);
+    for row in expected.records() {
+        let row: Vec<f64> = row.unwrap().iter().map(|cell| cell.parse().unwrap()).collect();
+        let k = row[0] as usize;
+        let mut found = vec![k as f64, run.record().time(k)];
+        found.extend(estimates.mean(k));
+        found.extend((0..4).map(|i| estimates.std(k, i)));
+        found.extend([estimates.nis()[k], estimates.log_likelihood()[k]]);
+        assert_eq!(found.len(), row.len());
+        for (column, (found, expected)) in found.iter().zip(&row).enumerate() {
+            if expected.is_nan() {
+                assert!(found.is_nan(), "{case}: sample {k}, column {column} should be undefined");
+                continue;
+            }
+            let deviation = (found - expected).abs() / expected.abs().max(1e-3);
+            assert!(deviation < 1e-8, "{case}: sample {k}, column {column}: {found} instead of {expected}");
+            worst = worst.max(deviation);
+            compared += 1;
+        }
+    }
+    (worst, compared)
+}
+
+#[test]
+fn every_case_holds_to_1e_8() {
+    for case in CASES {
+        let (worst, compared) = worst_deviation(case);
+        println!("{case:28} {compared} numbers, worst relative deviation {worst:.1e}");
+        assert!(compared > 2000, "{case} compares only {compared} numbers");
+    }
+}
+
+#[test]
+fn every_case_in_the_folder_is_listed() {
+    let mut names: Vec<String> = std::fs::read_dir(data(""))
+        .unwrap()
+        .filter_map(|entry| entry.unwrap().file_name().into_string().unwrap().strip_suffix(".toml").map(str::to_owned))
+        .collect();
+    names.sort();
+    assert_eq!(names, CASES);
+}

@@ -1,0 +1,1 @@
+//! Kalmanscope: the explorer's app.
