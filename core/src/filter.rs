@@ -6,7 +6,7 @@ mod unscented;
 use nalgebra::Cholesky;
 use thiserror::Error;
 
-use crate::gaussian::{Gaussian, Matrix, Vector, mirror_lower};
+use crate::gaussian::{Gaussian, Matrix, Vector, symmetric};
 use crate::model::{Model, Output};
 use crate::sensor::MAX_SENSORS;
 
@@ -36,8 +36,8 @@ pub enum Transform {
 /// The noise that a filter ascribes to model and sensors, and how fast it forgets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise<const N: usize> {
-    /// Diagonal of Q: variances that each step adds, in the channels' units squared.
-    pub process: Vector<N>,
+    /// Q, the covariance that each step adds, in the channels' units squared.
+    pub process: Matrix<N, N>,
     /// Diagonal of R, in the sensors' order and units squared.
     pub sensors: Vec<f64>,
     /// Fading factor λ ≥ 1 on the predicted covariance.
@@ -133,15 +133,12 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
             Transform::Linearised => linearised::predict(model, belief, force, *dt),
             Transform::Unscented => unscented::predict(model, belief, force, *dt)?,
         }
-        belief.cov *= noise.fading;
-        for i in 0..N {
-            belief.cov[(i, i)] += noise.process[i];
-        }
+        belief.cov = symmetric(&(belief.cov * noise.fading + noise.process));
         if belief.is_finite() { Ok(()) } else { Err(FilterError::NotFinite) }
     }
 
-    /// Conditions the belief on one sample of the sensors; `force` acts at the same sample. A measurement that is NaN
-    /// skips its sensor.
+    /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A
+    /// measurement that is NaN skips its sensor.
     ///
     /// ```text
     /// e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e
@@ -151,7 +148,8 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
     /// [`FilterError::SingularInnovation`] where S is not positive definite; [`FilterError::IndefiniteCovariance`] where
     /// sigma points cannot be drawn or a variance comes out negative; [`FilterError::NotFinite`] where the belief
     /// overflows.
-    pub fn update(&mut self, force: f64, measured: &[f64]) -> Result<Correction<N>, FilterError> {
+    pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction<N>) -> Result<(), FilterError> {
+        *correction = Correction::NOTHING;
         let mut active = [Active { sensor: 0, output: Output::State(0), variance: 0.0 }; MAX_SENSORS];
         let mut count = 0;
         for (sensor, &output) in self.outputs.iter().enumerate() {
@@ -161,10 +159,10 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
             }
         }
         match count {
-            0 => Ok(Correction::NOTHING),
-            1 => self.condition([active[0]], force, measured),
-            2 => self.condition([active[0], active[1]], force, measured),
-            _ => self.condition(active, force, measured),
+            0 => Ok(()),
+            1 => self.condition([active[0]], force, measured, correction),
+            2 => self.condition([active[0], active[1]], force, measured, correction),
+            _ => self.condition(active, force, measured, correction),
         }
     }
 
@@ -173,7 +171,8 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
         active: [Active; M],
         force: f64,
         measured: &[f64],
-    ) -> Result<Correction<N>, FilterError> {
+        correction: &mut Correction<N>,
+    ) -> Result<(), FilterError> {
         let Self { model, transform, belief, .. } = self;
         let linear = active.iter().all(|a| matches!(a.output, Output::State(_)));
         let expected = match transform {
@@ -194,7 +193,7 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
 
         belief.mean += gain * innovation;
         belief.cov = match jacobian {
-            Some(jacobian) => joseph(&belief.cov, &gain, &jacobian, &active),
+            Some(jacobian) => joseph(&belief.cov, &gain, &cross, &jacobian, &active),
             None => subtract(&belief.cov, &gain, &innovation_cov),
         };
         if !belief.is_finite() {
@@ -206,7 +205,6 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
 
         let nis = innovation.dot(&root.solve(&innovation));
         let ln_det = libm::log(root.determinant());
-        let mut correction = Correction::NOTHING;
         correction.nis = nis;
         correction.log_likelihood = -0.5 * (nis + ln_det + M as f64 * LN_2_PI);
         for (i, row) in active.iter().enumerate() {
@@ -216,39 +214,36 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
                 correction.innovation_cov[row.sensor][column.sensor] = innovation_cov[(i, j)];
             }
         }
-        Ok(correction)
+        Ok(())
     }
 }
 
 /// ln 2π
 const LN_2_PI: f64 = 1.837_877_066_409_345_5;
 
-/// `(I - K H) P (I - K H)ᵀ + K R Kᵀ`: keeps P positive semidefinite where sensors are far more precise than the belief.
+/// `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which keeps P positive semidefinite where sensors are far more precise than the
+/// belief; written as two updates of the sensors' rank:
+///
+/// ```text
+/// M = P - K (P Hᵀ)ᵀ,  P⁺ = M - (M Hᵀ - K R) Kᵀ
+/// ```
 ///
 /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
 fn joseph<const N: usize, const M: usize>(
     cov: &Matrix<N, N>,
     gain: &Matrix<N, M>,
+    cross: &Matrix<N, M>,
     jacobian: &Matrix<M, N>,
     active: &[Active; M],
 ) -> Matrix<N, N> {
-    let keep = Matrix::<N, N>::identity() - gain * jacobian;
-    let kept = keep * cov;
-    let mut result = Matrix::<N, N>::zeros();
-    for j in 0..N {
-        for i in j..N {
-            let mut entry = 0.0;
-            for k in 0..N {
-                entry += kept[(i, k)] * keep[(j, k)];
-            }
-            for (k, sensor) in active.iter().enumerate() {
-                entry += gain[(i, k)] * sensor.variance * gain[(j, k)];
-            }
-            result[(i, j)] = entry;
+    let kept = cov - gain * cross.transpose();
+    let mut excess = linearised::seen_by(&kept, jacobian, active);
+    for (k, sensor) in active.iter().enumerate() {
+        for i in 0..N {
+            excess[(i, k)] -= gain[(i, k)] * sensor.variance;
         }
     }
-    mirror_lower(&mut result);
-    result
+    symmetric(&(kept - excess * gain.transpose()))
 }
 
 /// `P - K S Kᵀ`
@@ -257,7 +252,5 @@ fn subtract<const N: usize, const M: usize>(
     gain: &Matrix<N, M>,
     innovation_cov: &Matrix<M, M>,
 ) -> Matrix<N, N> {
-    let mut result = cov - gain * innovation_cov * gain.transpose();
-    mirror_lower(&mut result);
-    result
+    symmetric(&(cov - gain * innovation_cov * gain.transpose()))
 }

@@ -64,13 +64,10 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
     Ok(root)
 }
 
-/// Overwrites the upper triangle with the lower.
-pub(crate) fn mirror_lower<const N: usize>(matrix: &mut Matrix<N, N>) {
-    for j in 0..N {
-        for i in 0..j {
-            matrix[(i, j)] = matrix[(j, i)];
-        }
-    }
+/// The symmetric part `(X + Xᵀ) / 2`: what rounding has made of a covariance, symmetric to the last bit again.
+#[inline]
+pub(crate) fn symmetric<const N: usize>(matrix: &Matrix<N, N>) -> Matrix<N, N> {
+    (matrix + matrix.transpose()) * 0.5
 }
 
 #[cfg(test)]

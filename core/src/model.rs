@@ -1,7 +1,7 @@
 //! What a filter knows of a plant: its rate of change, the Jacobian of that, and what sensors see.
 
 use crate::gaussian::{Matrix, Vector};
-use crate::propagation::exp_and_integral;
+use crate::propagation::{exp_and_integral, runge_kutta};
 use crate::{Channel, Quantity};
 
 /// Where a sensor's quantity stands in the model.
@@ -38,5 +38,10 @@ pub trait Model<const N: usize>: Clone + Send + 'static {
     fn linearised_step(&self, state: &Vector<N>, force: f64, dt: f64) -> (Vector<N>, Matrix<N, N>) {
         let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
         (state + integral * self.rate(state, force), transition)
+    }
+
+    /// One classical fourth-order Runge-Kutta step over `dt` \[s\] with the force held.
+    fn runge_kutta_step(&self, state: &Vector<N>, force: f64, dt: f64) -> Vector<N> {
+        runge_kutta(state, dt, |y| self.rate(y, force))
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::filter::{Correction, Filter, Noise, Transform};
-use crate::gaussian::{Gaussian, Vector};
+use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::model::Model;
 use crate::models::sdof::Sdof;
 use crate::simulate::Simulator;
@@ -190,7 +190,8 @@ impl<P: Model<N>, const N: usize> Estimator for Filter<P, N> {
         estimates: &mut Estimates,
     ) -> Result<(), FilterError> {
         self.predict(force_before)?;
-        let correction = self.update(force, measured)?;
+        let mut correction = Correction::NOTHING;
+        self.update(force, measured, &mut correction)?;
         estimates.push(self.belief(), &correction);
         Ok(())
     }
@@ -208,7 +209,7 @@ fn estimator(settings: &FilterSettings, sensors: &[Quantity], dt: f64) -> Box<dy
         Vector::from(Sdof::CHANNELS.map(|c| if known && c.is_parameter() { 0.0 } else { per[c] }))
     };
     let noise = Noise {
-        process: spread(&settings.process_std).map(|s| s * s),
+        process: Matrix::from_diagonal(&spread(&settings.process_std).map(|s| s * s)),
         sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
         fading: settings.fading,
     };

@@ -6,13 +6,8 @@ use crate::{Channel, Quantity, Record, Scenario};
 
 /// Produces a record sample by sample, for as long as it is asked.
 ///
-/// Force and disturbance are held over each step, and so are the parameters; the response to that is exact:
-///
-/// ```text
-/// x' = x + ∫Φ₁₁ v + q ẍ,  v' = v + a q v + h ẍ,  ∫Φ₁₁ = h - b q
-/// ```
-///
-/// with the impulse response h, its integral q, a = -ωₙ², b = -2ζωₙ and ẍ at the beginning of the step.
+/// Force, disturbance and parameters are held over each step, and the response to that is exact
+/// ([`ImpulseResponse::advance`]).
 #[derive(Clone, Debug)]
 pub struct Simulator {
     scenario: Scenario,
@@ -76,8 +71,6 @@ impl Simulator {
             _ => ImpulseResponse::new(a, b, dt),
         };
         *last_response = Some((a, b, response));
-        let ImpulseResponse { value: h, integral: q } = response;
-        *displacement = x + (h - b * q) * v + q * acceleration;
-        *velocity = v + a * q * v + h * acceleration;
+        [*displacement, *velocity] = response.advance(a, b, [x, v], acceleration);
     }
 }

@@ -4,7 +4,7 @@
 //! Estimation*, section 6.1.
 
 use super::{Active, Expected};
-use crate::gaussian::{Gaussian, Matrix, Vector, mirror_lower};
+use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::model::{Model, Output};
 
 /// `y⁻ = y + dt φ₁(A dt) g(y, f)` and `Φ P Φᵀ`.
@@ -12,7 +12,6 @@ pub(super) fn predict<P: Model<N>, const N: usize>(model: &P, belief: &mut Gauss
     let (mean, transition) = model.linearised_step(&belief.mean, force, dt);
     belief.mean = mean;
     belief.cov = transition * belief.cov * transition.transpose();
-    mirror_lower(&mut belief.cov);
 }
 
 /// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`.
@@ -37,11 +36,27 @@ pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
             }
         }
     }
-    let cross = cov * jacobian.transpose();
-    let mut innovation_cov = jacobian * cross;
+    let cross = seen_by(cov, &jacobian, active);
+    let mut innovation_cov = seen_by(&cross.transpose(), &jacobian, active);
     for (row, sensor) in active.iter().enumerate() {
         innovation_cov[(row, row)] += sensor.variance;
     }
-    mirror_lower(&mut innovation_cov);
     Expected { mean, cov: innovation_cov, cross, jacobian: Some(jacobian) }
+}
+
+/// `X Hᵀ`, which for sensors that read a component of the state only picks columns.
+#[inline]
+pub(super) fn seen_by<const N: usize, const M: usize, const R: usize>(
+    x: &Matrix<R, N>,
+    jacobian: &Matrix<M, N>,
+    active: &[Active; M],
+) -> Matrix<R, M> {
+    let mut result = Matrix::<R, M>::zeros();
+    for (row, sensor) in active.iter().enumerate() {
+        match sensor.output {
+            Output::State(i) => result.set_column(row, &x.column(i)),
+            Output::Rate(_) => result.set_column(row, &(x * jacobian.row(row).transpose())),
+        }
+    }
+    result
 }

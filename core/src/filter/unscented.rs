@@ -16,9 +16,8 @@
 
 use super::{Active, Expected};
 use crate::FilterError;
-use crate::gaussian::{Gaussian, Matrix, Vector, lower_root, mirror_lower};
+use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::model::{Model, Output};
-use crate::propagation::runge_kutta;
 
 /// α² (n + κ) with α = 1 and κ = 3 - n: sigma points are √3 standard deviations away.
 const SPREAD: f64 = 3.0;
@@ -37,7 +36,7 @@ pub(super) fn predict<P: Model<N>, const N: usize>(
     dt: f64,
 ) -> Result<(), FilterError> {
     let distances = distances(&belief.cov)?;
-    let step = |state: Vector<N>| runge_kutta(&state, dt, |y| model.rate(y, force));
+    let step = |state: Vector<N>| model.runge_kutta_step(&state, force, dt);
     let centre = step(belief.mean);
     let mut sum = Vector::<N>::zeros();
     let mut squares = Matrix::<N, N>::zeros();
@@ -53,7 +52,6 @@ pub(super) fn predict<P: Model<N>, const N: usize>(
     belief.mean = centre + offset;
     belief.cov = squares * WEIGHT;
     add_square(&mut belief.cov, &offset);
-    mirror_lower(&mut belief.cov);
     Ok(())
 }
 
@@ -91,15 +89,14 @@ pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
     for (row, sensor) in active.iter().enumerate() {
         cov[(row, row)] += sensor.variance;
     }
-    mirror_lower(&mut cov);
     Ok(Expected { mean: centre + offset, cov, cross, jacobian: None })
 }
 
-/// Adds `d dᵀ` to the lower triangle.
+/// Adds `d dᵀ`, column by column so that the compiler can use vector instructions.
 #[inline]
 fn add_square<const N: usize>(sum: &mut Matrix<N, N>, d: &Vector<N>) {
     for j in 0..N {
-        for i in j..N {
+        for i in 0..N {
             sum[(i, j)] += d[i] * d[j];
         }
     }

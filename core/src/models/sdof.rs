@@ -2,7 +2,7 @@
 
 use crate::gaussian::{Matrix, Vector};
 use crate::model::{Model, Output};
-use crate::propagation::{ImpulseResponse, exp_and_integral};
+use crate::propagation::{ImpulseResponse, exp_and_integral, runge_kutta};
 use crate::{Channel, Quantity};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
@@ -61,13 +61,10 @@ impl Model<4> for Sdof {
         let by_frequency = -2.0 * (wn * x + zeta * v);
         let by_damping = -2.0 * wn * v;
 
-        let ImpulseResponse { value: h, integral: q } = ImpulseResponse::new(stiffness, damping, dt);
-        let mean = Vector::<4>::new(
-            x + (h - damping * q) * v + q * acceleration,
-            v + stiffness * q * v + h * acceleration,
-            wn,
-            zeta,
-        );
+        let response = ImpulseResponse::new(stiffness, damping, dt);
+        let [moved, sped] = response.advance(stiffness, damping, [x, v], acceleration);
+        let mean = Vector::<4>::new(moved, sped, wn, zeta);
+        let ImpulseResponse { value: h, integral: q } = response;
         #[rustfmt::skip]
         let transition = Matrix::<4, 4>::new(
             1.0 + stiffness * q, h,                                  q * by_frequency, q * by_damping,
@@ -76,6 +73,20 @@ impl Model<4> for Sdof {
             0.0,                 0.0,                                0.0,              1.0,
         );
         (mean, transition)
+    }
+
+    /// With η = 0 the motion is linear within a step, and Runge-Kutta is its Taylor polynomial.
+    #[inline]
+    fn runge_kutta_step(&self, state: &Vector<4>, force: f64, dt: f64) -> Vector<4> {
+        if self.eta != 0.0 {
+            return runge_kutta(state, dt, |y| self.rate(y, force));
+        }
+        let [[x, v, wn, zeta]] = state.data.0;
+        let (stiffness, damping) = (-wn * wn, -2.0 * zeta * wn);
+        let acceleration = force + damping * v + stiffness * x;
+        let response = ImpulseResponse::runge_kutta(stiffness, damping, dt);
+        let [x, v] = response.advance(stiffness, damping, [x, v], acceleration);
+        Vector::<4>::new(x, v, wn, zeta)
     }
 }
 
@@ -125,6 +136,18 @@ mod tests {
                 assert!(error < 1e-11, "transition of {state} over {dt}: {error}");
                 let error = (mean - general).amax() / general.amax();
                 assert!(error < 1e-11, "mean of {state} over {dt}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_polynomial_is_the_runge_kutta_step() {
+        let model = Sdof { eta: 0.0 };
+        for dt in [1e-6, 0.001, 0.01, 0.1] {
+            for state in STATES.map(Vector::<4>::from) {
+                let stages = runge_kutta(&state, dt, |y| model.rate(y, 3.0));
+                let error = (model.runge_kutta_step(&state, 3.0, dt) - stages).amax() / stages.amax();
+                assert!(error < 1e-13, "{state} over {dt}: {error}");
             }
         }
     }
