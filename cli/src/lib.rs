@@ -1,1 +1,39 @@
-//! cli
+//! Kalmanscope without a screen: a whole run at once, as a table, a CSV file or a picture.
+//!
+//! ```
+//! use kalmanscope_cli::{run_scenario, table};
+//! use kalmanscope_core::Scenario;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let run = run_scenario(&Scenario::from_toml("duration = 5.0")?, None)?;
+//! println!("{}", table(&run, &[]));
+//! # Ok(())
+//! # }
+//! ```
+
+mod estimates_csv;
+mod number;
+mod plot;
+mod table;
+mod timing;
+
+use std::sync::Arc;
+
+use kalmanscope_core::{Record, Run, RunError, Scenario};
+
+pub use estimates_csv::write_estimates;
+pub use plot::{PlotError, plot_svg, svg};
+pub use table::table;
+pub use timing::step_times;
+
+/// Runs a scenario from the first sample to the last: over its own simulated record, or over a measured one.
+///
+/// # Errors
+/// [`RunError`] where the scenario is impossible or the record lacks one of its sensors.
+pub fn run_scenario(scenario: &Scenario, record: Option<Record>) -> Result<Run, RunError> {
+    let mut run = match record {
+        Some(record) => Run::on_record(scenario, Arc::new(record))?,
+        None => Run::new(scenario)?,
+    };
+    run.finish();
+    Ok(run)
+}

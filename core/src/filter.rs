@@ -134,6 +134,12 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
             Transform::Unscented => unscented::predict(model, belief, force, *dt)?,
         }
         belief.cov = symmetric(&(belief.cov * noise.fading + noise.process));
+        for i in 0..N {
+            // A variance that is zero but for rounding may come out on the wrong side.
+            if belief.cov[(i, i)] < 0.0 {
+                belief.cov[(i, i)] = 0.0;
+            }
+        }
         if belief.is_finite() { Ok(()) } else { Err(FilterError::NotFinite) }
     }
 

@@ -57,7 +57,7 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
                 }
                 root[(i, j)] = entry * inverse;
             }
-        } else if !(pivot >= -1e4 * rounding) {
+        } else if pivot < -1e4 * rounding || pivot.is_nan() {
             return Err(FilterError::IndefiniteCovariance);
         }
     }

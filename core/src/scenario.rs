@@ -1,6 +1,7 @@
 //! The settings from which everything follows.
 
 mod per_channel;
+mod syntax;
 mod validate;
 
 use serde::{Deserialize, Serialize};
@@ -29,6 +30,7 @@ pub struct Scenario {
     /// What is measured, each quantity at most once.
     pub sensors: Vec<Sensor>,
     /// What estimates.
+    #[serde(default = "default_filters")]
     pub filters: Vec<FilterSettings>,
 }
 
@@ -178,7 +180,6 @@ impl Default for FilterSettings {
 impl Default for Scenario {
     /// A stiffness loss half-way, seen by an EKF and a UKF with fading memory.
     fn default() -> Self {
-        let fading = |kind: FilterKind| FilterSettings { kind, fading: 1.005, ..FilterSettings::default() };
         let mut scenario = Self {
             seed: 1,
             dt: 0.01,
@@ -189,7 +190,7 @@ impl Default for Scenario {
                 Sensor { measures: Quantity::Displacement, noise_std: 0.01 },
                 Sensor { measures: Quantity::Velocity, noise_std: 0.06 },
             ],
-            filters: vec![fading(FilterKind::Ekf), fading(FilterKind::Ukf)],
+            filters: default_filters(),
         };
         scenario.fill_in();
         scenario
@@ -204,7 +205,7 @@ impl Scenario {
     /// [`ScenarioError::Value`] where [`Self::validate`] finds an impossible value.
     pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
         let mut scenario: Self =
-            toml::from_str(text).map_err(|e| ScenarioError::Syntax(e.to_string().trim_end().to_owned()))?;
+            toml::from_str(text).map_err(|error| ScenarioError::Syntax(syntax::message(text, &error)))?;
         scenario.fill_in();
         scenario.validate()?;
         Ok(scenario)
@@ -213,7 +214,7 @@ impl Scenario {
     /// The scenario as a file that [`Self::from_toml`] reads back to an equal one.
     ///
     /// # Errors
-    /// [`ScenarioError::Syntax`] where the seed does not fit TOML's integers, which are signed.
+    /// [`ScenarioError::Syntax`] where TOML has no way to write it, which no valid scenario meets.
     pub fn to_toml(&self) -> Result<String, ScenarioError> {
         toml::to_string(self).map_err(|e| ScenarioError::Syntax(e.to_string()))
     }
@@ -280,6 +281,12 @@ impl Scenario {
             }
         }
     }
+}
+
+/// An EKF and a UKF with fading memory; their names and sensors still to be filled in.
+fn default_filters() -> Vec<FilterSettings> {
+    let fading = |kind: FilterKind| FilterSettings { kind, fading: 1.005, ..FilterSettings::default() };
+    vec![fading(FilterKind::Ekf), fading(FilterKind::Ukf)]
 }
 
 /// A sensor may be perfect, but a filter that is told so has a singular innovation covariance sooner or later.

@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
-use serde::de::value::MapAccessDeserializer;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -59,12 +58,20 @@ pub struct Sine {
     pub period: f64,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Shape {
     Step(Step),
     Ramp(Ramp),
     Sine(Sine),
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum ShapeKey {
+    Step,
+    Ramp,
+    Sine,
 }
 
 impl Signal {
@@ -141,7 +148,7 @@ impl<'de> Deserialize<'de> for Signal {
             type Value = Signal;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, or a table with one of `step`, `ramp`, `sine`")
+                f.write_str("a number, or a table with exactly one of `step`, `ramp`, `sine`")
             }
 
             fn visit_f64<E: de::Error>(self, value: f64) -> Result<Signal, E> {
@@ -156,12 +163,17 @@ impl<'de> Deserialize<'de> for Signal {
                 Ok(Signal::Constant(value as f64))
             }
 
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Signal, A::Error> {
-                Ok(match Shape::deserialize(MapAccessDeserializer::new(map))? {
-                    Shape::Step(shape) => Signal::Step(shape),
-                    Shape::Ramp(shape) => Signal::Ramp(shape),
-                    Shape::Sine(shape) => Signal::Sine(shape),
-                })
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Signal, A::Error> {
+                let not_one = || de::Error::invalid_value(de::Unexpected::Map, &self);
+                let signal = match map.next_key()?.ok_or_else(not_one)? {
+                    ShapeKey::Step => Signal::Step(map.next_value()?),
+                    ShapeKey::Ramp => Signal::Ramp(map.next_value()?),
+                    ShapeKey::Sine => Signal::Sine(map.next_value()?),
+                };
+                if map.next_key::<de::IgnoredAny>()?.is_some() {
+                    return Err(not_one());
+                }
+                Ok(signal)
             }
         }
 

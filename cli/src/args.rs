@@ -1,0 +1,40 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+/// System identification with Kalman filters, without a screen.
+#[derive(Debug, Parser)]
+#[command(name = "kalmanscope-cli", version)]
+pub(crate) struct CommandLine {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run a scenario to its end and tell what each filter made of it
+    Run(RunArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    /// The scenario, a TOML file; `-` for standard input
+    pub(crate) scenario: PathBuf,
+    /// Filter this record instead of simulating one: a CSV file with the columns t, force and one for each sensor
+    #[arg(long, value_name = "RECORD.csv")]
+    pub(crate) record: Option<PathBuf>,
+    /// Seed of the random numbers, instead of the scenario's; nothing is random with --record
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    pub(crate) seed: Option<u64>,
+    /// Write every estimate of every filter
+    #[arg(long, value_name = "ESTIMATES.csv")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write force, measurements and truth, as --record reads them
+    #[arg(long, value_name = "RECORD.csv")]
+    pub(crate) record_out: Option<PathBuf>,
+    /// Draw truth, measurements and estimates over time
+    #[arg(long, value_name = "PLOTS.svg")]
+    pub(crate) svg: Option<PathBuf>,
+}

@@ -1,0 +1,108 @@
+//! What `kalmanscope-cli run` does.
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use kalmanscope_cli::{PlotError, plot_svg, run_scenario, step_times, table, write_estimates};
+use kalmanscope_core::{Record, RecordError, RunError, Scenario, ScenarioError};
+use thiserror::Error;
+
+use crate::args::RunArgs;
+
+/// Why a run cannot be made: the input is bad.
+#[derive(Debug, Error)]
+pub(crate) enum InputError {
+    #[error("{}: {error}", shown(.file))]
+    Read { file: PathBuf, error: io::Error },
+    #[error("{}: {error}", shown(.file))]
+    Scenario { file: PathBuf, error: ScenarioError },
+    #[error("{}: {error}", shown(.file))]
+    Record { file: PathBuf, error: RecordError },
+    #[error("{}: {error}", shown(.file))]
+    Run { file: PathBuf, error: RunError },
+}
+
+/// Why a result could not be written.
+#[derive(Debug, Error)]
+enum OutputError {
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    #[error(transparent)]
+    Csv(#[from] csv::Error),
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+}
+
+/// Runs the scenario, writes what was asked for and prints the table. Returns whether all was written and no filter
+/// stopped; what could not be written is told on standard error.
+pub(crate) fn run(args: &RunArgs) -> Result<bool, InputError> {
+    let RunArgs { scenario: file, record, seed, out, record_out, svg } = args;
+    let mut scenario = read_scenario(file)?;
+    if let Some(seed) = seed {
+        scenario.seed = *seed;
+    }
+    let measured = record.as_deref().map(|path| read_record(path, &scenario)).transpose()?;
+    let bad_run = |error| InputError::Run { file: file.clone(), error };
+    let run = run_scenario(&scenario, measured).map_err(bad_run)?;
+
+    let mut well = true;
+    let mut write = |path: &Option<PathBuf>, writer: &dyn Fn(&Path) -> Result<(), OutputError>| {
+        if let Some(path) = path
+            && let Err(error) = writer(path)
+        {
+            well = false;
+            tell(&format_args!("{}: {error}", path.display()));
+        }
+    };
+    write(out, &|path| Ok(write_estimates(&run, create(path)?)?));
+    write(record_out, &|path| Ok(run.record().write_csv(create(path)?)?));
+    write(svg, &|path| Ok(plot_svg(&run, path)?));
+
+    let times = step_times(&scenario, &run).map_err(bad_run)?;
+    // Whoever closed the pipe has read enough; what is left to tell is in the exit code.
+    if let Err(error) = io::stdout().write_all(table(&run, &times).as_bytes())
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        well = false;
+        tell(&format_args!("standard output: {error}"));
+    }
+    Ok(well && run.estimates().iter().all(|e| e.stop().is_none()))
+}
+
+/// Says on standard error, if anyone listens, what went wrong.
+pub(crate) fn tell(error: &dyn std::fmt::Display) {
+    let _ = writeln!(io::stderr(), "error: {error}");
+}
+
+fn create(path: &Path) -> io::Result<BufWriter<File>> {
+    Ok(BufWriter::new(File::create(path)?))
+}
+
+fn is_standard_input(file: &Path) -> bool {
+    file.as_os_str() == "-"
+}
+
+fn shown(file: &Path) -> String {
+    if is_standard_input(file) { "standard input".to_owned() } else { file.display().to_string() }
+}
+
+fn read_scenario(file: &Path) -> Result<Scenario, InputError> {
+    let mut text = String::new();
+    let read = if is_standard_input(file) {
+        io::stdin().read_to_string(&mut text)
+    } else {
+        File::open(file).and_then(|mut file| file.read_to_string(&mut text))
+    };
+    read.map_err(|error| InputError::Read { file: file.to_owned(), error })?;
+    Scenario::from_toml(&text).map_err(|error| InputError::Scenario { file: file.to_owned(), error })
+}
+
+fn read_record(path: &Path, scenario: &Scenario) -> Result<Record, InputError> {
+    let file = File::open(path).map_err(|error| InputError::Read { file: path.to_owned(), error })?;
+    let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
+    Record::read_csv(BufReader::new(file), &sensors)
+        .map_err(|error| InputError::Record { file: path.to_owned(), error })
+}

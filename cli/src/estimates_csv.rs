@@ -1,0 +1,43 @@
+//! Every estimate of every filter as a CSV file.
+
+use std::io::Write;
+
+use kalmanscope_core::{Channel, Estimates, Run};
+
+/// Writes one row a filter and sample, under the header `filter, k, t`, the means and standard deviations of all
+/// channels, `nis, log_likelihood`; with 17 significant digits, so that every bit survives. Undefined values are `nan`.
+///
+/// # Errors
+/// [`csv::Error`] where `output` cannot be written.
+pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> {
+    let mut writer = csv::Writer::from_writer(output);
+    let means = Channel::ALL.map(|c| c.key().to_owned());
+    let stds = Channel::ALL.map(|c| format!("std_{}", c.key()));
+    let header = ["filter", "k", "t"].map(str::to_owned).into_iter().chain(means).chain(stds);
+    writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)))?;
+    for estimates in run.estimates() {
+        for k in 0..estimates.len() {
+            writer.write_field(estimates.name())?;
+            writer.write_field(k.to_string())?;
+            writer.write_field(number(run.record().time(k)))?;
+            for value in values(estimates, k) {
+                writer.write_field(number(value))?;
+            }
+            writer.write_record(None::<&[u8]>)?;
+        }
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+/// The numbers of one row, from the first mean on.
+fn values(estimates: &Estimates, k: usize) -> impl Iterator<Item = f64> {
+    let mean = |c: Channel| estimates.place(c).map_or(f64::NAN, |place| estimates.mean(k)[place]);
+    let std = |c: Channel| estimates.place(c).map_or(f64::NAN, |place| estimates.std(k, place));
+    let ends = [estimates.nis()[k], estimates.log_likelihood()[k]];
+    Channel::ALL.map(mean).into_iter().chain(Channel::ALL.map(std)).chain(ends)
+}
+
+fn number(value: f64) -> String {
+    if value.is_nan() { "nan".to_owned() } else { format!("{value:.16e}") }
+}

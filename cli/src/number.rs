@@ -1,0 +1,74 @@
+//! Numbers as people read them.
+
+/// The decimals that show two digits of a spread; none where fixed notation would not be legible.
+fn decimals(spread: f64) -> Option<usize> {
+    let exponent = spread.log10().floor();
+    (-8.0..7.0).contains(&exponent).then(|| (1.0 - exponent).max(0.0) as usize)
+}
+
+/// A value, and twice its standard deviation, both to the digit that the latter supports: `4.812`, `0.035`.
+pub(crate) fn with_spread(value: f64, std: f64) -> (String, String) {
+    let spread = 2.0 * std;
+    if spread == 0.0 {
+        return (plain(value), "0".to_owned());
+    }
+    match decimals(spread).filter(|_| value.abs() < 1e9) {
+        Some(decimals) => (format!("{value:.decimals$}"), format!("{spread:.decimals$}")),
+        None => (format!("{value:.3e}"), format!("{spread:.1e}")),
+    }
+}
+
+/// A difference from the truth, to one digit more than the standard deviation supports.
+pub(crate) fn deviation(error: f64, std: f64) -> String {
+    match decimals(2.0 * std).filter(|_| error.abs() < 1e9) {
+        Some(decimals) => format!("{error:+.0$}", decimals + 1),
+        None if error == 0.0 => "0".to_owned(),
+        None => format!("{error:+.1e}"),
+    }
+}
+
+/// A number to six digits or so, without needless zeros.
+pub(crate) fn plain(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e9).contains(&value.abs()) {
+        return format!("{value:.3e}");
+    }
+    let decimals = (5.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_has_the_digits_that_its_spread_supports() {
+        let text = |value, std| {
+            let (value, spread) = with_spread(value, std);
+            format!("{value} ± {spread}")
+        };
+        assert_eq!(text(4.812_34, 0.017_3), "4.812 ± 0.035");
+        assert_eq!(text(-0.012_345, 0.000_49), "-0.01235 ± 0.00098");
+        assert_eq!(text(512.3, 20.0), "512 ± 40");
+        assert_eq!(text(6.0, 0.0), "6 ± 0");
+        assert_eq!(text(1e-12, 1e-12), "1.000e-12 ± 2.0e-12");
+        assert_eq!(text(3e20, 1e-3), "3.000e20 ± 2.0e-3");
+        assert_eq!(text(f64::NAN, f64::NAN), "NaN ± NaN");
+    }
+
+    #[test]
+    fn deviations_have_a_sign() {
+        assert_eq!(deviation(0.012_34, 0.002), "+0.01234");
+        assert_eq!(deviation(-0.012_34, 0.0), "-1.2e-2");
+        assert_eq!(deviation(0.0, 0.0), "0");
+    }
+
+    #[test]
+    fn plain_numbers_have_no_needless_zeros() {
+        let shown = [0.01, 60.0, 6000.0, 1.0 / 3.0, 1e-7, 123_456_789.4, -4.8, 1e12].map(plain);
+        assert_eq!(shown, ["0.01", "60", "6000", "0.333333", "1.000e-7", "123456789", "-4.8", "1.000e12"]);
+    }
+}

@@ -1,0 +1,135 @@
+//! Long series made short enough to draw, without losing their extremes.
+
+/// A point in data coordinates: time \[s\] and value.
+pub(super) type Point = (f64, f64);
+
+/// Samples `first..last` that share one column of the picture.
+fn columns(samples: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
+    let columns = columns.clamp(1, samples.max(1));
+    (0..columns).map(move |c| (c * samples / columns, (c + 1) * samples / columns)).filter(|(first, last)| first < last)
+}
+
+/// The line through `samples` values, reduced to the lowest and the highest of each column.
+pub(super) fn line(samples: usize, max_columns: usize, value: impl Fn(usize) -> Point) -> Vec<Point> {
+    if samples <= 2 * max_columns {
+        return (0..samples).map(value).collect();
+    }
+    let mut points = Vec::with_capacity(2 * max_columns);
+    for (first, last) in columns(samples, max_columns) {
+        let defined = || (first..last).map(&value).filter(|p| !p.1.is_nan());
+        let low = defined().min_by(|a, b| a.1.total_cmp(&b.1));
+        let high = defined().max_by(|a, b| a.1.total_cmp(&b.1));
+        match (low, high) {
+            (Some(low), Some(high)) if low.0 < high.0 => points.extend([low, high]),
+            (Some(low), Some(high)) if low.0 > high.0 => points.extend([high, low]),
+            (Some(one), _) => points.push(one),
+            _ => points.push((value(first).0, f64::NAN)),
+        }
+    }
+    points
+}
+
+/// The outline of a band: along the highest upper edge of each column, back along the lowest lower one. `edges` gives
+/// time, lower and upper edge of a sample.
+pub(super) fn band(
+    samples: usize,
+    max_columns: usize,
+    range: (f64, f64),
+    edges: impl Fn(usize) -> (f64, f64, f64),
+) -> Vec<Point> {
+    let mut upper = Vec::new();
+    let mut lower = Vec::new();
+    for (first, last) in columns(samples, max_columns) {
+        // The last column ends with the record, every other where it begins.
+        let time = edges(if last == samples { last - 1 } else { first }).0;
+        let low = (first..last).map(|k| edges(k).1).fold(f64::INFINITY, f64::min);
+        let high = (first..last).map(|k| edges(k).2).fold(f64::NEG_INFINITY, f64::max);
+        upper.push((time, high.clamp(range.0, range.1)));
+        lower.push((time, low.clamp(range.0, range.1)));
+    }
+    upper.extend(lower.into_iter().rev());
+    upper
+}
+
+/// Indices of at most `max` samples, evenly spread.
+pub(super) fn thinned(samples: usize, max: usize) -> impl Iterator<Item = usize> {
+    (0..samples).step_by(samples.div_ceil(max.max(1)).max(1))
+}
+
+/// The parts of a line that lie within `range`, cut where they leave it and where a value is missing.
+pub(super) fn clipped(points: &[Point], range: (f64, f64)) -> Vec<Vec<Point>> {
+    let mut parts: Vec<Vec<Point>> = Vec::new();
+    let mut open = false;
+    for pair in points.windows(2) {
+        let Some((from, to)) = clipped_segment(pair[0], pair[1], range) else {
+            open = false;
+            continue;
+        };
+        match parts.last_mut() {
+            Some(part) if open && part.last() == Some(&from) => part.push(to),
+            _ => parts.push(vec![from, to]),
+        }
+        open = to == pair[1];
+    }
+    parts
+}
+
+fn clipped_segment(from: Point, to: Point, (low, high): (f64, f64)) -> Option<(Point, Point)> {
+    let (rise, run) = (to.1 - from.1, to.0 - from.0);
+    if !rise.is_finite() || from.1.max(to.1) < low || from.1.min(to.1) > high {
+        return None;
+    }
+    let at = |y: f64| (from.0 + run * (y - from.1) / rise, y);
+    let inside = |point: Point| {
+        if point.1 < low {
+            at(low)
+        } else if point.1 > high {
+            at(high)
+        } else {
+            point
+        }
+    };
+    Some((inside(from), inside(to)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reduced_line_keeps_its_extremes_and_its_order() {
+        let value = |k: usize| (k as f64, if k == 4321 { 50.0 } else { (k as f64 * 0.1).sin() });
+        let points = line(10_000, 100, value);
+        assert!(points.len() <= 200);
+        assert!(points.contains(&(4321.0, 50.0)));
+        assert!(points.windows(2).all(|p| p[0].0 < p[1].0));
+        assert_eq!(line(150, 100, value).len(), 150);
+        assert!(line(0, 100, value).is_empty());
+    }
+
+    #[test]
+    fn a_band_spans_the_whole_record_within_the_range() {
+        let outline = band(1000, 10, (-1.0, 1.0), |k| (k as f64, -5.0, k as f64 / 1000.0));
+        assert_eq!(outline.len(), 20);
+        assert_eq!((outline[0].0, outline[9].0), (0.0, 999.0));
+        assert!(outline.iter().all(|p| (-1.0..=1.0).contains(&p.1)));
+        assert_eq!(outline[19], (0.0, -1.0));
+    }
+
+    #[test]
+    fn a_line_is_cut_at_the_range_and_at_gaps() {
+        let points = [(0.0, 0.0), (1.0, 2.0), (2.0, 0.0), (3.0, f64::NAN), (4.0, 0.5), (5.0, 0.5)];
+        let parts = clipped(&points, (-1.0, 1.0));
+        assert_eq!(parts, [vec![(0.0, 0.0), (0.5, 1.0)], vec![(1.5, 1.0), (2.0, 0.0)], vec![(4.0, 0.5), (5.0, 0.5)]]);
+        assert!(clipped(&[(0.0, 5.0), (1.0, 6.0)], (-1.0, 1.0)).is_empty());
+        assert_eq!(clipped(&[(0.0, -3.0), (1.0, 3.0)], (-1.0, 1.0)).len(), 1);
+    }
+
+    #[test]
+    fn thinning_never_exceeds_its_limit() {
+        for samples in [0, 1, 1499, 1500, 1501, 100_000] {
+            let count = thinned(samples, 1500).count();
+            assert!(count <= 1500 && (count > 0 || samples == 0), "{samples}: {count}");
+        }
+    }
+}

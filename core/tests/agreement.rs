@@ -1,0 +1,236 @@
+//! Different ways to the same numbers agree.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use std::sync::Arc;
+
+use kalmanscope_core::{
+    Channel, Estimates, FilterKind, FilterSettings, PerChannel, Quantity, Record, Run, Scenario, Sensor, Signal,
+};
+use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
+
+const PARAMETERS_KNOWN: PerChannel =
+    PerChannel { displacement: 0.3, velocity: 1.0, natural_frequency: 0.0, damping_ratio: 0.0 };
+
+/// All sensors, parameters known to every filter.
+fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
+    let mut scenario = Scenario { dt, duration: 4.0, ..Scenario::default() };
+    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.5 });
+    let settings = |&kind: &FilterKind| FilterSettings {
+        name: kind.name().to_owned(),
+        kind,
+        fading: 1.002,
+        sensor_std: vec![0.01, 0.06, 0.5],
+        initial_mean: PerChannel { displacement: 0.2, velocity: -0.5, natural_frequency: 6.0, damping_ratio: 0.05 },
+        initial_std: PARAMETERS_KNOWN,
+        process_std: PerChannel { natural_frequency: 0.0, damping_ratio: 0.0, ..PerChannel::PROCESS_STD },
+        ..FilterSettings::default()
+    };
+    scenario.filters = kinds.iter().map(settings).collect();
+    scenario
+}
+
+/// Every kind of filter and sensor, a changing truth and a disturbance.
+fn eventful(dt: f64) -> Scenario {
+    let mut scenario = Scenario { dt, duration: 700.0 * dt, ..Scenario::default() };
+    scenario.plant.disturbance_std = 0.5;
+    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.5 });
+    let eta = FilterSettings { name: "η".to_owned(), eta: 0.01, ..scenario.filters[0].clone() };
+    scenario.filters.push(eta);
+    scenario.filters.push(FilterSettings { kind: FilterKind::Kf, ..scenario.filters[0].clone() });
+    scenario
+}
+
+fn finished(scenario: &Scenario) -> Run {
+    let mut run = Run::new(scenario).unwrap();
+    run.finish();
+    assert_eq!(run.len(), scenario.samples());
+    run
+}
+
+/// Every number of some estimates, to the bit.
+fn bits(estimates: &Estimates) -> Vec<u64> {
+    let per_sample = (0..estimates.len()).flat_map(|k| {
+        [
+            estimates.mean(k),
+            estimates.cov(k),
+            estimates.innovation(k),
+            estimates.innovation_cov(k),
+            estimates.gain(k),
+            &estimates.nis()[k..=k],
+            &estimates.log_likelihood()[k..=k],
+        ]
+    });
+    per_sample.flatten().map(|x| x.to_bits()).collect()
+}
+
+#[track_caller]
+fn assert_same(a: &Run, b: &Run) {
+    assert_eq!(a.estimates().len(), b.estimates().len());
+    for (a, b) in a.estimates().iter().zip(b.estimates()) {
+        assert!(a.len() > 100, "{} has only {} estimates", a.name(), a.len());
+        assert_eq!(bits(a), bits(b), "{}", a.name());
+        assert_eq!(a.stop(), b.stop());
+    }
+    assert_eq!(a.checksum(), b.checksum());
+}
+
+/// The largest difference of two filters' means in standard deviations, and of their covariances relative to these.
+fn difference(a: &Estimates, b: &Estimates) -> f64 {
+    let mut worst = 0.0_f64;
+    for k in 0..a.len() {
+        for i in 0..2 {
+            worst = worst.max((a.mean(k)[i] - b.mean(k)[i]).abs() / a.std(k, i));
+            for j in 0..2 {
+                let scale = a.std(k, i) * a.std(k, j);
+                worst = worst.max((a.cov(k)[4 * i + j] - b.cov(k)[4 * i + j]).abs() / scale);
+            }
+        }
+        if k > 0 {
+            worst = worst.max((a.nis()[k] - b.nis()[k]).abs());
+            worst = worst.max((a.log_likelihood()[k] - b.log_likelihood()[k]).abs());
+        }
+    }
+    worst
+}
+
+#[test]
+fn all_filters_are_one_where_the_plant_is_linear() {
+    let scenario = known_parameters(&FilterKind::ALL, 0.001);
+    let run = finished(&scenario);
+    let [kf, ekf, ukf] = run.estimates() else { unreachable!("three kinds") };
+    assert_eq!(bits(kf), bits(ekf));
+    // The UKF moves its sigma points by Runge-Kutta steps: local error (ωₙ dt)⁵/120, some 1e-13.
+    let difference = difference(kf, ukf);
+    assert!(difference < 1e-9, "{difference}");
+    assert!(difference > 0.0, "the UKF has a propagation of its own");
+}
+
+/// `exp(M)` by a plain Taylor series over a 1024th, squared ten times.
+fn exponential(m: Matrix3<f64>) -> Matrix3<f64> {
+    let small = m / 1024.0;
+    let mut term = Matrix3::identity();
+    let mut sum = Matrix3::identity();
+    for n in 1..12 {
+        term = term * small / f64::from(n);
+        sum += term;
+    }
+    (0..10).fold(sum, |power, _| power * power)
+}
+
+/// A Kalman filter as in the first chapter of any textbook: the oscillator's exact discretisation, an explicit inverse,
+/// `(I - K H) P`.
+fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
+    let settings = &scenario.filters[0];
+    let (wn, zeta) = (settings.initial_mean.natural_frequency, settings.initial_mean.damping_ratio);
+    let (a, b) = (-wn * wn, -2.0 * zeta * wn);
+    let whole = exponential(Matrix3::new(0.0, 1.0, 0.0, a, b, 1.0, 0.0, 0.0, 0.0) * scenario.dt);
+    let transition: Matrix2<f64> = whole.fixed_view::<2, 2>(0, 0).into();
+    let input: Vector2<f64> = whole.fixed_view::<2, 1>(0, 2).into();
+    let observation = Matrix3x2::new(1.0, 0.0, 0.0, 1.0, a, b);
+    let noise = Matrix3::from_diagonal(&Vector3::from_fn(|i, _| settings.sensor_std[i] * settings.sensor_std[i]));
+    let motion = |p: &PerChannel| Vector2::new(p[Channel::Displacement], p[Channel::Velocity]);
+    let variances = |p: &PerChannel| Matrix2::from_diagonal(&motion(p).map(|std| std * std));
+    let process = variances(&settings.process_std);
+
+    let mut mean = motion(&settings.initial_mean);
+    let mut cov = variances(&settings.initial_std);
+    let mut beliefs = vec![(mean, cov)];
+    for k in 1..record.len() {
+        mean = transition * mean + input * record.force()[k - 1];
+        cov = transition * cov * transition.transpose() * settings.fading + process;
+        let z = Vector3::from_fn(|i, _| record.measured(i)[k]);
+        let feedthrough = Vector3::new(0.0, 0.0, record.force()[k]);
+        let innovation = z - observation * mean - feedthrough;
+        let innovation_cov = observation * cov * observation.transpose() + noise;
+        let gain = cov * observation.transpose() * innovation_cov.try_inverse().unwrap();
+        mean += gain * innovation;
+        cov -= gain * observation * cov;
+        beliefs.push((mean, cov));
+    }
+    beliefs
+}
+
+#[test]
+fn the_kalman_filter_is_the_textbooks() {
+    let scenario = known_parameters(&[FilterKind::Kf], 0.01);
+    let run = finished(&scenario);
+    let kf = &run.estimates()[0];
+    let expected = naive_kalman_filter(&scenario, run.record());
+    assert_eq!(kf.len(), expected.len());
+    for (k, (mean, cov)) in expected.iter().enumerate() {
+        for i in 0..2 {
+            let error = (kf.mean(k)[i] - mean[i]).abs() / kf.std(k, i);
+            assert!(error < 1e-9, "mean {i} at {k}: {error}");
+            for j in 0..2 {
+                let error = (kf.cov(k)[4 * i + j] - cov[(i, j)]).abs() / (kf.std(k, i) * kf.std(k, j));
+                assert!(error < 1e-9, "cov {i} {j} at {k}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn any_rhythm_of_steps_gives_the_same_bits() {
+    let scenario = eventful(0.01);
+    let whole = finished(&scenario);
+    let mut stepped = Run::new(&scenario).unwrap();
+    assert!(stepped.is_empty() && stepped.estimates()[0].is_empty());
+    while stepped.step() {
+        let done = stepped.len();
+        assert_eq!((stepped.record().len(), stepped.estimates()[0].len()), (done, done));
+    }
+    assert!(!stepped.step() && stepped.len() == whole.len());
+    assert_same(&whole, &stepped);
+
+    let mut jerky = Run::new(&scenario).unwrap();
+    for (i, target) in [1, 1, 2, 40, 39, 41, 500, 10_000].into_iter().enumerate() {
+        jerky.advance_to(target);
+        if i % 2 == 0 {
+            jerky.step();
+        }
+    }
+    assert_same(&whole, &jerky);
+    assert_eq!(whole.record(), jerky.record());
+}
+
+#[test]
+fn a_simulated_record_filtered_again_gives_the_same_bits() {
+    let scenario = eventful(0.01);
+    let simulated = finished(&scenario);
+    let mut again = Run::on_record(&scenario, Arc::new(simulated.record().clone())).unwrap();
+    again.finish();
+    assert_same(&simulated, &again);
+}
+
+#[test]
+fn a_record_from_a_file_gives_the_same_bits() {
+    // For some of these, (n dt) / n is not dt.
+    for (dt, steps) in [(0.01, 700), (0.01, 116), (0.005, 114), (0.1 / 3.0, 333), (1.0 / 60.0, 777), (0.015, 1240)] {
+        let scenario = Scenario { duration: f64::from(steps) * dt, ..eventful(dt) };
+        let simulated = finished(&scenario);
+        let mut file = Vec::new();
+        simulated.record().write_csv(&mut file).unwrap();
+        let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let record = Record::read_csv(file.as_slice(), &sensors).unwrap();
+        assert_eq!(record.dt().to_bits(), dt.to_bits(), "{steps} steps of {dt} s");
+        assert_eq!(&record, simulated.record());
+        let mut again = Run::on_record(&scenario, Arc::new(record)).unwrap();
+        again.finish();
+        assert_same(&simulated, &again);
+    }
+}
+
+#[test]
+fn sensors_may_stand_in_any_order() {
+    let scenario = eventful(0.01);
+    let mut reversed = scenario.clone();
+    reversed.sensors.reverse();
+    for filter in &mut reversed.filters {
+        filter.sensor_std.reverse();
+    }
+    let (run, other) = (finished(&scenario), finished(&reversed));
+    for (a, b) in run.estimates().iter().zip(other.estimates()) {
+        assert!(difference(a, b) < 1e-6, "{}: {}", a.name(), difference(a, b));
+    }
+}

@@ -1,0 +1,335 @@
+//! What holds for every scenario that is valid.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use std::sync::Arc;
+
+use kalmanscope_core::scenario::{Motion, PlantKind};
+use kalmanscope_core::signal::{Ramp, Sine, Step};
+use kalmanscope_core::{
+    Channel, Estimates, FilterKind, FilterSettings, Force, PerChannel, Plant, Quantity, Record, Run, Scenario, Sensor,
+    Signal,
+};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+/// The same cases every time, so that a test fails for a reason.
+fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, rng_seed: RngSeed::Fixed(20_240_607), failure_persistence: None, ..Default::default() }
+}
+
+/// A number of any size between two powers of ten.
+fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    exponents.prop_map(|e| 10_f64.powf(e))
+}
+
+fn zero_or(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 3 => size(exponents)]
+}
+
+fn signal(low: f64, high: f64) -> impl Strategy<Value = Signal> {
+    let value = move || low..high;
+    prop_oneof![
+        value().prop_map(Signal::Constant),
+        (value(), value(), 0.0..2.0).prop_map(|(from, to, at)| Signal::Step(Step { from, to, at })),
+        (value(), value(), 0.0..1.0, 0.0..1.0)
+            .prop_map(|(from, to, start, more)| { Signal::Ramp(Ramp { from, to, start, end: start + more }) }),
+        (value(), 0.0..0.99, 0.1..5.0).prop_map(move |(mean, part, period)| {
+            Signal::Sine(Sine { mean, amplitude: part * (mean - low), period })
+        }),
+    ]
+}
+
+fn force() -> impl Strategy<Value = Force> {
+    let amplitude = || prop_oneof![Just(0.0), size(-2.0..3.0), size(-2.0..3.0).prop_map(|a| -a)];
+    prop_oneof![
+        Just(Force::None),
+        zero_or(-2.0..3.0).prop_map(|std| Force::WhiteNoise { std }),
+        (amplitude(), 0.0..50.0).prop_map(|(amplitude, frequency)| Force::Sine { amplitude, frequency }),
+        (amplitude(), 0.0..50.0, 0.0..50.0, 0.1..5.0).prop_map(|(amplitude, from, to, sweep)| Force::Chirp {
+            amplitude,
+            from,
+            to,
+            sweep
+        }),
+        (amplitude(), 0.01..3.0).prop_map(|(impulse, period)| Force::ImpulseTrain { impulse, period }),
+        (amplitude(), 0.0..2.0).prop_map(|(amplitude, at)| Force::Step { amplitude, at }),
+    ]
+}
+
+fn sensors() -> impl Strategy<Value = Vec<Sensor>> {
+    proptest::sample::subsequence(Quantity::ALL.to_vec(), 0..=3).prop_flat_map(|quantities| {
+        let sensor = |measures| zero_or(-5.0..1.0).prop_map(move |noise_std| Sensor { measures, noise_std });
+        quantities.into_iter().map(sensor).collect::<Vec<_>>()
+    })
+}
+
+fn plant() -> impl Strategy<Value = Plant> {
+    let motion = (-1.0..1.0, -5.0..5.0).prop_map(|(displacement, velocity)| Motion { displacement, velocity });
+    (signal(0.1, 60.0), signal(0.0, 2.0), motion, zero_or(-3.0..1.0)).prop_map(
+        |(natural_frequency, damping_ratio, initial, disturbance_std)| Plant {
+            kind: PlantKind::Sdof,
+            natural_frequency,
+            damping_ratio,
+            initial,
+            disturbance_std,
+        },
+    )
+}
+
+fn per_channel<S: Strategy<Value = f64>>(of: impl Fn() -> S) -> impl Strategy<Value = PerChannel> {
+    [of(), of(), of(), of()].prop_map(|[displacement, velocity, natural_frequency, damping_ratio]| PerChannel {
+        displacement,
+        velocity,
+        natural_frequency,
+        damping_ratio,
+    })
+}
+
+fn initial_mean() -> impl Strategy<Value = PerChannel> {
+    (-1.0..1.0, -5.0..5.0, -5.0..80.0, -1.0..3.0).prop_map(
+        |(displacement, velocity, natural_frequency, damping_ratio)| PerChannel {
+            displacement,
+            velocity,
+            natural_frequency,
+            damping_ratio,
+        },
+    )
+}
+
+fn filter(sensors: usize) -> impl Strategy<Value = FilterSettings> {
+    (
+        proptest::sample::select(FilterKind::ALL.to_vec()),
+        prop_oneof![Just(1.0), 1.0..1.5],
+        prop_oneof![Just(0.0), 0.0..2.0],
+        proptest::collection::vec(size(-5.0..2.0), sensors),
+        initial_mean(),
+        per_channel(|| zero_or(-6.0..2.0)),
+        per_channel(|| zero_or(-9.0..0.0)),
+    )
+        .prop_map(|(kind, fading, eta, sensor_std, initial_mean, initial_std, process_std)| FilterSettings {
+            name: format!("any {}", kind.name()),
+            kind,
+            fading,
+            eta,
+            sensor_std,
+            initial_mean,
+            initial_std,
+            process_std,
+        })
+}
+
+/// Any valid scenario of a few hundred samples.
+fn scenario() -> impl Strategy<Value = Scenario> {
+    let basics = (0..1_u64 << 62, size(-3.0..-0.7), 1_u32..250);
+    (basics, plant(), force(), sensors()).prop_flat_map(|((seed, dt, steps), plant, force, sensors)| {
+        proptest::collection::vec(filter(sensors.len()), 0..4).prop_map(move |filters| Scenario {
+            seed,
+            dt,
+            duration: f64::from(steps) * dt,
+            plant: plant.clone(),
+            force,
+            sensors: sensors.clone(),
+            filters,
+        })
+    })
+}
+
+fn finished(scenario: &Scenario) -> Run {
+    let mut run = Run::new(scenario).unwrap();
+    run.finish();
+    run
+}
+
+/// The record with some measurements left out.
+fn with_gaps(record: &Record, missing: impl Fn(usize, usize) -> bool) -> Record {
+    let mut text = "t,force".to_owned();
+    record.sensors().iter().for_each(|s| text += &format!(",{}", s.key()));
+    for k in 0..record.len() {
+        text += &format!("\n{:e},{:e}", record.time(k), record.force()[k]);
+        for sensor in 0..record.sensors().len() {
+            let cell = if missing(sensor, k) { String::new() } else { format!("{:e}", record.measured(sensor)[k]) };
+            text += &format!(",{cell}");
+        }
+    }
+    Record::read_csv(text.as_bytes(), record.sensors()).unwrap()
+}
+
+fn beliefs(estimates: &Estimates) -> Vec<u64> {
+    let all = (0..estimates.len()).flat_map(|k| estimates.mean(k).iter().chain(estimates.cov(k)));
+    all.map(|x| x.to_bits()).collect()
+}
+
+fn check_estimates(estimates: &Estimates, samples: usize) -> Result<(), TestCaseError> {
+    prop_assert_eq!(estimates.len(), estimates.stop().map_or(samples, |stop| stop.sample));
+    prop_assert!(!estimates.is_empty());
+    prop_assert_eq!(estimates.log_likelihood().len(), estimates.len());
+    for k in 0..estimates.len() {
+        prop_assert!(estimates.mean(k).iter().all(|x| x.is_finite()), "mean at {}", k);
+        let cov = estimates.cov(k);
+        for i in 0..4 {
+            prop_assert!(estimates.std(k, i).is_finite(), "variance {} of {} at {}", cov[5 * i], i, k);
+            for j in 0..4 {
+                prop_assert!(cov[4 * i + j].is_finite());
+                prop_assert_eq!(cov[4 * i + j].to_bits(), cov[4 * j + i].to_bits(), "cov {} {} at {}", i, j, k);
+            }
+        }
+        let nis = estimates.nis()[k];
+        prop_assert!(nis >= 0.0 || nis.is_nan(), "NIS {} at {}", nis, k);
+        prop_assert_eq!(nis.is_nan(), estimates.innovation(k).iter().all(|e| e.is_nan()), "NIS {} at {}", nis, k);
+        prop_assert_eq!(nis.is_nan(), k == 0 || estimates.sensors().is_empty(), "NIS {} at {}", nis, k);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(config(400))]
+
+    #[test]
+    fn beliefs_are_normal_distributions_until_a_filter_stops(scenario in scenario()) {
+        let run = finished(&scenario);
+        prop_assert_eq!(run.len(), scenario.samples());
+        prop_assert_eq!(run.estimates().len(), scenario.filters.len());
+        for estimates in run.estimates() {
+            check_estimates(estimates, scenario.samples())?;
+        }
+    }
+
+    #[test]
+    fn what_is_known_stays_known(mut scenario in scenario(), which in 1_usize..4) {
+        let known = [Channel::NaturalFrequency, Channel::DampingRatio];
+        let known = match which { 1 => &known[..1], 2 => &known[1..], _ => &known[..] };
+        for filter in &mut scenario.filters {
+            filter.eta = 0.0;
+            for &channel in known {
+                filter.initial_std[channel] = 0.0;
+                filter.process_std[channel] = 0.0;
+            }
+        }
+        for (estimates, filter) in finished(&scenario).estimates().iter().zip(&scenario.filters) {
+            for &channel in known {
+                let place = estimates.place(channel).unwrap();
+                for k in 0..estimates.len() {
+                    prop_assert_eq!(estimates.mean(k)[place].to_bits(), filter.initial_mean[channel].to_bits());
+                    prop_assert_eq!(estimates.std(k, place), 0.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_sensor_that_is_always_missing_is_no_sensor(mut scenario in scenario(), which in 0_usize..3) {
+        scenario.add_sensor(Sensor { measures: Quantity::Velocity, noise_std: 0.1 });
+        let which = which % scenario.sensors.len();
+        let record = finished(&scenario).record().clone();
+        let gaps = with_gaps(&record, |sensor, _| sensor == which);
+        let mut blind = Run::on_record(&scenario, Arc::new(gaps)).unwrap();
+        blind.finish();
+        let mut fewer = scenario.clone();
+        fewer.remove_sensor(scenario.sensors[which].measures);
+        let mut without = Run::on_record(&fewer, Arc::new(record)).unwrap();
+        without.finish();
+        for (a, b) in blind.estimates().iter().zip(without.estimates()) {
+            prop_assert_eq!(beliefs(a), beliefs(b));
+            prop_assert_eq!(a.stop(), b.stop());
+            prop_assert!((0..a.len()).all(|k| a.innovation(k)[which].is_nan()));
+        }
+    }
+
+    #[test]
+    fn a_missing_measurement_skips_its_sensor_only(scenario in scenario(), every in 2_usize..5) {
+        let missing = |sensor: usize, k: usize| (k + sensor).is_multiple_of(every);
+        let gaps = with_gaps(finished(&scenario).record(), missing);
+        let mut run = Run::on_record(&scenario, Arc::new(gaps)).unwrap();
+        run.finish();
+        for estimates in run.estimates() {
+            for k in 1..estimates.len() {
+                for (sensor, innovation) in estimates.innovation(k).iter().enumerate() {
+                    prop_assert_eq!(innovation.is_nan(), missing(sensor, k));
+                    let gain = &estimates.gain(k)[4 * sensor..4 * sensor + 4];
+                    prop_assert!(!missing(sensor, k) || gain == [0.0; 4]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_gives_the_scenario_back(scenario in scenario()) {
+        let text = scenario.to_toml().unwrap();
+        prop_assert_eq!(Scenario::from_toml(&text), Ok(scenario), "{}", text);
+    }
+
+    #[test]
+    fn fading_by_one_is_no_fading(scenario in scenario()) {
+        let text = scenario.to_toml().unwrap();
+        let line_with_fading = |line: &&str| line.starts_with("fading = ");
+        prop_assert_eq!(text.lines().filter(line_with_fading).count(), scenario.filters.len());
+        let without: Vec<&str> = text.lines().filter(|line| !line_with_fading(line)).collect();
+        let default = Scenario::from_toml(&without.join("\n")).unwrap();
+        let mut explicit = scenario;
+        explicit.filters.iter_mut().for_each(|filter| filter.fading = 1.0);
+        prop_assert_eq!(finished(&default).checksum(), finished(&explicit).checksum());
+    }
+}
+
+proptest! {
+    #![proptest_config(config(60))]
+
+    /// Settings that a person might try: no filter gives up, and the truth is found.
+    #[test]
+    fn sensible_filters_find_the_truth(
+        seed in 0_u64..1000,
+        wn in 2.0..12.0,
+        zeta in 0.02..0.2,
+        off in (0.7..1.4, 0.0..0.3),
+        sensors in proptest::sample::subsequence(Quantity::ALL.to_vec(), 1..=3),
+    ) {
+        let noise = |q| match q { Quantity::Displacement => 0.01, Quantity::Velocity => 0.06, Quantity::Acceleration => 0.5 };
+        let mut scenario = Scenario { seed, ..Scenario::default() };
+        scenario.plant.natural_frequency = Signal::Constant(wn);
+        scenario.plant.damping_ratio = Signal::Constant(zeta);
+        scenario.sensors = sensors.iter().map(|&q| Sensor { measures: q, noise_std: noise(q) }).collect();
+        for filter in &mut scenario.filters {
+            filter.sensor_std = sensors.iter().map(|&q| noise(q)).collect();
+            filter.initial_mean.natural_frequency = wn * off.0;
+            filter.initial_mean.damping_ratio = off.1;
+        }
+        for estimates in finished(&scenario).estimates() {
+            prop_assert_eq!(estimates.stop(), None);
+            let last = estimates.len() - 1;
+            for (place, truth) in [(2, wn), (3, zeta)] {
+                let error = estimates.mean(last)[place] - truth;
+                prop_assert!(error.abs() < 6.0 * estimates.std(last, place), "{}: {}", estimates.name(), error);
+            }
+            prop_assert!((estimates.mean(last)[2] / wn - 1.0).abs() < 0.05);
+        }
+    }
+}
+
+/// A covariance of rank one that shrinks without anything to lift it: its variances are zero to rounding, on either side.
+#[test]
+fn rounding_makes_no_variance_negative() {
+    let nothing = PerChannel { displacement: 0.0, velocity: 0.0, natural_frequency: 0.0, damping_ratio: 0.0 };
+    for kind in FilterKind::ALL {
+        let filter = FilterSettings {
+            kind,
+            initial_mean: PerChannel { natural_frequency: 61.7, damping_ratio: 0.55, ..nothing },
+            initial_std: PerChannel { natural_frequency: 1.0, ..nothing },
+            process_std: nothing,
+            ..FilterSettings::default()
+        };
+        let scenario = Scenario {
+            dt: 0.2,
+            duration: 40.0,
+            force: Force::Step { amplitude: 0.3, at: 1.9 },
+            sensors: vec![],
+            filters: vec![filter],
+            ..Scenario::default()
+        };
+        let run = finished(&scenario);
+        let estimates = &run.estimates()[0];
+        assert!(estimates.len() > 15, "{}", kind.name());
+        for k in 0..estimates.len() {
+            assert!((0..4).all(|i| estimates.std(k, i).is_finite()), "{} at {k}: {:?}", kind.name(), estimates.cov(k));
+        }
+    }
+}

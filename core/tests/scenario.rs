@@ -1,0 +1,391 @@
+//! Scenario files: what they may say, and what is said of them if they say it wrongly.
+
+use kalmanscope_core::scenario::{Motion, PlantKind};
+use kalmanscope_core::signal::{Ramp, Sine, Step};
+use kalmanscope_core::{
+    FilterKind, FilterSettings, Force, PerChannel, Plant, Quantity, Scenario, ScenarioError, Sensor, Signal,
+};
+
+const SAMPLE: &str = r#"seed = 1
+dt = 0.01                    # s
+duration = 60.0              # s
+
+[plant]                      # the truth
+kind = "sdof"
+natural_frequency = { step = { from = 6.0, to = 4.8, at = 30.0 } }   # rad/s; a bare number is a constant
+damping_ratio = 0.05
+initial = { displacement = 0.0, velocity = 0.0 }
+disturbance_std = 0.0        # m/s^2, unmeasured
+
+[force]
+white_noise = { std = 10.0 } # m/s^2
+
+[[sensors]]
+measures = "displacement"
+noise_std = 0.01
+[[sensors]]
+measures = "velocity"
+noise_std = 0.06
+
+[[filters]]
+name = "EKF with fading memory"
+kind = "ekf"                 # kf | ekf | ukf
+fading = 1.005
+eta = 0.0
+sensor_std = [0.01, 0.06]
+initial_mean = { displacement = 0.0, velocity = 0.0, natural_frequency = 8.0, damping_ratio = 0.1 }
+initial_std  = { displacement = 0.1, velocity = 0.3, natural_frequency = 2.0, damping_ratio = 0.1 }
+process_std  = { displacement = 1e-4, velocity = 1e-3, natural_frequency = 1e-4, damping_ratio = 3e-5 }
+"#;
+
+fn parsed(text: &str) -> Scenario {
+    Scenario::from_toml(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
+}
+
+#[test]
+fn the_sample_says_what_it_says() {
+    let per_channel = |[displacement, velocity, natural_frequency, damping_ratio]: [f64; 4]| PerChannel {
+        displacement,
+        velocity,
+        natural_frequency,
+        damping_ratio,
+    };
+    let expected = Scenario {
+        seed: 1,
+        dt: 0.01,
+        duration: 60.0,
+        plant: Plant {
+            kind: PlantKind::Sdof,
+            natural_frequency: Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }),
+            damping_ratio: Signal::Constant(0.05),
+            initial: Motion { displacement: 0.0, velocity: 0.0 },
+            disturbance_std: 0.0,
+        },
+        force: Force::WhiteNoise { std: 10.0 },
+        sensors: vec![
+            Sensor { measures: Quantity::Displacement, noise_std: 0.01 },
+            Sensor { measures: Quantity::Velocity, noise_std: 0.06 },
+        ],
+        filters: vec![FilterSettings {
+            name: "EKF with fading memory".to_owned(),
+            kind: FilterKind::Ekf,
+            fading: 1.005,
+            eta: 0.0,
+            sensor_std: vec![0.01, 0.06],
+            initial_mean: per_channel([0.0, 0.0, 8.0, 0.1]),
+            initial_std: per_channel([0.1, 0.3, 2.0, 0.1]),
+            process_std: per_channel([1e-4, 1e-3, 1e-4, 3e-5]),
+        }],
+    };
+    assert_eq!(parsed(SAMPLE), expected);
+    assert_eq!(expected.samples(), 6001);
+}
+
+#[test]
+fn an_empty_file_is_the_default() {
+    let default = parsed("");
+    assert_eq!(default, Scenario::default());
+    assert_eq!(default.validate(), Ok(()));
+    assert_eq!(default.filters.iter().map(|f| f.name.as_str()).collect::<Vec<_>>(), ["EKF", "UKF"]);
+}
+
+#[test]
+fn what_is_left_out_follows_from_the_rest() {
+    let scenario = parsed(
+        "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.2\n[[sensors]]\nmeasures = \"displacement\"\n\
+         noise_std = 0\n[[filters]]\nkind = \"ukf\"\ninitial_std = { velocity = 9 }\n[[filters]]\nname = \"a\"\n",
+    );
+    let [ukf, second] = scenario.filters.as_slice() else { panic!("two filters") };
+    assert_eq!((ukf.name.as_str(), second.name.as_str()), ("UKF", "a"));
+    assert_eq!(ukf.initial_std, PerChannel { velocity: 9.0, ..PerChannel::INITIAL_STD });
+    assert_eq!(second.initial_std, PerChannel::INITIAL_STD);
+    assert_eq!(ukf.sensor_std[0], 0.2);
+    assert!(ukf.sensor_std[1] > 0.0, "a filter cannot believe in a perfect sensor");
+    assert!(parsed("sensors = []\nfilters = []").filters.is_empty());
+    let other_sensors = parsed("[[sensors]]\nmeasures = \"acceleration\"\nnoise_std = 0.5");
+    assert!(other_sensors.filters.iter().all(|f| f.sensor_std == [0.5] && f.fading == 1.005));
+}
+
+#[test]
+fn every_kind_of_signal_can_be_written() {
+    let cases = [
+        ("6", Signal::Constant(6.0)),
+        ("6.5", Signal::Constant(6.5)),
+        ("{ step = { from = 6, to = 4.8, at = 30 } }", Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 })),
+        (
+            "{ ramp = { from = 6.0, to = 5.0, start = 20, end = 30 } }",
+            Signal::Ramp(Ramp { from: 6.0, to: 5.0, start: 20.0, end: 30.0 }),
+        ),
+        (
+            "{ sine = { mean = 6.0, amplitude = 0.5, period = 8.0 } }",
+            Signal::Sine(Sine { mean: 6.0, amplitude: 0.5, period: 8.0 }),
+        ),
+    ];
+    for (text, expected) in cases {
+        for key in ["natural_frequency", "damping_ratio"] {
+            let plant = parsed(&format!("[plant]\n{key} = {text}")).plant;
+            let found = if key == "damping_ratio" { plant.damping_ratio } else { plant.natural_frequency };
+            assert_eq!(found, expected, "{key} = {text}");
+        }
+    }
+    let table = parsed("[plant.natural_frequency.step]\nfrom = 6\nto = 4.8\nat = 30");
+    assert_eq!(table.plant.natural_frequency, cases[2].1);
+}
+
+#[test]
+fn every_kind_of_force_can_be_written() {
+    let cases = [
+        ("force = \"none\"", Force::None),
+        ("[force]\nnone = {}", Force::None),
+        ("[force]\nwhite_noise = { std = 3 }", Force::WhiteNoise { std: 3.0 }),
+        ("[force]\nsine = { amplitude = 2.0, frequency = 5.0 }", Force::Sine { amplitude: 2.0, frequency: 5.0 }),
+        (
+            "[force]\nchirp = { amplitude = 2.0, from = 1.0, to = 9.0, sweep = 30.0 }",
+            Force::Chirp { amplitude: 2.0, from: 1.0, to: 9.0, sweep: 30.0 },
+        ),
+        ("[force]\nimpulse_train = { impulse = 0.5, period = 4.0 }", Force::ImpulseTrain { impulse: 0.5, period: 4.0 }),
+        ("[force]\nstep = { amplitude = 2.0, at = 5.0 }", Force::Step { amplitude: 2.0, at: 5.0 }),
+    ];
+    for (text, expected) in cases {
+        let scenario = parsed(text);
+        assert_eq!(scenario.force, expected, "{text}");
+        assert_eq!(parsed(&scenario.to_toml().unwrap()), scenario, "{text}");
+    }
+}
+
+/// Asserts that a file is refused with exactly these words.
+#[track_caller]
+fn assert_refused(cases: &[(&str, &str)]) {
+    for (text, expected) in cases {
+        match Scenario::from_toml(text) {
+            Ok(_) => panic!("accepted: {text}"),
+            Err(error) => assert_eq!(error.to_string(), *expected, "{text}"),
+        }
+    }
+}
+
+#[test]
+fn unknown_keys_are_named_with_those_that_there_are() {
+    const CHANNELS: &str = "`displacement`, `velocity`, `natural_frequency`, `damping_ratio`";
+    let channels = format!("line 2: unknown key `filters[0].initial_std.mass`; it can be {CHANNELS}");
+    assert_refused(&[
+        (
+            "\nsed = 1",
+            "line 2: unknown key `sed`; it can be `seed`, `dt`, `duration`, `plant`, `force`, `sensors`, `filters`",
+        ),
+        (
+            "[plant]\nmass = 1",
+            "line 2: unknown key `plant.mass`; it can be `kind`, `natural_frequency`, `damping_ratio`, `initial`, \
+             `disturbance_std`",
+        ),
+        (
+            "[plant]\ninitial = { x = 1 }",
+            "line 2: unknown key `plant.initial.x`; it can be `displacement` or `velocity`",
+        ),
+        (
+            "[plant]\nnatural_frequency = { jump = 1 }",
+            "line 2: unknown key `plant.natural_frequency.jump`; it can be `step`, `ramp`, `sine`",
+        ),
+        (
+            "[plant.damping_ratio.step]\nfrom = 1\nto = 2\nat = 3\nend = 4",
+            "line 5: unknown key `plant.damping_ratio.step.end`; it can be `from`, `to`, `at`",
+        ),
+        (
+            "[force]\nnoise = 1",
+            "line 2: unknown key `force.noise`; it can be `none`, `white_noise`, `sine`, `chirp`, `impulse_train`, \
+             `step`",
+        ),
+        (
+            "[force]\nwhite_noise = { std = 1, mean = 2 }",
+            "line 2: unknown key `force.white_noise.mean`; it can be `std`",
+        ),
+        (
+            "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 1\nbias = 2",
+            "line 4: unknown key `sensors[0].bias`; it can be `measures` or `noise_std`",
+        ),
+        (
+            "[[filters]]\n[[filters]]\nlambda = 1",
+            "line 3: unknown key `filters[1].lambda`; it can be `name`, `kind`, `fading`, `eta`, `sensor_std`, \
+             `initial_mean`, `initial_std`, `process_std`",
+        ),
+        ("[[filters]]\ninitial_std = { mass = 1 }", &channels),
+    ]);
+}
+
+#[test]
+fn wrong_types_are_told_with_key_value_and_what_is_allowed() {
+    let signal = "a number, or a table with exactly one of `step`, `ramp`, `sine`";
+    let force = "\"none\" or a table with exactly one of `white_noise`, `sine`, `chirp`, `impulse_train`, `step`";
+    let refused = |text: &str, message: String| assert_refused(&[(text, &message)]);
+    refused(
+        "[plant]\ndamping_ratio = \"low\"",
+        format!("line 2: `plant.damping_ratio` is \"low\", but must be {signal}"),
+    );
+    refused("[plant]\ndamping_ratio = {}", format!("line 2: `plant.damping_ratio` is {{}}, but must be {signal}"));
+    let two = "{ sine = { mean = 6, amplitude = 1, period = 9 }, step = { from = 6, to = 5, at = 3 } }";
+    let shown = "{ sine = { mean = 6, amplitude = 1, peri…";
+    refused(
+        &format!("[plant]\nnatural_frequency = {two}"),
+        format!("line 2: `plant.natural_frequency` is {shown}, but must be {signal}"),
+    );
+    for value in ["3", "{}", "\"sine\"", "{ none = {}, step = { amplitude = 2, at = 5 } }"] {
+        let shown: String = if value.chars().count() > 40 { value[..40].to_owned() + "…" } else { value.to_owned() };
+        refused(&format!("force = {value}"), format!("line 1: `force` is {shown}, but must be {force}"));
+    }
+    assert_refused(&[
+        ("seed = 1.5", "line 1: `seed` is 1.5, but must be a whole number from 0 to 2⁶³ - 1"),
+        ("seed = -1", "line 1: `seed` is -1, but must be a whole number from 0 to 2⁶³ - 1"),
+        ("seed = 1\n\ndt = \"fast\"", "line 3: `dt` is \"fast\", but must be a number"),
+        ("dt = 1979-05-27", "line 1: `dt` is 1979-05-27, but must be a number"),
+        ("plant = 3", "line 1: `plant` is 3, but must be a table"),
+        ("[plant]\nkind = \"mdof\"", "line 2: `plant.kind` is \"mdof\", but must be `sdof`"),
+        ("[plant]\nkind = 3", "line 2: `plant.kind` is 3, but must be a string"),
+        ("[plant]\ninitial = { velocity = true }", "line 2: `plant.initial.velocity` is true, but must be a number"),
+        (
+            "[plant]\nnatural_frequency = { step = { from = 1, to = [], at = 2 } }",
+            "line 2: `plant.natural_frequency.step.to` is [], but must be a number",
+        ),
+        (
+            "[plant]\nnatural_frequency = { step = 1 }",
+            "line 2: `plant.natural_frequency.step` is 1, but must be a table",
+        ),
+        (
+            "[plant]\nnatural_frequency = { step = { from = 1, to = 2 } }",
+            "line 2: `plant.natural_frequency.step` lacks the key `at`",
+        ),
+        ("[force]\nsine = { amplitude = 1.0 }", "line 2: `force.sine` lacks the key `frequency`"),
+        (
+            "[force]\nsine = { amplitude = \"a\", frequency = 1 }",
+            "line 2: `force.sine.amplitude` is \"a\", but must be a number",
+        ),
+        (
+            "force = \"noise\"",
+            "line 1: `force` is \"noise\", but must be one of `none`, `white_noise`, `sine`, `chirp`, `impulse_train`, \
+             `step`",
+        ),
+        ("sensors = 3", "line 1: `sensors` is 3, but must be a list"),
+        (
+            "[[sensors]]\nmeasures = \"jerk\"\nnoise_std = 1",
+            "line 2: `sensors[0].measures` is \"jerk\", but must be one of `displacement`, `velocity`, `acceleration`",
+        ),
+        ("[[sensors]]\nmeasures = \"velocity\"", "line 1: `sensors[0]` lacks the key `noise_std`"),
+        ("[[filters]]\nkind = \"pf\"", "line 2: `filters[0].kind` is \"pf\", but must be one of `kf`, `ekf`, `ukf`"),
+        ("[[filters]]\nname = 3", "line 2: `filters[0].name` is 3, but must be a string"),
+        ("[[filters]]\nsensor_std = 1", "line 2: `filters[0].sensor_std` is 1, but must be a list"),
+        (
+            "[[filters]]\n[[filters]]\nsensor_std = [\n1,\n\"a\"]",
+            "line 5: `filters[1].sensor_std[1]` is \"a\", but must be a number",
+        ),
+        (
+            "[[filters]]\nprocess_std = { velocity = \"a\" }",
+            "line 2: `filters[0].process_std.velocity` is \"a\", but must be a number",
+        ),
+        ("[[filters]]\nprocess_std = 3", "line 2: `filters[0].process_std` is 3, but must be a table"),
+    ]);
+}
+
+#[test]
+fn impossible_values_are_told_with_key_value_and_what_is_allowed() {
+    const POSITIVE: &str = "but must be a finite number above 0";
+    const NOT_NEGATIVE: &str = "but must be a finite number, at least 0";
+    const FINITE: &str = "but must be a finite number";
+    let cases = [
+        ("dt = 0", "`dt` is 0", POSITIVE),
+        ("dt = nan", "`dt` is NaN", POSITIVE),
+        ("duration = -1", "`duration` is -1", POSITIVE),
+        ("duration = 1e9", "`duration` is 1000000000", "but must be from 1 to 1999999 times dt"),
+        ("duration = 1e-3", "`duration` is 0.001", "but must be from 1 to 1999999 times dt"),
+        ("plant.natural_frequency = inf", "`plant.natural_frequency` is inf", FINITE),
+        (
+            "plant.natural_frequency = 0",
+            "`plant.natural_frequency` is 0 at its lowest",
+            "but must be above 0 at all times",
+        ),
+        (
+            "plant.natural_frequency = { sine = { mean = 1, amplitude = -2, period = 3 } }",
+            "`plant.natural_frequency` is -1 at its lowest",
+            "but must be above 0 at all times",
+        ),
+        (
+            "plant.damping_ratio = -0.1",
+            "`plant.damping_ratio` is -0.1 at its lowest",
+            "but must be at least 0 at all times",
+        ),
+        (
+            "plant.damping_ratio = { sine = { mean = 1, amplitude = 0, period = 0 } }",
+            "`plant.damping_ratio.sine.period` is 0",
+            POSITIVE,
+        ),
+        (
+            "plant.damping_ratio = { ramp = { from = 1, to = 1, start = 9, end = 3 } }",
+            "`plant.damping_ratio.ramp.end` is 3",
+            "but must be at least ramp.start = 9",
+        ),
+        (
+            "plant.damping_ratio = { step = { from = 1, to = nan, at = 3 } }",
+            "`plant.damping_ratio.step.to` is NaN",
+            FINITE,
+        ),
+        ("plant.initial.displacement = inf", "`plant.initial.displacement` is inf", FINITE),
+        ("plant.initial.velocity = nan", "`plant.initial.velocity` is NaN", FINITE),
+        ("plant.disturbance_std = -1", "`plant.disturbance_std` is -1", NOT_NEGATIVE),
+        ("force.white_noise.std = -1", "`force.white_noise.std` is -1", NOT_NEGATIVE),
+        ("force.sine = { amplitude = inf, frequency = 1 }", "`force.sine.amplitude` is inf", FINITE),
+        ("force.chirp = { amplitude = 1, from = 1, to = 1, sweep = 0 }", "`force.chirp.sweep` is 0", POSITIVE),
+        ("force.impulse_train = { impulse = 1, period = -1 }", "`force.impulse_train.period` is -1", POSITIVE),
+        ("force.step = { amplitude = 1, at = nan }", "`force.step.at` is NaN", FINITE),
+        ("[[sensors]]\nmeasures = \"velocity\"\nnoise_std = -1", "`sensors[0].noise_std` is -1", NOT_NEGATIVE),
+        (
+            "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 1\n[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 2",
+            "`sensors[1].measures` is \"velocity\" again",
+            "but must be a quantity that no other sensor measures",
+        ),
+        (
+            "[[filters]]\nfading = 0.9",
+            "`filters[0].fading` is 0.9",
+            "but must be a finite number, at least 1 (1 forgets nothing)",
+        ),
+        ("[[filters]]\n[[filters]]\neta = -1", "`filters[1].eta` is -1", NOT_NEGATIVE),
+        (
+            "[[filters]]\nsensor_std = [1]",
+            "`filters[0].sensor_std` is a list of 1",
+            "but must be a list of 2, one for each sensor",
+        ),
+        ("[[filters]]\nsensor_std = [1, 0]", "`filters[0].sensor_std[1]` is 0", POSITIVE),
+        ("[[filters]]\ninitial_mean.velocity = nan", "`filters[0].initial_mean.velocity` is NaN", FINITE),
+        ("[[filters]]\ninitial_std.damping_ratio = -1", "`filters[0].initial_std.damping_ratio` is -1", NOT_NEGATIVE),
+        ("[[filters]]\nprocess_std.displacement = inf", "`filters[0].process_std.displacement` is inf", NOT_NEGATIVE),
+    ];
+    for (text, what, allowed) in cases {
+        assert_refused(&[(text, &format!("{what}, {allowed}"))]);
+        assert!(matches!(Scenario::from_toml(text), Err(ScenarioError::Value { .. })), "{text}");
+    }
+    let many = "[[filters]]\n".repeat(17);
+    assert_refused(&[(&many, "`filters` is a list of 17, but must be at most 16")]);
+    assert_eq!(parsed(&"[[filters]]\n".repeat(16)).filters.len(), 16);
+}
+
+#[test]
+fn what_is_no_toml_is_shown() {
+    for text in ["dt = ", "seed = 1\nseed = 2", "[plant", "\u{0}", "dt = 0.01.2"] {
+        let error = Scenario::from_toml(text).unwrap_err();
+        assert!(matches!(error, ScenarioError::Syntax(_)), "{text}");
+        assert!(error.to_string().starts_with("TOML parse error at line "), "{error}");
+    }
+}
+
+#[test]
+fn a_seed_that_toml_cannot_hold_is_refused() {
+    let scenario = Scenario { seed: u64::MAX, ..Scenario::default() };
+    let message = scenario.validate().unwrap_err().to_string();
+    assert_eq!(message, "`seed` is 18446744073709551615, but must be a whole number from 0 to 2⁶³ - 1");
+    assert_refused(&[
+        ("seed = 9223372036854775808", &message.replace("18446744073709551615", "9223372036854775808")),
+        (
+            "seed = 99999999999999999999",
+            &format!("line 1: {}", message.replace("18446744073709551615", "99999999999999999999")),
+        ),
+    ]);
+    let largest = Scenario { seed: i64::MAX as u64, ..Scenario::default() };
+    assert_eq!(parsed(&largest.to_toml().unwrap()), largest);
+}

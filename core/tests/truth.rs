@@ -1,0 +1,226 @@
+//! The simulator against independent answers.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use kalmanscope_core::signal::{Ramp, Sine, Step};
+use kalmanscope_core::{Channel, Force, Quantity, Record, Run, Scenario, Sensor, Signal};
+
+fn simulated(scenario: &Scenario) -> Record {
+    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
+    run.finish();
+    assert_eq!(run.record().len(), scenario.samples());
+    run.record().clone()
+}
+
+fn truth(record: &Record, channel: Channel) -> &[f64] {
+    record.truth(channel).unwrap()
+}
+
+fn steady(wn: f64, zeta: f64, force: Force) -> Scenario {
+    let mut scenario = Scenario { duration: 20.0, force, ..Scenario::default() };
+    scenario.plant.natural_frequency = Signal::Constant(wn);
+    scenario.plant.damping_ratio = Signal::Constant(zeta);
+    scenario
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// Displacement and velocity of the damped oscillator without a force.
+fn free_vibration(wn: f64, zeta: f64, x0: f64, v0: f64, t: f64) -> (f64, f64) {
+    let wd = wn * (1.0 - zeta * zeta).sqrt();
+    let (c, s) = (x0, (v0 + zeta * wn * x0) / wd);
+    let decay = (-zeta * wn * t).exp();
+    let (sin, cos) = (wd * t).sin_cos();
+    let x = decay * (c * cos + s * sin);
+    (x, decay * wd * (s * cos - c * sin) - zeta * wn * x)
+}
+
+#[test]
+fn free_vibration_is_the_closed_form() {
+    for (wn, zeta) in [(6.0, 0.05), (6.0, 0.0), (40.0, 0.3), (0.5, 0.9)] {
+        let mut scenario = steady(wn, zeta, Force::None);
+        scenario.plant.initial.displacement = 0.5;
+        scenario.plant.initial.velocity = -1.5;
+        let record = simulated(&scenario);
+        for k in 0..record.len() {
+            let (x, v) = free_vibration(wn, zeta, 0.5, -1.5, record.time(k));
+            let size = 0.5 + 1.5 / wn;
+            assert!((truth(&record, Channel::Displacement)[k] - x).abs() < 1e-11 * size, "x at {k} of {wn}, {zeta}");
+            assert!((truth(&record, Channel::Velocity)[k] - v).abs() < 1e-11 * size * wn, "v at {k} of {wn}, {zeta}");
+        }
+    }
+}
+
+#[test]
+fn a_step_of_force_gives_the_step_response() {
+    let (wn, zeta, at) = (6.0, 0.05, 2.0);
+    let record = simulated(&steady(wn, zeta, Force::Step { amplitude: 3.0, at }));
+    let rest = 3.0 / (wn * wn);
+    for k in 0..record.len() {
+        let (x, v) = match record.time(k) - at {
+            t if t <= 0.0 => (0.0, 0.0),
+            // From the new rest position's view the mass is let go from -rest.
+            t => free_vibration(wn, zeta, -rest, 0.0, t),
+        };
+        let x = if record.time(k) > at { x + rest } else { x };
+        assert!((truth(&record, Channel::Displacement)[k] - x).abs() < 1e-12 * rest.max(1.0), "x at {k}");
+        assert!((truth(&record, Channel::Velocity)[k] - v).abs() < 1e-11, "v at {k}");
+    }
+    assert!(largest(truth(&record, Channel::Displacement)) > 1.5 * rest, "it overshoots");
+}
+
+/// Force and parameters held over each step, integrated by Runge-Kutta steps of at most 0.2 ms.
+fn dense(record: &Record, disturbance: &[f64]) -> Vec<(f64, f64)> {
+    let (wn, zeta) = (truth(record, Channel::NaturalFrequency), truth(record, Channel::DampingRatio));
+    let mut state = (truth(record, Channel::Displacement)[0], truth(record, Channel::Velocity)[0]);
+    let mut states = vec![state];
+    for k in 0..record.len() - 1 {
+        let push = record.force()[k] + disturbance.get(k).copied().unwrap_or(0.0);
+        let rate = |(x, v): (f64, f64)| (v, push - 2.0 * zeta[k] * wn[k] * v - wn[k] * wn[k] * x);
+        let substeps = (record.dt() / 2e-4).ceil();
+        let dt = record.dt() / substeps;
+        for _ in 0..substeps as usize {
+            let along = |d: (f64, f64), by: f64| (state.0 + d.0 * by, state.1 + d.1 * by);
+            let k1 = rate(state);
+            let k2 = rate(along(k1, dt / 2.0));
+            let k3 = rate(along(k2, dt / 2.0));
+            let k4 = rate(along(k3, dt));
+            let mean = |a: f64, b: f64, c: f64, d: f64| (a + 2.0 * b + 2.0 * c + d) / 6.0;
+            state = along((mean(k1.0, k2.0, k3.0, k4.0), mean(k1.1, k2.1, k3.1, k4.1)), dt);
+        }
+        states.push(state);
+    }
+    states
+}
+
+#[track_caller]
+fn assert_dense(record: &Record, disturbance: &[f64]) {
+    let expected = dense(record, disturbance);
+    let (x, v) = (truth(record, Channel::Displacement), truth(record, Channel::Velocity));
+    let (x_size, v_size) = (largest(x), largest(v));
+    assert!(x_size > 0.01 && v_size > 0.01, "it moves");
+    for (k, expected) in expected.iter().enumerate() {
+        assert!((x[k] - expected.0).abs() < 1e-9 * x_size, "x at {k}: {} instead of {}", x[k], expected.0);
+        assert!((v[k] - expected.1).abs() < 1e-9 * v_size, "v at {k}: {} instead of {}", v[k], expected.1);
+    }
+}
+
+fn time_varying() -> Scenario {
+    let mut scenario = steady(6.0, 0.05, Force::WhiteNoise { std: 10.0 });
+    scenario.plant.natural_frequency = Signal::Sine(Sine { mean: 6.0, amplitude: 2.0, period: 7.0 });
+    scenario.plant.damping_ratio = Signal::Ramp(Ramp { from: 0.02, to: 0.3, start: 3.0, end: 15.0 });
+    scenario
+}
+
+#[test]
+fn a_changing_plant_under_white_noise_agrees_with_dense_integration() {
+    assert_dense(&simulated(&time_varying()), &[]);
+    let coarse = Scenario { dt: 0.1, ..time_varying() };
+    assert_dense(&simulated(&coarse), &[]);
+}
+
+#[test]
+fn the_disturbance_pushes_the_mass_and_is_felt_by_the_accelerometer() {
+    let mut scenario = time_varying();
+    scenario.sensors = vec![Sensor { measures: Quantity::Acceleration, noise_std: 0.0 }];
+    scenario.plant.disturbance_std = 2.0;
+    let record = simulated(&scenario);
+    let [x, v, wn, zeta] = Channel::ALL.map(|c| truth(&record, c));
+    let felt: Vec<f64> = (0..record.len())
+        .map(|k| {
+            let known = record.force()[k] - 2.0 * zeta[k] * wn[k] * v[k] - wn[k] * wn[k] * x[k];
+            record.measured(0)[k] - known
+        })
+        .collect();
+    let std = (felt.iter().map(|d| d * d).sum::<f64>() / felt.len() as f64).sqrt();
+    assert!((std - 2.0).abs() < 0.2, "std {std}");
+    assert_dense(&record, &felt);
+}
+
+#[test]
+fn each_sensor_has_its_noise() {
+    let mut scenario = Scenario { duration: 200.0, ..steady(6.0, 0.05, Force::WhiteNoise { std: 10.0 }) };
+    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.7 });
+    let record = simulated(&scenario);
+    let [x, v, wn, zeta] = Channel::ALL.map(|c| truth(&record, c));
+    let mut noise: Vec<Vec<f64>> = Vec::new();
+    for (i, sensor) in scenario.sensors.iter().enumerate() {
+        let clean = |k: usize| match sensor.measures {
+            Quantity::Displacement => x[k],
+            Quantity::Velocity => v[k],
+            Quantity::Acceleration => record.force()[k] - 2.0 * zeta[k] * wn[k] * v[k] - wn[k] * wn[k] * x[k],
+        };
+        let errors: Vec<f64> = (0..record.len()).map(|k| record.measured(i)[k] - clean(k)).collect();
+        let n = errors.len() as f64;
+        let mean = errors.iter().sum::<f64>() / n;
+        let std = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
+        assert!(mean.abs() < 4.0 * sensor.noise_std / n.sqrt(), "mean {mean}");
+        assert!((std / sensor.noise_std - 1.0).abs() < 4.0 / (2.0 * n).sqrt(), "std {std}");
+        noise.push(errors);
+    }
+    assert_eq!(noise.len(), 3);
+    for (a, b) in [(0, 1), (0, 2), (1, 2)] {
+        let covariance: f64 = noise[a].iter().zip(&noise[b]).map(|(a, b)| a * b).sum::<f64>() / record.len() as f64;
+        let correlation = covariance / (scenario.sensors[a].noise_std * scenario.sensors[b].noise_std);
+        assert!(correlation.abs() < 0.03, "{a} and {b}: {correlation}");
+    }
+}
+
+#[test]
+fn a_new_sensor_leaves_all_else_to_the_bit() {
+    let mut scenario = time_varying();
+    scenario.plant.disturbance_std = 1.0;
+    let before = simulated(&scenario);
+    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.7 });
+    let after = simulated(&scenario);
+    assert_eq!(after.sensors().len(), before.sensors().len() + 1);
+    assert_eq!(before.force(), after.force());
+    for quantity in [Quantity::Displacement, Quantity::Velocity] {
+        assert!(before.measured_quantity(quantity).is_some());
+        assert_eq!(before.measured_quantity(quantity), after.measured_quantity(quantity));
+    }
+    for channel in Channel::ALL {
+        assert_eq!(truth(&before, channel), truth(&after, channel));
+    }
+}
+
+#[test]
+fn filters_do_not_touch_the_record() {
+    let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    let mut other = scenario.clone();
+    other.filters[0].fading = 1.5;
+    other.filters.pop();
+    let mut run = Run::new(&other).unwrap();
+    run.finish();
+    assert_eq!(run.record(), &simulated(&scenario));
+}
+
+#[test]
+fn seeds_differ_in_force_and_noise() {
+    let scenario = time_varying();
+    let (a, b) = (simulated(&scenario), simulated(&Scenario { seed: 2, ..scenario.clone() }));
+    assert_eq!(a, simulated(&scenario));
+    assert!((0..a.len()).all(|k| a.force()[k] != b.force()[k] && a.measured(0)[k] != b.measured(0)[k]));
+}
+
+#[test]
+fn parameters_follow_their_signals() {
+    let signals = [
+        Signal::Constant(6.0),
+        Signal::Step(Step { from: 6.0, to: 4.8, at: 10.0 }),
+        Signal::Ramp(Ramp { from: 6.0, to: 5.0, start: 4.0, end: 9.0 }),
+        Signal::Sine(Sine { mean: 6.0, amplitude: 1.0, period: 5.0 }),
+    ];
+    for signal in signals {
+        let mut scenario = time_varying();
+        scenario.plant.natural_frequency = signal;
+        scenario.plant.damping_ratio = signal;
+        let record = simulated(&scenario);
+        for k in 0..record.len() {
+            let expected = signal.at(record.time(k));
+            assert_eq!(truth(&record, Channel::NaturalFrequency)[k], expected);
+            assert_eq!(truth(&record, Channel::DampingRatio)[k], expected);
+        }
+    }
+}
