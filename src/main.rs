@@ -1,27 +1,155 @@
-//! Kalmanscope's entry points: native and web.
+//! Kalmanscope's entry points: a window, a report where there is no display, or a web page.
+
 #[cfg(not(target_arch = "wasm32"))]
-fn main() {}
+fn main() -> std::process::ExitCode {
+    native::main()
+}
 
 #[cfg(target_arch = "wasm32")]
 fn main() {
-    use wasm_bindgen::JsCast as _;
-    let canvas = web_sys::window()
-        .and_then(|w| w.document())
-        .and_then(|d| d.get_element_by_id("kalmanscope"))
-        .and_then(|e| e.dyn_into::<web_sys::HtmlCanvasElement>().ok());
-    struct App;
-    impl eframe::App for App {
-        fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
-            egui::CentralPanel::default().show(ui, |ui| {
-                ui.label("hello");
-                let _ = egui_plot::Plot::new("p").show(ui, |_| ());
-            });
+    web::main();
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+mod native {
+    use std::error::Error;
+    use std::path::Path;
+    use std::process::ExitCode;
+
+    use eframe::NativeOptions;
+    use egui::{IconData, ViewportBuilder};
+    use kalmanscope::App;
+    use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
+    use kalmanscope_core::Scenario;
+
+    /// Where the report goes if there is no display.
+    const REPORT: &str = "kalmanscope-report.svg";
+
+    pub(super) fn main() -> ExitCode {
+        env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
+        let Err(error) = window() else {
+            return ExitCode::SUCCESS;
+        };
+        println!("No window can be opened here ({error}), so here is the default scenario without one.\n");
+        match report() {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("error: {error}");
+                ExitCode::FAILURE
+            }
         }
     }
-    wasm_bindgen_futures::spawn_local(async move {
-        if let Some(c) = canvas {
-            let _ =
-                eframe::WebRunner::new().start(c, eframe::WebOptions::default(), Box::new(|_| Ok(Box::new(App)))).await;
+
+    fn window() -> eframe::Result {
+        let viewport = ViewportBuilder::default()
+            .with_title("Kalmanscope")
+            .with_app_id("kalmanscope")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([360.0, 420.0])
+            .with_icon(icon());
+        let options = NativeOptions { viewport, ..NativeOptions::default() };
+        eframe::run_native("kalmanscope", options, Box::new(|creation| Ok(Box::new(App::new(creation)?))))
+    }
+
+    /// The window's icon, or the toolkit's own where the picture cannot be read.
+    fn icon() -> IconData {
+        eframe::icon_data::from_png_bytes(include_bytes!("../assets/icon-256.png")).unwrap_or_default()
+    }
+
+    /// What a machine without a display can show: a table, and the plots as a file.
+    fn report() -> Result<(), Box<dyn Error>> {
+        let scenario = Scenario::default();
+        let run = run_scenario(&scenario, None)?;
+        println!("{}", table(&run, &step_times(&scenario, &run)?));
+        plot_svg(&run, Path::new(REPORT))?;
+        println!("The plots are in {REPORT}. In a browser: `trunk serve --release`, then open the address that it prints;");
+        println!("or copy the folder `dist` that `trunk build --release` makes to any web server.");
+        Ok(())
+    }
+}
+
+#[cfg(target_arch = "wasm32")]
+mod web {
+    use std::cell::RefCell;
+
+    use wasm_bindgen::JsCast as _;
+    use wasm_bindgen::prelude::*;
+
+    #[wasm_bindgen]
+    extern "C" {
+        #[wasm_bindgen(js_name = kalmanscopeFailed)]
+        fn show_failure(message: &str);
+    }
+
+    thread_local! {
+        static RUNNER: RefCell<Option<(eframe::WebRunner, egui::Context)>> = const { RefCell::new(None) };
+    }
+
+    /// The app, findable from JavaScript.
+    struct Page(kalmanscope::App);
+
+    impl eframe::App for Page {
+        fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
+            self.0.logic(ctx, frame);
         }
-    });
+
+        fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+            self.0.ui(ui, frame);
+        }
+
+        fn save(&mut self, storage: &mut dyn eframe::Storage) {
+            self.0.save(storage);
+        }
+
+        fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
+            Some(self)
+        }
+    }
+
+    /// What is on screen, as JSON; `null` before the app has started.
+    #[wasm_bindgen]
+    pub fn kalmanscope_summary() -> String {
+        let summary = RUNNER.with_borrow(|runner| {
+            let (runner, ctx) = runner.as_ref()?;
+            let page = runner.app_mut::<Page>()?;
+            serde_json::to_string(&page.0.summary(ctx)).ok()
+        });
+        summary.unwrap_or_else(|| "null".to_owned())
+    }
+
+    pub(super) fn main() {
+        eframe::WebLogger::init(log::LevelFilter::Warn).ok();
+        wasm_bindgen_futures::spawn_local(async {
+            if let Err(error) = start().await {
+                show_failure(&error);
+            }
+        });
+    }
+
+    async fn start() -> Result<(), String> {
+        let document = web_sys::window().and_then(|window| window.document()).ok_or("there is no document")?;
+        let canvas = document
+            .get_element_by_id("kalmanscope")
+            .and_then(|element| element.dyn_into::<web_sys::HtmlCanvasElement>().ok())
+            .ok_or("the page has no canvas")?;
+        let runner = eframe::WebRunner::new();
+        let creator: eframe::AppCreator<'static> = Box::new(|creation| {
+            let app = kalmanscope::App::new(creation)?;
+            RUNNER.with_borrow_mut(|runner| {
+                if let Some((_, ctx)) = runner {
+                    *ctx = creation.egui_ctx.clone();
+                }
+            });
+            Ok(Box::new(Page(app)))
+        });
+        RUNNER.set(Some((runner.clone(), egui::Context::default())));
+        runner
+            .start(canvas, eframe::WebOptions::default(), creator)
+            .await
+            .map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
+        if let Some(loading) = document.get_element_by_id("loading") {
+            loading.remove();
+        }
+        Ok(())
+    }
 }

@@ -1,0 +1,228 @@
+//! The app: one session, its controls and its views.
+
+use egui::{CentralPanel, Frame, Margin, Panel, RichText, Ui};
+use kalmanscope_core::{RunError, Scenario};
+use serde::{Deserialize, Serialize};
+
+use crate::command::Command;
+use crate::controls::controls_ui;
+use crate::library;
+use crate::session::{Mode, Session};
+use crate::summary::Summary;
+use crate::theme::{self, Palette};
+use crate::transport;
+use crate::views::{Shown, TimeAxis, ViewContext, legend, oscillator, plots_ui};
+
+/// Below this width the controls and the plots take turns \[points\].
+const NARROW: f32 = 720.0;
+
+/// What survives a restart.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+struct Settings {
+    scenario: Scenario,
+    mode: Mode,
+    speed: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { scenario: Scenario::default(), mode: Mode::default(), speed: Session::DEFAULT_SPEED }
+    }
+}
+
+/// The explorer.
+pub struct App {
+    session: Session,
+    axis: TimeAxis,
+    shown: Shown,
+    controls_open: Option<bool>,
+    commands: Vec<Command>,
+}
+
+impl App {
+    /// The explorer as it was left, or playing the default scenario.
+    ///
+    /// # Errors
+    /// [`RunError`] where not even the default scenario can be run.
+    pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
+        theme::install(&creation.egui_ctx);
+        let Settings { scenario, mode, speed } =
+            creation.storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
+        let mut app = Self::with_scenario(scenario).or_else(|_| Self::with_scenario(Scenario::default()))?;
+        app.session.set_mode(mode);
+        app.session.set_speed(speed);
+        Ok(app)
+    }
+
+    /// The explorer at the start of a scenario, without fonts and styles.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario is impossible.
+    pub fn with_scenario(scenario: Scenario) -> Result<Self, RunError> {
+        Ok(Self {
+            session: Session::new(scenario)?,
+            axis: TimeAxis::default(),
+            shown: Shown::default(),
+            controls_open: None,
+            commands: Vec::new(),
+        })
+    }
+
+    /// The session on screen.
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// The session on screen, to be set up by tests.
+    pub fn session_mut(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
+    /// What is on screen, as data.
+    pub fn summary(&self, ctx: &egui::Context) -> Summary {
+        Summary::new(&self.session, ctx)
+    }
+
+    fn apply(&mut self, command: Command) {
+        let Self { session, axis, .. } = self;
+        match command {
+            Command::TogglePlay => session.toggle_play(),
+            Command::Step => session.step(),
+            Command::Restart => session.seek(0.0),
+            Command::Seek(time) => session.seek(time),
+            Command::SetMode(mode) => {
+                session.set_mode(mode);
+                axis.follows = true;
+            }
+            Command::SetSpeed(speed) => session.set_speed(speed),
+            Command::Follow => axis.follows = true,
+            Command::Unfollow => axis.follows = false,
+            Command::PointAt(time) => axis.pointed = time,
+        }
+    }
+
+    fn top_bar_ui(&mut self, ui: &mut Ui, narrow: bool) {
+        let Self { session, controls_open, commands, .. } = self;
+        ui.horizontal_wrapped(|ui| {
+            let open = controls_open.unwrap_or(!narrow);
+            let toggle = ui.selectable_label(open, RichText::new("☰").size(16.0)).on_hover_text("Show the settings");
+            toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
+            if toggle.clicked() {
+                *controls_open = Some(!open);
+            }
+            if !narrow {
+                ui.label(RichText::new("Kalmanscope").family(theme::strong()).size(17.0));
+            }
+            scenario_menu_ui(ui, session);
+            theme_ui(ui);
+            ui.separator();
+            transport::transport_ui(ui, session, commands);
+        });
+    }
+
+    fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette) {
+        let Self { session, axis, shown, controls_open: _, commands } = self;
+        commands.push(Command::PointAt(None));
+        let height = (0.16 * ui.available_height()).clamp(0.0, 120.0);
+        if height > 48.0 {
+            let context = ViewContext { session, palette, shown, axis };
+            oscillator::oscillator_ui(ui, &context, height);
+        }
+        legend::legend_ui(ui, session, shown, palette);
+        plots_ui(ui, &ViewContext { session, palette, shown, axis }, commands);
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        transport::keys(ctx, &mut self.commands);
+        for command in std::mem::take(&mut self.commands) {
+            self.apply(command);
+        }
+        // A frame that took long (a hidden tab, a breakpoint) must not swallow the story.
+        let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
+        self.session.advance(elapsed);
+        if self.session.playing() {
+            ctx.request_repaint();
+        }
+    }
+
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        let palette = Palette::of(ui.ctx().theme());
+        let narrow = ui.available_width() < NARROW;
+        let bar = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(10, 6));
+        Panel::top("transport").frame(bar).show(ui, |ui| self.top_bar_ui(ui, narrow));
+
+        let open = self.controls_open.unwrap_or(!narrow);
+        let frame = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(10, 6));
+        let mut edited = None;
+        let mut controls = |ui: &mut Ui, session: &Session| {
+            let mut scenario = session.scenario().clone();
+            if controls_ui(ui, &mut scenario, &palette) {
+                edited = Some(scenario);
+            }
+        };
+        if open && !narrow {
+            let panel = Panel::left("controls").frame(frame).default_size(330.0).size_range(300.0..=460.0);
+            panel.show(ui, |ui| controls(ui, &self.session));
+        }
+        CentralPanel::default().frame(frame).show(ui, |ui| {
+            if open && narrow {
+                controls(ui, &self.session);
+            } else {
+                self.centre_ui(ui, &palette);
+            }
+        });
+        if let Some(scenario) = edited {
+            self.session.set_scenario(scenario);
+        }
+        if !self.commands.is_empty() {
+            ui.ctx().request_repaint();
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        let settings = Settings {
+            scenario: self.session.scenario().clone(),
+            mode: self.session.mode(),
+            speed: self.session.speed(),
+        };
+        eframe::set_value(storage, eframe::APP_KEY, &settings);
+    }
+}
+
+fn scenario_menu_ui(ui: &mut Ui, session: &mut Session) {
+    ui.menu_button("Scenario", |ui| {
+        for entry in library::ENTRIES {
+            if ui.button(entry.name).on_hover_text(entry.description()).clicked()
+                && let Ok(scenario) = entry.scenario()
+            {
+                session.set_scenario(scenario);
+                session.seek(0.0);
+                if !session.playing() {
+                    session.toggle_play();
+                }
+                ui.close();
+            }
+        }
+        ui.separator();
+        if ui.button("Copy as TOML").on_hover_text("For the command line, or to keep").clicked() {
+            if let Ok(toml) = session.scenario().to_toml() {
+                ui.ctx().copy_text(toml);
+            }
+            ui.close();
+        }
+    });
+}
+
+fn theme_ui(ui: &mut Ui) {
+    let dark = ui.ctx().theme() == egui::Theme::Dark;
+    let (icon, name) = if dark { ("☀", "Light theme") } else { ("☾", "Dark theme") };
+    let button = ui.button(RichText::new(icon).size(15.0)).on_hover_text(name);
+    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
+    if button.clicked() {
+        let next = if dark { egui::Theme::Light } else { egui::Theme::Dark };
+        ui.ctx().set_theme(next);
+    }
+}

@@ -1,0 +1,26 @@
+//! What a view or the transport bar may ask for.
+
+use crate::session::Mode;
+
+/// A request, carried out after the frame in which it was made.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Play if paused, pause if playing; from the start if at the end.
+    TogglePlay,
+    /// One sample forward, paused.
+    Step,
+    /// Back to the start, playing on if playing.
+    Restart,
+    /// Go to a time after the start \[s\].
+    Seek(f64),
+    /// Show the record as it grows, or all of it.
+    SetMode(Mode),
+    /// Simulated seconds per second.
+    SetSpeed(f64),
+    /// Let the time axis follow the playback again.
+    Follow,
+    /// Leave the time axis where the user has put it.
+    Unfollow,
+    /// Show the values at this time \[s\], or where playback stands.
+    PointAt(Option<f64>),
+}

@@ -1,0 +1,42 @@
+//! The settings: the only code that writes to the scenario.
+
+mod belief;
+mod filter;
+mod force;
+mod general;
+pub mod number;
+mod plant;
+mod sensors;
+mod signal;
+
+use egui::{RichText, ScrollArea, Ui};
+use kalmanscope_core::Scenario;
+
+use crate::theme::{self, Palette};
+
+/// Shows every control. Returns whether the scenario has changed.
+pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> bool {
+    let before = scenario.clone();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let Scenario { seed: _, dt: _, duration: _, plant: _, force: _, sensors: _, filters } = scenario;
+        let filters = filters.len();
+        section(ui, "Truth", true, |ui| plant::plant_ui(ui, &mut scenario.plant));
+        section(ui, "Force", true, |ui| force::force_ui(ui, &mut scenario.force));
+        section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
+        for place in 0..filters {
+            filter::filter_section(ui, scenario, place, palette);
+        }
+        section(ui, "Record", false, |ui| general::general_ui(ui, scenario));
+        ui.add_space(12.0);
+    });
+    *scenario != before
+}
+
+/// A part of the controls that can be folded away.
+fn section(ui: &mut Ui, title: &str, open: bool, add_contents: impl FnOnce(&mut Ui)) {
+    let heading = RichText::new(title).family(theme::strong()).size(14.5);
+    egui::CollapsingHeader::new(heading).id_salt(title).default_open(open).show_unindented(ui, |ui| {
+        add_contents(ui);
+        ui.add_space(6.0);
+    });
+}

@@ -1,0 +1,79 @@
+//! What a filter believes at first, and how far it trusts model and sensors: initial mean and std, Q and R.
+
+use egui::{Grid, RichText, Ui, Vec2};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Sensor};
+
+use super::number::field;
+
+/// Width of the column of symbols \[points\].
+const SYMBOL_WIDTH: f32 = 22.0;
+/// Width of the column of units \[points\].
+const UNIT_WIDTH: f32 = 36.0;
+
+pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sensor]) {
+    let FilterSettings { name, kind, fading: _, eta: _, sensor_std, initial_mean, initial_std, process_std } = filter;
+    let spacing = ui.spacing().item_spacing.x;
+    let column = ((ui.available_width() - SYMBOL_WIDTH - UNIT_WIDTH - 4.0 * spacing) / 3.0).max(36.0);
+    let cell = |ui: &mut Ui, enabled: bool, add: &mut dyn FnMut(&mut Ui)| {
+        ui.allocate_ui(Vec2::new(column, ui.spacing().interact_size.y), |ui| {
+            ui.set_width(column);
+            ui.add_enabled_ui(enabled, |ui| add(ui));
+        });
+    };
+    let heading = |ui: &mut Ui, text: &str, hint: &str| {
+        ui.label(RichText::new(text).small().weak()).on_hover_text(hint);
+    };
+
+    Grid::new(("belief", &*name)).num_columns(5).min_col_width(0.0).spacing(Vec2::new(spacing, 4.0)).show(ui, |ui| {
+        ui.label("");
+        heading(ui, "initial guess", "Mean of the initial belief");
+        heading(ui, "± σ of guess", "Standard deviation of the initial belief: how sure the filter is of its guess");
+        heading(ui, "√Q per step", "Standard deviation of what the model leaves out in one step");
+        ui.end_row();
+        for channel in Channel::ALL {
+            // The KF knows the parameters: it has no uncertainty to set.
+            let uncertain = !(*kind == FilterKind::Kf && channel.is_parameter());
+            ui.label(channel.symbol()).on_hover_text(channel.name());
+            let title = |what: &str| format!("{name} {what} of {}", channel.name());
+            let scale = scale(channel);
+            let mean = &mut initial_mean[channel];
+            cell(ui, true, &mut |ui| {
+                field(ui, mean, f64::NEG_INFINITY, scale, &title("initial guess"), "Mean of the initial belief");
+            });
+            let std = &mut initial_std[channel];
+            cell(ui, uncertain, &mut |ui| {
+                field(ui, std, 0.0, scale, &title("initial std"), "How sure the filter is of its guess");
+            });
+            let process = &mut process_std[channel];
+            cell(ui, uncertain, &mut |ui| {
+                field(ui, process, 0.0, 1e-3 * scale, &title("process std"), "0: the model is exact");
+            });
+            ui.weak(channel.unit());
+            ui.end_row();
+        }
+        for (std, sensor) in sensor_std.iter_mut().zip(sensors) {
+            let quantity = sensor.measures;
+            ui.label(quantity.symbol()).on_hover_text(format!("{} sensor", quantity.key()));
+            ui.label("");
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                ui.label(RichText::new("√R").small().weak()).on_hover_text("What the filter takes the noise to be");
+            });
+            let title = format!("{name} sensor std of {}", quantity.key());
+            cell(ui, true, &mut |ui| {
+                field(ui, std, 1e-9, 0.1, &title, "Standard deviation that the filter ascribes to the sensor");
+            });
+            ui.weak(quantity.unit());
+            ui.end_row();
+        }
+    });
+}
+
+/// A usual size of the channel's values.
+const fn scale(channel: Channel) -> f64 {
+    match channel {
+        Channel::Displacement => 0.1,
+        Channel::Velocity => 0.3,
+        Channel::NaturalFrequency => 2.0,
+        Channel::DampingRatio => 0.05,
+    }
+}

@@ -1,0 +1,89 @@
+//! One filter.
+
+use egui::collapsing_header::CollapsingState;
+use egui::{ComboBox, RichText, Sense, Ui, Vec2};
+use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
+
+use super::belief::belief_ui;
+use super::number::Number;
+use crate::text::significant;
+use crate::theme::{self, Palette};
+
+/// The filter's section: a dot of its colour, its name and kind, its numbers.
+pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
+    let id = ui.make_persistent_id(("filter", place));
+    let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
+    let (true_sensor_std, true_process_std) = scenario.true_noise();
+    let Scenario { dt, sensors, filters, .. } = scenario;
+    let filter = &mut filters[place];
+    state
+        .show_header(ui, |ui| {
+            let (dot, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
+            ui.painter().circle_filled(dot.center(), 5.0, palette.filter(place));
+            ui.label(RichText::new(&filter.name).family(theme::strong()).size(14.5));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| kind_ui(ui, filter, place));
+        })
+        .body_unindented(|ui| {
+            memory_ui(ui, filter, *dt);
+            belief_ui(ui, filter, sensors);
+            ui.add_space(2.0);
+            let hint =
+                "Set R to the sensors' true noise, and Q to what disturbance and changing parameters do in a step";
+            if ui.button("Match the truth").on_hover_text(hint).clicked() {
+                filter.sensor_std = true_sensor_std;
+                filter.process_std = true_process_std;
+            }
+            ui.add_space(6.0);
+        });
+}
+
+fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
+    let before = filter.kind;
+    let combo = ComboBox::from_id_salt(("kind", place)).selected_text(before.name()).width(64.0).show_ui(ui, |ui| {
+        for kind in FilterKind::ALL {
+            ui.selectable_value(&mut filter.kind, kind, kind.name());
+        }
+    });
+    ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("Kind of filter {}", place + 1)));
+    // A name that only says the kind goes with it.
+    if filter.kind != before && filter.name == before.name() {
+        filter.name = filter.kind.name().to_owned();
+    }
+}
+
+fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
+    let name = format!("{} fading factor", filter.name);
+    Number {
+        label: "λ fading factor",
+        name: &name,
+        unit: "",
+        range: (1.0, 1.05),
+        least: 1.0,
+        logarithmic: false,
+        hint: "Multiplies the predicted covariance at every step: 1 forgets nothing, more forgets faster",
+    }
+    .show(ui, &mut filter.fading);
+    let memory = if filter.fading > 1.0 {
+        let samples = std::f64::consts::LN_2 / filter.fading.ln();
+        format!("memory half-life {} s, {} samples", significant(samples * dt, 3), significant(samples, 3))
+    } else {
+        "remembers everything".to_owned()
+    };
+    ui.horizontal(|ui| {
+        ui.add_space(119.0);
+        ui.small(memory);
+    });
+    ui.add_enabled_ui(filter.kind != FilterKind::Kf, |ui| {
+        let name = format!("{} parameter decay", filter.name);
+        Number {
+            label: "η decay",
+            name: &name,
+            unit: "1/s",
+            range: (0.0, 0.1),
+            least: 0.0,
+            logarithmic: false,
+            hint: "Rate at which the filter's model lets the parameters decay; 0 keeps them constant",
+        }
+        .show(ui, &mut filter.eta);
+    });
+}

@@ -1,0 +1,109 @@
+//! Long series reduced to what a screen can show: minimum and maximum per pixel column.
+
+use std::ops::Range;
+
+/// The smallest and the largest value of one pixel column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column {
+    /// The first sample of the column.
+    pub sample: usize,
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// Whether the smallest comes before the largest.
+    pub rising: bool,
+}
+
+/// Reduces `value(k)` for the samples `k` in `range` to at most `columns` + 1 columns. Values that are not finite are left
+/// out. Columns begin at multiples of their width, so that they stay put while the range slides.
+pub fn reduce(range: Range<usize>, columns: usize, value: impl Fn(usize) -> f64) -> Vec<Column> {
+    let width = stride(range.len(), columns);
+    let mut reduced = Vec::with_capacity(range.len() / width + 2);
+    let mut start = range.start;
+    while start < range.end {
+        let end = ((start / width + 1) * width).min(range.end);
+        let mut column: Option<Column> = None;
+        for k in start..end {
+            let x = value(k);
+            if !x.is_finite() {
+                continue;
+            }
+            match &mut column {
+                None => column = Some(Column { sample: start, low: x, high: x, rising: true }),
+                Some(column) if x < column.low => {
+                    column.low = x;
+                    column.rising = false;
+                }
+                Some(column) if x > column.high => {
+                    column.high = x;
+                    column.rising = true;
+                }
+                Some(_) => {}
+            }
+        }
+        reduced.extend(column);
+        start = end;
+    }
+    reduced
+}
+
+/// Samples per pixel column.
+pub fn stride(samples: usize, columns: usize) -> usize {
+    samples.div_ceil(columns.max(1)).max(1)
+}
+
+/// The range that holds all values but the outermost `share` at either end: a few extreme samples must not flatten the
+/// rest.
+pub fn central_range(mut values: Vec<f64>, share: f64) -> Option<(f64, f64)> {
+    if values.is_empty() {
+        return None;
+    }
+    let last = values.len() - 1;
+    let cut = (share * last as f64) as usize;
+    let (_, &mut low, _) = values.select_nth_unstable_by(cut, f64::total_cmp);
+    let (_, &mut high, _) = values.select_nth_unstable_by(last - cut, f64::total_cmp);
+    Some((low, high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_samples_stay_as_they_are() {
+        let columns = reduce(3..6, 100, |k| k as f64);
+        assert_eq!(
+            columns.iter().map(|c| (c.sample, c.low, c.high)).collect::<Vec<_>>(),
+            [(3, 3.0, 3.0), (4, 4.0, 4.0), (5, 5.0, 5.0)]
+        );
+    }
+
+    #[test]
+    fn no_peak_is_lost_and_columns_do_not_wander() {
+        let value = |k: usize| if k == 777 { 50.0 } else { (k as f64 * 0.1).sin() };
+        for start in 0..40 {
+            let columns = reduce(start..start + 4000, 100, value);
+            assert!(columns.len() <= 101);
+            assert!(columns.iter().any(|c| c.high == 50.0 && c.low > -1.1));
+            assert!(columns[1..].iter().all(|c| c.sample % 40 == 0));
+        }
+    }
+
+    #[test]
+    fn undefined_values_are_left_out() {
+        let columns = reduce(0..10, 5, |k| if k < 4 { f64::NAN } else { 1.0 });
+        assert_eq!(columns.iter().map(|c| c.sample).collect::<Vec<_>>(), [4, 6, 8]);
+        assert!(reduce(5..5, 10, |_| 1.0).is_empty());
+        assert!(reduce(0..10, 0, |_| 1.0).len() == 1, "a plot of no width");
+    }
+
+    #[test]
+    fn the_central_range_forgets_outliers_only() {
+        let mut values: Vec<f64> = (0..1000).map(f64::from).collect();
+        values.push(1e9);
+        assert_eq!(central_range(values, 0.01), Some((10.0, 990.0)));
+        assert_eq!(central_range(vec![2.0], 0.01), Some((2.0, 2.0)));
+        assert_eq!(central_range(vec![], 0.01), None);
+    }
+}

@@ -1,0 +1,245 @@
+//! A scenario and its run, and where playback stands in it.
+
+use kalmanscope_core::{Run, RunError, Scenario};
+use serde::{Deserialize, Serialize};
+
+/// What is shown of the record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Mode {
+    /// The record grows as time goes on.
+    #[default]
+    Live,
+    /// All of it, at once.
+    Whole,
+}
+
+/// The scenario on screen with everything that follows from it.
+///
+/// The same engine serves both modes: live, the run is stepped to where playback stands; whole, to its end. A change of
+/// the scenario starts the run anew and takes it to the same place, so that what is shown always follows from the
+/// scenario alone.
+pub struct Session {
+    scenario: Scenario,
+    run: Run,
+    mode: Mode,
+    playing: bool,
+    speed: f64,
+    clock: f64,
+    problem: Option<String>,
+}
+
+impl Session {
+    /// Simulated seconds per second that playback can have.
+    pub const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0];
+
+    /// The speed at first: brisk enough to see a change half-way through a minute without waiting for it.
+    pub const DEFAULT_SPEED: f64 = 2.0;
+
+    /// A session at the start of the scenario, playing.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario is impossible.
+    pub fn new(scenario: Scenario) -> Result<Self, RunError> {
+        let mut session = Self {
+            run: Run::new(&scenario)?,
+            scenario,
+            mode: Mode::Live,
+            playing: true,
+            speed: Self::DEFAULT_SPEED,
+            clock: 0.0,
+            problem: None,
+        };
+        session.catch_up();
+        Ok(session)
+    }
+
+    /// The scenario on screen.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// Its run, as far as it is shown.
+    pub fn run(&self) -> &Run {
+        &self.run
+    }
+
+    /// What is shown of the record.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Whether time goes on.
+    pub fn playing(&self) -> bool {
+        self.playing
+    }
+
+    /// Simulated seconds per second.
+    pub fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Why the scenario as edited cannot be run, if so; the last one that could stays on screen.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// The last sample's time after the start \[s\].
+    pub fn end(&self) -> f64 {
+        (self.run.samples() - 1) as f64 * self.run.record().dt()
+    }
+
+    /// The sample at which playback stands.
+    pub fn position(&self) -> usize {
+        // A clock that has been set to k dt must give k, whatever the rounding.
+        ((self.clock / self.run.record().dt() + 1e-6) as usize).min(self.run.samples() - 1)
+    }
+
+    /// The time of [`Self::position`] \[s\].
+    pub fn time(&self) -> f64 {
+        self.run.record().time(self.position())
+    }
+
+    /// Lets `elapsed` seconds of real time pass.
+    pub fn advance(&mut self, elapsed: f64) {
+        if self.playing {
+            self.clock += elapsed * self.speed;
+            if self.clock >= self.end() {
+                self.clock = self.end();
+                self.playing = false;
+            }
+            self.catch_up();
+        }
+    }
+
+    /// Plays or pauses; at the end, plays from the start.
+    pub fn toggle_play(&mut self) {
+        self.playing = !self.playing;
+        if self.playing && self.clock >= self.end() {
+            self.seek(0.0);
+        }
+    }
+
+    /// Pauses and goes one sample forward.
+    pub fn step(&mut self) {
+        self.playing = false;
+        let next = (self.position() + 1) as f64 * self.run.record().dt();
+        self.seek(next);
+    }
+
+    /// Goes to a time after the start \[s\].
+    pub fn seek(&mut self, time: f64) {
+        self.clock = time.clamp(0.0, self.end());
+        if self.mode == Mode::Live && self.run.len() > self.position() + 1 {
+            self.start_anew();
+        }
+        self.catch_up();
+    }
+
+    /// Shows the record as it grows, or all of it.
+    pub fn set_mode(&mut self, mode: Mode) {
+        self.mode = mode;
+        if mode == Mode::Live && self.run.len() > self.position() + 1 {
+            self.start_anew();
+        }
+        self.catch_up();
+    }
+
+    /// Sets the simulated seconds per second.
+    pub fn set_speed(&mut self, speed: f64) {
+        self.speed = speed;
+    }
+
+    /// Takes over an edited scenario and recomputes what is shown. An impossible one is kept for editing, while the run
+    /// stays that of the last possible one.
+    pub fn set_scenario(&mut self, scenario: Scenario) {
+        self.scenario = scenario;
+        self.start_anew();
+        self.clock = self.clock.min(self.end());
+        self.catch_up();
+    }
+
+    fn start_anew(&mut self) {
+        match Run::new(&self.scenario) {
+            Ok(run) => {
+                self.run = run;
+                self.problem = None;
+            }
+            Err(error) => self.problem = Some(error.to_string()),
+        }
+    }
+
+    fn catch_up(&mut self) {
+        match self.mode {
+            Mode::Live => self.run.advance_to(self.position() + 1),
+            Mode::Whole => self.run.finish(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn session() -> Session {
+        Session::new(Scenario { duration: 4.0, ..Scenario::default() }).unwrap()
+    }
+
+    #[test]
+    fn live_mode_shows_as_much_as_has_been_played() {
+        let mut session = session();
+        assert_eq!(session.run().len(), 1);
+        session.advance(0.5);
+        assert_eq!((session.position(), session.run().len()), (100, 101));
+        session.advance(99.0);
+        assert!(!session.playing());
+        assert_eq!(session.run().len(), session.run().samples());
+    }
+
+    #[test]
+    fn every_way_to_a_sample_shows_the_same() {
+        let mut played = session();
+        (0..40).for_each(|_| played.advance(0.025));
+        let mut sought = session();
+        sought.seek(3.0);
+        sought.seek(2.0);
+        let mut switched = session();
+        switched.set_mode(Mode::Whole);
+        switched.seek(2.0);
+        switched.set_mode(Mode::Live);
+        let mut stepped = session();
+        (0..200).for_each(|_| stepped.step());
+        for other in [sought, switched, stepped] {
+            assert_eq!(other.position(), played.position());
+            assert_eq!(other.run().checksum(), played.run().checksum());
+        }
+    }
+
+    #[test]
+    fn an_edit_takes_effect_at_once_and_an_impossible_one_does_no_harm() {
+        let mut session = session();
+        session.set_mode(Mode::Whole);
+        let before = session.run().checksum();
+        let mut edited = session.scenario().clone();
+        edited.filters[0].fading = 1.02;
+        session.set_scenario(edited.clone());
+        let after = session.run().checksum();
+        assert_ne!(before, after);
+        edited.dt = -1.0;
+        session.set_scenario(edited);
+        assert!(session.problem().unwrap().contains("`dt`"));
+        assert_eq!(session.run().checksum(), after);
+        session.set_scenario(Scenario { duration: 2.0, ..Scenario::default() });
+        assert_eq!((session.problem(), session.run().samples()), (None, 201));
+    }
+
+    #[test]
+    fn play_at_the_end_begins_again() {
+        let mut session = session();
+        session.seek(99.0);
+        session.advance(0.1);
+        assert!(!session.playing());
+        session.toggle_play();
+        assert!(session.playing());
+        assert_eq!(session.position(), 0);
+    }
+}

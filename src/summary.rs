@@ -1,0 +1,95 @@
+//! What the app shows, as data: for tests that drive it from outside.
+
+use kalmanscope_core::{Channel, Estimates};
+use serde::Serialize;
+
+use crate::controls::number::rect_of;
+use crate::session::{Mode, Session};
+
+/// The state of the screen.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// `live` or `whole`.
+    pub mode: &'static str,
+    /// Whether time goes on.
+    pub playing: bool,
+    /// The number of samples shown.
+    pub samples: usize,
+    /// The latest estimates, one a filter.
+    pub filters: Vec<Latest>,
+    /// Checksum of all estimates shown, as 16 hexadecimal digits.
+    pub checksum: String,
+    /// Where some controls are.
+    pub controls: Vec<Control>,
+}
+
+/// A filter's latest estimate.
+#[derive(Clone, Debug, Serialize)]
+pub struct Latest {
+    /// The filter's name.
+    pub name: String,
+    /// Mean and standard deviation of each channel.
+    pub estimates: Vec<Estimate>,
+}
+
+/// One channel of it.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Estimate {
+    /// The channel.
+    pub channel: Channel,
+    /// Its mean.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub std: f64,
+}
+
+/// A control's name and place on screen \[points\].
+#[derive(Clone, Debug, Serialize)]
+pub struct Control {
+    /// The control's accessible name.
+    pub name: String,
+    /// Left edge.
+    pub x: f32,
+    /// Top edge.
+    pub y: f32,
+    /// Width.
+    pub width: f32,
+    /// Height.
+    pub height: f32,
+}
+
+impl Summary {
+    /// Sums up what is on screen.
+    pub fn new(session: &Session, ctx: &egui::Context) -> Self {
+        let estimates = session.run().estimates();
+        let fading = estimates.iter().map(|e| format!("{} fading factor", e.name()));
+        let names = fading.chain(["Time".to_owned(), "Noise of the displacement sensor".to_owned()]);
+        Self {
+            mode: match session.mode() {
+                Mode::Live => "live",
+                Mode::Whole => "whole",
+            },
+            playing: session.playing(),
+            samples: session.run().len(),
+            filters: estimates.iter().map(latest).collect(),
+            checksum: format!("{:016x}", session.run().checksum()),
+            controls: names.filter_map(|name| control(ctx, name)).collect(),
+        }
+    }
+}
+
+fn latest(estimates: &Estimates) -> Latest {
+    let one = |(at, &channel): (usize, &Channel)| {
+        let last = estimates.len().checked_sub(1)?;
+        Some(Estimate { channel, mean: estimates.mean(last)[at], std: estimates.std(last, at) })
+    };
+    Latest {
+        name: estimates.name().to_owned(),
+        estimates: estimates.channels().iter().enumerate().filter_map(one).collect(),
+    }
+}
+
+fn control(ctx: &egui::Context, name: String) -> Option<Control> {
+    let rect = rect_of(ctx, &name)?;
+    Some(Control { name, x: rect.left(), y: rect.top(), width: rect.width(), height: rect.height() })
+}

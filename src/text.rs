@@ -1,0 +1,76 @@
+//! Numbers as people read them.
+
+/// A number with `digits` significant digits: fixed-point where that is short, else with an exponent.
+pub fn significant(x: f64, digits: usize) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    if !x.is_finite() {
+        return if x.is_nan() {
+            "–".to_owned()
+        } else if x > 0.0 {
+            "∞".to_owned()
+        } else {
+            "−∞".to_owned()
+        };
+    }
+    let exponent = x.abs().log10().floor() as i32;
+    let text = if (-4..6).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        trimmed(&format!("{x:.decimals$}"))
+    } else {
+        let text = format!("{x:.*e}", digits - 1);
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        format!("{}e{exponent}", trimmed(mantissa))
+    };
+    text.replace('-', "−")
+}
+
+/// The same, but padded with zeros, so that it does not jump while it changes.
+pub fn fixed(x: f64, decimals: usize) -> String {
+    if x.is_finite() && x.abs() < 1e6 { format!("{x:.decimals$}").replace('-', "−") } else { significant(x, 3) }
+}
+
+/// Reads what [`significant`] writes, and anything that Rust calls a number.
+pub fn parse(text: &str) -> Option<f64> {
+    text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+fn trimmed(text: &str) -> String {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn significant_digits() {
+        let cases = [
+            (0.0, "0"),
+            (6.0, "6"),
+            (4.8, "4.8"),
+            (0.0001, "0.0001"),
+            (3e-5, "3e−5"),
+            (-0.125, "−0.125"),
+            (1234.5678, "1235"),
+            (1.005, "1.005"),
+            (2.5e9, "2.5e9"),
+            (f64::INFINITY, "∞"),
+        ];
+        for (x, text) in cases {
+            assert_eq!(significant(x, 4), text);
+        }
+        assert_eq!(fixed(-1.5, 3), "−1.500");
+    }
+
+    #[test]
+    fn what_is_written_can_be_read() {
+        for x in [0.0, 4.8, 3e-5, -0.125, 2.5e9] {
+            assert_eq!(parse(&significant(x, 6)), Some(x));
+        }
+        assert_eq!(parse("0,5"), Some(0.5));
+        assert_eq!(parse("abc"), None);
+        assert_eq!(parse("inf"), None);
+    }
+}

@@ -1,0 +1,61 @@
+//! Colours, fonts and spacing: every one of them is chosen here.
+
+mod fonts;
+mod palette;
+
+pub use palette::Palette;
+
+use egui::{CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, Vec2};
+
+/// Puts fonts and styles in place, for light and dark.
+pub fn install(ctx: &egui::Context) {
+    ctx.set_fonts(fonts::definitions());
+    for theme in [Theme::Light, Theme::Dark] {
+        ctx.style_mut_of(theme, |style| restyle(style, theme));
+    }
+}
+
+/// The family of headings and of what counts.
+pub fn strong() -> FontFamily {
+    FontFamily::Name(fonts::STRONG.into())
+}
+
+fn restyle(style: &mut egui::Style, theme: Theme) {
+    let palette = Palette::of(theme);
+    let proportional = |size| FontId::new(size, FontFamily::Proportional);
+    style.text_styles = [
+        (TextStyle::Heading, FontId::new(17.0, strong())),
+        (TextStyle::Body, proportional(13.5)),
+        (TextStyle::Button, proportional(13.5)),
+        (TextStyle::Small, proportional(11.5)),
+        (TextStyle::Monospace, proportional(13.0)),
+    ]
+    .into();
+    style.spacing.item_spacing = Vec2::new(7.0, 5.0);
+    style.spacing.button_padding = Vec2::new(7.0, 3.0);
+    style.spacing.interact_size.y = 22.0;
+    style.spacing.window_margin = Margin::same(8);
+    style.spacing.slider_rail_height = 4.0;
+
+    let visuals = &mut style.visuals;
+    visuals.panel_fill = palette.panel;
+    visuals.window_fill = palette.panel;
+    visuals.extreme_bg_color = palette.plot;
+    visuals.faint_bg_color = palette.faint;
+    visuals.weak_text_color = Some(palette.weak);
+    visuals.selection.bg_fill = palette.accent;
+    visuals.selection.stroke = Stroke::new(1.0, palette.on_accent);
+    visuals.warn_fg_color = palette.warning;
+    visuals.slider_trailing_fill = true;
+    visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, palette.separator);
+    for widget in [
+        &mut visuals.widgets.noninteractive,
+        &mut visuals.widgets.inactive,
+        &mut visuals.widgets.hovered,
+        &mut visuals.widgets.active,
+        &mut visuals.widgets.open,
+    ] {
+        widget.corner_radius = CornerRadius::same(4);
+        widget.fg_stroke.color = palette.text;
+    }
+}

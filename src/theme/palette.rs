@@ -1,0 +1,105 @@
+//! The colours.
+
+use egui::{Color32, Theme};
+
+/// Every colour of one theme.
+///
+/// Filters have the colours of Okabe and Ito, which the colour-blind can tell apart, a little lighter on dark ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Palette {
+    /// Ground of panels.
+    pub panel: Color32,
+    /// Ground of plots and text fields.
+    pub plot: Color32,
+    /// Ground of what stands out a little.
+    pub faint: Color32,
+    /// Lines between panels.
+    pub separator: Color32,
+    /// Lines of the plots' grid.
+    pub grid: Color32,
+    /// Text.
+    pub text: Color32,
+    /// Text that stands back.
+    pub weak: Color32,
+    /// What is selected.
+    pub accent: Color32,
+    /// Text on what is selected.
+    pub on_accent: Color32,
+    /// What is wrong.
+    pub warning: Color32,
+    /// The truth.
+    pub truth: Color32,
+    /// Measurements.
+    pub measured: Color32,
+    /// The force.
+    pub force: Color32,
+    filters: [Color32; 6],
+}
+
+const LIGHT: Palette = Palette {
+    panel: Color32::from_rgb(0xf6, 0xf7, 0xf9),
+    plot: Color32::WHITE,
+    faint: Color32::from_rgb(0xea, 0xed, 0xf1),
+    separator: Color32::from_rgb(0xd8, 0xdc, 0xe2),
+    grid: Color32::from_rgb(0x70, 0x78, 0x84),
+    text: Color32::from_rgb(0x1d, 0x23, 0x2c),
+    weak: Color32::from_rgb(0x5b, 0x65, 0x73),
+    accent: Color32::from_rgb(0x2b, 0x5c, 0x9e),
+    on_accent: Color32::WHITE,
+    warning: Color32::from_rgb(0xb0, 0x2a, 0x1c),
+    truth: Color32::from_rgb(0x22, 0x28, 0x30),
+    measured: Color32::from_rgba_premultiplied(0x3a, 0x40, 0x48, 0x60),
+    force: Color32::from_rgb(0x80, 0x86, 0x90),
+    filters: [
+        Color32::from_rgb(0x00, 0x72, 0xb2),
+        Color32::from_rgb(0xd5, 0x5e, 0x00),
+        Color32::from_rgb(0x00, 0x9e, 0x73),
+        Color32::from_rgb(0xb8, 0x5c, 0x94),
+        Color32::from_rgb(0xc0, 0x88, 0x00),
+        Color32::from_rgb(0x3a, 0x9a, 0xd0),
+    ],
+};
+
+const DARK: Palette = Palette {
+    panel: Color32::from_rgb(0x1b, 0x1f, 0x26),
+    plot: Color32::from_rgb(0x12, 0x15, 0x1a),
+    faint: Color32::from_rgb(0x26, 0x2b, 0x34),
+    separator: Color32::from_rgb(0x33, 0x3a, 0x45),
+    grid: Color32::from_rgb(0x80, 0x88, 0x94),
+    text: Color32::from_rgb(0xe4, 0xe8, 0xee),
+    weak: Color32::from_rgb(0x9c, 0xa6, 0xb4),
+    accent: Color32::from_rgb(0x3c, 0x78, 0xc2),
+    on_accent: Color32::WHITE,
+    warning: Color32::from_rgb(0xff, 0x8a, 0x75),
+    truth: Color32::from_rgb(0xee, 0xf1, 0xf5),
+    measured: Color32::from_rgba_premultiplied(0x60, 0x66, 0x70, 0x80),
+    force: Color32::from_rgb(0x90, 0x98, 0xa4),
+    filters: [
+        Color32::from_rgb(0x4d, 0xa9, 0xe8),
+        Color32::from_rgb(0xf2, 0x82, 0x35),
+        Color32::from_rgb(0x2c, 0xc1, 0x95),
+        Color32::from_rgb(0xdd, 0x8f, 0xbd),
+        Color32::from_rgb(0xe6, 0xb0, 0x2e),
+        Color32::from_rgb(0x8f, 0xd0, 0xf5),
+    ],
+};
+
+impl Palette {
+    /// The colours of a theme.
+    pub const fn of(theme: Theme) -> Self {
+        match theme {
+            Theme::Light => LIGHT,
+            Theme::Dark => DARK,
+        }
+    }
+
+    /// The colour of a filter, by its place in the scenario.
+    pub const fn filter(&self, place: usize) -> Color32 {
+        self.filters[place % self.filters.len()]
+    }
+
+    /// The colour of a filter's ±2σ band, which lets what is under it through.
+    pub fn band(&self, place: usize) -> Color32 {
+        self.filter(place).gamma_multiply(0.22)
+    }
+}

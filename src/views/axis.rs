@@ -1,0 +1,47 @@
+//! The time axis that all plots share.
+
+use crate::session::{Mode, Session};
+
+/// Where the common time axis stands and where the user points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeAxis {
+    /// Whether the axis follows the playback, or stays where the user has put it.
+    pub follows: bool,
+    /// The time that the user points at \[s\].
+    pub pointed: Option<f64>,
+}
+
+impl Default for TimeAxis {
+    fn default() -> Self {
+        Self { follows: true, pointed: None }
+    }
+}
+
+/// How much of the past is seen while the record grows \[s\].
+const LIVE_SPAN: f64 = 20.0;
+
+impl TimeAxis {
+    /// The part of the record that an axis that follows shows, `(from, to)` \[s\].
+    pub fn followed(session: &Session) -> (f64, f64) {
+        let start = session.run().record().time(0);
+        match session.mode() {
+            Mode::Whole => (start, start + session.end()),
+            Mode::Live => {
+                let span = LIVE_SPAN.min(session.end());
+                // A little room ahead, so that the newest estimate does not stick to the frame.
+                let to = (session.time() + 0.03 * span).max(start + span);
+                (to - span, to)
+            }
+        }
+    }
+
+    /// The sample whose values are read out: the one pointed at, else where playback stands.
+    pub fn readout(&self, session: &Session) -> usize {
+        let record = session.run().record();
+        let last = session.run().len().saturating_sub(1);
+        match self.pointed {
+            Some(time) => (((time - record.time(0)) / record.dt()).round().max(0.0) as usize).min(last),
+            None => session.position().min(last),
+        }
+    }
+}
