@@ -117,7 +117,7 @@ impl App {
             scenario_menu_ui(ui, session);
             theme_ui(ui);
             ui.separator();
-            transport::transport_ui(ui, session, commands);
+            transport::transport_ui(ui, session, narrow, commands);
         });
     }
 

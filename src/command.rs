@@ -3,7 +3,7 @@
 use crate::session::Mode;
 
 /// A request, carried out after the frame in which it was made.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     /// Play if paused, pause if playing; from the start if at the end.
     TogglePlay,

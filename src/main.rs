@@ -62,7 +62,9 @@ mod native {
         let run = run_scenario(&scenario, None)?;
         println!("{}", table(&run, &step_times(&scenario, &run)?));
         plot_svg(&run, Path::new(REPORT))?;
-        println!("The plots are in {REPORT}. In a browser: `trunk serve --release`, then open the address that it prints;");
+        println!(
+            "The plots are in {REPORT}. In a browser: `trunk serve --release`, then open the address that it prints;"
+        );
         println!("or copy the folder `dist` that `trunk build --release` makes to any web server.");
         Ok(())
     }
@@ -108,7 +110,7 @@ mod web {
 
     /// What is on screen, as JSON; `null` before the app has started.
     #[wasm_bindgen]
-    pub fn kalmanscope_summary() -> String {
+    pub(crate) fn kalmanscope_summary() -> String {
         let summary = RUNNER.with_borrow(|runner| {
             let (runner, ctx) = runner.as_ref()?;
             let page = runner.app_mut::<Page>()?;

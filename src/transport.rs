@@ -7,8 +7,8 @@ use crate::controls::number;
 use crate::session::{Mode, Session};
 use crate::text::significant;
 
-/// Shows the playback's buttons.
-pub fn transport_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+/// Shows the playback's buttons; where it is narrow the time has a row of its own.
+pub fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {
     let (icon, name) = if session.playing() { ("⏸", "Pause") } else { ("▶", "Play") };
     if button(ui, icon, name, "Space") {
         commands.push(Command::TogglePlay);
@@ -20,7 +20,9 @@ pub fn transport_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>)
         commands.push(Command::Restart);
     }
     speed_ui(ui, session, commands);
-    ui.separator();
+    if !narrow {
+        ui.separator();
+    }
     for (mode, text, hint) in [
         (Mode::Live, "Live", "The filters run as time goes on"),
         (Mode::Whole, "Whole record", "All of the record, recomputed at once when anything changes"),
@@ -29,7 +31,11 @@ pub fn transport_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>)
             commands.push(Command::SetMode(mode));
         }
     }
-    ui.separator();
+    if narrow {
+        ui.end_row();
+    } else {
+        ui.separator();
+    }
     time_ui(ui, session, commands);
 }
 
@@ -71,7 +77,7 @@ fn speed_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn time_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let start = session.run().record().time(0);
     let mut time = session.time() - start;
-    ui.spacing_mut().slider_width = (ui.available_width() - 120.0).clamp(60.0, 260.0);
+    ui.spacing_mut().slider_width = (ui.available_width() - 130.0).clamp(60.0, 260.0);
     let slider = ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false));
     slider.ctx.accesskit_node_builder(slider.id, |node| node.set_label("Time"));
     number::remember(ui, "Time", slider.rect);

@@ -36,7 +36,13 @@ fn open(screen: &mut Screen, section: &str) {
     match section {
         "UKF" => {
             // The header of a filter is a widget of its own, beside its name.
-            let y = screen.get_all_by_label("UKF").map(|node| node.rect()).find(|r| r.left() < 200.0).expect("UKF").center().y;
+            let y = screen
+                .get_all_by_label("UKF")
+                .map(|node| node.rect())
+                .find(|r| r.left() < 200.0)
+                .expect("UKF")
+                .center()
+                .y;
             screen.hover_at(egui::pos2(18.0, y));
             screen.drag_at(egui::pos2(18.0, y));
             screen.drop_at(egui::pos2(18.0, y));
@@ -210,7 +216,11 @@ fn the_transport_does_what_it_says() {
     let position = |screen: &Screen| screen.state().session().position();
     let begin = position(&screen);
     screen.run_steps(30);
-    assert!(position(&screen) > begin + 50, "it plays by itself, {} samples in half a second", position(&screen) - begin);
+    assert!(
+        position(&screen) > begin + 50,
+        "it plays by itself, {} samples in half a second",
+        position(&screen) - begin
+    );
     screen.get_by_label("Pause").click();
     screen.run_steps(3);
     let paused = position(&screen);
@@ -265,7 +275,10 @@ fn five_frames_of_every_view_at_any_size() {
                         let name = format!("Plot of the {}", plot.name());
                         let rect = screen.get_by_label(&name).rect();
                         assert!(rect.width() > 250.0 && rect.height() > 80.0, "{name} has only {rect} of {size}");
-                        assert!(rect.right() <= size.x && rect.bottom() <= size.y, "{name} is cut off: {rect} of {size}");
+                        assert!(
+                            rect.right() <= size.x && rect.bottom() <= size.y,
+                            "{name} is cut off: {rect} of {size}"
+                        );
                     }
                 }
             }

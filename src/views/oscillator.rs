@@ -147,7 +147,7 @@ impl Stage {
     }
 
     fn force(&self, painter: &Painter, x: f64, share: f64, color: Color32) {
-        let length = (share.clamp(-1.0, 1.0) as f32) * 46.0;
+        let length = (share.clamp(-1.0, 1.0) as f32) * 90.0;
         if length.abs() > 3.0 {
             let body = self.body(x);
             let start = pos2(body.center().x, body.top() - 9.0);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use egui::{Id, RichText, Ui, Vec2, Vec2b};
-use egui_plot::{AxisHints, FilledArea, Line, Plot, PlotUi, Points, VLine};
+use egui_plot::{AxisHints, FilledArea, GridMark, Line, Plot, PlotUi, Points, VLine};
 use kalmanscope_core::{Channel, Estimates, Quantity, Record};
 
 use super::{TimeAxis, ViewContext};
@@ -13,7 +13,10 @@ use crate::session::Mode;
 use crate::text::fixed;
 
 /// Share of the columns at either end that the vertical axis does not bend to: the first instants of a wide guess.
-const OUTLIERS: f64 = 0.01;
+const OUTLIERS: f64 = 0.006;
+
+/// Ticks' labels are drawn in full from this distance on \[points\].
+const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
 /// Draws the channel's plot with its heading into all of `ui`.
 pub fn time_plot_ui(ui: &mut Ui, channel: Channel, context: &ViewContext<'_>, commands: &mut Vec<Command>) {
@@ -33,10 +36,15 @@ pub fn time_plot_ui(ui: &mut Ui, channel: Channel, context: &ViewContext<'_>, co
         .show_y(false)
         .link_axis(group, Vec2b::new(true, false))
         .link_cursor(group, Vec2b::new(true, false))
-        .custom_x_axes(vec![AxisHints::new_x().label(time_label).label_spacing(egui::Rangef::new(40.0, 60.0))])
+        .custom_x_axes(vec![AxisHints::new_x().label(time_label).label_spacing(TICKS_FADE)])
         .custom_y_axes(vec![
-            AxisHints::new_y().formatter(|mark, _| tick(mark.value, mark.step_size)).min_thickness(44.0),
+            AxisHints::new_y()
+                .formatter(|mark, _| tick(mark.value, mark.step_size))
+                .min_thickness(44.0)
+                .label_spacing(TICKS_FADE),
         ])
+        .x_grid_spacer(move |input| ticks(input.bounds, size.x / 75.0))
+        .y_grid_spacer(move |input| ticks(input.bounds, size.y / 34.0))
         .grid_color(palette.grid)
         .boxed_zoom_pointer_button(egui::PointerButton::Primary)
         .pan_pointer_button(egui::PointerButton::Secondary)
@@ -55,7 +63,7 @@ pub fn time_plot_ui(ui: &mut Ui, channel: Channel, context: &ViewContext<'_>, co
         }
         drawn.draw(plot, context);
         if show_position {
-            plot.vline(VLine::new("playback", position).color(palette.weak.gamma_multiply(0.5)).width(1.0));
+            plot.vline(VLine::new("playback", position).color(palette.accent).width(1.2));
         }
         plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
     });
@@ -81,7 +89,7 @@ fn heading_ui(ui: &mut Ui, channel: Channel, context: &ViewContext<'_>) {
         let symbol = RichText::new(channel.symbol()).family(crate::theme::strong()).size(15.0);
         ui.label(symbol);
         let unit = if channel.unit().is_empty() { String::new() } else { format!(" [{}]", channel.unit()) };
-        if ui.available_width() > 340.0 {
+        if ui.available_width() > 400.0 {
             ui.weak(format!("{}{unit}", channel.name()));
         } else {
             ui.weak(unit);
@@ -110,6 +118,18 @@ const fn decimals(channel: Channel) -> usize {
         Channel::Displacement | Channel::DampingRatio => 4,
         Channel::Velocity | Channel::NaturalFrequency => 3,
     }
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten, about `count` of them.
+fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
+    let rough = (high - low) / f64::from(count.max(2.0));
+    if !rough.is_finite() || rough <= 0.0 {
+        return Vec::new();
+    }
+    let decade = 10_f64.powf(rough.log10().floor());
+    let step_size = [1.0, 2.0, 5.0].map(|m| m * decade).into_iter().find(|s| *s >= rough).unwrap_or(10.0 * decade);
+    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
+    (first..=last).map(|i| GridMark { value: i as f64 * step_size, step_size }).collect()
 }
 
 /// A tick's text, with just the digits that tell it from its neighbours.
@@ -187,7 +207,7 @@ impl Drawn {
             plot.points(dots);
         }
         // Where all agree, each line still shows beside the narrower one above it.
-        plot.line(Line::new("truth", truth).color(palette.truth).width(4.0).allow_hover(false));
+        plot.line(Line::new("truth", truth).color(palette.truth).width(3.4).allow_hover(false));
         for DrawnFilter { place, mean, .. } in filters {
             let width = (2.8 - 1.2 * place as f32).max(1.2);
             plot.line(Line::new("estimate", mean).color(palette.filter(place)).width(width).allow_hover(false));
@@ -259,5 +279,33 @@ const fn quantity(channel: Channel) -> Option<Quantity> {
         Channel::Displacement => Some(Quantity::Displacement),
         Channel::Velocity => Some(Quantity::Velocity),
         Channel::NaturalFrequency | Channel::DampingRatio => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(bounds: (f64, f64), count: f32) -> Vec<f64> {
+        ticks(bounds, count).iter().map(|mark| mark.value).collect()
+    }
+
+    #[test]
+    fn ticks_are_round_and_about_as_many_as_asked_for() {
+        assert_eq!(values((0.0, 20.0), 5.0), [0.0, 5.0, 10.0, 15.0, 20.0]);
+        assert_eq!(values((4.71, 6.3), 4.0), [5.0, 5.5, 6.0]);
+        for (count, span) in [(2.0, 0.013), (5.0, 7.7), (9.0, 41_000.0)] {
+            let found = values((-0.3 * span, 0.7 * span), count).len() as f32;
+            assert!(found <= count + 1.0 && found >= count / 2.5 - 1.0, "{found} ticks instead of {count}");
+        }
+        assert!(values((1.0, 1.0), 5.0).is_empty() && values((f64::NEG_INFINITY, f64::INFINITY), 5.0).is_empty());
+    }
+
+    #[test]
+    fn a_tick_has_the_digits_that_it_needs() {
+        assert_eq!(
+            [tick(0.05, 0.01), tick(-2.0, 1.0), tick(1e-19, 0.5), tick(30.0, 10.0)],
+            ["0.05", "−2", "0.0", "30"]
+        );
     }
 }

@@ -1,0 +1,126 @@
+//! The page that `trunk build` has made, in a real browser without a window.
+
+#[path = "browser/driver.rs"]
+mod driver;
+#[path = "browser/page.rs"]
+mod page;
+#[path = "browser/server.rs"]
+mod server;
+
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use kalmanscope_core::{Run, Scenario};
+use serde_json::Value;
+
+use driver::Driver;
+use page::{Page, colours};
+
+/// How long the page may take to start, on a slow machine without a graphics card.
+const START: Duration = Duration::from_secs(60);
+/// What the page says that has gone wrong.
+const FAILURE: &str = "document.getElementById('failure').hidden ? '' : document.getElementById('failure').innerText";
+
+#[test]
+fn the_page_works_in_a_browser() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let dist = folder.join("dist");
+    assert!(dist.join("index.html").is_file(), "there is no page in {}: run ./check, which builds it", dist.display());
+    let pictures = folder.join("target/browser");
+    fs::create_dir_all(&pictures).unwrap();
+    let address = format!("http://{}/", server::serve(dist).unwrap());
+
+    let driver = Driver::start();
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async {
+        let page = driver.open().await;
+        starts(&page, &address).await;
+        draws(&page, &pictures.join("desktop.png")).await;
+        computes_what_this_machine_computes(&page).await;
+        a_slider_moves_the_estimates(&page).await;
+        page.resize(390, 844).await;
+        draws(&page, &pictures.join("phone.png")).await;
+        has_nothing_to_complain_about(&page, &address).await;
+        failures_can_be_read(&page).await;
+    });
+}
+
+async fn starts(page: &Page, address: &str) {
+    page.go(address).await;
+    let over = "!document.getElementById('loading') || !document.getElementById('failure').hidden";
+    let waited = page.wait_until(over, START).await;
+    has_nothing_to_complain_about(page, address).await;
+    waited.unwrap();
+    // The window's frame takes some of its size.
+    page.resize(1280, 800).await;
+}
+
+async fn has_nothing_to_complain_about(page: &Page, address: &str) {
+    let failure = page.value(FAILURE).await;
+    assert_eq!(failure, "", "the page shows a failure");
+    for (level, message) in page.console().await {
+        println!("console: {level}: {message}");
+        assert_ne!(level, "SEVERE", "an error in the console: {message}");
+    }
+    let resources = page.value("performance.getEntriesByType('resource').map(entry => entry.name)").await;
+    for name in resources.as_array().unwrap().iter().map(|name| name.as_str().unwrap()) {
+        assert!(name.starts_with(address), "{name} is of another origin");
+    }
+}
+
+/// Text and curves have hundreds of colours between them; a page that failed to draw has one or two.
+async fn draws(page: &Page, picture: &Path) {
+    page.settle().await;
+    let scrolls =
+        "document.scrollingElement.scrollHeight > innerHeight || document.scrollingElement.scrollWidth > innerWidth";
+    assert_eq!(page.value(scrolls).await, false, "the page has a scroll bar");
+    let png = page.screenshot().await;
+    fs::write(picture, &png).unwrap();
+    let colours = colours(&png);
+    let total: usize = colours.values().sum();
+    let most = colours.values().max().unwrap();
+    println!("{}: {} colours, {:.3} of one", picture.display(), colours.len(), *most as f64 / total as f64);
+    assert!(colours.len() > 300, "{} has only {} colours", picture.display(), colours.len());
+    assert!(10 * most < 9 * total, "{} is nearly empty", picture.display());
+}
+
+async fn computes_what_this_machine_computes(page: &Page) {
+    let mut run = Run::new(&Scenario::default()).unwrap();
+    run.finish();
+    // The end of time: the whole record, as the filters have gone through it.
+    page.click("Time", 1.0).await;
+    let summary = page.summary().await;
+    assert_eq!(summary["samples"], run.len(), "the record has not been played to its end");
+    assert_eq!(
+        summary["checksum"].as_str().unwrap(),
+        format!("{:016x}", run.checksum()),
+        "WebAssembly and this machine disagree"
+    );
+}
+
+async fn a_slider_moves_the_estimates(page: &Page) {
+    let before = page.summary().await;
+    page.drag("EKF fading factor", 0.05, 0.6).await;
+    let after = page.summary().await;
+    assert_eq!(before["samples"], after["samples"], "only estimates of the same sample can be compared");
+    let [before, after] = [before, after].map(|summary| std_of_natural_frequency(&summary));
+    println!("std of the natural frequency: {before}, then {after}");
+    assert!(after > 1.5 * before, "a filter that forgets is less certain: {before}, then {after}");
+}
+
+fn std_of_natural_frequency(summary: &Value) -> f64 {
+    let named = |list: &Value, key: &str, name: &str| -> Value {
+        let found = list.as_array().unwrap().iter().find(|entry| entry[key] == name).cloned();
+        found.unwrap_or_else(|| panic!("there is no {name} in {list}"))
+    };
+    let filter = named(&summary["filters"], "name", "EKF");
+    named(&filter["estimates"], "channel", "natural_frequency")["std"].as_f64().unwrap()
+}
+
+async fn failures_can_be_read(page: &Page) {
+    page.value("window.kalmanscopeFailed('the reason in full')").await;
+    let text = page.value(FAILURE).await;
+    let text = text.as_str().unwrap();
+    assert!(text.contains("Kalmanscope has stopped") && text.contains("the reason in full"), "{text}");
+}

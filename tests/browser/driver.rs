@@ -1,0 +1,90 @@
+//! Chromium without a window, driven by chromedriver.
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{Ipv4Addr, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+use std::{fs, process, thread};
+
+use fantoccini::ClientBuilder;
+use fantoccini::wd::Capabilities;
+use hyper_util::client::legacy::connect::HttpConnector;
+use serde_json::json;
+
+use crate::page::Page;
+
+/// A running chromedriver, with its browsers ended when it goes out of scope.
+pub(crate) struct Driver {
+    child: Child,
+    port: u16,
+    profile: PathBuf,
+}
+
+impl Driver {
+    /// Starts chromedriver on a free port.
+    pub(crate) fn start() -> Self {
+        let mut child = Command::new("chromedriver")
+            .args(["--port=0", "--allowed-ips=127.0.0.1"])
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap_or_else(|error| panic!("chromedriver cannot be started ({error}): run ./check, which sees to it"));
+        let mut lines = BufReader::new(child.stdout.take().expect("its output is piped")).lines().map_while(Result::ok);
+        let port =
+            lines.find_map(|line| line.split_once("successfully on port ")?.1.trim_end_matches('.').parse().ok());
+        // Nobody reading its output would stop it once the pipe is full.
+        thread::spawn(move || lines.for_each(drop));
+        let Some(port) = port else {
+            child.kill().ok();
+            child.wait().ok();
+            panic!("chromedriver has not told its port: run ./check, which sees to one that works");
+        };
+        let profile = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("browser-{}", process::id()));
+        Self { child, port, profile }
+    }
+
+    /// Opens a browser with an empty page.
+    pub(crate) async fn open(&self) -> Page {
+        let profile = format!("--user-data-dir={}", self.profile.display());
+        let arguments = [
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-quic",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            "--disable-dev-shm-usage",
+            "--window-size=1280,800",
+            "--enable-unsafe-swiftshader",
+            "--use-gl=angle",
+            "--use-angle=swiftshader",
+            &profile,
+        ];
+        let mut capabilities = Capabilities::new();
+        capabilities.insert("goog:chromeOptions".to_owned(), json!({ "args": arguments }));
+        capabilities.insert("goog:loggingPrefs".to_owned(), json!({ "browser": "ALL" }));
+        let client = ClientBuilder::new(HttpConnector::new())
+            .capabilities(capabilities)
+            .connect(&format!("http://127.0.0.1:{}", self.port))
+            .await
+            .unwrap_or_else(|error| panic!("Chromium cannot be started ({error}): run ./check, which sees to it"));
+        Page::new(client)
+    }
+}
+
+impl Drop for Driver {
+    fn drop(&mut self) {
+        // Killed outright, chromedriver would leave its browsers behind.
+        if let Ok(mut stream) = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)) {
+            stream.set_read_timeout(Some(Duration::from_secs(10))).ok();
+            write!(stream, "GET /shutdown HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n").ok();
+            stream.read_to_end(&mut Vec::new()).ok();
+        }
+        self.child.kill().ok();
+        self.child.wait().ok();
+        fs::remove_dir_all(&self.profile).ok();
+    }
+}

@@ -1,0 +1,192 @@
+//! The page in the browser: what it shows, and hands on its controls.
+
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+use fantoccini::Client;
+use fantoccini::actions::{InputSource as _, MouseActions, PointerAction, WheelAction, WheelActions};
+use fantoccini::wd::WebDriverCompatibleCommand;
+use serde_json::{Value, json};
+
+/// A browser's only page.
+pub(crate) struct Page {
+    client: Client,
+}
+
+/// Where a control is \[CSS pixels\].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rect {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+}
+
+impl Rect {
+    /// The point at a fraction of the width, half-way down.
+    fn at(self, fraction: f64) -> (f64, f64) {
+        (self.x + fraction * self.width, self.y + 0.5 * self.height)
+    }
+}
+
+impl Page {
+    pub(crate) fn new(client: Client) -> Self {
+        Self { client }
+    }
+
+    pub(crate) async fn go(&self, address: &str) {
+        self.client.goto(address).await.expect("the page can be opened");
+    }
+
+    /// The value of a JavaScript expression.
+    pub(crate) async fn value(&self, expression: &str) -> Value {
+        let script = format!("return {expression};");
+        self.client.execute(&script, Vec::new()).await.unwrap_or_else(|error| panic!("`{expression}`: {error}"))
+    }
+
+    /// Waits until a JavaScript expression is true.
+    pub(crate) async fn wait_until(&self, expression: &str, limit: Duration) -> Result<(), String> {
+        let begun = Instant::now();
+        while self.value(expression).await != true {
+            if begun.elapsed() > limit {
+                return Err(format!("`{expression}` has not come true in {} s", limit.as_secs()));
+            }
+            tokio::time::sleep(Duration::from_millis(100)).await;
+        }
+        Ok(())
+    }
+
+    /// Waits for the app's next two frames, so that what is on screen follows from all input so far.
+    pub(crate) async fn settle(&self) {
+        let script = "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()));";
+        self.client.execute_async(script, Vec::new()).await.expect("frames are drawn");
+    }
+
+    /// What the app says of itself.
+    pub(crate) async fn summary(&self) -> Value {
+        let text = self.value("window.wasmBindings.kalmanscope_summary()").await;
+        let summary: Value = serde_json::from_str(text.as_str().expect("the summary is text")).expect("it is JSON");
+        assert!(summary.is_object(), "the app has no summary");
+        summary
+    }
+
+    /// A PNG of the window.
+    pub(crate) async fn screenshot(&self) -> Vec<u8> {
+        self.client.screenshot().await.expect("a screenshot can be taken")
+    }
+
+    /// Everything that the console has got since the last call, as (level, message).
+    pub(crate) async fn console(&self) -> Vec<(String, String)> {
+        let entries = self.post("se/log", json!({ "type": "browser" })).await;
+        let text = |entry: &Value, key: &str| entry[key].as_str().unwrap_or_default().to_owned();
+        let entries = entries.as_array().expect("the log is a list");
+        entries.iter().map(|entry| (text(entry, "level"), text(entry, "message"))).collect()
+    }
+
+    /// Makes the window's content exactly this large. (A device scale emulated like this would not reach the canvas's
+    /// resize observer, and the app would draw twice as large.)
+    pub(crate) async fn resize(&self, width: u32, height: u32) {
+        let params = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setDeviceMetricsOverride", "params": params })).await;
+        let resized = format!("innerWidth === {width} && innerHeight === {height}");
+        self.wait_until(&resized, Duration::from_secs(10)).await.expect("the window can be resized");
+        self.settle().await;
+    }
+
+    /// Clicks a control at a fraction of its width.
+    pub(crate) async fn click(&self, name: &str, fraction: f64) {
+        self.drag(name, fraction, fraction).await;
+    }
+
+    /// Presses at a fraction of a control's width, and lets go at another.
+    pub(crate) async fn drag(&self, name: &str, from: f64, to: f64) {
+        let rect = self.bring_into_view(name).await;
+        let go = |fraction: f64, milliseconds: u64| {
+            let (x, y) = rect.at(fraction);
+            PointerAction::MoveTo { duration: Some(Duration::from_millis(milliseconds)), x, y }
+        };
+        let button = 0;
+        let mut actions = MouseActions::new("mouse".to_owned())
+            .then(go(from, 0))
+            .then(PointerAction::Pause { duration: Duration::from_millis(100) })
+            .then(PointerAction::Down { button });
+        for step in 1..=5 {
+            actions = actions.then(go(from + (to - from) * f64::from(step) / 5.0, 50));
+        }
+        let actions = actions
+            .then(PointerAction::Pause { duration: Duration::from_millis(100) })
+            .then(PointerAction::Up { button });
+        self.client.perform_actions(actions).await.expect("the pointer can be moved");
+        self.settle().await;
+    }
+
+    /// Scrolls the panel with a control until all of it can be seen. Returns where it then is.
+    async fn bring_into_view(&self, name: &str) -> Rect {
+        let height = self.value("innerHeight").await.as_f64().expect("the window has a height");
+        for _ in 0..40 {
+            let rect = self.rect(name).await;
+            let over = (rect.y + rect.height - (height - 40.0)).ceil();
+            if over <= 0.0 {
+                return rect;
+            }
+            let scroll = WheelAction::Scroll {
+                duration: None,
+                x: rect.at(0.5).0 as i64,
+                y: (0.5 * height) as i64,
+                delta_x: 0,
+                delta_y: over.min(100.0) as i64,
+            };
+            let actions = WheelActions::new("wheel".to_owned()).then(scroll);
+            self.client.perform_actions(actions).await.expect("the wheel can be turned");
+            // The app scrolls smoothly: what has not come to rest is missed by the pointer.
+            tokio::time::sleep(Duration::from_millis(300)).await;
+            self.settle().await;
+        }
+        panic!("`{name}` cannot be scrolled into view");
+    }
+
+    async fn rect(&self, name: &str) -> Rect {
+        let summary = self.summary().await;
+        let controls = summary["controls"].as_array().expect("controls are a list");
+        let control = controls.iter().find(|control| control["name"] == name);
+        let control = control.unwrap_or_else(|| panic!("there is no control `{name}` among {controls:?}"));
+        let number = |key: &str| control[key].as_f64().expect("a rectangle is numbers");
+        Rect { x: number("x"), y: number("y"), width: number("width"), height: number("height") }
+    }
+
+    async fn post(&self, command: &'static str, body: Value) -> Value {
+        let command = Vendor { command, body };
+        self.client.issue_cmd(command).await.unwrap_or_else(|error| panic!("{error}"))
+    }
+}
+
+/// A command that is chromedriver's own.
+#[derive(Debug)]
+struct Vendor {
+    command: &'static str,
+    body: Value,
+}
+
+impl WebDriverCompatibleCommand for Vendor {
+    fn endpoint(&self, base: &url::Url, session: Option<&str>) -> Result<url::Url, url::ParseError> {
+        base.join(&format!("session/{}/{}", session.unwrap_or_default(), self.command))
+    }
+
+    fn method_and_body(&self, _: &url::Url) -> (http::Method, Option<String>) {
+        (http::Method::POST, Some(self.body.to_string()))
+    }
+}
+
+/// Number of pixels of each colour in a PNG.
+pub(crate) fn colours(png: &[u8]) -> HashMap<[u8; 3], usize> {
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(png));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().expect("a screenshot is a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("it fits into memory")];
+    let info = reader.next_frame(&mut pixels).expect("it is whole");
+    let mut counts = HashMap::new();
+    for pixel in pixels[..info.buffer_size()].chunks_exact(info.color_type.samples()) {
+        *counts.entry([pixel[0], pixel[1], pixel[2]]).or_default() += 1;
+    }
+    counts
+}
