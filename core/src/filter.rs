@@ -3,10 +3,9 @@
 mod linearised;
 mod unscented;
 
-use nalgebra::Cholesky;
 use thiserror::Error;
 
-use crate::gaussian::{Gaussian, Matrix, Vector, symmetric};
+use crate::gaussian::{Factor, Gaussian, Matrix, Vector, symmetric};
 use crate::model::{Model, Output};
 use crate::sensor::MAX_SENSORS;
 
@@ -188,14 +187,14 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
         };
         let Expected { mean, cov: innovation_cov, cross, jacobian } = expected;
         let innovation = Vector::<M>::from_fn(|i, _| measured[active[i].sensor]) - mean;
-        let Some(root) = Cholesky::new(innovation_cov) else {
+        let Some(factor) = Factor::new(&innovation_cov) else {
             return Err(if innovation_cov.sum().is_finite() {
                 FilterError::SingularInnovation
             } else {
                 FilterError::NotFinite
             });
         };
-        let gain = root.solve(&cross.transpose()).transpose();
+        let gain = factor.divide(&cross);
 
         belief.mean += gain * innovation;
         belief.cov = match jacobian {
@@ -209,8 +208,8 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
             return Err(FilterError::IndefiniteCovariance);
         }
 
-        let nis = innovation.dot(&root.solve(&innovation));
-        let ln_det = libm::log(root.determinant());
+        let nis = factor.square(&innovation);
+        let ln_det = libm::log(factor.determinant());
         correction.nis = nis;
         correction.log_likelihood = -0.5 * (nis + ln_det + M as f64 * LN_2_PI);
         for (i, row) in active.iter().enumerate() {

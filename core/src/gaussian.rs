@@ -27,41 +27,129 @@ impl<const N: usize> Gaussian<N> {
     /// Whether every number of it is finite.
     pub fn is_finite(&self) -> bool {
         // A sum is finite only if all its terms are, short of an overflow, which is as bad.
-        (self.mean.sum() + self.cov.sum()).is_finite()
+        let mut sum = self.mean;
+        for j in 0..N {
+            sum += self.cov.column(j);
+        }
+        sum.sum().is_finite()
     }
 }
 
 /// The lower triangular `L` with `L Lᵀ = cov`, zero above the diagonal. A variance that is zero to rounding gives a column of
 /// zeros, so that a component known for certain stays so.
 ///
+/// Columns are scaled by their pivots' square roots only in the end: a pivot then waits for one division, not for a root
+/// and a division.
+///
 /// # Errors
 /// [`FilterError::IndefiniteCovariance`] where a pivot is negative beyond rounding or not a number.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
 pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, FilterError> {
+    let mut columns = *cov;
     let mut root = Matrix::<N, N>::zeros();
     for j in 0..N {
-        let mut pivot = cov[(j, j)];
-        for k in 0..j {
-            pivot -= root[(j, k)] * root[(j, k)];
-        }
+        let pivot = columns[(j, j)];
         let rounding = 4.0 * N as f64 * f64::EPSILON * cov[(j, j)];
         if pivot > rounding {
-            let diagonal = pivot.sqrt();
-            let inverse = 1.0 / diagonal;
-            root[(j, j)] = diagonal;
-            for i in j + 1..N {
-                let mut entry = cov[(i, j)];
-                for k in 0..j {
-                    entry -= root[(i, k)] * root[(j, k)];
+            let inverse = 1.0 / pivot;
+            for k in j + 1..N {
+                let share = columns[(k, j)] * inverse;
+                for i in k..N {
+                    columns[(i, k)] -= columns[(i, j)] * share;
                 }
-                root[(i, j)] = entry * inverse;
+            }
+            let scale = inverse * pivot.sqrt();
+            for i in j..N {
+                root[(i, j)] = columns[(i, j)] * scale;
             }
         } else if pivot < -1e4 * rounding || pivot.is_nan() {
             return Err(FilterError::IndefiniteCovariance);
         }
     }
     Ok(root)
+}
+
+/// `S = L D Lᵀ` with a unit lower triangular L and a positive diagonal D: a Cholesky factor without square roots.
+///
+/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
+#[derive(Clone, Copy, Debug)]
+pub struct Factor<const M: usize> {
+    lower: Matrix<M, M>,
+    inverse_pivots: Vector<M>,
+    determinant: f64,
+}
+
+impl<const M: usize> Factor<M> {
+    /// The factor of the symmetric matrix `s`, or `None` if it is not positive definite.
+    #[inline]
+    pub fn new(s: &Matrix<M, M>) -> Option<Self> {
+        let mut columns = *s;
+        let mut factor = Self { lower: Matrix::identity(), inverse_pivots: Vector::zeros(), determinant: 1.0 };
+        for j in 0..M {
+            let pivot = columns[(j, j)];
+            let inverse = 1.0 / pivot;
+            if !(pivot > 0.0 && inverse.is_finite()) {
+                return None;
+            }
+            for k in j + 1..M {
+                factor.lower[(k, j)] = columns[(k, j)] * inverse;
+                for i in k..M {
+                    columns[(i, k)] -= columns[(i, j)] * factor.lower[(k, j)];
+                }
+            }
+            factor.inverse_pivots[j] = inverse;
+            factor.determinant *= pivot;
+        }
+        Some(factor)
+    }
+
+    /// `X S⁻¹`, R × M.
+    #[inline]
+    pub fn divide<const R: usize>(&self, x: &Matrix<R, M>) -> Matrix<R, M> {
+        let Self { lower, inverse_pivots, .. } = self;
+        let mut result = *x;
+        for j in 0..M {
+            for k in 0..j {
+                let share = lower[(j, k)];
+                for i in 0..R {
+                    result[(i, j)] -= result[(i, k)] * share;
+                }
+            }
+        }
+        for j in (0..M).rev() {
+            for i in 0..R {
+                result[(i, j)] *= inverse_pivots[j];
+            }
+            for k in j + 1..M {
+                let share = lower[(k, j)];
+                for i in 0..R {
+                    result[(i, j)] -= result[(i, k)] * share;
+                }
+            }
+        }
+        result
+    }
+
+    /// `eᵀ S⁻¹ e`
+    #[inline]
+    pub fn square(&self, e: &Vector<M>) -> f64 {
+        let Self { lower, inverse_pivots, .. } = self;
+        let mut white = *e;
+        let mut sum = 0.0;
+        for j in 0..M {
+            for k in 0..j {
+                white[j] -= lower[(j, k)] * white[k];
+            }
+            sum += white[j] * white[j] * inverse_pivots[j];
+        }
+        sum
+    }
+
+    /// det S
+    pub fn determinant(&self) -> f64 {
+        self.determinant
+    }
 }
 
 /// The symmetric part `(X + Xᵀ) / 2`: what rounding has made of a covariance, symmetric to the last bit again.
@@ -105,5 +193,25 @@ mod tests {
         assert_eq!(lower_root(&indefinite), Err(FilterError::IndefiniteCovariance));
         let undefined = Matrix::<2, 2>::new(f64::NAN, 0.0, 0.0, 1.0);
         assert_eq!(lower_root(&undefined), Err(FilterError::IndefiniteCovariance));
+    }
+
+    #[test]
+    fn a_factor_divides_squares_and_has_the_determinant() {
+        let a = Matrix::<3, 3>::new(2.0, -0.3, 0.7, 0.1, 1.5, -0.4, 0.9, 0.2, 0.6);
+        let s = a * a.transpose();
+        let factor = Factor::new(&s).unwrap();
+        let x = Matrix::<4, 3>::from_fn(|i, j| (i as f64 + 1.0) / (j as f64 + 2.0) - 0.5);
+        assert!((factor.divide(&x) * s - x).amax() < 1e-14);
+        let e = Vector::<3>::new(0.3, -1.0, 2.0);
+        assert!((factor.square(&e) - e.dot(&s.try_inverse().unwrap().tr_mul(&e))).abs() < 1e-12);
+        assert!((factor.determinant() - s.determinant()).abs() < 1e-13);
+    }
+
+    #[test]
+    fn what_is_not_positive_definite_has_no_factor() {
+        for s in [[1.0, 1.0, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [1.0, 2.0, 1.0], [f64::NAN, 0.0, 1.0]] {
+            assert!(Factor::new(&Matrix::<2, 2>::new(s[0], s[1], s[1], s[2])).is_none(), "{s:?}");
+        }
+        assert!(Factor::new(&Matrix::<1, 1>::new(1e-320)).is_none(), "a pivot without a finite inverse");
     }
 }
