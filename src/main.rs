@@ -110,7 +110,8 @@ mod web {
 
     /// What is on screen, as JSON; `null` before the app has started.
     #[wasm_bindgen]
-    pub(crate) fn kalmanscope_summary() -> String {
+    #[expect(unreachable_pub, reason = "JavaScript reaches it")]
+    pub fn kalmanscope_summary() -> String {
         let summary = RUNNER.with_borrow(|runner| {
             let (runner, ctx) = runner.as_ref()?;
             let page = runner.app_mut::<Page>()?;

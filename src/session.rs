@@ -159,13 +159,7 @@ impl Session {
     }
 
     fn start_anew(&mut self) {
-        match Run::new(&self.scenario) {
-            Ok(run) => {
-                self.run = run;
-                self.problem = None;
-            }
-            Err(error) => self.problem = Some(error.to_string()),
-        }
+        self.problem = self.run.restart(&self.scenario).err().map(|error| error.to_string());
     }
 
     fn catch_up(&mut self) {

@@ -34,28 +34,40 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    pub(crate) fn new(
-        name: String,
-        kind: FilterKind,
-        channels: Vec<Channel>,
-        sensors: Vec<Quantity>,
-        capacity: usize,
-    ) -> Self {
-        let (n, m) = (channels.len(), sensors.len());
-        let room = |per_sample: usize| Vec::with_capacity(capacity * per_sample);
+    pub(crate) fn new(name: String, kind: FilterKind, channels: Vec<Channel>, sensors: Vec<Quantity>) -> Self {
         Self {
             name,
             kind,
             channels,
             sensors,
-            mean: room(n),
-            cov: room(n * n),
-            innovation: room(m),
-            innovation_cov: room(m * m),
-            gain: room(n * m),
-            nis: room(1),
-            log_likelihood: room(1),
+            mean: Vec::new(),
+            cov: Vec::new(),
+            innovation: Vec::new(),
+            innovation_cov: Vec::new(),
+            gain: Vec::new(),
+            nis: Vec::new(),
+            log_likelihood: Vec::new(),
             stop: None,
+        }
+    }
+
+    /// Takes over the memory of estimates that are no longer needed, with room for `samples`: to be given fresh pages by
+    /// the system costs more than to fill them.
+    pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
+        let (n, m) = (self.channels.len(), self.sensors.len());
+        let mut old = old.unwrap_or_else(|| Self::new(String::new(), self.kind, Vec::new(), Vec::new()));
+        for (new, old, per_sample) in [
+            (&mut self.mean, &mut old.mean, n),
+            (&mut self.cov, &mut old.cov, n * n),
+            (&mut self.innovation, &mut old.innovation, m),
+            (&mut self.innovation_cov, &mut old.innovation_cov, m * m),
+            (&mut self.gain, &mut old.gain, n * m),
+            (&mut self.nis, &mut old.nis, 1),
+            (&mut self.log_likelihood, &mut old.log_likelihood, 1),
+        ] {
+            *new = std::mem::take(old);
+            new.clear();
+            new.reserve(samples * per_sample);
         }
     }
 

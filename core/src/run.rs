@@ -57,7 +57,20 @@ impl Run {
         scenario.validate()?;
         let simulator = Box::new(Simulator::new(scenario));
         let record = simulator.empty_record();
-        Self::over(scenario, Source::Simulated { simulator, record }, scenario.samples())
+        Self::over(scenario, Source::Simulated { simulator, record }, scenario.samples(), Vec::new())
+    }
+
+    /// Begins anew with another scenario, as [`Self::new`] does, in the memory of this run.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible; this run stays as it is then.
+    pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
+        scenario.validate()?;
+        let simulator = Box::new(Simulator::new(scenario));
+        let record = simulator.empty_record();
+        let old = std::mem::take(&mut self.estimates);
+        *self = Self::over(scenario, Source::Simulated { simulator, record }, scenario.samples(), old)?;
+        Ok(())
     }
 
     /// A run of the scenario's filters over a given record, whose `dt` counts instead of the scenario's.
@@ -68,23 +81,26 @@ impl Run {
     pub fn on_record(scenario: &Scenario, record: Arc<Record>) -> Result<Self, RunError> {
         scenario.validate()?;
         let samples = record.len();
-        Self::over(scenario, Source::Measured(record), samples)
+        Self::over(scenario, Source::Measured(record), samples, Vec::new())
     }
 
-    fn over(scenario: &Scenario, source: Source, samples: usize) -> Result<Self, RunError> {
+    fn over(scenario: &Scenario, source: Source, samples: usize, old: Vec<Estimates>) -> Result<Self, RunError> {
         let record = source.record();
         let place = |q: Quantity| record.sensors().iter().position(|&s| s == q).ok_or(RunError::MissingSensor(q));
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let sensors = quantities.iter().map(|&q| place(q)).collect::<Result<Vec<_>, _>>()?;
         let dt = record.dt();
+        let mut old = old.into_iter();
+        let estimates = |filter: &FilterSettings| {
+            let channels = Sdof::CHANNELS.to_vec();
+            let mut estimates = Estimates::new(filter.name.clone(), filter.kind, channels, quantities.clone());
+            estimates.recycle(old.next(), samples);
+            estimates
+        };
         Ok(Self {
             measured: vec![f64::NAN; sensors.len()],
+            estimates: scenario.filters.iter().map(estimates).collect(),
             estimators: scenario.filters.iter().map(|f| estimator(f, &quantities, dt)).collect(),
-            estimates: scenario
-                .filters
-                .iter()
-                .map(|f| Estimates::new(f.name.clone(), f.kind, Sdof::CHANNELS.to_vec(), quantities.clone(), samples))
-                .collect(),
             source,
             samples,
             step: 0,

@@ -234,3 +234,25 @@ fn sensors_may_stand_in_any_order() {
         assert!(difference(a, b) < 1e-6, "{}: {}", a.name(), difference(a, b));
     }
 }
+
+#[test]
+fn a_run_that_begins_anew_is_a_new_run() {
+    let first = Scenario { duration: 3.0, ..Scenario::default() };
+    let mut second = Scenario { seed: 9, duration: 2.0, ..Scenario::default() };
+    second.filters.rotate_left(1);
+    second.filters.truncate(1);
+    second.remove_sensor(kalmanscope_core::Quantity::Velocity);
+    let mut run = Run::new(&first).unwrap();
+    run.finish();
+    for scenario in [&second, &first] {
+        run.restart(scenario).unwrap();
+        run.finish();
+        let mut fresh = Run::new(scenario).unwrap();
+        fresh.finish();
+        assert_eq!((run.len(), run.checksum()), (fresh.len(), fresh.checksum()));
+        assert_eq!(run.estimates().len(), scenario.filters.len());
+    }
+    let before = run.checksum();
+    assert!(run.restart(&Scenario { dt: 0.0, ..first }).is_err());
+    assert_eq!(run.checksum(), before, "an impossible scenario leaves the run as it is");
+}
