@@ -2,7 +2,7 @@
 
 use egui::{Theme, Vec2, accesskit};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use egui_kittest::{Harness, SnapshotOptions};
+use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use kalmanscope::App;
 use kalmanscope::session::Mode;
 use kalmanscope_core::{Channel, FilterKind, Force, Quantity, Scenario, Signal};
@@ -302,6 +302,7 @@ fn a_stopped_filter_says_so_and_the_rest_goes_on() {
 fn it_looks_as_it_did() {
     // Text is drawn alike on every machine, lines differ by a grey level at their edges.
     let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(400_usize);
+    let mut results = SnapshotResults::new();
     for (name, size, theme, mode, time) in [
         ("live-light", DESKTOP, Theme::Light, Mode::Live, 8.0),
         ("live-dark", DESKTOP, Theme::Dark, Mode::Live, 34.0),
@@ -319,5 +320,7 @@ fn it_looks_as_it_did() {
         session.seek(time);
         screen.run_steps(8);
         screen.snapshot_options(name, &options);
+        results.extend_harness(&mut screen);
     }
+    results.unwrap();
 }

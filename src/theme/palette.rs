@@ -41,7 +41,7 @@ const LIGHT: Palette = Palette {
     plot: Color32::WHITE,
     faint: Color32::from_rgb(0xea, 0xed, 0xf1),
     separator: Color32::from_rgb(0xd8, 0xdc, 0xe2),
-    grid: Color32::from_rgb(0x70, 0x78, 0x84),
+    grid: Color32::from_rgb(0xa6, 0xae, 0xba),
     text: Color32::from_rgb(0x1d, 0x23, 0x2c),
     weak: Color32::from_rgb(0x5b, 0x65, 0x73),
     accent: Color32::from_rgb(0x2b, 0x5c, 0x9e),

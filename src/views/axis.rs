@@ -17,8 +17,8 @@ impl Default for TimeAxis {
     }
 }
 
-/// How much of the past is seen while the record grows \[s\].
-const LIVE_SPAN: f64 = 20.0;
+/// How much of the past is seen while the record grows: little at first, so that the bands are seen to close \[s\].
+const LIVE_SPAN: (f64, f64) = (5.0, 20.0);
 
 impl TimeAxis {
     /// The part of the record that an axis that follows shows, `(from, to)` \[s\].
@@ -27,9 +27,10 @@ impl TimeAxis {
         match session.mode() {
             Mode::Whole => (start, start + session.end()),
             Mode::Live => {
-                let span = LIVE_SPAN.min(session.end());
                 // A little room ahead, so that the newest estimate does not stick to the frame.
-                let to = (session.time() + 0.03 * span).max(start + span);
+                let ahead = session.time() - start + 0.6;
+                let span = ahead.clamp(LIVE_SPAN.0, LIVE_SPAN.1).min(session.end() + 0.6);
+                let to = start + ahead.max(span);
                 (to - span, to)
             }
         }
