@@ -79,6 +79,11 @@ impl App {
         &mut self.session
     }
 
+    /// The time axis that the plots share.
+    pub fn axis(&self) -> &TimeAxis {
+        &self.axis
+    }
+
     /// What is on screen, as data.
     pub fn summary(&self, ctx: &egui::Context) -> Summary {
         Summary::new(&self.session, ctx)
@@ -123,7 +128,6 @@ impl App {
 
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette) {
         let Self { session, axis, shown, controls_open: _, commands } = self;
-        commands.push(Command::PointAt(None));
         let height = (0.16 * ui.available_height()).clamp(0.0, 120.0);
         if height > 48.0 {
             let context = ViewContext { session, palette, shown, axis };

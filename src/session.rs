@@ -144,9 +144,11 @@ impl Session {
         self.catch_up();
     }
 
-    /// Sets the simulated seconds per second.
+    /// Sets the simulated seconds per second; what is no positive number leaves them as they are.
     pub fn set_speed(&mut self, speed: f64) {
-        self.speed = speed;
+        if speed.is_finite() && speed > 0.0 {
+            self.speed = speed;
+        }
     }
 
     /// Takes over an edited scenario and recomputes what is shown. An impossible one is kept for editing, while the run

@@ -47,6 +47,7 @@ pub fn plots_ui(ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Comma
     let gap = 6.0;
     let gutter = 16.0;
     let narrow = area.width() < 640.0;
+    let mut pointed = None;
     for (i, channel) in PLOTS.into_iter().enumerate() {
         let cell = if narrow {
             let height = ((area.height() - 3.0 * gap) / 4.0).max(1.0);
@@ -65,7 +66,10 @@ pub fn plots_ui(ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Comma
             )
         };
         let mut child = ui.new_child(egui::UiBuilder::new().id_salt(channel.key()).max_rect(cell));
-        time_plot::time_plot_ui(&mut child, channel, context, commands);
+        pointed = time_plot::time_plot_ui(&mut child, channel, context, commands).or(pointed);
+    }
+    if pointed != context.axis.pointed {
+        commands.push(Command::PointAt(pointed));
     }
     ui.allocate_rect(area, egui::Sense::hover());
 }

@@ -184,14 +184,21 @@ fn shapes_forces_and_kinds_can_be_chosen() {
         assert_eq!(screen.state().session().problem(), None, "{kind}");
     }
     choose(&mut screen, "Kind of filter 1", "KF");
-    assert_eq!((scenario(&screen).filters[0].kind, scenario(&screen).filters[0].name.as_str()), (FilterKind::Kf, "KF"));
+    let first = |screen: &Screen| (scenario(screen).filters[0].kind, scenario(screen).filters[0].name.clone());
+    assert_eq!(first(&screen), (FilterKind::Kf, "KF".to_owned()));
+    choose(&mut screen, "Kind of filter 1", "UKF");
+    assert_eq!(first(&screen), (FilterKind::Ukf, "UKF 1".to_owned()), "the second filter has the name already");
+    choose(&mut screen, "Kind of filter 1", "EKF");
+    assert_eq!(first(&screen), (FilterKind::Ekf, "EKF".to_owned()));
 }
 
+/// Opens a combo box and takes the option that it has brought up.
 fn choose(screen: &mut Screen, combo: &str, option: &str) {
+    let before: Vec<_> = screen.query_all_by_label(option).map(|node| node.rect()).collect();
     screen.get_by_label(combo).click();
     screen.run_steps(3);
-    let menu: Vec<_> = screen.get_all_by_label(option).collect();
-    menu.last().expect("the option is in the menu").click();
+    let new = screen.query_all_by_label(option).find(|node| !before.contains(&node.rect()));
+    new.expect("the option is in the menu").click();
     screen.run_steps(3);
 }
 
@@ -246,6 +253,38 @@ fn the_transport_does_what_it_says() {
     assert_eq!(screen.state().session().run().len(), 1);
     choose(&mut screen, "Speed", "10×");
     assert_eq!(screen.state().session().speed(), 10.0);
+}
+
+#[test]
+fn a_paused_screen_comes_to_rest() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.get_by_label("Pause").click();
+    screen.run_steps(3);
+    screen.hover_at(egui::pos2(600.0, 400.0));
+    screen.run_steps(3);
+    screen.remove_cursor();
+    assert!(screen.try_run().is_ok(), "nothing moves, but frame after frame is drawn");
+}
+
+#[test]
+fn pointing_and_zooming_do_what_they_say() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let session = screen.state_mut().session_mut();
+    session.toggle_play();
+    session.seek(20.0);
+    screen.run_steps(3);
+    let plot = screen.get_by_label("Plot of the displacement").rect();
+    screen.hover_at(plot.center());
+    screen.run_steps(3);
+    let pointed = screen.state().axis().pointed.expect("the user points at a plot");
+    assert!((5.0..15.0).contains(&pointed), "{pointed} s is not in the middle of the plot");
+    screen.drag_at(plot.center());
+    screen.run_steps(2);
+    screen.hover_at(plot.center() + Vec2::new(80.0, 30.0));
+    screen.run_steps(2);
+    screen.drop_at(plot.center() + Vec2::new(80.0, 30.0));
+    screen.run_steps(3);
+    assert!(!screen.state().axis().follows, "a dragged axis stays where it is put");
 }
 
 #[test]

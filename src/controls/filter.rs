@@ -13,31 +13,36 @@ use crate::theme::{self, Palette};
 pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
     let id = ui.make_persistent_id(("filter", place));
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
-    let (true_sensor_std, true_process_std) = scenario.true_noise();
+    let mut match_truth = false;
     let Scenario { dt, sensors, filters, .. } = scenario;
+    let others: Vec<String> =
+        filters.iter().enumerate().filter(|(i, _)| *i != place).map(|(_, f)| f.name.clone()).collect();
     let filter = &mut filters[place];
     state
         .show_header(ui, |ui| {
             let (dot, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
             ui.painter().circle_filled(dot.center(), 5.0, palette.filter(place));
             ui.label(RichText::new(&filter.name).family(theme::strong()).size(14.5));
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| kind_ui(ui, filter, place));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| kind_ui(ui, filter, place, &others));
         })
         .body_unindented(|ui| {
             memory_ui(ui, filter, *dt);
-            belief_ui(ui, filter, sensors);
+            belief_ui(ui, filter, place, sensors);
             ui.add_space(2.0);
             let hint =
                 "Set R to the sensors' true noise, and Q to what disturbance and changing parameters do in a step";
-            if ui.button("Match the truth").on_hover_text(hint).clicked() {
-                filter.sensor_std = true_sensor_std;
-                filter.process_std = true_process_std;
-            }
+            match_truth = ui.button("Match the truth").on_hover_text(hint).clicked();
             ui.add_space(6.0);
         });
+    if match_truth {
+        let (sensor_std, process_std) = scenario.true_noise();
+        let filter = &mut scenario.filters[place];
+        filter.sensor_std = sensor_std;
+        filter.process_std = process_std;
+    }
 }
 
-fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
+fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[String]) {
     let before = filter.kind;
     let combo = ComboBox::from_id_salt(("kind", place)).selected_text(before.name()).width(64.0).show_ui(ui, |ui| {
         for kind in FilterKind::ALL {
@@ -45,9 +50,11 @@ fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
         }
     });
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("Kind of filter {}", place + 1)));
-    // A name that only says the kind goes with it.
-    if filter.kind != before && filter.name == before.name() {
-        filter.name = filter.kind.name().to_owned();
+    // A name that only says the kind goes with it, but no two filters get the same.
+    let numbered = |kind: FilterKind| format!("{} {}", kind.name(), place + 1);
+    if filter.kind != before && (filter.name == before.name() || filter.name == numbered(before)) {
+        let name = filter.kind.name().to_owned();
+        filter.name = if others.contains(&name) { numbered(filter.kind) } else { name };
     }
 }
 

@@ -48,7 +48,7 @@ const LIGHT: Palette = Palette {
     on_accent: Color32::WHITE,
     warning: Color32::from_rgb(0xb0, 0x2a, 0x1c),
     truth: Color32::from_rgb(0x22, 0x28, 0x30),
-    measured: Color32::from_rgba_premultiplied(0x3a, 0x40, 0x48, 0x60),
+    measured: Color32::from_rgba_premultiplied(0x38, 0x3e, 0x48, 0x90),
     force: Color32::from_rgb(0x80, 0x86, 0x90),
     filters: [
         Color32::from_rgb(0x00, 0x72, 0xb2),

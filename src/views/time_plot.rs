@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use egui::{Id, RichText, Ui, Vec2, Vec2b};
-use egui_plot::{AxisHints, FilledArea, GridMark, Line, Plot, PlotUi, Points, VLine};
+use egui_plot::{AxisHints, FilledArea, GridMark, Line, LineStyle, Plot, PlotUi, Points, VLine};
 use kalmanscope_core::{Channel, Estimates, Quantity, Record};
 
 use super::{TimeAxis, ViewContext};
@@ -18,8 +18,13 @@ const OUTLIERS: f64 = 0.006;
 /// Ticks' labels are drawn in full from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
-/// Draws the channel's plot with its heading into all of `ui`.
-pub fn time_plot_ui(ui: &mut Ui, channel: Channel, context: &ViewContext<'_>, commands: &mut Vec<Command>) {
+/// Draws the channel's plot with its heading into all of `ui`. Returns the time that the user points at \[s\].
+pub fn time_plot_ui(
+    ui: &mut Ui,
+    channel: Channel,
+    context: &ViewContext<'_>,
+    commands: &mut Vec<Command>,
+) -> Option<f64> {
     heading_ui(ui, channel, context);
     let ViewContext { session, palette, axis, .. } = *context;
     let size = ui.available_size().max(Vec2::splat(1.0));
@@ -63,13 +68,12 @@ pub fn time_plot_ui(ui: &mut Ui, channel: Channel, context: &ViewContext<'_>, co
         }
         drawn.draw(plot, context);
         if show_position {
-            plot.vline(VLine::new("playback", position).color(palette.accent).width(1.2));
+            let line = VLine::new("playback", position).color(palette.weak).width(1.2);
+            plot.vline(line.style(LineStyle::dashed_dense()).allow_hover(false));
         }
         plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
     });
-    if let Some(time) = response.inner {
-        commands.push(Command::PointAt(Some(time)));
-    }
+    let pointed = response.inner;
     let response = response.response;
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {}", channel.name())));
     if response.double_clicked() {
@@ -77,6 +81,7 @@ pub fn time_plot_ui(ui: &mut Ui, channel: Channel, context: &ViewContext<'_>, co
     } else if response.drag_started() || (response.hovered() && response.ctx.input(|i| i.zoom_delta() != 1.0)) {
         commands.push(Command::Unfollow);
     }
+    pointed
 }
 
 /// Name and unit at the left, values at the cursor or at playback at the right.
@@ -203,7 +208,7 @@ impl Drawn {
             }
         }
         if !measured.is_empty() {
-            let dots = Points::new("measured", measured).radius(1.1).color(palette.measured).allow_hover(false);
+            let dots = Points::new("measured", measured).radius(1.3).color(palette.measured).allow_hover(false);
             plot.points(dots);
         }
         // Where all agree, each line still shows beside the narrower one above it.
