@@ -20,14 +20,15 @@ const NARROW: f32 = 720.0;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 struct Settings {
-    scenario: Scenario,
+    /// As a scenario file, which is checked when it is read.
+    scenario: String,
     mode: Mode,
     speed: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { scenario: Scenario::default(), mode: Mode::default(), speed: Session::DEFAULT_SPEED }
+        Self { scenario: String::new(), mode: Mode::default(), speed: Session::DEFAULT_SPEED }
     }
 }
 
@@ -47,9 +48,18 @@ impl App {
     /// [`RunError`] where not even the default scenario can be run.
     pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
         theme::install(&creation.egui_ctx);
+        Self::restored(creation.storage)
+    }
+
+    /// The explorer as [`eframe::App::save`] left it in `storage`, without fonts and styles. What cannot be read or run any
+    /// more is the default.
+    ///
+    /// # Errors
+    /// [`RunError`] where not even the default scenario can be run.
+    pub fn restored(storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
         let Settings { scenario, mode, speed } =
-            creation.storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
-        let mut app = Self::with_scenario(scenario).or_else(|_| Self::with_scenario(Scenario::default()))?;
+            storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
+        let mut app = Self::with_scenario(Scenario::from_toml(&scenario).unwrap_or_default())?;
         app.session.set_mode(mode);
         app.session.set_speed(speed);
         Ok(app)
@@ -188,7 +198,7 @@ impl eframe::App for App {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         let settings = Settings {
-            scenario: self.session.scenario().clone(),
+            scenario: self.session.scenario().to_toml().unwrap_or_default(),
             mode: self.session.mode(),
             speed: self.session.speed(),
         };

@@ -18,6 +18,8 @@ use crate::theme::{self, Palette};
 pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> bool {
     let before = scenario.clone();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        // The scroll bar floats: it must not cover the units.
+        ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         let Scenario { seed: _, dt: _, duration: _, plant: _, force: _, sensors: _, filters } = scenario;
         let filters = filters.len();
         section(ui, "Truth", true, |ui| plant::plant_ui(ui, &mut scenario.plant));

@@ -1,5 +1,8 @@
 //! The app without a screen: every control, every view, any size.
 
+use std::collections::HashMap;
+
+use eframe::{App as _, Storage as _};
 use egui::{Theme, Vec2, accesskit};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
@@ -253,6 +256,47 @@ fn the_transport_does_what_it_says() {
     assert_eq!(screen.state().session().run().len(), 1);
     choose(&mut screen, "Speed", "10×");
     assert_eq!(screen.state().session().speed(), 10.0);
+}
+
+#[derive(Default)]
+struct Memory(HashMap<String, String>);
+
+impl eframe::Storage for Memory {
+    fn get_string(&self, key: &str) -> Option<String> {
+        self.0.get(key).cloned()
+    }
+
+    fn set_string(&mut self, key: &str, value: String) {
+        self.0.insert(key.to_owned(), value);
+    }
+
+    fn remove_string(&mut self, key: &str) {
+        self.0.remove(key);
+    }
+
+    fn flush(&mut self) {}
+}
+
+#[test]
+fn settings_survive_and_what_cannot_be_read_is_the_default() {
+    let mut edited = Scenario { seed: 5, force: Force::None, ..Scenario::default() };
+    edited.plant.natural_frequency = Signal::Constant(3.0);
+    edited.add_sensor(kalmanscope_core::Sensor { measures: Quantity::Acceleration, noise_std: 0.2 });
+    let mut app = App::with_scenario(edited.clone()).expect("the scenario can be run");
+    app.session_mut().set_mode(Mode::Whole);
+    app.session_mut().set_speed(5.0);
+    let mut memory = Memory::default();
+    app.save(&mut memory);
+    let restored = App::restored(Some(&memory)).expect("the default can be run");
+    let session = restored.session();
+    assert_eq!((session.scenario(), session.mode(), session.speed()), (&edited, Mode::Whole, 5.0));
+
+    for broken in ["gibberish".to_owned(), memory.0[eframe::APP_KEY].replacen("dt = 0.01", "dt = -1.0", 1)] {
+        assert_ne!(broken, memory.0[eframe::APP_KEY]);
+        memory.set_string(eframe::APP_KEY, broken);
+        let restored = App::restored(Some(&memory)).expect("the default can be run");
+        assert_eq!(restored.session().scenario(), &Scenario::default());
+    }
 }
 
 #[test]
