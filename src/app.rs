@@ -178,7 +178,7 @@ impl eframe::App for App {
             }
         };
         if open && !narrow {
-            let panel = Panel::left("controls").frame(frame).default_size(330.0).size_range(300.0..=460.0);
+            let panel = Panel::left("controls").frame(frame).default_size(340.0).size_range(300.0..=460.0);
             panel.show(ui, |ui| controls(ui, &self.session));
         }
         CentralPanel::default().frame(frame).show(ui, |ui| {

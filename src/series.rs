@@ -49,7 +49,7 @@ pub fn reduce(range: Range<usize>, columns: usize, value: impl Fn(usize) -> f64)
 }
 
 /// Samples per pixel column.
-pub fn stride(samples: usize, columns: usize) -> usize {
+fn stride(samples: usize, columns: usize) -> usize {
     samples.div_ceil(columns.max(1)).max(1)
 }
 

@@ -72,13 +72,14 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
     .show(ui, &mut filter.fading);
     let memory = if filter.fading > 1.0 {
         let samples = std::f64::consts::LN_2 / filter.fading.ln();
-        format!("memory half-life {} s, {} samples", significant(samples * dt, 3), significant(samples, 3))
+        format!("half-life {} s, {} samples", significant(samples * dt, 3), significant(samples, 3))
     } else {
         "remembers everything".to_owned()
     };
     ui.horizontal(|ui| {
         ui.add_space(119.0);
-        ui.small(memory);
+        let hint = "Memory half-life: how long until a measurement counts half";
+        ui.add(egui::Label::new(RichText::new(memory).small()).truncate()).on_hover_text(hint);
     });
     ui.add_enabled_ui(filter.kind != FilterKind::Kf, |ui| {
         let name = format!("{} parameter decay", filter.name);
