@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
-# The desktop program as a user meets it: a window that draws, and a report where there is no display.
+# desktop.sh PROGRAM PICTURES: the desktop program as a user meets it, a window that draws, and a report where there is
+# no display.
 set -euo pipefail
-cd "$(dirname "$0")/.."
-cargo build --locked -p kalmanscope
-program=${CARGO_TARGET_DIR:-$PWD/target}/debug/kalmanscope
-out=${CARGO_TARGET_DIR:-$PWD/target}/desktop
+program=$(realpath "$1")
+out=$2
 work=$(mktemp -d)
 mkdir -p "$out"
 children=()
