@@ -15,8 +15,9 @@ pub(super) fn message(text: &str, error: &Error) -> String {
         // Not even TOML: the parser's own message shows the place.
         return error.to_string().trim_end().to_owned();
     };
-    let line = 1 + text[..span.start].matches('\n').count();
-    format!("line {line}: {}", explained(&path, &shown(&text[span]), error.message()))
+    let line = 1 + text.bytes().take(span.start).filter(|&b| b == b'\n').count();
+    let piece = text.get(span).unwrap_or_default();
+    format!("line {line}: {}", explained(&path, &shown(piece), error.message()))
 }
 
 /// What serde says, as `KEY is VALUE, but must be ALLOWED`.
