@@ -30,7 +30,10 @@ mod native {
         let Err(error) = window() else {
             return ExitCode::SUCCESS;
         };
-        println!("No window can be opened here ({error}), so here is the default scenario without one.\n");
+        // What comes before the last colon is the place in the toolkit's source.
+        let error = error.to_string();
+        let reason = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
+        println!("No window can be opened here ({reason}), so here is the default scenario without one.\n");
         match report() {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {

@@ -124,22 +124,22 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
     /// ```
     ///
     /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn; [`FilterError::NotFinite`] where the
-    /// prediction overflows.
+    /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn. A prediction that overflows is found by
+    /// the update.
     pub fn predict(&mut self, force: f64) -> Result<(), FilterError> {
         let Self { model, transform, dt, noise, outputs: _, belief } = self;
         match transform {
             Transform::Linearised => linearised::predict(model, belief, force, *dt),
             Transform::Unscented => unscented::predict(model, belief, force, *dt)?,
         }
-        belief.cov = symmetric(&(belief.cov * noise.fading + noise.process));
-        for i in 0..N {
-            // A variance that is zero but for rounding may come out on the wrong side.
-            if belief.cov[(i, i)] < 0.0 {
-                belief.cov[(i, i)] = 0.0;
+        belief.cov = belief.cov * noise.fading + noise.process;
+        if belief.cov.diagonal().min() < 0.0 {
+            // A variance that is zero but for rounding has come out on the wrong side.
+            for i in 0..N {
+                belief.cov[(i, i)] = belief.cov[(i, i)].max(0.0);
             }
         }
-        if belief.is_finite() { Ok(()) } else { Err(FilterError::NotFinite) }
+        Ok(())
     }
 
     /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A
@@ -164,7 +164,8 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
             }
         }
         match count {
-            0 => Ok(()),
+            0 if self.belief.is_finite() => Ok(()),
+            0 => Err(FilterError::NotFinite),
             1 => self.condition([active[0]], force, measured, correction),
             2 => self.condition([active[0], active[1]], force, measured, correction),
             _ => self.condition(active, force, measured, correction),

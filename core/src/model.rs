@@ -15,8 +15,10 @@ pub enum Output {
 
 /// A plant with an N-component augmented state `y` (motion and parameters) and rate `ẏ = g(y, f)`.
 pub trait Model<const N: usize>: Clone + Send + 'static {
-    /// What each component is.
+    /// What each component is: first what moves, then the parameters.
     const CHANNELS: [Channel; N];
+    /// How many components move. Those after them are parameters: each is constant or decays, whatever the others do.
+    const MOTION: usize;
 
     /// `g(y, f)`, with the force over mass `force` \[m/s²\]; each component in its unit per second.
     fn rate(&self, state: &Vector<N>, force: f64) -> Vector<N>;

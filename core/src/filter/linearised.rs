@@ -11,7 +11,34 @@ use crate::model::{Model, Output};
 pub(super) fn predict<P: Model<N>, const N: usize>(model: &P, belief: &mut Gaussian<N>, force: f64, dt: f64) {
     let (mean, transition) = model.linearised_step(&belief.mean, force, dt);
     belief.mean = mean;
-    belief.cov = transition * belief.cov * transition.transpose();
+    belief.cov = propagate(P::MOTION, &transition, &belief.cov);
+}
+
+/// `Φ P Φᵀ`, symmetric to the last bit, where the first `motion` rows of Φ are full and the rest is diagonal.
+#[inline]
+fn propagate<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Matrix<N, N>) -> Matrix<N, N> {
+    let mut half = *cov;
+    for j in 0..N {
+        for i in 0..motion {
+            half[(i, j)] = (0..N).map(|k| transition[(i, k)] * cov[(k, j)]).sum();
+        }
+        for i in motion..N {
+            half[(i, j)] *= transition[(i, i)];
+        }
+    }
+    let mut result = Matrix::<N, N>::zeros();
+    for j in 0..N {
+        for i in j..N {
+            let entry = if j < motion {
+                (0..N).map(|k| half[(i, k)] * transition[(j, k)]).sum()
+            } else {
+                half[(i, j)] * transition[(j, j)]
+            };
+            result[(i, j)] = entry;
+            result[(j, i)] = entry;
+        }
+    }
+    result
 }
 
 /// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`.

@@ -20,6 +20,7 @@ pub struct Sdof {
 
 impl Model<4> for Sdof {
     const CHANNELS: [Channel; 4] = Channel::ALL;
+    const MOTION: usize = 2;
 
     #[inline]
     fn rate(&self, state: &Vector<4>, force: f64) -> Vector<4> {
