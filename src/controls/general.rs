@@ -5,6 +5,9 @@ use kalmanscope_core::Scenario;
 
 use super::number::Number;
 
+/// Samples of the longest record: what a browser recomputes in the blink of an eye, and keeps in 60 MB a filter.
+const LONGEST: f64 = 200_000.0;
+
 pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let Scenario { seed, dt, duration, .. } = scenario;
     let hint = "Length of the record";
@@ -18,7 +21,6 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
         hint,
     }
     .show(ui, duration);
-    *duration = duration.min(3600.0);
     let hint = "Time between samples";
     Number {
         label: "Δt sampling",
@@ -31,6 +33,7 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     }
     .show(ui, dt);
     *dt = dt.min(*duration);
+    *duration = duration.min(LONGEST * *dt);
     ui.horizontal(|ui| {
         ui.label("seed").on_hover_text("The same seed gives the same noise, on every machine");
         let drag = ui.add(DragValue::new(seed).range(0..=i64::MAX as u64).speed(0.1));
