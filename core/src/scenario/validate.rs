@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
+use crate::force::Allowed;
 use crate::{Channel, PerChannel, Signal};
 
 /// The most samples of one record: at 100 Hz more than five hours, about a gigabyte of estimates a filter.
@@ -28,14 +29,12 @@ impl Scenario {
             format_args!("from 1 to {} times dt", MAX_SAMPLES - 1),
         )?;
         plant.validate()?;
-        for (name, value, must_be_positive) in force.numbers() {
+        for (name, value, allowed) in force.numbers() {
             let key = format!("force.{name}");
-            if must_be_positive {
-                positive(key, value)?;
-            } else if name.ends_with("std") {
-                not_negative(key, value)?;
-            } else {
-                finite(key, value)?;
+            match allowed {
+                Allowed::Finite => finite(key, value)?,
+                Allowed::NotNegative => not_negative(key, value)?,
+                Allowed::Positive => positive(key, value)?,
             }
         }
         for (i, sensor) in sensors.iter().enumerate() {
