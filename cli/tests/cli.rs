@@ -7,37 +7,7 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-const SAMPLE: &str = r#"seed = 1
-dt = 0.01                    # s
-duration = 60.0              # s
-
-[plant]                      # the truth
-kind = "sdof"
-natural_frequency = { step = { from = 6.0, to = 4.8, at = 30.0 } }   # rad/s; a bare number is a constant
-damping_ratio = 0.05
-initial = { displacement = 0.0, velocity = 0.0 }
-disturbance_std = 0.0        # m/s^2, unmeasured
-
-[force]
-white_noise = { std = 10.0 } # m/s^2
-
-[[sensors]]
-measures = "displacement"
-noise_std = 0.01
-[[sensors]]
-measures = "velocity"
-noise_std = 0.06
-
-[[filters]]
-name = "EKF with fading memory"
-kind = "ekf"                 # kf | ekf | ukf
-fading = 1.005
-eta = 0.0
-sensor_std = [0.01, 0.06]
-initial_mean = { displacement = 0.0, velocity = 0.0, natural_frequency = 8.0, damping_ratio = 0.1 }
-initial_std  = { displacement = 0.1, velocity = 0.3, natural_frequency = 2.0, damping_ratio = 0.1 }
-process_std  = { displacement = 1e-4, velocity = 1e-3, natural_frequency = 1e-4, damping_ratio = 3e-5 }
-"#;
+const SAMPLE: &str = include_str!("../../core/tests/sample.toml");
 
 const HEADER: &str = "filter,k,t,displacement,velocity,natural_frequency,damping_ratio,std_displacement,std_velocity,\
                       std_natural_frequency,std_damping_ratio,nis,log_likelihood";
