@@ -104,13 +104,23 @@ impl App {
         match command {
             Command::TogglePlay => session.toggle_play(),
             Command::Step => session.step(),
-            Command::Restart => session.seek(0.0),
+            Command::Restart => {
+                session.seek(0.0);
+                axis.follows = true;
+            }
             Command::Seek(time) => session.seek(time),
             Command::SetMode(mode) => {
                 session.set_mode(mode);
                 axis.follows = true;
             }
             Command::SetSpeed(speed) => session.set_speed(speed),
+            Command::Open(entry) => {
+                if let Ok(scenario) = entry.scenario() {
+                    session.set_scenario(scenario);
+                    session.play_from_start();
+                    axis.follows = true;
+                }
+            }
             Command::Follow => axis.follows = true,
             Command::Unfollow => axis.follows = false,
             Command::PointAt(time) => axis.pointed = time,
@@ -129,7 +139,7 @@ impl App {
             if !narrow {
                 ui.label(RichText::new("Kalmanscope").family(theme::strong()).size(17.0));
             }
-            scenario_menu_ui(ui, session);
+            scenario_menu_ui(ui, session, commands);
             theme_ui(ui);
             ui.separator();
             transport::transport_ui(ui, session, narrow, commands);
@@ -206,17 +216,11 @@ impl eframe::App for App {
     }
 }
 
-fn scenario_menu_ui(ui: &mut Ui, session: &mut Session) {
+fn scenario_menu_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.menu_button("Scenario", |ui| {
         for entry in library::ENTRIES {
-            if ui.button(entry.name).on_hover_text(entry.description()).clicked()
-                && let Ok(scenario) = entry.scenario()
-            {
-                session.set_scenario(scenario);
-                session.seek(0.0);
-                if !session.playing() {
-                    session.toggle_play();
-                }
+            if ui.button(entry.name).on_hover_text(entry.description()).clicked() {
+                commands.push(Command::Open(entry));
                 ui.close();
             }
         }

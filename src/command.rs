@@ -1,5 +1,6 @@
 //! What a view or the transport bar may ask for.
 
+use crate::library::Entry;
 use crate::session::Mode;
 
 /// A request, carried out after the frame in which it was made.
@@ -17,6 +18,8 @@ pub enum Command {
     SetMode(Mode),
     /// Simulated seconds per second.
     SetSpeed(f64),
+    /// Play a built-in scenario from its start.
+    Open(Entry),
     /// Let the time axis follow the playback again.
     Follow,
     /// Leave the time axis where the user has put it.

@@ -3,7 +3,7 @@
 use kalmanscope_core::{Scenario, ScenarioError};
 
 /// A scenario that comes with the program.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
     /// Its name in the menu.
     pub name: &'static str,

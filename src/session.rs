@@ -113,10 +113,17 @@ impl Session {
 
     /// Plays or pauses; at the end, plays from the start.
     pub fn toggle_play(&mut self) {
-        self.playing = !self.playing;
-        if self.playing && self.clock >= self.end() {
-            self.seek(0.0);
+        if !self.playing && self.clock >= self.end() {
+            self.play_from_start();
+        } else {
+            self.playing = !self.playing;
         }
+    }
+
+    /// Plays from the first sample.
+    pub fn play_from_start(&mut self) {
+        self.seek(0.0);
+        self.playing = true;
     }
 
     /// Pauses and goes one sample forward.

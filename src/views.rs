@@ -6,6 +6,7 @@ pub mod oscillator;
 pub mod time_plot;
 
 use egui::Ui;
+use kalmanscope_core::Channel;
 
 use crate::command::Command;
 use crate::session::Session;
@@ -28,12 +29,8 @@ pub struct ViewContext<'a> {
 }
 
 /// The channels whose plots stand in the centre, the parameters first: their convergence is the story.
-const PLOTS: [kalmanscope_core::Channel; 4] = [
-    kalmanscope_core::Channel::NaturalFrequency,
-    kalmanscope_core::Channel::DampingRatio,
-    kalmanscope_core::Channel::Displacement,
-    kalmanscope_core::Channel::Velocity,
-];
+const PLOTS: [Channel; 4] =
+    [Channel::NaturalFrequency, Channel::DampingRatio, Channel::Displacement, Channel::Velocity];
 
 /// Share of the height that the row of the parameters' plots has beside the row of the motion's.
 const PARAMETERS_SHARE: f32 = 0.54;

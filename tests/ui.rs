@@ -329,6 +329,9 @@ fn pointing_and_zooming_do_what_they_say() {
     screen.drop_at(plot.center() + Vec2::new(80.0, 30.0));
     screen.run_steps(3);
     assert!(!screen.state().axis().follows, "a dragged axis stays where it is put");
+    screen.get_by_label("Restart").click();
+    screen.run_steps(3);
+    assert!(screen.state().axis().follows, "a new start is seen from its start");
 }
 
 #[test]

@@ -31,10 +31,9 @@ pub struct Number<'a> {
 }
 
 impl Number<'_> {
-    /// Shows a row with the number. Returns whether it has changed.
-    pub fn show(&self, ui: &mut Ui, value: &mut f64) -> bool {
+    /// Shows a row with the number.
+    pub fn show(&self, ui: &mut Ui, value: &mut f64) {
         let Self { label, name, unit, range: (low, high), least, logarithmic, hint } = *self;
-        let before = *value;
         ui.horizontal(|ui| {
             fixed_width(ui, LABEL_WIDTH, |ui| {
                 ui.add(egui::Label::new(label).truncate()).on_hover_text(hint);
@@ -57,7 +56,6 @@ impl Number<'_> {
             ui.weak(unit);
         });
         *value = value.max(least);
-        *value != before
     }
 }
 
