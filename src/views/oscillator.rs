@@ -65,21 +65,35 @@ struct Stage {
     floor: f32,
     wall: f32,
     centre: f32,
+    /// How far the mass goes to either side \[points\].
+    travel: f32,
     /// Points per metre.
     scale: f32,
     mass: Vec2,
 }
+
+/// Room between the damper's piston and the ends of its cylinder, and between the cylinder and the mass \[points\].
+const CLEARANCE: f32 = 6.0;
 
 impl Stage {
     fn new(rect: Rect, reach: f64) -> Self {
         let height = rect.height();
         let mass = vec2((0.46 * height).min(0.16 * rect.width()), 0.46 * height);
         let wall = rect.left() + 0.03 * rect.width() + 8.0;
-        let centre = rect.center().x;
-        let room = (centre - wall - 0.5 * mass.x - 50.0).max(20.0);
+        let centre = rect.left() + 0.56 * rect.width();
+        // The cylinder is as long as the piston's way there and back, and the mass never reaches it.
+        let length = centre - 0.5 * mass.x - wall;
+        let travel = ((0.95 * length - 3.0 * CLEARANCE) / 3.0).max(1.0);
         // Powers of √2, so that the scale does not creep while the motion grows.
         let reach = 2_f64.powf((reach.max(1e-6).log2() * 2.0).ceil() / 2.0);
-        Self { rect, floor: rect.bottom() - 0.16 * height, wall, centre, scale: room / reach as f32, mass }
+        let floor = rect.bottom() - 0.16 * height;
+        Self { rect, floor, wall, centre, travel, scale: travel / reach as f32, mass }
+    }
+
+    /// The damper's cylinder, from left to right.
+    fn cylinder(&self) -> (f32, f32) {
+        let start = self.wall + 0.05 * (self.centre - 0.5 * self.mass.x - self.wall);
+        (start, start + 2.0 * (self.travel + CLEARANCE))
     }
 
     /// The mass at the displacement `x` \[m\], kept on the stage.
@@ -119,24 +133,21 @@ impl Stage {
 
         let damper = body.top() + 0.74 * body.height();
         let half = 0.12 * body.height();
-        let cup = self.wall + 0.5 * (self.centre - 0.5 * self.mass.x - self.wall);
-        let depth = 26.0_f32.min(0.4 * (cup - self.wall));
-        painter.line_segment([pos2(self.wall, damper), pos2(cup - depth, damper)], stroke);
+        let (start, stop) = self.cylinder();
+        let middle = 0.5 * (start + stop);
+        let piston = (middle + x as f32 * self.scale).clamp(middle - self.travel, middle + self.travel);
+        painter.line_segment([pos2(self.wall, damper), pos2(start, damper)], stroke);
         painter.add(Shape::line(
             vec![
-                pos2(cup + depth, damper - half),
-                pos2(cup - depth, damper - half),
-                pos2(cup - depth, damper + half),
-                pos2(cup + depth, damper + half),
+                pos2(stop, damper - half),
+                pos2(start, damper - half),
+                pos2(start, damper + half),
+                pos2(stop, damper + half),
             ],
             stroke,
         ));
-        let piston =
-            (cup + 0.35 * (end - (self.centre - 0.5 * self.mass.x))).clamp(cup - 0.8 * depth, cup + 0.8 * depth);
-        painter.line_segment(
-            [pos2(piston, damper - 0.8 * half), pos2(piston, damper + 0.8 * half)],
-            Stroke::new(2.4, color),
-        );
+        let head = [pos2(piston, damper - 0.8 * half), pos2(piston, damper + 0.8 * half)];
+        painter.line_segment(head, Stroke::new(2.4, color));
         painter.line_segment([pos2(piston, damper), pos2(end, damper)], stroke);
     }
 
@@ -178,4 +189,24 @@ fn zigzag(from: f32, to: f32, y: f32, amplitude: f32) -> Vec<Pos2> {
     }));
     points.extend([pos2(to - lead, y), pos2(to, y)]);
     points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mass_stays_between_the_damper_and_the_end_of_the_stage() {
+        for size in [vec2(930.0, 120.0), vec2(370.0, 116.0), vec2(1580.0, 120.0)] {
+            let rect = Rect::from_min_size(Pos2::ZERO, size);
+            for reach in [1e-3, 0.2, 0.2167, 7.0] {
+                let stage = Stage::new(rect, reach);
+                let (_, cylinder) = stage.cylinder();
+                let (left, right) = (stage.body(-reach), stage.body(reach));
+                assert!(left.left() >= cylinder, "{size} {reach}: {} is in the cylinder, {cylinder}", left.left());
+                assert!(right.right() < rect.right());
+                assert!(right.left() - left.left() > 0.12 * size.x, "the motion can hardly be seen");
+            }
+        }
+    }
 }
