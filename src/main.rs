@@ -13,6 +13,7 @@ fn main() {
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
     use std::error::Error;
+    use std::io::{self, Write as _};
     use std::path::Path;
     use std::process::ExitCode;
 
@@ -33,9 +34,10 @@ mod native {
         // What comes before the last colon is the place in the toolkit's source.
         let error = error.to_string();
         let reason = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
-        println!("No window can be opened here ({reason}), so here is the default scenario without one.\n");
-        match report() {
+        match report(reason) {
             Ok(()) => ExitCode::SUCCESS,
+            // Whoever closed the pipe has read enough.
+            Err(error) if is_broken_pipe(error.as_ref()) => ExitCode::SUCCESS,
             Err(error) => {
                 eprintln!("error: {error}");
                 ExitCode::FAILURE
@@ -60,16 +62,23 @@ mod native {
     }
 
     /// What a machine without a display can show: a table, and the plots as a file.
-    fn report() -> Result<(), Box<dyn Error>> {
+    fn report(reason: &str) -> Result<(), Box<dyn Error>> {
+        let mut out = io::stdout();
+        writeln!(out, "No window can be opened here ({reason}), so here is the default scenario without one.\n")?;
         let scenario = Scenario::default();
         let run = run_scenario(&scenario, None)?;
-        println!("{}", table(&run, &step_times(&scenario, &run)?));
         plot_svg(&run, Path::new(REPORT))?;
-        println!(
-            "The plots are in {REPORT}. In a browser: `trunk serve --release`, then open the address that it prints;"
-        );
-        println!("or copy the folder `dist` that `trunk build --release` makes to any web server.");
+        writeln!(out, "{}", table(&run, &step_times(&scenario, &run)?))?;
+        writeln!(
+            out,
+            "The plots are in {REPORT}. In a browser: `trunk serve --release`, then open the address that it prints;\n\
+             or copy the folder `dist` that `trunk build --release` makes to any web server."
+        )?;
         Ok(())
+    }
+
+    fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
+        error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
     }
 }
 
