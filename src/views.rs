@@ -5,7 +5,7 @@ pub mod legend;
 pub mod oscillator;
 pub mod time_plot;
 
-use egui::Ui;
+use egui::{Rect, Ui, vec2};
 use kalmanscope_core::Channel;
 
 use crate::command::Command;
@@ -28,45 +28,44 @@ pub struct ViewContext<'a> {
     pub axis: &'a TimeAxis,
 }
 
-/// The channels whose plots stand in the centre, the parameters first: their convergence is the story.
-const PLOTS: [Channel; 4] =
-    [Channel::NaturalFrequency, Channel::DampingRatio, Channel::Displacement, Channel::Velocity];
+/// The least height of a plot \[points\]: where there are so many that they would be lower, they scroll.
+const LEAST_HEIGHT: f32 = 96.0;
 
-/// Share of the height that the row of the parameters' plots has beside the row of the motion's.
-const PARAMETERS_SHARE: f32 = 0.54;
-
-/// Fills the rest of `ui` with the plots: two by two, or one below the other where it is narrow.
+/// Fills the rest of `ui` with a plot for each channel, the parameters first, as their convergence is the story: in two
+/// columns, or one below the other where it is narrow.
 pub fn plots_ui(ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) {
     let area = ui.available_rect_before_wrap();
     if area.width() < 1.0 || area.height() < 1.0 {
         return;
     }
-    let gap = 6.0;
-    let gutter = 16.0;
-    let narrow = area.width() < 640.0;
+    let channels = context.session.run().channels();
+    let (parameters, motion): (Vec<Channel>, Vec<Channel>) = channels.into_iter().partition(|c| c.is_parameter());
+    let columns = if area.width() < 640.0 { 1 } else { 2 };
+    let rows: Vec<&[Channel]> = parameters.chunks(columns).chain(motion.chunks(columns)).collect();
+    let gaps = GAP * rows.len().saturating_sub(1) as f32;
+    let least = if rows.len() <= 4 { 1.0 } else { LEAST_HEIGHT };
+    let height = ((area.height() - gaps) / rows.len().max(1) as f32).max(least);
     let mut pointed = None;
-    for (i, channel) in PLOTS.into_iter().enumerate() {
-        let cell = if narrow {
-            let height = ((area.height() - 3.0 * gap) / 4.0).max(1.0);
-            egui::Rect::from_min_size(
-                area.min + egui::vec2(0.0, i as f32 * (height + gap)),
-                egui::vec2(area.width(), height),
-            )
-        } else {
-            let width = ((area.width() - gutter) / 2.0).max(1.0);
-            let first_row = (area.height() - gap) * PARAMETERS_SHARE;
-            let (top, height) =
-                if i < 2 { (0.0, first_row) } else { (first_row + gap, area.height() - gap - first_row) };
-            egui::Rect::from_min_size(
-                area.min + egui::vec2((i % 2) as f32 * (width + gutter), top),
-                egui::vec2(width, height.max(1.0)),
-            )
-        };
-        let mut child = ui.new_child(egui::UiBuilder::new().id_salt(channel.key()).max_rect(cell));
-        pointed = time_plot::time_plot_ui(&mut child, channel, context, commands).or(pointed);
-    }
+    egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let top = ui.max_rect().min;
+        let width = ((ui.available_width() - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
+        for (row, channels) in rows.iter().enumerate() {
+            for (column, &channel) in channels.iter().enumerate() {
+                let offset = vec2(column as f32 * (width + GUTTER), row as f32 * (height + GAP));
+                let cell = Rect::from_min_size(top + offset, vec2(width, height));
+                let mut child = ui.new_child(egui::UiBuilder::new().id_salt(channel.key()).max_rect(cell));
+                pointed = time_plot::time_plot_ui(&mut child, channel, context, commands).or(pointed);
+            }
+        }
+        let all = vec2(ui.available_width(), rows.len() as f32 * height + gaps);
+        ui.allocate_rect(Rect::from_min_size(top, all), egui::Sense::hover());
+    });
     if pointed != context.axis.pointed {
         commands.push(Command::PointAt(pointed));
     }
-    ui.allocate_rect(area, egui::Sense::hover());
 }
+
+/// Space between rows of plots \[points\].
+const GAP: f32 = 6.0;
+/// Space between columns of plots \[points\].
+const GUTTER: f32 = 16.0;

@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
 use kalmanscope::session::Mode;
-use kalmanscope_core::{Channel, FilterKind, Force, Quantity, Scenario, Signal};
+use kalmanscope_core::{FilterKind, Force, PlantKind, Scenario, Signal};
 
 type Screen = Harness<'static, App>;
 
@@ -113,7 +113,7 @@ fn every_number_changes_the_scenario_and_with_it_the_estimates() {
 fn every_number_of_a_belief_changes_the_scenario() {
     let mut screen = workbench();
     for (place, filter) in ["EKF", "UKF"].into_iter().enumerate() {
-        for channel in Channel::ALL {
+        for &channel in PlantKind::Sdof.channels() {
             let filters = |screen: &Screen| scenario(screen).filters[place].clone();
             set(&mut screen, &format!("{filter} initial guess of {}", channel.name()), 0.7);
             assert_eq!(filters(&screen).initial_mean[channel], 0.7);
@@ -153,7 +153,7 @@ fn sensors_can_be_added_and_removed() {
     screen.run_steps(3);
     assert_eq!(scenario(&screen).sensors.len(), 3);
     assert_eq!(scenario(&screen).filters[1].sensor_std.len(), 3);
-    for quantity in Quantity::ALL {
+    for quantity in PlantKind::Sdof.quantities() {
         screen.get_by_label(quantity.key()).click();
         screen.run_steps(3);
     }
@@ -357,7 +357,7 @@ fn five_frames_of_every_view_at_any_size() {
                 screen.state_mut().session_mut().seek(31.0);
                 screen.run_steps(5);
                 if size.min_elem() > 300.0 {
-                    for plot in Channel::ALL {
+                    for plot in PlantKind::Sdof.channels() {
                         let name = format!("Plot of the {}", plot.name());
                         let rect = screen.get_by_label(&name).rect();
                         assert!(rect.width() > 250.0 && rect.height() > 80.0, "{name} has only {rect} of {size}");

@@ -5,14 +5,15 @@ use std::io::Write;
 use kalmanscope_core::{Channel, Estimates, Run};
 
 /// Writes one row a filter and sample, under the header `filter, k, t`, the means and standard deviations of all
-/// channels, `nis, log_likelihood`; with 17 significant digits, so that every bit survives. Undefined values are `nan`.
+/// channels of truth and filters, `nis, log_likelihood`; with 17 significant digits, so that every bit survives. Undefined values are `nan`.
 ///
 /// # Errors
 /// [`csv::Error`] where `output` cannot be written.
 pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> {
     let mut writer = csv::Writer::from_writer(output);
-    let means = Channel::ALL.map(|c| c.key().to_owned());
-    let stds = Channel::ALL.map(|c| format!("std_{}", c.key()));
+    let channels = run.channels();
+    let means = channels.iter().map(|c| c.key().to_owned());
+    let stds = channels.iter().map(|c| format!("std_{}", c.key()));
     let header = ["filter", "k", "t"].map(str::to_owned).into_iter().chain(means).chain(stds);
     writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)))?;
     for estimates in run.estimates() {
@@ -20,7 +21,7 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
             writer.write_field(estimates.name())?;
             writer.write_field(k.to_string())?;
             writer.write_field(number(run.record().time(k)))?;
-            for value in values(estimates, k) {
+            for value in values(estimates, &channels, k) {
                 writer.write_field(number(value))?;
             }
             writer.write_record(None::<&[u8]>)?;
@@ -31,11 +32,11 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
 }
 
 /// The numbers of one row, from the first mean on.
-fn values(estimates: &Estimates, k: usize) -> impl Iterator<Item = f64> {
-    let mean = |c: Channel| estimates.place(c).map_or(f64::NAN, |place| estimates.mean(k)[place]);
-    let std = |c: Channel| estimates.place(c).map_or(f64::NAN, |place| estimates.std(k, place));
+fn values(estimates: &Estimates, channels: &[Channel], k: usize) -> impl Iterator<Item = f64> {
+    let mean = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.mean(k)[place]);
+    let std = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.std(k, place));
     let ends = [estimates.nis()[k], estimates.log_likelihood()[k]];
-    Channel::ALL.map(mean).into_iter().chain(Channel::ALL.map(std)).chain(ends)
+    channels.iter().map(mean).chain(channels.iter().map(std)).chain(ends)
 }
 
 fn number(value: f64) -> String {

@@ -62,7 +62,7 @@ const DOT_RADIUS: u32 = 3 * SCALE / 2;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Draws the four channels of a run over one time axis and writes the picture to a file.
+/// Draws the channels of a run over one time axis and writes the picture to a file.
 ///
 /// # Errors
 /// [`PlotError`] where the file cannot be written.
@@ -70,13 +70,14 @@ pub fn plot_svg(run: &Run, path: &Path) -> Result<(), PlotError> {
     Ok(std::fs::write(path, svg(run)?)?)
 }
 
-/// Draws the four channels of a run over one time axis, as the text of an SVG file: the truth dark grey, measurements as
+/// Draws the channels of a run over one time axis, as the text of an SVG file: the truth dark grey, measurements as
 /// dots, each filter's estimate a line of its colour over its ±2σ band.
 ///
 /// # Errors
 /// [`PlotError::Draw`] where the picture cannot be laid out.
 pub fn svg(run: &Run) -> Result<String, PlotError> {
-    let plots = Channel::ALL.len() as u32;
+    let channels = run.channels();
+    let plots = channels.len() as u32;
     let legend_height = legend::height(run);
     let height = legend_height + plots * PLOT_HEIGHT + TIME_HEIGHT;
     let mut text = String::new();
@@ -87,8 +88,8 @@ pub fn svg(run: &Run) -> Result<String, PlotError> {
         legend::draw(run, &head)?;
         let (mut rest, mut area);
         rest = body;
-        for (i, channel) in Channel::ALL.into_iter().enumerate() {
-            let last = i + 1 == Channel::ALL.len();
+        for (i, &channel) in channels.iter().enumerate() {
+            let last = i + 1 == channels.len();
             (area, rest) = rest.split_vertically((PLOT_HEIGHT + if last { TIME_HEIGHT } else { 0 }) * SCALE);
             draw_channel(run, channel, &area, last)?;
         }
@@ -174,7 +175,7 @@ fn paths(
 
 /// What was measured of a channel, if it is one that a sensor can measure.
 fn measurements(record: &Record, channel: Channel) -> Option<&[f64]> {
-    let quantity = Quantity::ALL.into_iter().find(|q| q.key() == channel.key())?;
+    let quantity = Quantity::ALL.into_iter().find(|q| q.channel() == Some(channel))?;
     record.measured_quantity(quantity)
 }
 

@@ -82,7 +82,9 @@ pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     match name.trim() {
         "" => kind.name().to_owned(),
-        name if name.split(|c: char| !c.is_alphanumeric()).any(|word| word == kind.name()) => name.to_owned(),
+        name if name.split(|c: char| !(c.is_alphanumeric() || c == '-')).any(|word| word == kind.name()) => {
+            name.to_owned()
+        }
         name => format!("{name} ({})", kind.name()),
     }
 }

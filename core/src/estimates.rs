@@ -30,6 +30,7 @@ pub struct Estimates {
     gain: Vec<f64>,
     nis: Vec<f64>,
     log_likelihood: Vec<f64>,
+    effective_samples: Vec<f64>,
     stop: Option<Stop>,
 }
 
@@ -47,6 +48,7 @@ impl Estimates {
             gain: Vec::new(),
             nis: Vec::new(),
             log_likelihood: Vec::new(),
+            effective_samples: Vec::new(),
             stop: None,
         }
     }
@@ -64,6 +66,7 @@ impl Estimates {
             (&mut self.gain, &mut old.gain, n * m),
             (&mut self.nis, &mut old.nis, 1),
             (&mut self.log_likelihood, &mut old.log_likelihood, 1),
+            (&mut self.effective_samples, &mut old.effective_samples, usize::from(self.kind == FilterKind::Pf)),
         ] {
             *new = std::mem::take(old);
             new.clear();
@@ -82,6 +85,9 @@ impl Estimates {
         }
         self.nis.push(correction.nis);
         self.log_likelihood.push(correction.log_likelihood);
+        if self.kind == FilterKind::Pf {
+            self.effective_samples.push(correction.effective_samples);
+        }
     }
 
     pub(crate) fn stop_at(&mut self, reason: FilterError) {
@@ -169,6 +175,11 @@ impl Estimates {
     /// The log likelihood of every sample.
     pub fn log_likelihood(&self) -> &[f64] {
         &self.log_likelihood
+    }
+
+    /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.
+    pub fn effective_samples(&self) -> &[f64] {
+        &self.effective_samples
     }
 
     /// A number that changes whenever a bit of any mean or covariance does (64-bit FNV-1a), to compare platforms with.

@@ -1,13 +1,27 @@
-//! Predict and update, written once: a kind of filter is a choice of how to push a Gaussian through a function.
+//! Predict and update, written once: a kind of filter is a way to hold a belief and to push it through a function.
 
+mod adaptation;
+mod ensemble;
+mod kalman;
 mod linearised;
-mod unscented;
+mod particles;
+mod sigma_points;
+mod square_root;
+
+use std::borrow::Cow;
 
 use thiserror::Error;
 
-use crate::gaussian::{Factor, Gaussian, Matrix, Vector, symmetric};
+use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::model::{Model, Output};
 use crate::sensor::MAX_SENSORS;
+
+pub use adaptation::Adaptation;
+pub use ensemble::Ensemble;
+pub use linearised::{Linearised, Propagation};
+pub use particles::Particles;
+pub use sigma_points::{Rule, SigmaPoints};
+pub use square_root::SquareRoot;
 
 /// Why a filter cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -23,35 +37,15 @@ pub enum FilterError {
     SingularInnovation,
 }
 
-/// How a Gaussian is pushed through the model and the sensors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Transform {
-    /// First-order linearisation at the mean: the (extended) Kalman filter.
-    Linearised,
-    /// Scaled sigma points, each moved by a Runge-Kutta step: the unscented Kalman filter.
-    Unscented,
-}
-
 /// The noise that a filter ascribes to model and sensors, and how fast it forgets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise<const N: usize> {
-    /// Q, the covariance that each step adds, in the channels' units squared.
+    /// Q, the covariance that each step adds, in the state's units squared.
     pub process: Matrix<N, N>,
     /// Diagonal of R, in the sensors' order and units squared.
     pub sensors: Vec<f64>,
     /// Fading factor λ ≥ 1 on the predicted covariance.
     pub fading: f64,
-}
-
-/// A recursive estimator with a Gaussian belief over the N-component state of a model.
-#[derive(Clone, Debug)]
-pub struct Filter<P: Model<N>, const N: usize> {
-    model: P,
-    transform: Transform,
-    dt: f64,
-    noise: Noise<N>,
-    outputs: Vec<Output>,
-    belief: Gaussian<N>,
 }
 
 /// What one measurement told. Sensors that were skipped have an innovation of NaN and no gain.
@@ -65,8 +59,10 @@ pub struct Correction<const N: usize> {
     pub gain: [[f64; N]; MAX_SENSORS],
     /// Normalised innovation squared `eᵀ S⁻¹ e`.
     pub nis: f64,
-    /// `-(NIS + ln det S + m ln 2π) / 2`
+    /// `-(NIS + ln det S + m ln 2π) / 2`; of a particle filter, the logarithm of the mean likelihood of its particles.
     pub log_likelihood: f64,
+    /// Effective sample size of a particle filter before it resampled; NaN for any other.
+    pub effective_samples: f64,
 }
 
 impl<const N: usize> Correction<N> {
@@ -77,6 +73,7 @@ impl<const N: usize> Correction<N> {
         gain: [[0.0; N]; MAX_SENSORS],
         nis: f64::NAN,
         log_likelihood: f64::NAN,
+        effective_samples: f64::NAN,
     };
 }
 
@@ -88,33 +85,112 @@ struct Active {
     variance: f64,
 }
 
-/// What a belief says of M measurements before they are seen.
-struct Expected<const N: usize, const M: usize> {
-    mean: Vector<M>,
-    /// S, noise included.
-    cov: Matrix<M, M>,
-    /// Covariance of state and measurement.
-    cross: Matrix<N, M>,
-    /// H, where the measurements are linear in the state or taken to be.
-    jacobian: Option<Matrix<M, N>>,
+/// The M measurements of one sample that are not missing.
+#[derive(Clone, Copy, Debug)]
+pub struct Observation<const M: usize> {
+    active: [Active; M],
+    values: Vector<M>,
+    force: f64,
 }
 
-impl<P: Model<N>, const N: usize> Filter<P, N> {
-    /// A filter at k = 0. `outputs` says what each sensor reads, `dt` \[s\] is the time between samples.
+impl<const M: usize> Observation<M> {
+    /// What the sensors would read in a state.
+    #[inline]
+    fn read<P: Model<N>, const N: usize>(&self, model: &P, state: &Vector<N>) -> Vector<M> {
+        if self.is_linear() {
+            return Vector::from_fn(|row, _| match self.active[row].output {
+                Output::State(i) | Output::Rate(i) => state[i],
+            });
+        }
+        let rate = model.rate(state, self.force);
+        Vector::from_fn(|row, _| match self.active[row].output {
+            Output::State(i) => state[i],
+            Output::Rate(i) => rate[i],
+        })
+    }
+
+    /// Whether every sensor reads a component of the state.
+    #[inline]
+    fn is_linear(&self) -> bool {
+        self.active.iter().all(|a| matches!(a.output, Output::State(_)))
+    }
+
+    /// Adds R to a covariance of the readings.
+    #[inline]
+    fn add_noise(&self, cov: &mut Matrix<M, M>) {
+        for (row, sensor) in self.active.iter().enumerate() {
+            cov[(row, row)] += sensor.variance;
+        }
+    }
+}
+
+/// How a filter holds its belief over the N components of a model's state.
+pub trait Belief<P: Model<N>, const N: usize>: Send {
+    /// Carries the belief over one step of `dt` \[s\] in which the force over mass was `force` \[m/s²\].
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] where the covariance has no root.
+    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError>;
+
+    /// `P ← λ P + Q`
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] where Q has no root.
+    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError>;
+
+    /// Conditions the belief on measurements and reports in `correction` how.
+    ///
+    /// # Errors
+    /// Any [`FilterError`].
+    fn condition<const M: usize>(
+        &mut self,
+        model: &P,
+        observation: &Observation<M>,
+        correction: &mut Correction<N>,
+    ) -> Result<(), FilterError>;
+
+    /// Mean and covariance.
+    fn gaussian(&self) -> Cow<'_, Gaussian<N>>;
+}
+
+/// A recursive estimator of the N-component state of a model.
+#[derive(Clone, Debug)]
+pub struct Filter<P, B, const N: usize> {
+    model: P,
+    belief: B,
+    dt: f64,
+    noise: Noise<N>,
+    outputs: Vec<Option<Output>>,
+    adaptation: Adaptation,
+}
+
+impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
+    /// A filter at k = 0. `outputs` says what each sensor reads, if the model knows it; `dt` \[s\] is the time between
+    /// samples.
     pub fn new(
         model: P,
-        transform: Transform,
+        belief: B,
         dt: f64,
         noise: Noise<N>,
-        outputs: Vec<Output>,
-        belief: Gaussian<N>,
+        outputs: Vec<Option<Output>>,
+        adaptation: Adaptation,
     ) -> Self {
-        Self { model, transform, dt, noise, outputs, belief }
+        Self { model, belief, dt, noise, outputs, adaptation }
     }
 
     /// The belief after the last predict or update.
-    pub fn belief(&self) -> &Gaussian<N> {
+    pub fn belief(&self) -> &B {
         &self.belief
+    }
+
+    /// The model.
+    pub fn model(&self) -> &P {
+        &self.model
+    }
+
+    /// The noise that the filter assumes by now.
+    pub fn noise(&self) -> &Noise<N> {
+        &self.noise
     }
 
     /// Carries the belief over one step in which the force over mass was `force` \[m/s²\].
@@ -126,28 +202,14 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn. A prediction that overflows is found by
     /// the update.
+    #[inline]
     pub fn predict(&mut self, force: f64) -> Result<(), FilterError> {
-        let Self { model, transform, dt, noise, outputs: _, belief } = self;
-        match transform {
-            Transform::Linearised => linearised::predict(model, belief, force, *dt),
-            Transform::Unscented => unscented::predict(model, belief, force, *dt)?,
-        }
-        belief.cov = belief.cov * noise.fading + noise.process;
-        if belief.cov.diagonal().min() < 0.0 {
-            // A variance that is zero but for rounding has come out on the wrong side.
-            for i in 0..N {
-                belief.cov[(i, i)] = belief.cov[(i, i)].max(0.0);
-            }
-        }
-        Ok(())
+        self.belief.propagate(&self.model, force, self.dt)?;
+        self.belief.spread(self.noise.fading, &self.noise.process)
     }
 
     /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A
     /// measurement that is NaN skips its sensor.
-    ///
-    /// ```text
-    /// e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e
-    /// ```
     ///
     /// # Errors
     /// [`FilterError::SingularInnovation`] where S is not positive definite; [`FilterError::IndefiniteCovariance`] where
@@ -157,18 +219,20 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
         *correction = Correction::NOTHING;
         let mut active = [Active { sensor: 0, output: Output::State(0), variance: 0.0 }; MAX_SENSORS];
         let mut count = 0;
-        for (sensor, &output) in self.outputs.iter().enumerate() {
-            if !measured[sensor].is_nan() {
+        for (sensor, (&output, &value)) in self.outputs.iter().zip(measured).enumerate() {
+            if let Some(output) = output.filter(|_| !value.is_nan()) {
                 active[count] = Active { sensor, output, variance: self.noise.sensors[sensor] };
                 count += 1;
             }
         }
+        let [a, b, c, d] = active;
         match count {
-            0 if self.belief.is_finite() => Ok(()),
+            0 if self.belief.gaussian().is_finite() => Ok(()),
             0 => Err(FilterError::NotFinite),
-            1 => self.condition([active[0]], force, measured, correction),
-            2 => self.condition([active[0], active[1]], force, measured, correction),
-            _ => self.condition(active, force, measured, correction),
+            1 => self.condition([a], force, measured, correction),
+            2 => self.condition([a, b], force, measured, correction),
+            3 => self.condition([a, b, c], force, measured, correction),
+            _ => self.condition([a, b, c, d], force, measured, correction),
         }
     }
 
@@ -179,84 +243,15 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
         measured: &[f64],
         correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
-        let Self { model, transform, belief, .. } = self;
-        let linear = active.iter().all(|a| matches!(a.output, Output::State(_)));
-        let expected = match transform {
-            Transform::Unscented if !linear => unscented::expect(model, belief, &active, force)?,
-            // Sigma points through a linear function give its exact moments, which this gives for less.
-            Transform::Linearised | Transform::Unscented => linearised::expect(model, belief, &active, force),
-        };
-        let Expected { mean, cov: innovation_cov, cross, jacobian } = expected;
-        let innovation = Vector::<M>::from_fn(|i, _| measured[active[i].sensor]) - mean;
-        let Some(factor) = Factor::new(&innovation_cov) else {
-            return Err(if innovation_cov.sum().is_finite() {
-                FilterError::SingularInnovation
-            } else {
-                FilterError::NotFinite
-            });
-        };
-        let gain = factor.divide(&cross);
-
-        belief.mean += gain * innovation;
-        belief.cov = match jacobian {
-            Some(jacobian) => joseph(&belief.cov, &gain, &cross, &jacobian, &active),
-            None => subtract(&belief.cov, &gain, &innovation_cov),
-        };
-        if !belief.is_finite() {
+        let values = Vector::from_fn(|row, _| measured[active[row].sensor]);
+        let observation = Observation { active, values, force };
+        self.belief.condition(&self.model, &observation, correction)?;
+        if !(correction.nis.is_finite() && correction.log_likelihood.is_finite()) {
             return Err(FilterError::NotFinite);
         }
-        if belief.cov.diagonal().min() < 0.0 {
-            return Err(FilterError::IndefiniteCovariance);
-        }
-
-        let nis = factor.square(&innovation);
-        let ln_det = libm::log(factor.determinant());
-        correction.nis = nis;
-        correction.log_likelihood = -0.5 * (nis + ln_det + M as f64 * LN_2_PI);
-        for (i, row) in active.iter().enumerate() {
-            correction.innovation[row.sensor] = innovation[i];
-            correction.gain[row.sensor] = gain.column(i).into();
-            for (j, column) in active.iter().enumerate() {
-                correction.innovation_cov[row.sensor][column.sensor] = innovation_cov[(i, j)];
-            }
+        if self.adaptation.is_on() {
+            self.adaptation.adapt(&observation, correction, &mut self.noise);
         }
         Ok(())
     }
-}
-
-/// ln 2π
-const LN_2_PI: f64 = 1.837_877_066_409_345_5;
-
-/// `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which keeps P positive semidefinite where sensors are far more precise than the
-/// belief; written as two updates of the sensors' rank:
-///
-/// ```text
-/// M = P - K (P Hᵀ)ᵀ,  P⁺ = M - (M Hᵀ - K R) Kᵀ
-/// ```
-///
-/// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
-fn joseph<const N: usize, const M: usize>(
-    cov: &Matrix<N, N>,
-    gain: &Matrix<N, M>,
-    cross: &Matrix<N, M>,
-    jacobian: &Matrix<M, N>,
-    active: &[Active; M],
-) -> Matrix<N, N> {
-    let kept = cov - gain * cross.transpose();
-    let mut excess = linearised::seen_by(&kept, jacobian, active);
-    for (k, sensor) in active.iter().enumerate() {
-        for i in 0..N {
-            excess[(i, k)] -= gain[(i, k)] * sensor.variance;
-        }
-    }
-    symmetric(&(kept - excess * gain.transpose()))
-}
-
-/// `P - K S Kᵀ`
-fn subtract<const N: usize, const M: usize>(
-    cov: &Matrix<N, N>,
-    gain: &Matrix<N, M>,
-    innovation_cov: &Matrix<M, M>,
-) -> Matrix<N, N> {
-    symmetric(&(cov - gain * innovation_cov * gain.transpose()))
 }

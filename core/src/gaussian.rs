@@ -70,6 +70,25 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
     Ok(root)
 }
 
+/// Makes of the lower triangular root `L` that of `L Lᵀ + d dᵀ`, by Givens rotations.
+///
+/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 6.5.4.
+#[inline]
+pub fn add_to_root<const N: usize>(root: &mut Matrix<N, N>, mut d: Vector<N>) {
+    for j in 0..N {
+        let length = (root[(j, j)] * root[(j, j)] + d[j] * d[j]).sqrt();
+        if length == 0.0 {
+            continue;
+        }
+        let (cos, sin) = (root[(j, j)] / length, d[j] / length);
+        for i in j..N {
+            let (kept, added) = (root[(i, j)], d[i]);
+            root[(i, j)] = cos * kept + sin * added;
+            d[i] = cos * added - sin * kept;
+        }
+    }
+}
+
 /// `S = L D Lᵀ` with a unit lower triangular L and a positive diagonal D: a Cholesky factor without square roots.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.

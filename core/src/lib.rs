@@ -30,6 +30,7 @@ pub mod force;
 pub mod gaussian;
 pub mod model;
 pub mod models;
+pub mod plant;
 pub mod propagation;
 pub mod record;
 pub mod run;
@@ -38,13 +39,16 @@ pub mod sensor;
 pub mod signal;
 pub mod simulate;
 
+mod estimator;
 mod random;
 
 pub use channel::Channel;
 pub use diagnostics::Summary;
 pub use estimates::{Estimates, Stop};
 pub use filter::FilterError;
+pub use filter::{Adaptation, Propagation};
 pub use force::Force;
+pub use plant::PlantKind;
 pub use record::{Record, RecordError};
 pub use run::{Run, RunError};
 pub use scenario::{FilterKind, FilterSettings, PerChannel, Plant, Scenario, ScenarioError, Sensor};

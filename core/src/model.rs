@@ -1,6 +1,6 @@
 //! What a filter knows of a plant: its rate of change, the Jacobian of that, and what sensors see.
 
-use crate::gaussian::{Matrix, Vector};
+use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::propagation::{exp_and_integral, runge_kutta};
 use crate::{Channel, Quantity};
 
@@ -14,11 +14,13 @@ pub enum Output {
 }
 
 /// A plant with an N-component augmented state `y` (motion and parameters) and rate `ẏ = g(y, f)`.
-pub trait Model<const N: usize>: Clone + Send + 'static {
+pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
     /// What each component is: first what moves, then the parameters.
     const CHANNELS: [Channel; N];
     /// How many components move. Those after them are parameters: each is constant or decays, whatever the others do.
     const MOTION: usize;
+    /// Whether the state is in the channels' units. If not, [`Self::to_units`] and [`Self::to_state`] say how.
+    const IN_UNITS: bool = true;
 
     /// `g(y, f)`, with the force over mass `force` \[m/s²\]; each component in its unit per second.
     fn rate(&self, state: &Vector<N>, force: f64) -> Vector<N>;
@@ -26,8 +28,17 @@ pub trait Model<const N: usize>: Clone + Send + 'static {
     /// `A = ∂g/∂y`, N × N. The force enters additively, so it does not appear.
     fn jacobian(&self, state: &Vector<N>) -> Matrix<N, N>;
 
-    /// Where the quantity is found.
-    fn output(&self, quantity: Quantity) -> Output;
+    /// The rate at which the parameters decay \[1/s\].
+    fn eta(&self) -> f64;
+
+    /// Where the quantity is found, if the plant has it.
+    fn output(&self, quantity: Quantity) -> Option<Output> {
+        let place = |quantity: Quantity| Self::CHANNELS.iter().position(|&c| Some(c) == quantity.channel());
+        match quantity.integral() {
+            Some(velocity) => place(velocity).map(Output::Rate),
+            None => place(quantity).map(Output::State),
+        }
+    }
 
     /// One step of local linearisation: the state after `dt` \[s\] and its transition matrix.
     ///
@@ -45,5 +56,33 @@ pub trait Model<const N: usize>: Clone + Send + 'static {
     /// One classical fourth-order Runge-Kutta step over `dt` \[s\] with the force held.
     fn runge_kutta_step(&self, state: &Vector<N>, force: f64, dt: f64) -> Vector<N> {
         runge_kutta(state, dt, |y| self.rate(y, force))
+    }
+
+    /// `Γ = dt φ₁(A dt)` for a plant that is linear as long as its parameters are held: then `y + Γ g(y, f)` is its exact
+    /// response. The truth of such a plant has no other error than rounding.
+    fn exact_integral(&self, _state: &Vector<N>, _dt: f64) -> Option<Matrix<N, N>> {
+        None
+    }
+
+    /// The fastest that the motion turns in this state \[rad/s\]: what the truth's steps must resolve.
+    fn turning_rate(&self, state: &Vector<N>) -> f64 {
+        let jacobian = self.jacobian(state);
+        let motion = jacobian.view((0, 0), (Self::MOTION, Self::MOTION));
+        motion.norm().sqrt() + motion.trace().abs()
+    }
+
+    /// Numbers at whose change of sign the rate has a kink, which the truth's steps must not jump over.
+    fn kinks(&self, _state: &Vector<N>) -> [f64; 2] {
+        [1.0; 2]
+    }
+
+    /// The belief in the channels' units, and what a unit of each component is in them.
+    fn to_units(&self, belief: &Gaussian<N>) -> (Gaussian<N>, Vector<N>) {
+        (belief.clone(), Vector::repeat(1.0))
+    }
+
+    /// The state's components for values in the channels' units, and what a unit of each channel is in the state's.
+    fn to_state(&self, values: &Vector<N>) -> (Vector<N>, Vector<N>) {
+        (*values, Vector::repeat(1.0))
     }
 }

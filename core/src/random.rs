@@ -16,6 +16,8 @@ pub(crate) enum Purpose {
     Force,
     Disturbance,
     Sensor(crate::Quantity),
+    /// The members of the ensemble of the filter at a place.
+    Ensemble(usize),
 }
 
 impl Purpose {
@@ -24,6 +26,7 @@ impl Purpose {
             Self::Force => 0,
             Self::Disturbance => 1,
             Self::Sensor(quantity) => 16 + quantity as u64,
+            Self::Ensemble(place) => 64 + place as u64,
         }
     }
 }
@@ -43,7 +46,7 @@ impl Normal {
     }
 
     /// A number uniform in (0, 1], of 53 random bits.
-    fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         ((self.rng.next_u64() >> 11) + 1) as f64 / (1_u64 << 53) as f64
     }
 

@@ -4,12 +4,9 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::filter::{Correction, Filter, Noise, Transform};
-use crate::gaussian::{Gaussian, Matrix, Vector};
-use crate::model::Model;
-use crate::models::sdof::Sdof;
+use crate::estimator::{Estimator, Surroundings, estimator};
 use crate::simulate::Simulator;
-use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Record, Scenario, ScenarioError};
+use crate::{Channel, Estimates, FilterSettings, Quantity, Record, Scenario, ScenarioError};
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -92,15 +89,19 @@ impl Run {
         let dt = record.dt();
         let mut old = old.into_iter();
         let estimates = |filter: &FilterSettings| {
-            let channels = Sdof::CHANNELS.to_vec();
+            let channels = filter.plant.unwrap_or(scenario.plant.kind).channels().to_vec();
             let mut estimates = Estimates::new(filter.name.clone(), filter.kind, channels, quantities.clone());
             estimates.recycle(old.next(), samples);
             estimates
         };
+        let build = |(place, filter): (usize, &FilterSettings)| {
+            let plant = scenario.plant.kind;
+            estimator(filter, Surroundings { plant, sensors: &quantities, dt, seed: scenario.seed, place })
+        };
         Ok(Self {
             measured: vec![f64::NAN; sensors.len()],
             estimates: scenario.filters.iter().map(estimates).collect(),
-            estimators: scenario.filters.iter().map(|f| estimator(f, &quantities, dt)).collect(),
+            estimators: scenario.filters.iter().enumerate().map(build).collect(),
             source,
             samples,
             step: 0,
@@ -116,8 +117,11 @@ impl Run {
         if *step >= *samples {
             return false;
         }
-        if let Source::Simulated { simulator, record } = source {
-            simulator.step(record);
+        if let Source::Simulated { simulator, record } = source
+            && !simulator.step(record)
+        {
+            *samples = *step;
+            return false;
         }
         let k = *step;
         let record = source.record();
@@ -172,64 +176,15 @@ impl Run {
         &self.estimates
     }
 
+    /// Every channel that the truth or a filter has.
+    pub fn channels(&self) -> Vec<Channel> {
+        let known =
+            |c: &Channel| self.record().truth(*c).is_some() || self.estimates.iter().any(|e| e.place(*c).is_some());
+        Channel::ALL.into_iter().filter(known).collect()
+    }
+
     /// Checksum of all estimates, to compare platforms with.
     pub fn checksum(&self) -> u64 {
         self.estimates.iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
     }
-}
-
-/// A filter with its sizes erased.
-trait Estimator: Send {
-    /// Reports the initial belief.
-    fn begin(&self, estimates: &mut Estimates);
-
-    /// Predicts from the last sample with its force, updates with this sample's measurements, and reports.
-    fn step(
-        &mut self,
-        force_before: f64,
-        force: f64,
-        measured: &[f64],
-        estimates: &mut Estimates,
-    ) -> Result<(), FilterError>;
-}
-
-impl<P: Model<N>, const N: usize> Estimator for Filter<P, N> {
-    fn begin(&self, estimates: &mut Estimates) {
-        estimates.push(self.belief(), &Correction::NOTHING);
-    }
-
-    fn step(
-        &mut self,
-        force_before: f64,
-        force: f64,
-        measured: &[f64],
-        estimates: &mut Estimates,
-    ) -> Result<(), FilterError> {
-        self.predict(force_before)?;
-        let mut correction = Correction::NOTHING;
-        self.update(force, measured, &mut correction)?;
-        estimates.push(self.belief(), &correction);
-        Ok(())
-    }
-}
-
-fn estimator(settings: &FilterSettings, sensors: &[Quantity], dt: f64) -> Box<dyn Estimator> {
-    let known = settings.kind == FilterKind::Kf;
-    let model = Sdof { eta: if known { 0.0 } else { settings.eta } };
-    let transform = match settings.kind {
-        FilterKind::Kf | FilterKind::Ekf => Transform::Linearised,
-        FilterKind::Ukf => Transform::Unscented,
-    };
-    let values = |per: &crate::PerChannel| Vector::from(Sdof::CHANNELS.map(|c| per[c]));
-    let spread = |per: &crate::PerChannel| {
-        Vector::from(Sdof::CHANNELS.map(|c| if known && c.is_parameter() { 0.0 } else { per[c] }))
-    };
-    let noise = Noise {
-        process: Matrix::from_diagonal(&spread(&settings.process_std).map(|s| s * s)),
-        sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
-        fading: settings.fading,
-    };
-    let belief = Gaussian::independent(values(&settings.initial_mean), &spread(&settings.initial_std));
-    let outputs = sensors.iter().map(|&q| model.output(q)).collect();
-    Box::new(Filter::new(model, transform, dt, noise, outputs, belief))
 }

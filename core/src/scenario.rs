@@ -1,14 +1,18 @@
 //! The settings from which everything follows.
 
+mod filter_kind;
 mod per_channel;
 mod syntax;
 mod validate;
+mod written;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::{Channel, Force, Quantity, Signal};
+use crate::filter::{Adaptation, Propagation};
+use crate::{Channel, Force, PlantKind, Quantity, Signal};
 
+pub use filter_kind::FilterKind;
 pub use per_channel::PerChannel;
 
 /// A truth, the sensors that watch it and the filters that estimate it: plain data, TOML on disk.
@@ -34,7 +38,7 @@ pub struct Scenario {
     pub filters: Vec<FilterSettings>,
 }
 
-/// The oscillator `ẍ + 2ζωₙẋ + ωₙ²x = f + d` that the filters are to identify.
+/// The plant that the filters are to identify. It has those of the parameters that [`PlantKind::parameters`] says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plant {
@@ -44,19 +48,29 @@ pub struct Plant {
     pub natural_frequency: Signal,
     /// ζ \[-\]
     pub damping_ratio: Signal,
-    /// The motion at t = 0.
+    /// μ \[1/(m² s²)\]
+    pub cubic_stiffness: Signal,
+    /// α \[-\]
+    pub post_yield_ratio: Signal,
+    /// β \[1/m²\]
+    pub hysteresis_beta: Signal,
+    /// γ \[1/m²\]
+    pub hysteresis_gamma: Signal,
+    /// κ₁ \[1/s²\]
+    pub stiffness_1: Signal,
+    /// κ₂ \[1/s²\]
+    pub stiffness_2: Signal,
+    /// κ₃ \[1/s²\]
+    pub stiffness_3: Signal,
+    /// κ₄ \[1/s²\]
+    pub stiffness_4: Signal,
+    /// c \[1/s\]
+    pub storey_damping: Signal,
+    /// The motion of the mass, or of the first of several, at t = 0; everything else is at rest.
     pub initial: Motion,
-    /// Standard deviation of d, an unmeasured force over mass that is normal and held over each step \[m/s²\].
+    /// Standard deviation of an unmeasured force over mass that is normal and held over each step, and the same for every
+    /// mass \[m/s²\].
     pub disturbance_std: f64,
-}
-
-/// The kinds of plant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PlantKind {
-    /// A linear oscillator with a single degree of freedom.
-    #[default]
-    Sdof,
 }
 
 /// Displacement and velocity of the mass.
@@ -79,33 +93,6 @@ pub struct Sensor {
     pub noise_std: f64,
 }
 
-/// The kinds of filter.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FilterKind {
-    /// Kalman filter: the parameters are known, so their standard deviations and `eta` are taken as zero.
-    Kf,
-    /// Extended Kalman filter: local linearisation.
-    #[default]
-    Ekf,
-    /// Unscented Kalman filter: scaled sigma points.
-    Ukf,
-}
-
-impl FilterKind {
-    /// Every kind.
-    pub const ALL: [Self; 3] = [Self::Kf, Self::Ekf, Self::Ukf];
-
-    /// The usual abbreviation.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Kf => "KF",
-            Self::Ekf => "EKF",
-            Self::Ukf => "UKF",
-        }
-    }
-}
-
 /// One filter: what it believes at first and how far it trusts the model and the sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -114,6 +101,21 @@ pub struct FilterSettings {
     pub name: String,
     /// The kind of filter.
     pub kind: FilterKind,
+    /// The kind of plant that the filter takes the truth for; the truth's own if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<PlantKind>,
+    /// Whether the filter estimates the logarithms of the parameters that cannot be negative.
+    pub log_parameters: bool,
+    /// How the mean of a KF, EKF or IEKF moves.
+    pub propagation: Propagation,
+    /// The most times that an IEKF linearises the sensors in one update.
+    pub iterations: usize,
+    /// The number of members of an EnKF, or of particles of a PF.
+    pub ensemble_size: usize,
+    /// Whether the filter learns R and Q from its innovations.
+    pub adaptation: Adaptation,
+    /// Whether the whole record is smoothed once the filter has seen it.
+    pub smoother: bool,
     /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
     pub fading: f64,
     /// Rate η ≥ 0 at which the model lets the parameters decay \[1/s\]; 0 keeps them constant.
@@ -150,12 +152,53 @@ pub enum ScenarioError {
     },
 }
 
+macro_rules! parameter {
+    ($plant:expr, $channel:expr, $($borrow:tt)+) => {
+        Some(match $channel {
+            Channel::NaturalFrequency => $($borrow)+ $plant.natural_frequency,
+            Channel::DampingRatio => $($borrow)+ $plant.damping_ratio,
+            Channel::CubicStiffness => $($borrow)+ $plant.cubic_stiffness,
+            Channel::PostYieldRatio => $($borrow)+ $plant.post_yield_ratio,
+            Channel::HysteresisBeta => $($borrow)+ $plant.hysteresis_beta,
+            Channel::HysteresisGamma => $($borrow)+ $plant.hysteresis_gamma,
+            Channel::Stiffness1 => $($borrow)+ $plant.stiffness_1,
+            Channel::Stiffness2 => $($borrow)+ $plant.stiffness_2,
+            Channel::Stiffness3 => $($borrow)+ $plant.stiffness_3,
+            Channel::Stiffness4 => $($borrow)+ $plant.stiffness_4,
+            Channel::StoreyDamping => $($borrow)+ $plant.storey_damping,
+            _ => return None,
+        })
+    };
+}
+
+impl Plant {
+    /// The parameter of a channel, if the channel is one. Whether this kind of plant has it is
+    /// [`PlantKind::parameters`]'s to say.
+    pub fn parameter(&self, channel: Channel) -> Option<&Signal> {
+        parameter!(self, channel, &)
+    }
+
+    /// As [`Self::parameter`], to be changed.
+    pub fn parameter_mut(&mut self, channel: Channel) -> Option<&mut Signal> {
+        parameter!(self, channel, &mut)
+    }
+}
+
 impl Default for Plant {
     fn default() -> Self {
         Self {
             kind: PlantKind::Sdof,
             natural_frequency: Signal::Step(crate::signal::Step { from: 6.0, to: 4.8, at: 30.0 }),
             damping_ratio: Signal::Constant(0.05),
+            cubic_stiffness: Signal::Constant(300.0),
+            post_yield_ratio: Signal::Constant(0.1),
+            hysteresis_beta: Signal::Constant(60.0),
+            hysteresis_gamma: Signal::Constant(40.0),
+            stiffness_1: Signal::Constant(200.0),
+            stiffness_2: Signal::Constant(180.0),
+            stiffness_3: Signal::Constant(160.0),
+            stiffness_4: Signal::Constant(140.0),
+            storey_damping: Signal::Constant(0.4),
             initial: Motion::default(),
             disturbance_std: 0.0,
         }
@@ -167,6 +210,13 @@ impl Default for FilterSettings {
         Self {
             name: String::new(),
             kind: FilterKind::Ekf,
+            plant: None,
+            log_parameters: false,
+            propagation: Propagation::LocalLinearisation,
+            iterations: 5,
+            ensemble_size: 200,
+            adaptation: Adaptation::default(),
+            smoother: false,
             fading: 1.0,
             eta: 0.0,
             sensor_std: Vec::new(),
@@ -216,7 +266,7 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Syntax`] where TOML has no way to write it, which no valid scenario meets.
     pub fn to_toml(&self) -> Result<String, ScenarioError> {
-        toml::to_string(self).map_err(|e| ScenarioError::Syntax(e.to_string()))
+        written::text(self).map_err(|e| ScenarioError::Syntax(e.to_string()))
     }
 
     /// The number of samples, the one at t = 0 counted.
@@ -246,27 +296,38 @@ impl Scenario {
         }
     }
 
+    /// Takes another kind of plant for the truth; sensors of what it does not have are removed.
+    pub fn set_plant(&mut self, kind: PlantKind) {
+        self.plant.kind = kind;
+        let lost = |q: &Quantity| !kind.quantities().any(|has| has == *q);
+        for quantity in self.sensors.iter().map(|s| s.measures).filter(lost).collect::<Vec<_>>() {
+            self.remove_sensor(quantity);
+        }
+    }
+
     /// The noise that a filter would be told by someone who knows the truth: the sensors' own standard deviations, what
     /// the disturbance adds in a step, and the root mean square change of the parameters per step.
     pub fn true_noise(&self) -> (Vec<f64>, PerChannel) {
         let sensor_std = self.sensors.iter().map(|s| usable_std(s.noise_std)).collect();
         let d = self.plant.disturbance_std;
-        let mut process_std = PerChannel {
-            displacement: d * self.dt * self.dt / 2.0,
-            velocity: d * self.dt,
-            natural_frequency: 0.0,
-            damping_ratio: 0.0,
-        };
-        let steps = self.samples() - 1;
-        for (channel, signal) in [
-            (Channel::NaturalFrequency, &self.plant.natural_frequency),
-            (Channel::DampingRatio, &self.plant.damping_ratio),
-        ] {
-            let change = |k: usize| signal.at((k + 1) as f64 * self.dt) - signal.at(k as f64 * self.dt);
-            let square: f64 = (0..steps).map(|k| change(k) * change(k)).sum();
-            process_std[channel] = (square / steps.max(1) as f64).sqrt();
+        let mut process_std = PerChannel::ZERO;
+        for &channel in self.plant.kind.channels() {
+            if let Some(signal) = self.plant.parameter(channel) {
+                process_std[channel] = self.change_per_step(signal);
+            } else if let Some(velocity) = channel.rate() {
+                process_std[channel] = d * self.dt * self.dt / 2.0;
+                process_std[velocity] = d * self.dt;
+            }
         }
         (sensor_std, process_std)
+    }
+
+    /// The root mean square change of a signal from one sample to the next.
+    fn change_per_step(&self, signal: &Signal) -> f64 {
+        let steps = self.samples() - 1;
+        let change = |k: usize| signal.at((k + 1) as f64 * self.dt) - signal.at(k as f64 * self.dt);
+        let square: f64 = (0..steps).map(|k| change(k) * change(k)).sum();
+        (square / steps.max(1) as f64).sqrt()
     }
 
     /// Completes what a file may leave out because it follows from the rest.

@@ -1,23 +1,23 @@
-//! The truth: the plant's exact response and what the sensors make of it.
+//! The truth: the plant's response and what the sensors make of it.
 
-use crate::propagation::ImpulseResponse;
+use crate::gaussian::{Matrix, Vector};
+use crate::model::{Model, Output};
+use crate::plant::Visitor;
+use crate::propagation::runge_kutta;
 use crate::random::{Normal, Purpose};
-use crate::{Channel, Quantity, Record, Scenario};
+use crate::sensor::MAX_SENSORS;
+use crate::{Channel, Record, Scenario};
 
 /// Produces a record sample by sample, for as long as it is asked.
 ///
-/// Force, disturbance and parameters are held over each step, and the response to that is exact
-/// ([`ImpulseResponse::advance`]).
-#[derive(Clone, Debug)]
+/// Force, disturbance and parameters are held over each step. The response to that is exact where the plant is linear
+/// ([`Model::exact_integral`]); elsewhere it is of Runge-Kutta steps so short that their error is below 1e-9 of the signal.
 pub struct Simulator {
     scenario: Scenario,
     force_noise: Normal,
     disturbance_noise: Normal,
     sensor_noise: Vec<Normal>,
-    displacement: f64,
-    velocity: f64,
-    /// The last step's a, b and impulse response: parameters seldom change.
-    last_response: Option<(f64, f64, ImpulseResponse)>,
+    truth: Box<dyn Truth>,
 }
 
 impl Simulator {
@@ -28,9 +28,7 @@ impl Simulator {
             force_noise: stream(Purpose::Force),
             disturbance_noise: stream(Purpose::Disturbance),
             sensor_noise: scenario.sensors.iter().map(|s| stream(Purpose::Sensor(s.measures))).collect(),
-            displacement: scenario.plant.initial.displacement,
-            velocity: scenario.plant.initial.velocity,
-            last_response: None,
+            truth: scenario.plant.kind.visit(0.0, Start(scenario)),
             scenario: scenario.clone(),
         }
     }
@@ -38,39 +36,146 @@ impl Simulator {
     /// An empty record of the right shape.
     pub fn empty_record(&self) -> Record {
         let sensors = self.scenario.sensors.iter().map(|s| s.measures).collect();
-        Record::empty(self.scenario.dt, sensors, Channel::ALL.to_vec())
+        Record::empty(self.scenario.dt, sensors, self.scenario.plant.kind.channels().to_vec())
     }
 
-    /// Appends the next sample to `record`.
-    pub fn step(&mut self, record: &mut Record) {
-        let Self { scenario, force_noise, disturbance_noise, sensor_noise, displacement, velocity, last_response } =
-            self;
+    /// Appends the next sample to `record`. Returns whether there was one: a plant that is not stable, such as one with a
+    /// softening spring, can run away to where there are no numbers.
+    pub fn step(&mut self, record: &mut Record) -> bool {
+        let Self { scenario, force_noise, disturbance_noise, sensor_noise, truth } = self;
         let dt = scenario.dt;
         let k = record.len();
         let t = k as f64 * dt;
-        let wn = scenario.plant.natural_frequency.at(t);
-        let zeta = scenario.plant.damping_ratio.at(t);
-        let (a, b) = (-wn * wn, -2.0 * zeta * wn);
+        truth.set_parameters(&|channel| scenario.plant.parameter(channel).map_or(0.0, |signal| signal.at(t)));
         let force = scenario.force.sample(k, dt, force_noise);
         let disturbance = scenario.plant.disturbance_std * disturbance_noise.sample();
-        let (x, v) = (*displacement, *velocity);
-        let acceleration = force + disturbance + b * v + a * x;
-
-        let measured = scenario.sensors.iter().zip(sensor_noise).map(|(sensor, noise)| {
-            let clean = match sensor.measures {
-                Quantity::Displacement => x,
-                Quantity::Velocity => v,
-                Quantity::Acceleration => acceleration,
-            };
-            clean + sensor.noise_std * noise.sample()
-        });
-        record.push(force, measured, [x, v, wn, zeta]);
-
-        let response = match last_response {
-            Some((last_a, last_b, response)) if *last_a == a && *last_b == b => *response,
-            _ => ImpulseResponse::new(a, b, dt),
-        };
-        *last_response = Some((a, b, response));
-        [*displacement, *velocity] = response.advance(a, b, [x, v], acceleration);
+        if !truth.state().iter().all(|x| x.is_finite()) {
+            return false;
+        }
+        let clean = truth.readings(force + disturbance);
+        let measured = scenario
+            .sensors
+            .iter()
+            .zip(sensor_noise)
+            .zip(clean)
+            .map(|((sensor, noise), clean)| clean + sensor.noise_std * noise.sample());
+        record.push(force, measured, truth.state().iter().copied());
+        truth.advance(force + disturbance, dt);
+        true
     }
+}
+
+/// A plant in motion, with its type and size erased.
+trait Truth: Send {
+    /// The state, channel by channel.
+    fn state(&self) -> &[f64];
+
+    /// Gives every parameter its present value.
+    fn set_parameters(&mut self, value: &dyn Fn(Channel) -> f64);
+
+    /// What perfect sensors read.
+    fn readings(&self, force: f64) -> [f64; MAX_SENSORS];
+
+    /// Moves on by a step.
+    fn advance(&mut self, force: f64, dt: f64);
+}
+
+/// Sets a scenario's plant in motion.
+struct Start<'a>(&'a Scenario);
+
+impl Visitor for Start<'_> {
+    type Output = Box<dyn Truth>;
+
+    fn visit<P: Model<N>, const N: usize>(self, model: P) -> Box<dyn Truth> {
+        let Scenario { plant, sensors, .. } = self.0;
+        let mut state = Vector::<N>::zeros();
+        for (component, channel) in state.iter_mut().zip(P::CHANNELS) {
+            *component = match channel {
+                Channel::Displacement => plant.initial.displacement,
+                Channel::Velocity => plant.initial.velocity,
+                _ => 0.0,
+            };
+        }
+        let outputs = sensors.iter().map(|s| model.output(s.measures)).collect();
+        Box::new(Moving { model, state, outputs, last: None })
+    }
+}
+
+struct Moving<P, const N: usize> {
+    model: P,
+    state: Vector<N>,
+    outputs: Vec<Option<Output>>,
+    /// The parameters of the last step and the exact integral that goes with them: parameters seldom change.
+    last: Option<(Vector<N>, Matrix<N, N>)>,
+}
+
+impl<P: Model<N>, const N: usize> Truth for Moving<P, N> {
+    fn state(&self) -> &[f64] {
+        self.state.as_slice()
+    }
+
+    fn set_parameters(&mut self, value: &dyn Fn(Channel) -> f64) {
+        for i in P::MOTION..N {
+            self.state[i] = value(P::CHANNELS[i]);
+        }
+    }
+
+    fn readings(&self, force: f64) -> [f64; MAX_SENSORS] {
+        let rate = self.model.rate(&self.state, force);
+        let mut readings = [f64::NAN; MAX_SENSORS];
+        for (reading, output) in readings.iter_mut().zip(&self.outputs) {
+            *reading = match output {
+                Some(Output::State(i)) => self.state[*i],
+                Some(Output::Rate(i)) => rate[*i],
+                None => f64::NAN,
+            };
+        }
+        readings
+    }
+
+    fn advance(&mut self, force: f64, dt: f64) {
+        let Self { model, state, last, .. } = self;
+        let same = |before: &Vector<N>| (P::MOTION..N).all(|i| before[i] == state[i]);
+        if !last.as_ref().is_some_and(|(parameters, _)| same(parameters)) {
+            *last = model.exact_integral(state, dt).map(|integral| (*state, integral));
+        }
+        match last {
+            Some((_, integral)) => *state += *integral * model.rate(state, force),
+            None => *state = fine_steps(model, state, force, dt),
+        }
+    }
+}
+
+/// How far the motion may turn in one Runge-Kutta step \[rad\]. The error of a minute at 6 rad/s is then some
+/// `360 · 0.004⁴ / 120`, below 1e-9 of the signal.
+const TURN: f64 = 0.004;
+
+/// The most steps for one sample, whatever the plant does.
+const MAX_STEPS: f64 = 4096.0;
+
+/// How often a step is halved to come close to a kink.
+const HALVINGS: u32 = 16;
+
+/// Runge-Kutta steps that turn the motion by little and do not jump over kinks.
+fn fine_steps<P: Model<N>, const N: usize>(model: &P, state: &Vector<N>, force: f64, dt: f64) -> Vector<N> {
+    let steps = (dt * model.turning_rate(state) / TURN).ceil().clamp(1.0, MAX_STEPS);
+    let short = dt / steps;
+    (0..steps as usize).fold(*state, |state, _| careful_step(model, &state, force, short, HALVINGS))
+}
+
+/// A Runge-Kutta step, halved again and again where it crosses a kink, at which it would lose its order.
+fn careful_step<P: Model<N>, const N: usize>(
+    model: &P,
+    state: &Vector<N>,
+    force: f64,
+    dt: f64,
+    halvings: u32,
+) -> Vector<N> {
+    let next = runge_kutta(state, dt, |y| model.rate(y, force));
+    let crossed = model.kinks(state).iter().zip(model.kinks(&next)).any(|(before, after)| before * after < 0.0);
+    if !crossed || halvings == 0 {
+        return next;
+    }
+    let middle = careful_step(model, state, force, 0.5 * dt, halvings - 1);
+    careful_step(model, &middle, force, 0.5 * dt, halvings - 1)
 }

@@ -1,9 +1,10 @@
 //! Scenario files: what they may say, and what is said of them if they say it wrongly.
 
-use kalmanscope_core::scenario::{Motion, PlantKind};
+use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    FilterKind, FilterSettings, Force, PerChannel, Plant, Quantity, Scenario, ScenarioError, Sensor, Signal,
+    Channel, FilterKind, FilterSettings, Force, PerChannel, Plant, PlantKind, Quantity, Scenario, ScenarioError,
+    Sensor, Signal,
 };
 
 const SAMPLE: &str = include_str!("sample.toml");
@@ -14,11 +15,12 @@ fn parsed(text: &str) -> Scenario {
 
 #[test]
 fn the_sample_says_what_it_says() {
-    let per_channel = |[displacement, velocity, natural_frequency, damping_ratio]: [f64; 4]| PerChannel {
+    let with = |[displacement, velocity, natural_frequency, damping_ratio]: [f64; 4], rest: PerChannel| PerChannel {
         displacement,
         velocity,
         natural_frequency,
         damping_ratio,
+        ..rest
     };
     let expected = Scenario {
         seed: 1,
@@ -30,6 +32,7 @@ fn the_sample_says_what_it_says() {
             damping_ratio: Signal::Constant(0.05),
             initial: Motion { displacement: 0.0, velocity: 0.0 },
             disturbance_std: 0.0,
+            ..Plant::default()
         },
         force: Force::WhiteNoise { std: 10.0 },
         sensors: vec![
@@ -42,9 +45,10 @@ fn the_sample_says_what_it_says() {
             fading: 1.005,
             eta: 0.0,
             sensor_std: vec![0.01, 0.06],
-            initial_mean: per_channel([0.0, 0.0, 8.0, 0.1]),
-            initial_std: per_channel([0.1, 0.3, 2.0, 0.1]),
-            process_std: per_channel([1e-4, 1e-3, 1e-4, 3e-5]),
+            initial_mean: with([0.0, 0.0, 8.0, 0.1], PerChannel::INITIAL_MEAN),
+            initial_std: with([0.1, 0.3, 2.0, 0.1], PerChannel::INITIAL_STD),
+            process_std: with([1e-4, 1e-3, 1e-4, 3e-5], PerChannel::PROCESS_STD),
+            ..FilterSettings::default()
         }],
     };
     assert_eq!(parsed(SAMPLE), expected);
@@ -136,8 +140,8 @@ fn assert_refused(cases: &[(&str, &str)]) {
 
 #[test]
 fn unknown_keys_are_named_with_those_that_there_are() {
-    const CHANNELS: &str = "`displacement`, `velocity`, `natural_frequency`, `damping_ratio`";
-    let channels = format!("line 2: unknown key `filters[0].initial_std.mass`; it can be {CHANNELS}");
+    let all: Vec<String> = Channel::ALL.map(|c| format!("`{}`", c.key())).to_vec();
+    let channels = format!("line 2: unknown key `filters[0].initial_std.mass`; it can be {}", all.join(", "));
     assert_refused(&[
         (
             "\nsed = 1",
@@ -145,8 +149,9 @@ fn unknown_keys_are_named_with_those_that_there_are() {
         ),
         (
             "[plant]\nmass = 1",
-            "line 2: unknown key `plant.mass`; it can be `kind`, `natural_frequency`, `damping_ratio`, `initial`, \
-             `disturbance_std`",
+            "line 2: unknown key `plant.mass`; it can be `kind`, `natural_frequency`, `damping_ratio`, \
+             `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, `hysteresis_gamma`, `stiffness_1`, `stiffness_2`, \
+             `stiffness_3`, `stiffness_4`, `storey_damping`, `initial`, `disturbance_std`",
         ),
         (
             "[plant]\ninitial = { x = 1 }",
@@ -175,8 +180,9 @@ fn unknown_keys_are_named_with_those_that_there_are() {
         ),
         (
             "[[filters]]\n[[filters]]\nlambda = 1",
-            "line 3: unknown key `filters[1].lambda`; it can be `name`, `kind`, `fading`, `eta`, `sensor_std`, \
-             `initial_mean`, `initial_std`, `process_std`",
+            "line 3: unknown key `filters[1].lambda`; it can be `name`, `kind`, `plant`, `log_parameters`, `propagation`, \
+             `iterations`, `ensemble_size`, `adaptation`, `smoother`, `fading`, `eta`, `sensor_std`, `initial_mean`, \
+             `initial_std`, `process_std`",
         ),
         ("[[filters]]\ninitial_std = { mass = 1 }", &channels),
     ]);
@@ -202,13 +208,22 @@ fn wrong_types_are_told_with_key_value_and_what_is_allowed() {
         let shown: String = if value.chars().count() > 40 { value[..40].to_owned() + "…" } else { value.to_owned() };
         refused(&format!("force = {value}"), format!("line 1: `force` is {shown}, but must be {force}"));
     }
+    let quantities = Quantity::ALL.map(|q| format!("`{}`", q.key())).join(", ");
+    refused(
+        "[[sensors]]\nmeasures = \"jerk\"\nnoise_std = 1",
+        format!("line 2: `sensors[0].measures` is \"jerk\", but must be one of {quantities}"),
+    );
     assert_refused(&[
         ("seed = 1.5", "line 1: `seed` is 1.5, but must be a whole number from 0 to 2⁶³ - 1"),
         ("seed = -1", "line 1: `seed` is -1, but must be a whole number from 0 to 2⁶³ - 1"),
         ("seed = 1\n\ndt = \"fast\"", "line 3: `dt` is \"fast\", but must be a number"),
         ("dt = 1979-05-27", "line 1: `dt` is 1979-05-27, but must be a number"),
         ("plant = 3", "line 1: `plant` is 3, but must be a table"),
-        ("[plant]\nkind = \"mdof\"", "line 2: `plant.kind` is \"mdof\", but must be `sdof`"),
+        (
+            "[plant]\nkind = \"mdof\"",
+            "line 2: `plant.kind` is \"mdof\", but must be one of `sdof`, `duffing`, `bouc_wen`, `shear_2`, \
+             `shear_3`, `shear_4`",
+        ),
         ("[plant]\nkind = 3", "line 2: `plant.kind` is 3, but must be a string"),
         ("[plant]\ninitial = { velocity = true }", "line 2: `plant.initial.velocity` is true, but must be a number"),
         (
@@ -234,12 +249,12 @@ fn wrong_types_are_told_with_key_value_and_what_is_allowed() {
              `step`",
         ),
         ("sensors = 3", "line 1: `sensors` is 3, but must be a list"),
-        (
-            "[[sensors]]\nmeasures = \"jerk\"\nnoise_std = 1",
-            "line 2: `sensors[0].measures` is \"jerk\", but must be one of `displacement`, `velocity`, `acceleration`",
-        ),
         ("[[sensors]]\nmeasures = \"velocity\"", "line 1: `sensors[0]` lacks the key `noise_std`"),
-        ("[[filters]]\nkind = \"pf\"", "line 2: `filters[0].kind` is \"pf\", but must be one of `kf`, `ekf`, `ukf`"),
+        (
+            "[[filters]]\nkind = \"lqr\"",
+            "line 2: `filters[0].kind` is \"lqr\", but must be one of `kf`, `ekf`, `iekf`, `ukf`, `sr_ukf`, `ckf`, `enkf`, \
+             `pf`",
+        ),
         ("[[filters]]\nname = 3", "line 2: `filters[0].name` is 3, but must be a string"),
         ("[[filters]]\nsensor_std = 1", "line 2: `filters[0].sensor_std` is 1, but must be a list"),
         (

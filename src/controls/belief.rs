@@ -1,7 +1,7 @@
 //! What a filter believes at first, and how far it trusts model and sensors: initial mean and std, Q and R.
 
 use egui::{Grid, RichText, Ui, Vec2};
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Sensor};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, PerChannel, PlantKind, Sensor};
 
 use super::number::field;
 
@@ -10,9 +10,9 @@ const SYMBOL_WIDTH: f32 = 22.0;
 /// Width of the column of units \[points\].
 const UNIT_WIDTH: f32 = 36.0;
 
-/// A table with a row a channel and a row a sensor of the filter at `place`.
-pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, sensors: &[Sensor]) {
-    let FilterSettings { name, kind, fading: _, eta: _, sensor_std, initial_mean, initial_std, process_std } = filter;
+/// A table with a row a channel and a row a sensor of the filter at `place`, for a truth of the given kind.
+pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, sensors: &[Sensor], truth: PlantKind) {
+    let FilterSettings { name, kind, plant, sensor_std, initial_mean, initial_std, process_std, .. } = filter;
     let spacing = ui.spacing().item_spacing.x;
     let column = ((ui.available_width() - SYMBOL_WIDTH - UNIT_WIDTH - 4.0 * spacing) / 3.0).max(36.0);
     let cell = |ui: &mut Ui, enabled: bool, add: &mut dyn FnMut(&mut Ui)| {
@@ -31,7 +31,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, 
         heading(ui, "± σ of guess", "Standard deviation of the initial belief: how sure the filter is of its guess");
         heading(ui, "√Q per step", "Standard deviation of what the model leaves out in one step");
         ui.end_row();
-        for channel in Channel::ALL {
+        for &channel in plant.unwrap_or(truth).channels() {
             // The KF knows the parameters: it has no uncertainty to set.
             let uncertain = !(*kind == FilterKind::Kf && channel.is_parameter());
             ui.label(channel.symbol()).on_hover_text(channel.name());
@@ -69,12 +69,8 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, 
     });
 }
 
-/// A usual size of the channel's values.
-const fn scale(channel: Channel) -> f64 {
-    match channel {
-        Channel::Displacement => 0.1,
-        Channel::Velocity => 0.3,
-        Channel::NaturalFrequency => 2.0,
-        Channel::DampingRatio => 0.05,
-    }
+/// A usual size of the channel's values: what a filter is uncertain by at first.
+fn scale(channel: Channel) -> f64 {
+    let usual = PerChannel::INITIAL_STD[channel];
+    if usual > 0.0 { usual } else { PerChannel::INITIAL_MEAN[channel].abs() }
 }

@@ -14,7 +14,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
     let id = ui.make_persistent_id(("filter", place));
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
     let mut match_truth = false;
-    let Scenario { dt, sensors, filters, .. } = scenario;
+    let Scenario { dt, plant, sensors, filters, .. } = scenario;
     let others: Vec<String> =
         filters.iter().enumerate().filter(|(i, _)| *i != place).map(|(_, f)| f.name.clone()).collect();
     let filter = &mut filters[place];
@@ -27,7 +27,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
         })
         .body_unindented(|ui| {
             memory_ui(ui, filter, *dt);
-            belief_ui(ui, filter, place, sensors);
+            belief_ui(ui, filter, place, sensors, plant.kind);
             ui.add_space(2.0);
             let hint =
                 "Set R to the sensors' true noise, and Q to what disturbance and changing parameters do in a step";

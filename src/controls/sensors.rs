@@ -1,15 +1,18 @@
 //! Which quantities are measured, and how noisily.
 
-use egui::Ui;
+use egui::{Checkbox, Ui};
+use kalmanscope_core::sensor::{Aspect, MAX_SENSORS};
 use kalmanscope_core::{Quantity, Scenario, Sensor};
 
 use super::number::Number;
 
 pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
-    ui.horizontal(|ui| {
-        for quantity in Quantity::ALL {
+    let full = scenario.sensors.len() >= MAX_SENSORS;
+    ui.horizontal_wrapped(|ui| {
+        for quantity in scenario.plant.kind.quantities() {
             let mut measured = scenario.sensors.iter().any(|s| s.measures == quantity);
-            if ui.checkbox(&mut measured, quantity.key()).changed() {
+            let checkbox = Checkbox::new(&mut measured, quantity.key());
+            if ui.add_enabled(measured || !full, checkbox).changed() {
                 if measured {
                     scenario.add_sensor(Sensor { measures: quantity, noise_std: usual_noise(quantity) });
                 } else {
@@ -40,10 +43,10 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
 }
 
 const fn usual_noise(quantity: Quantity) -> f64 {
-    match quantity {
-        Quantity::Displacement => 0.01,
-        Quantity::Velocity => 0.06,
-        Quantity::Acceleration => 0.3,
+    match quantity.aspect() {
+        Aspect::Displacement => 0.01,
+        Aspect::Velocity => 0.06,
+        Aspect::Acceleration => 0.3,
     }
 }
 

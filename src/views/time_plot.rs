@@ -118,10 +118,13 @@ fn heading_ui(ui: &mut Ui, channel: Channel, context: &ViewContext<'_>) {
     });
 }
 
-const fn decimals(channel: Channel) -> usize {
+fn decimals(channel: Channel) -> usize {
     match channel {
-        Channel::Displacement | Channel::DampingRatio => 4,
-        Channel::Velocity | Channel::NaturalFrequency => 3,
+        Channel::Stiffness1 | Channel::Stiffness2 | Channel::Stiffness3 | Channel::Stiffness4 => 1,
+        Channel::CubicStiffness | Channel::HysteresisBeta | Channel::HysteresisGamma => 1,
+        Channel::NaturalFrequency | Channel::StoreyDamping => 3,
+        _ if channel.unit() == "m/s" => 3,
+        _ => 4,
     }
 }
 
@@ -279,12 +282,8 @@ fn dots(record: &Record, columns: &[Column]) -> Vec<[f64; 2]> {
 }
 
 /// The measurement that goes with a channel.
-const fn quantity(channel: Channel) -> Option<Quantity> {
-    match channel {
-        Channel::Displacement => Some(Quantity::Displacement),
-        Channel::Velocity => Some(Quantity::Velocity),
-        Channel::NaturalFrequency | Channel::DampingRatio => None,
-    }
+fn quantity(channel: Channel) -> Option<Quantity> {
+    Quantity::ALL.into_iter().find(|q| q.channel() == Some(channel))
 }
 
 #[cfg(test)]

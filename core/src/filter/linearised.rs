@@ -1,22 +1,136 @@
-//! First-order linearisation at the mean.
-//!
-//! Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal
-//! Estimation*, section 6.1.
+//! First-order linearisation at the mean: KF, EKF and iterated EKF.
 
-use super::{Active, Expected};
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
+use super::kalman::{self, Expected, seen_by};
+use super::{Belief, Correction, FilterError, Observation};
 use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::model::{Model, Output};
 
-/// `y⁻ = y + dt φ₁(A dt) g(y, f)` and `Φ P Φᵀ`.
-pub(super) fn predict<P: Model<N>, const N: usize>(model: &P, belief: &mut Gaussian<N>, force: f64, dt: f64) {
-    let (mean, transition) = model.linearised_step(&belief.mean, force, dt);
-    belief.mean = mean;
-    belief.cov = propagate(P::MOTION, &transition, &belief.cov);
+/// How the mean of a linearising filter moves, and with which transition matrix its covariance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Propagation {
+    /// `y⁻ = y + dt φ₁(A dt) g(y, f)` and `Φ = exp(A dt)`: exact where the parameters are known and the plant is linear.
+    #[default]
+    LocalLinearisation,
+    /// One classical Runge-Kutta step, and its derivative.
+    RungeKutta,
+    /// `y⁻ = y + dt g(y, f)` and `Φ = I + A dt`: the textbooks' first example, and unstable for a long dt.
+    Euler,
+}
+
+impl Propagation {
+    /// Every way.
+    pub const ALL: [Self; 3] = [Self::LocalLinearisation, Self::RungeKutta, Self::Euler];
+
+    /// The state after `dt` \[s\] and its transition matrix.
+    #[inline]
+    pub fn step<P: Model<N>, const N: usize>(
+        self,
+        model: &P,
+        state: &Vector<N>,
+        force: f64,
+        dt: f64,
+    ) -> (Vector<N>, Matrix<N, N>) {
+        match self {
+            Self::LocalLinearisation => model.linearised_step(state, force, dt),
+            Self::RungeKutta => {
+                (model.runge_kutta_step(state, force, dt), runge_kutta_transition(model, state, force, dt))
+            }
+            Self::Euler => (state + model.rate(state, force) * dt, Matrix::identity() + model.jacobian(state) * dt),
+        }
+    }
+}
+
+/// The derivative of a Runge-Kutta step by the state that it starts from: the chain rule, stage by stage.
+fn runge_kutta_transition<P: Model<N>, const N: usize>(
+    model: &P,
+    state: &Vector<N>,
+    force: f64,
+    dt: f64,
+) -> Matrix<N, N> {
+    let identity = Matrix::<N, N>::identity();
+    let mut sum = Matrix::<N, N>::zeros();
+    let (mut rate, mut derivative) = (Vector::zeros(), Matrix::zeros());
+    for (offset, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+        let stage = state + rate * (offset * dt);
+        derivative = model.jacobian(&stage) * (identity + derivative * (offset * dt));
+        rate = model.rate(&stage, force);
+        sum += derivative * weight;
+    }
+    identity + sum * (dt / 6.0)
+}
+
+/// A Gaussian that moves and is measured as if plant and sensors were linear around its mean.
+///
+/// With `iterations` of more than one the update is a Gauss-Newton descent to the most probable state, each step
+/// linearising the sensors anew where the last has led:
+///
+/// ```text
+/// yᵢ₊₁ = y⁻ + Kᵢ (z - h(yᵢ) - Hᵢ (y⁻ - yᵢ)),  y₀ = y⁻
+/// ```
+///
+/// Innovation and S are those at y⁻, gain and covariance those of the last step.
+///
+/// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal
+/// Estimation*, section 6.1; Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
+#[derive(Clone, Debug)]
+pub struct Linearised<const N: usize> {
+    belief: Gaussian<N>,
+    propagation: Propagation,
+    iterations: usize,
+}
+
+impl<const N: usize> Linearised<N> {
+    /// A belief that moves by `propagation` and linearises the sensors up to `iterations` times an update.
+    pub fn new(belief: Gaussian<N>, propagation: Propagation, iterations: usize) -> Self {
+        Self { belief, propagation, iterations }
+    }
+}
+
+impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
+    #[inline]
+    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
+        let Self { belief, propagation, .. } = self;
+        let (mean, transition) = propagation.step(model, &belief.mean, force, dt);
+        belief.mean = mean;
+        belief.cov = congruence(P::MOTION, &transition, &belief.cov);
+        Ok(())
+    }
+
+    #[inline]
+    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
+        kalman::spread(&mut self.belief.cov, fading, process);
+        Ok(())
+    }
+
+    #[inline]
+    fn condition<const M: usize>(
+        &mut self,
+        model: &P,
+        observation: &Observation<M>,
+        correction: &mut Correction<N>,
+    ) -> Result<(), FilterError> {
+        let Self { belief, iterations, .. } = self;
+        let expected = expect(model, belief, observation);
+        if *iterations > 1 && !observation.is_linear() {
+            return iterate(model, belief, &expected, observation, *iterations, correction);
+        }
+        kalman::condition(belief, &expected, observation, correction)
+    }
+
+    #[inline]
+    fn gaussian(&self) -> Cow<'_, Gaussian<N>> {
+        Cow::Borrowed(&self.belief)
+    }
 }
 
 /// `Φ P Φᵀ`, symmetric to the last bit, where the first `motion` rows of Φ are full and the rest is diagonal.
 #[inline]
-fn propagate<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Matrix<N, N>) -> Matrix<N, N> {
+fn congruence<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Matrix<N, N>) -> Matrix<N, N> {
     let mut half = *cov;
     for j in 0..N {
         for i in 0..motion {
@@ -42,48 +156,72 @@ fn propagate<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Mat
 }
 
 /// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`.
+#[inline]
 pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
     model: &P,
     belief: &Gaussian<N>,
-    active: &[Active; M],
-    force: f64,
+    observation: &Observation<M>,
 ) -> Expected<N, M> {
-    let Gaussian { mean: state, cov } = belief;
-    let mut mean = Vector::<M>::zeros();
-    let mut jacobian = Matrix::<M, N>::zeros();
-    for (row, sensor) in active.iter().enumerate() {
-        match sensor.output {
-            Output::State(i) => {
-                mean[row] = state[i];
-                jacobian[(row, i)] = 1.0;
-            }
-            Output::Rate(i) => {
-                mean[row] = model.rate(state, force)[i];
-                jacobian.set_row(row, &model.jacobian(state).row(i));
-            }
-        }
-    }
-    let cross = seen_by(cov, &jacobian, active);
-    let mut innovation_cov = seen_by(&cross.transpose(), &jacobian, active);
-    for (row, sensor) in active.iter().enumerate() {
-        innovation_cov[(row, row)] += sensor.variance;
-    }
-    Expected { mean, cov: innovation_cov, cross, jacobian: Some(jacobian) }
+    let mean = observation.read(model, &belief.mean);
+    expect_with(belief, mean, sensor_jacobian(model, &belief.mean, observation), observation)
 }
 
-/// `X Hᵀ`, which for sensors that read a component of the state only picks columns.
 #[inline]
-pub(super) fn seen_by<const N: usize, const M: usize, const R: usize>(
-    x: &Matrix<R, N>,
-    jacobian: &Matrix<M, N>,
-    active: &[Active; M],
-) -> Matrix<R, M> {
-    let mut result = Matrix::<R, M>::zeros();
-    for (row, sensor) in active.iter().enumerate() {
+fn expect_with<const N: usize, const M: usize>(
+    belief: &Gaussian<N>,
+    mean: Vector<M>,
+    jacobian: Matrix<M, N>,
+    observation: &Observation<M>,
+) -> Expected<N, M> {
+    let cross = seen_by(&belief.cov, &jacobian, observation);
+    let mut cov = seen_by(&cross.transpose(), &jacobian, observation);
+    observation.add_noise(&mut cov);
+    Expected { mean, cov, cross, jacobian: Some(jacobian) }
+}
+
+/// H at a state, M × N.
+#[inline]
+pub(crate) fn sensor_jacobian<P: Model<N>, const N: usize, const M: usize>(
+    model: &P,
+    state: &Vector<N>,
+    observation: &Observation<M>,
+) -> Matrix<M, N> {
+    let mut jacobian = Matrix::<M, N>::zeros();
+    for (row, sensor) in observation.active.iter().enumerate() {
         match sensor.output {
-            Output::State(i) => result.set_column(row, &x.column(i)),
-            Output::Rate(_) => result.set_column(row, &(x * jacobian.row(row).transpose())),
+            Output::State(i) => jacobian[(row, i)] = 1.0,
+            Output::Rate(i) => jacobian.set_row(row, &model.jacobian(state).row(i)),
         }
     }
-    result
+    jacobian
 }
+
+fn iterate<P: Model<N>, const N: usize, const M: usize>(
+    model: &P,
+    belief: &mut Gaussian<N>,
+    first: &Expected<N, M>,
+    observation: &Observation<M>,
+    iterations: usize,
+    correction: &mut Correction<N>,
+) -> Result<(), FilterError> {
+    let prior = belief.clone();
+    kalman::condition(belief, first, observation, correction)?;
+    for _ in 1..iterations {
+        let at = belief.mean;
+        let jacobian = sensor_jacobian(model, &at, observation);
+        let mean = observation.read(model, &at) + jacobian * (prior.mean - at);
+        let expected = expect_with(&prior, mean, jacobian, observation);
+        *belief = prior.clone();
+        let mut step = Correction::NOTHING;
+        kalman::condition(belief, &expected, observation, &mut step)?;
+        correction.gain = step.gain;
+        let moved = belief.mean - at;
+        if (0..N).all(|i| moved[i] * moved[i] <= CONVERGED * belief.cov[(i, i)]) {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The descent has converged when a step is this small, squared, against the variance.
+const CONVERGED: f64 = 1e-12;

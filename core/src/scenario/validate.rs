@@ -3,14 +3,22 @@
 use std::fmt::Display;
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
+use crate::filter::Adaptation;
 use crate::force::Allowed;
-use crate::{Channel, PerChannel, Signal};
+use crate::sensor::MAX_SENSORS;
+use crate::{Channel, PerChannel, PlantKind, Signal};
 
 /// The most samples of one record: at 100 Hz more than five hours, about a gigabyte of estimates a filter.
 pub(super) const MAX_SAMPLES: usize = 2_000_000;
 
 /// The most filters of one scenario.
 pub(super) const MAX_FILTERS: usize = 16;
+
+/// The most times that an IEKF may linearise in one update.
+const MAX_ITERATIONS: usize = 100;
+
+/// The most members of an ensemble.
+const MAX_ENSEMBLE: usize = 100_000;
 
 impl Scenario {
     /// Checks every value.
@@ -37,7 +45,19 @@ impl Scenario {
                 Allowed::Positive => positive(key, value)?,
             }
         }
+        require(
+            sensors.len() <= MAX_SENSORS,
+            "sensors",
+            format_args!("a list of {}", sensors.len()),
+            format_args!("at most {MAX_SENSORS}"),
+        )?;
         for (i, sensor) in sensors.iter().enumerate() {
+            require(
+                plant.kind.quantities().any(|q| q == sensor.measures),
+                format_args!("sensors[{i}].measures"),
+                format_args!("\"{}\"", sensor.measures.key()),
+                format_args!("something that a {} has", plant.kind.name()),
+            )?;
             not_negative(format!("sensors[{i}].noise_std"), sensor.noise_std)?;
             require(
                 sensors[..i].iter().all(|s| s.measures != sensor.measures),
@@ -53,7 +73,7 @@ impl Scenario {
             format_args!("at most {MAX_FILTERS}"),
         )?;
         for (i, filter) in filters.iter().enumerate() {
-            filter.validate(&format!("filters[{i}]"), sensors.len())?;
+            filter.validate(&format!("filters[{i}]"), sensors.len(), plant.kind)?;
         }
         Ok(())
     }
@@ -61,30 +81,72 @@ impl Scenario {
 
 impl Plant {
     fn validate(&self) -> Result<(), ScenarioError> {
-        let Self { kind: _, natural_frequency, damping_ratio, initial, disturbance_std } = self;
-        signal("plant.natural_frequency", natural_frequency)?;
-        require(
-            natural_frequency.minimum() > 0.0,
-            "plant.natural_frequency",
-            format_args!("{} at its lowest", natural_frequency.minimum()),
-            "above 0 at all times",
-        )?;
-        signal("plant.damping_ratio", damping_ratio)?;
-        require(
-            damping_ratio.minimum() >= 0.0,
-            "plant.damping_ratio",
-            format_args!("{} at its lowest", damping_ratio.minimum()),
-            "at least 0 at all times",
-        )?;
-        finite("plant.initial.displacement", initial.displacement)?;
-        finite("plant.initial.velocity", initial.velocity)?;
-        not_negative("plant.disturbance_std", *disturbance_std)
+        for (channel, parameter) in Channel::ALL.into_iter().filter_map(|c| Some((c, self.parameter(c)?))) {
+            let key = format!("plant.{}", channel.key());
+            signal(&key, parameter)?;
+            let low = || format!("{} at its lowest", parameter.minimum());
+            match channel {
+                Channel::NaturalFrequency => require(parameter.minimum() > 0.0, key, low(), "above 0 at all times")?,
+                _ if channel.is_positive() => {
+                    require(parameter.minimum() >= 0.0, key, low(), "at least 0 at all times")?;
+                }
+                _ => {}
+            }
+        }
+        finite("plant.initial.displacement", self.initial.displacement)?;
+        finite("plant.initial.velocity", self.initial.velocity)?;
+        not_negative("plant.disturbance_std", self.disturbance_std)
     }
 }
 
 impl FilterSettings {
-    fn validate(&self, path: &str, sensors: usize) -> Result<(), ScenarioError> {
-        let Self { name: _, kind: _, fading, eta, sensor_std, initial_mean, initial_std, process_std } = self;
+    fn validate(&self, path: &str, sensors: usize, truth: PlantKind) -> Result<(), ScenarioError> {
+        let Self {
+            name: _,
+            kind,
+            plant,
+            log_parameters,
+            propagation: _,
+            iterations,
+            ensemble_size,
+            adaptation: Adaptation { sensor_noise: _, process_noise: _, forgetting },
+            smoother,
+            fading,
+            eta,
+            sensor_std,
+            initial_mean,
+            initial_std,
+            process_std,
+        } = self;
+        require(
+            (1..=MAX_ITERATIONS).contains(iterations),
+            format_args!("{path}.iterations"),
+            iterations,
+            format_args!("from 1 to {MAX_ITERATIONS}"),
+        )?;
+        require(
+            (2..=MAX_ENSEMBLE).contains(ensemble_size),
+            format_args!("{path}.ensemble_size"),
+            ensemble_size,
+            format_args!("from 2 to {MAX_ENSEMBLE}"),
+        )?;
+        require(
+            *forgetting > 0.0 && *forgetting < 1.0,
+            format_args!("{path}.adaptation.forgetting"),
+            forgetting,
+            "between 0 and 1",
+        )?;
+        require(
+            !(*smoother && kind.is_sampled()),
+            format_args!("{path}.smoother"),
+            smoother,
+            format_args!("false for a {}, which has no smoother here", kind.name()),
+        )?;
+        if *log_parameters {
+            for channel in plant.unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
+                positive(format!("{path}.initial_mean.{}", channel.key()), initial_mean[channel])?;
+            }
+        }
         require(
             fading.is_finite() && *fading >= 1.0,
             format_args!("{path}.fading"),

@@ -1,0 +1,180 @@
+//! A filter of any kind over any plant, as its settings say, with its types and sizes erased.
+
+use crate::filter::{
+    Belief, Correction, Ensemble, Filter, Linearised, Noise, Particles, Rule, SigmaPoints, SquareRoot,
+};
+use crate::gaussian::{Gaussian, Matrix, Vector};
+use crate::model::Model;
+use crate::plant::{PlantKind, Visitor};
+use crate::random::{Normal, Purpose};
+use crate::{Estimates, FilterError, FilterKind, FilterSettings, PerChannel, Quantity};
+
+/// A filter that can be stepped.
+pub(crate) trait Estimator: Send {
+    /// Reports the initial belief.
+    fn begin(&self, estimates: &mut Estimates);
+
+    /// Predicts from the last sample with its force, updates with this sample's measurements, and reports.
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        estimates: &mut Estimates,
+    ) -> Result<(), FilterError>;
+}
+
+impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Filter<P, B, N> {
+    fn begin(&self, estimates: &mut Estimates) {
+        report(self, &Correction::NOTHING, estimates);
+    }
+
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        estimates: &mut Estimates,
+    ) -> Result<(), FilterError> {
+        self.predict(force_before)?;
+        let mut correction = Correction::NOTHING;
+        self.update(force, measured, &mut correction)?;
+        report(self, &correction, estimates);
+        Ok(())
+    }
+}
+
+fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
+    filter: &Filter<P, B, N>,
+    correction: &Correction<N>,
+    estimates: &mut Estimates,
+) {
+    let belief = filter.belief().gaussian();
+    if P::IN_UNITS {
+        estimates.push(&belief, correction);
+    } else {
+        let (belief, unit) = filter.model().to_units(&belief);
+        let mut correction = correction.clone();
+        for gain in &mut correction.gain {
+            for i in 0..N {
+                gain[i] *= unit[i];
+            }
+        }
+        estimates.push(&belief, &correction);
+    }
+}
+
+/// A filter that has no covariance to draw its sample from, or none that has a root, fails at the first sample.
+struct Failed(FilterError);
+
+impl Estimator for Failed {
+    fn begin(&self, estimates: &mut Estimates) {
+        estimates.stop_at(self.0);
+    }
+
+    fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut Estimates) -> Result<(), FilterError> {
+        Err(self.0)
+    }
+}
+
+/// What a filter is built from besides its settings.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surroundings<'a> {
+    /// The truth's kind, which the filter takes unless it has its own.
+    pub(crate) plant: PlantKind,
+    /// What each sensor measures.
+    pub(crate) sensors: &'a [Quantity],
+    /// Time between samples \[s\].
+    pub(crate) dt: f64,
+    /// Seed of the scenario.
+    pub(crate) seed: u64,
+    /// The filter's place among the scenario's.
+    pub(crate) place: usize,
+}
+
+/// Builds the filter of some settings.
+pub(crate) fn estimator(settings: &FilterSettings, surroundings: Surroundings<'_>) -> Box<dyn Estimator> {
+    let kind = settings.plant.unwrap_or(surroundings.plant);
+    let eta = if settings.kind == FilterKind::Kf { 0.0 } else { settings.eta };
+    let build = Build { settings, surroundings };
+    if settings.log_parameters { kind.visit_log(eta, build) } else { kind.visit(eta, build) }
+}
+
+struct Build<'a> {
+    settings: &'a FilterSettings,
+    surroundings: Surroundings<'a>,
+}
+
+impl Visitor for Build<'_> {
+    type Output = Box<dyn Estimator>;
+
+    fn visit<P: Model<N>, const N: usize>(self, model: P) -> Box<dyn Estimator> {
+        let Self { settings, surroundings: Surroundings { seed, place, .. } } = self;
+        let belief = initial_belief(&model, settings);
+        let normal = || Normal::new(seed, Purpose::Ensemble(place));
+        let size = settings.ensemble_size;
+        match settings.kind {
+            FilterKind::Kf | FilterKind::Ekf => {
+                let belief = Linearised::new(belief, settings.propagation, 1);
+                self.filter(model, belief)
+            }
+            FilterKind::Iekf => {
+                let belief = Linearised::new(belief, settings.propagation, settings.iterations);
+                self.filter(model, belief)
+            }
+            FilterKind::Ukf => self.filter(model, SigmaPoints::new(belief, Rule::Unscented)),
+            FilterKind::Ckf => self.filter(model, SigmaPoints::new(belief, Rule::Cubature)),
+            FilterKind::SrUkf => self.try_filter(model, SquareRoot::new(&belief)),
+            FilterKind::Enkf => self.try_filter(model, Ensemble::new(belief, size, normal())),
+            FilterKind::Pf => self.try_filter(model, Particles::new(belief, size, normal())),
+        }
+    }
+}
+
+impl Build<'_> {
+    fn try_filter<P: Model<N>, B: Belief<P, N> + 'static, const N: usize>(
+        &self,
+        model: P,
+        belief: Result<B, FilterError>,
+    ) -> Box<dyn Estimator> {
+        match belief {
+            Ok(belief) => self.filter(model, belief),
+            Err(error) => Box::new(Failed(error)),
+        }
+    }
+
+    fn filter<P: Model<N>, B: Belief<P, N> + 'static, const N: usize>(
+        &self,
+        model: P,
+        belief: B,
+    ) -> Box<dyn Estimator> {
+        let Self { settings, surroundings } = self;
+        let outputs = surroundings.sensors.iter().map(|&q| model.output(q)).collect();
+        let noise = noise(&model, settings);
+        let adaptation = settings.adaptation;
+        Box::new(Filter::new(model, belief, surroundings.dt, noise, outputs, adaptation))
+    }
+}
+
+/// The initial belief in the model's state.
+pub(crate) fn initial_belief<P: Model<N>, const N: usize>(model: &P, settings: &FilterSettings) -> Gaussian<N> {
+    let (mean, unit) = model.to_state(&Vector::from(P::CHANNELS.map(|c| settings.initial_mean[c])));
+    Gaussian::independent(mean, &spread::<P, N>(settings, &settings.initial_std).component_mul(&unit))
+}
+
+/// Q, R and fading factor in the model's state.
+pub(crate) fn noise<P: Model<N>, const N: usize>(model: &P, settings: &FilterSettings) -> Noise<N> {
+    let (_, unit) = model.to_state(&Vector::from(P::CHANNELS.map(|c| settings.initial_mean[c])));
+    let process = spread::<P, N>(settings, &settings.process_std).component_mul(&unit);
+    Noise {
+        process: Matrix::from_diagonal(&process.component_mul(&process)),
+        sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
+        fading: settings.fading,
+    }
+}
+
+/// Standard deviations of a model's components; the KF knows the parameters, so these have none.
+fn spread<P: Model<N>, const N: usize>(settings: &FilterSettings, std: &PerChannel) -> Vector<N> {
+    let known = settings.kind == FilterKind::Kf;
+    Vector::from(P::CHANNELS.map(|c| if known && c.is_parameter() { 0.0 } else { std[c] }))
+}

@@ -1,0 +1,181 @@
+//! Beliefs as a weighted sample of states: the bootstrap particle filter.
+
+use std::borrow::Cow;
+
+use super::kalman::{check, factor, report};
+use super::{Belief, Correction, FilterError, Observation};
+use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
+use crate::model::Model;
+use crate::random::Normal;
+
+/// The bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is weighted by the
+/// likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles, they are resampled
+/// systematically. Fading stretches the sample about its mean.
+///
+/// Innovation, S and gain are those of a Gaussian with the sample's moments, for diagnostics; the log likelihood is the
+/// particles' own.
+///
+/// Source: Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation; Kitagawa
+/// (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models (systematic resampling).
+#[derive(Clone, Debug)]
+pub struct Particles<const N: usize> {
+    particles: Vec<Vector<N>>,
+    weights: Vec<f64>,
+    normal: Normal,
+    /// The belief that the particles were drawn from, until they first move.
+    origin: Option<Gaussian<N>>,
+}
+
+impl<const N: usize> Particles<N> {
+    /// `size` particles drawn from a Gaussian; at least 2.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] where the Gaussian's covariance has no root.
+    pub(crate) fn new(belief: Gaussian<N>, size: usize, mut normal: Normal) -> Result<Self, FilterError> {
+        let size = size.max(2);
+        let mut particles = vec![belief.mean; size];
+        add_draws(&mut particles, &belief.cov, &mut normal)?;
+        Ok(Self { particles, weights: vec![1.0 / size as f64; size], normal, origin: Some(belief) })
+    }
+
+    fn mean(&self) -> Vector<N> {
+        weighted_mean(&self.particles, &self.weights)
+    }
+
+    /// Draws as many particles anew, each as often as its weight says, give or take one.
+    fn resample(&mut self) {
+        let Self { particles, weights, normal, .. } = self;
+        let count = particles.len();
+        let offset = normal.uniform();
+        let mut drawn = Vec::with_capacity(count);
+        let (mut at, mut reached) = (0, weights[0]);
+        for i in 0..count {
+            let target = (i as f64 + offset) / count as f64;
+            while reached < target && at + 1 < count {
+                at += 1;
+                reached += weights[at];
+            }
+            drawn.push(particles[at]);
+        }
+        *particles = drawn;
+        weights.fill(1.0 / count as f64);
+    }
+}
+
+impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
+    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
+        self.origin = None;
+        for particle in &mut self.particles {
+            *particle = model.runge_kutta_step(particle, force, dt);
+        }
+        Ok(())
+    }
+
+    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
+        if fading != 1.0 {
+            let mean = self.mean();
+            let stretch = fading.sqrt();
+            for particle in &mut self.particles {
+                *particle = mean + (*particle - mean) * stretch;
+            }
+        }
+        add_draws(&mut self.particles, process, &mut self.normal)
+    }
+
+    fn condition<const M: usize>(
+        &mut self,
+        model: &P,
+        observation: &Observation<M>,
+        correction: &mut Correction<N>,
+    ) -> Result<(), FilterError> {
+        let readings: Vec<Vector<M>> = self.particles.iter().map(|p| observation.read(model, p)).collect();
+        let (state_mean, reading_mean) = (self.mean(), weighted_mean(&readings, &self.weights));
+        let mut innovation_cov = Matrix::<M, M>::zeros();
+        let mut cross = Matrix::<N, M>::zeros();
+        for ((particle, reading), weight) in self.particles.iter().zip(&readings).zip(&self.weights) {
+            let deviation = reading - reading_mean;
+            innovation_cov += deviation * deviation.transpose() * *weight;
+            cross += (particle - state_mean) * deviation.transpose() * *weight;
+        }
+        observation.add_noise(&mut innovation_cov);
+        let factor = factor(&innovation_cov)?;
+        let gain = factor.divide(&cross);
+        let innovation = observation.values - reading_mean;
+        report(observation, &innovation, &innovation_cov, &factor, &gain, correction);
+
+        correction.log_likelihood = self.weigh(&readings, observation)?;
+        let effective = 1.0 / self.weights.iter().map(|w| w * w).sum::<f64>();
+        correction.effective_samples = effective;
+        if effective < 0.5 * self.particles.len() as f64 {
+            self.resample();
+        }
+        check(&Belief::<P, N>::gaussian(self))
+    }
+
+    fn gaussian(&self) -> Cow<'_, Gaussian<N>> {
+        if let Some(origin) = &self.origin {
+            return Cow::Borrowed(origin);
+        }
+        let mean = self.mean();
+        let mut cov = Matrix::<N, N>::zeros();
+        for (particle, weight) in self.particles.iter().zip(&self.weights) {
+            let deviation = particle - mean;
+            cov += deviation * deviation.transpose() * *weight;
+        }
+        Cow::Owned(Gaussian { mean, cov })
+    }
+}
+
+impl<const N: usize> Particles<N> {
+    /// Multiplies the weights by the particles' likelihoods and returns the logarithm of the mean of these.
+    fn weigh<const M: usize>(
+        &mut self,
+        readings: &[Vector<M>],
+        observation: &Observation<M>,
+    ) -> Result<f64, FilterError> {
+        let log_likelihoods: Vec<f64> = readings
+            .iter()
+            .map(|reading| {
+                let square = |row: usize| {
+                    let error = observation.values[row] - reading[row];
+                    error * error / observation.active[row].variance
+                };
+                -0.5 * (0..M).map(square).sum::<f64>()
+            })
+            .collect();
+        // Relative to the best, lest all underflow.
+        let best = log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (weight, log_likelihood) in self.weights.iter_mut().zip(&log_likelihoods) {
+            *weight *= libm::exp(log_likelihood - best);
+        }
+        let total: f64 = self.weights.iter().sum();
+        if !(best.is_finite() && total > 0.0 && total.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        for weight in &mut self.weights {
+            *weight /= total;
+        }
+        let ln_noise: f64 = observation.active.iter().map(|a| libm::log(std::f64::consts::TAU * a.variance)).sum();
+        Ok(best + libm::log(total) - 0.5 * ln_noise)
+    }
+}
+
+/// The weighted mean, taken about the first so that what does not vary is its own mean to the last bit.
+fn weighted_mean<const N: usize>(sample: &[Vector<N>], weights: &[f64]) -> Vector<N> {
+    let sum: Vector<N> = sample.iter().zip(weights).map(|(x, weight)| (x - sample[0]) * *weight).sum();
+    sample[0] + sum
+}
+
+/// Adds an independent draw from a normal distribution to every element.
+fn add_draws<const N: usize>(
+    sample: &mut [Vector<N>],
+    cov: &Matrix<N, N>,
+    normal: &mut Normal,
+) -> Result<(), FilterError> {
+    let root = lower_root(cov)?;
+    for element in sample {
+        let draw = Vector::<N>::from_fn(|_, _| normal.sample());
+        *element += root * draw;
+    }
+    Ok(())
+}

@@ -1,0 +1,151 @@
+//! Beliefs as a handful of points: UKF and CKF.
+//!
+//! ```text
+//! χ₀ = y,  χ± = y ± c L e_i,  L Lᵀ = P
+//! dᵢ = g(χᵢ) - g(χ₀),  s = Σ W dᵢ,  mean = g(χ₀) + s,  cov = Σ W dᵢ dᵢᵀ + b s sᵀ
+//! ```
+//!
+//! Means and covariances are taken about the centre's image: in exact arithmetic that is the weighted sum of the
+//! textbooks, in floating point it leaves a component that does not vary exactly where it is.
+
+use std::borrow::Cow;
+
+use super::kalman::{self, Expected};
+use super::{Belief, Correction, FilterError, Observation, linearised};
+use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
+use crate::model::Model;
+
+/// Where sigma points are and what they weigh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// The scaled unscented transform with α = 1, β = 2, κ = 3 - n: points √3 standard deviations away. With these
+    /// constants the covariance is a sum of squares, `b = W₀ᶜ + 2nW - 2 = 1`, and never turns negative.
+    ///
+    /// Source: Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation; van der Merwe (2004), section 3.2.
+    Unscented,
+    /// The third-degree spherical-radial cubature rule: 2n points √n standard deviations away, none in the centre,
+    /// `b = -1`.
+    ///
+    /// Source: Arasaratnam and Haykin (2009), Cubature Kalman filters.
+    Cubature,
+}
+
+impl Rule {
+    /// c², the weight W of each point but the centre, and b, the part of `s sᵀ` in the covariance.
+    #[inline]
+    pub(super) fn constants<const N: usize>(self) -> (f64, f64, f64) {
+        let (spread, offset) = match self {
+            Self::Unscented => (3.0, 1.0),
+            Self::Cubature => (N as f64, -1.0),
+        };
+        (spread, 1.0 / (2.0 * spread), offset)
+    }
+}
+
+/// A Gaussian that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn afresh for the
+/// measurement.
+#[derive(Clone, Debug)]
+pub struct SigmaPoints<const N: usize> {
+    belief: Gaussian<N>,
+    rule: Rule,
+}
+
+impl<const N: usize> SigmaPoints<N> {
+    /// A belief with sigma points after the given rule.
+    pub fn new(belief: Gaussian<N>, rule: Rule) -> Self {
+        Self { belief, rule }
+    }
+}
+
+impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
+    #[inline]
+    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
+        let Self { belief, rule } = self;
+        let (spread, weight, offset) = rule.constants::<N>();
+        let distances = lower_root(&belief.cov)? * spread.sqrt();
+        let step = |state: Vector<N>| model.runge_kutta_step(&state, force, dt);
+        let centre = step(belief.mean);
+        let mut sum = Vector::<N>::zeros();
+        let mut squares = Matrix::<N, N>::zeros();
+        for i in 0..N {
+            let distance: Vector<N> = distances.column(i).into();
+            for image in [step(belief.mean + distance), step(belief.mean - distance)] {
+                let d = image - centre;
+                sum += d;
+                add_square(&mut squares, &d, 1.0);
+            }
+        }
+        let shift = sum * weight;
+        belief.mean = centre + shift;
+        belief.cov = squares * weight;
+        add_square(&mut belief.cov, &shift, offset);
+        Ok(())
+    }
+
+    #[inline]
+    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
+        kalman::spread(&mut self.belief.cov, fading, process);
+        Ok(())
+    }
+
+    #[inline]
+    fn condition<const M: usize>(
+        &mut self,
+        model: &P,
+        observation: &Observation<M>,
+        correction: &mut Correction<N>,
+    ) -> Result<(), FilterError> {
+        let Self { belief, rule } = self;
+        let expected = if observation.is_linear() {
+            // Sigma points through a linear function give its exact moments, which this gives for less.
+            linearised::expect(model, belief, observation)
+        } else {
+            expect(model, belief, *rule, observation)?
+        };
+        kalman::condition(belief, &expected, observation, correction)
+    }
+
+    #[inline]
+    fn gaussian(&self) -> Cow<'_, Gaussian<N>> {
+        Cow::Borrowed(&self.belief)
+    }
+}
+
+/// What the sensors will read, from sigma points drawn afresh from the prediction.
+fn expect<P: Model<N>, const N: usize, const M: usize>(
+    model: &P,
+    belief: &Gaussian<N>,
+    rule: Rule,
+    observation: &Observation<M>,
+) -> Result<Expected<N, M>, FilterError> {
+    let (spread, weight, offset) = rule.constants::<N>();
+    let distances = lower_root(&belief.cov)? * spread.sqrt();
+    let centre = observation.read(model, &belief.mean);
+    let mut sum = Vector::<M>::zeros();
+    let mut cov = Matrix::<M, M>::zeros();
+    let mut cross = Matrix::<N, M>::zeros();
+    for i in 0..N {
+        let distance: Vector<N> = distances.column(i).into();
+        let high = observation.read(model, &(belief.mean + distance)) - centre;
+        let low = observation.read(model, &(belief.mean - distance)) - centre;
+        sum += high + low;
+        add_square(&mut cov, &high, 1.0);
+        add_square(&mut cov, &low, 1.0);
+        cross += distance * (high - low).transpose() * weight;
+    }
+    let shift = sum * weight;
+    cov *= weight;
+    add_square(&mut cov, &shift, offset);
+    observation.add_noise(&mut cov);
+    Ok(Expected { mean: centre + shift, cov, cross, jacobian: None })
+}
+
+/// Adds `b d dᵀ`, column by column so that the compiler can use vector instructions.
+#[inline]
+fn add_square<const N: usize>(sum: &mut Matrix<N, N>, d: &Vector<N>, b: f64) {
+    for j in 0..N {
+        for i in 0..N {
+            sum[(i, j)] += b * d[i] * d[j];
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! An oscillator whose spring yields and remembers.
+
+use crate::Channel;
+use crate::gaussian::{Matrix, Vector};
+use crate::model::Model;
+use crate::propagation::{exp_and_integral, held_parameters_step};
+
+/// Bouc-Wen hysteresis with exponent 2 and state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
+///
+/// ```text
+/// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z| z - γ ẋ z²
+/// ```
+///
+/// z is a displacement that follows x until the spring yields, near `|z| = 1/√(β + γ)`; the stiffness after that is α times
+/// the one before. The parameters decay at the rate η.
+///
+/// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
+/// Kalman filter for real-time nonlinear structural system identification, section 4.
+#[derive(Clone, Copy, Debug)]
+pub struct BoucWen {
+    /// η, the rate at which the parameters decay \[1/s\].
+    pub eta: f64,
+}
+
+impl Model<8> for BoucWen {
+    const CHANNELS: [Channel; 8] = [
+        Channel::Displacement,
+        Channel::Velocity,
+        Channel::HystereticDisplacement,
+        Channel::NaturalFrequency,
+        Channel::DampingRatio,
+        Channel::PostYieldRatio,
+        Channel::HysteresisBeta,
+        Channel::HysteresisGamma,
+    ];
+    const MOTION: usize = 3;
+
+    fn eta(&self) -> f64 {
+        self.eta
+    }
+
+    #[inline]
+    fn rate(&self, state: &Vector<8>, force: f64) -> Vector<8> {
+        let [[x, v, z, wn, zeta, alpha, beta, gamma]] = state.data.0;
+        let acceleration = force - 2.0 * zeta * wn * v - wn * wn * (z + alpha * (x - z));
+        let yielding = v - (beta * v.abs() * z.abs() + gamma * v * z) * z;
+        let decay = -self.eta;
+        Vector::<8>::from([
+            v,
+            acceleration,
+            yielding,
+            decay * wn,
+            decay * zeta,
+            decay * alpha,
+            decay * beta,
+            decay * gamma,
+        ])
+    }
+
+    /// At the kinks `v = 0` and `z = 0` the derivative is that of the side of positive v.
+    #[inline]
+    fn jacobian(&self, state: &Vector<8>) -> Matrix<8, 8> {
+        let [[x, v, z, wn, zeta, alpha, beta, gamma]] = state.data.0;
+        let sign = if v < 0.0 { -1.0 } else { 1.0 };
+        let mut jacobian = Matrix::<8, 8>::zeros();
+        jacobian[(0, 1)] = 1.0;
+        jacobian[(1, 0)] = -wn * wn * alpha;
+        jacobian[(1, 1)] = -2.0 * zeta * wn;
+        jacobian[(1, 2)] = -wn * wn * (1.0 - alpha);
+        jacobian[(1, 3)] = -2.0 * (zeta * v + wn * (z + alpha * (x - z)));
+        jacobian[(1, 4)] = -2.0 * wn * v;
+        jacobian[(1, 5)] = -wn * wn * (x - z);
+        jacobian[(2, 1)] = 1.0 - (beta * sign * z.abs() + gamma * z) * z;
+        jacobian[(2, 2)] = -2.0 * (beta * v.abs() * z.abs() + gamma * v * z);
+        jacobian[(2, 6)] = -v.abs() * z.abs() * z;
+        jacobian[(2, 7)] = -v * z * z;
+        for parameter in Self::MOTION..8 {
+            jacobian[(parameter, parameter)] = -self.eta;
+        }
+        jacobian
+    }
+
+    #[inline]
+    fn linearised_step(&self, state: &Vector<8>, force: f64, dt: f64) -> (Vector<8>, Matrix<8, 8>) {
+        let (jacobian, rate) = (self.jacobian(state), self.rate(state, force));
+        if self.eta == 0.0 {
+            return held_parameters_step::<3, 8>(state, &rate, &jacobian, dt);
+        }
+        let (transition, integral) = exp_and_integral(&jacobian, dt);
+        (state + integral * rate, transition)
+    }
+
+    fn kinks(&self, state: &Vector<8>) -> [f64; 2] {
+        [state[1], state[2]]
+    }
+}

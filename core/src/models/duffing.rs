@@ -1,0 +1,67 @@
+//! An oscillator with a cubic spring.
+
+use crate::Channel;
+use crate::gaussian::{Matrix, Vector};
+use crate::model::Model;
+use crate::propagation::{exp_and_integral, oscillator_step};
+
+/// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
+///
+/// ```text
+/// g(y, f) = [v, f - 2ζωₙv - ωₙ²x - μx³, -η ωₙ, -η ζ, -η μ]
+/// ```
+///
+/// The spring hardens with μ > 0 and softens with μ < 0.
+///
+/// Source: Duffing (1918), *Erzwungene Schwingungen bei veränderlicher Eigenfrequenz*; Kovacic and Brennan, eds. (2011),
+/// *The Duffing Equation*.
+#[derive(Clone, Copy, Debug)]
+pub struct Duffing {
+    /// η, the rate at which the parameters decay \[1/s\].
+    pub eta: f64,
+}
+
+impl Model<5> for Duffing {
+    const CHANNELS: [Channel; 5] = [
+        Channel::Displacement,
+        Channel::Velocity,
+        Channel::NaturalFrequency,
+        Channel::DampingRatio,
+        Channel::CubicStiffness,
+    ];
+    const MOTION: usize = 2;
+
+    fn eta(&self) -> f64 {
+        self.eta
+    }
+
+    #[inline]
+    fn rate(&self, state: &Vector<5>, force: f64) -> Vector<5> {
+        let [[x, v, wn, zeta, mu]] = state.data.0;
+        let acceleration = force - 2.0 * zeta * wn * v - wn * wn * x - mu * x * x * x;
+        Vector::<5>::new(v, acceleration, -self.eta * wn, -self.eta * zeta, -self.eta * mu)
+    }
+
+    #[inline]
+    fn jacobian(&self, state: &Vector<5>) -> Matrix<5, 5> {
+        let [[x, v, wn, zeta, mu]] = state.data.0;
+        let mut jacobian =
+            Matrix::from_diagonal(&Vector::<5>::new(0.0, -2.0 * zeta * wn, -self.eta, -self.eta, -self.eta));
+        jacobian[(0, 1)] = 1.0;
+        jacobian[(1, 0)] = -wn * wn - 3.0 * mu * x * x;
+        jacobian[(1, 2)] = -2.0 * (wn * x + zeta * v);
+        jacobian[(1, 3)] = -2.0 * wn * v;
+        jacobian[(1, 4)] = -x * x * x;
+        jacobian
+    }
+
+    #[inline]
+    fn linearised_step(&self, state: &Vector<5>, force: f64, dt: f64) -> (Vector<5>, Matrix<5, 5>) {
+        let (jacobian, rate) = (self.jacobian(state), self.rate(state, force));
+        if self.eta == 0.0 {
+            return oscillator_step(state, &rate, &jacobian, dt);
+        }
+        let (transition, integral) = exp_and_integral(&jacobian, dt);
+        (state + integral * rate, transition)
+    }
+}

@@ -1,0 +1,116 @@
+//! Positive parameters as their logarithms.
+
+use crate::Channel;
+use crate::gaussian::{Gaussian, Matrix, Vector};
+use crate::model::Model;
+use crate::propagation::{exp_and_integral, runge_kutta};
+
+/// A plant whose state has `ln θ` in place of every parameter θ that cannot be negative ([`Channel::is_positive`]), so
+/// that no estimate is.
+///
+/// ```text
+/// d(ln θ)/dt = θ̇ / θ,  ∂g/∂(ln θ) = θ ∂g/∂θ
+/// ```
+///
+/// Beliefs are given and reported in the channels' own units, to first order: the mean is `exp` of the logarithm's, the
+/// standard deviation θ times the logarithm's.
+#[derive(Clone, Copy, Debug)]
+pub struct LogParameters<P>(
+    /// The plant itself.
+    pub P,
+);
+
+impl<P> LogParameters<P> {
+    /// The plant's own state, and for each component its derivative by the one here.
+    #[inline]
+    fn plain<const N: usize>(state: &Vector<N>) -> (Vector<N>, Vector<N>)
+    where
+        P: Model<N>,
+    {
+        let mut plain = *state;
+        let mut scale = Vector::repeat(1.0);
+        for i in P::MOTION..N {
+            if P::CHANNELS[i].is_positive() {
+                plain[i] = libm::exp(state[i]);
+                scale[i] = plain[i];
+            }
+        }
+        (plain, scale)
+    }
+}
+
+impl<P: Model<N>, const N: usize> Model<N> for LogParameters<P> {
+    const CHANNELS: [Channel; N] = P::CHANNELS;
+    const MOTION: usize = P::MOTION;
+    const IN_UNITS: bool = false;
+
+    fn eta(&self) -> f64 {
+        self.0.eta()
+    }
+
+    fn rate(&self, state: &Vector<N>, force: f64) -> Vector<N> {
+        let (plain, scale) = Self::plain(state);
+        self.0.rate(&plain, force).component_div(&scale)
+    }
+
+    fn jacobian(&self, state: &Vector<N>) -> Matrix<N, N> {
+        let (plain, scale) = Self::plain(state);
+        let mut jacobian = self.0.jacobian(&plain);
+        for j in P::MOTION..N {
+            for i in 0..P::MOTION {
+                jacobian[(i, j)] *= scale[j];
+            }
+            if P::CHANNELS[j].is_positive() {
+                // -η θ / θ does not depend on θ.
+                jacobian[(j, j)] = 0.0;
+            }
+        }
+        jacobian
+    }
+
+    fn linearised_step(&self, state: &Vector<N>, force: f64, dt: f64) -> (Vector<N>, Matrix<N, N>) {
+        if self.eta() != 0.0 {
+            let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
+            return (state + integral * self.rate(state, force), transition);
+        }
+        let (plain, scale) = Self::plain(state);
+        let (mut mean, mut transition) = self.0.linearised_step(&plain, force, dt);
+        for j in P::MOTION..N {
+            mean[j] = state[j];
+            for i in 0..P::MOTION {
+                transition[(i, j)] *= scale[j];
+            }
+        }
+        (mean, transition)
+    }
+
+    fn runge_kutta_step(&self, state: &Vector<N>, force: f64, dt: f64) -> Vector<N> {
+        if self.eta() != 0.0 {
+            return runge_kutta(state, dt, |y| self.rate(y, force));
+        }
+        let (plain, _) = Self::plain(state);
+        let mut next = self.0.runge_kutta_step(&plain, force, dt);
+        for j in P::MOTION..N {
+            next[j] = state[j];
+        }
+        next
+    }
+
+    fn to_units(&self, belief: &Gaussian<N>) -> (Gaussian<N>, Vector<N>) {
+        let (mean, scale) = Self::plain(&belief.mean);
+        let cov = Matrix::from_fn(|i, j| belief.cov[(i, j)] * (scale[i] * scale[j]));
+        (Gaussian { mean, cov }, scale)
+    }
+
+    fn to_state(&self, values: &Vector<N>) -> (Vector<N>, Vector<N>) {
+        let mut state = *values;
+        let mut unit = Vector::repeat(1.0);
+        for i in P::MOTION..N {
+            if P::CHANNELS[i].is_positive() {
+                state[i] = libm::log(values[i]);
+                unit[i] = 1.0 / values[i];
+            }
+        }
+        (state, unit)
+    }
+}

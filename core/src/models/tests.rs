@@ -1,0 +1,136 @@
+//! What every plant must keep to, whichever it is.
+
+use crate::gaussian::{Gaussian, Matrix, Vector};
+use crate::model::Model;
+use crate::plant::{PlantKind, Visitor};
+use crate::propagation::{exp_and_integral, runge_kutta};
+
+/// A state of ordinary size: numbers between -1 and 1 times the usual.
+fn state<P: Model<N>, const N: usize>(model: &P, seed: usize) -> Vector<N> {
+    let usual = Vector::<N>::from_fn(|i, _| {
+        let channel = P::CHANNELS[i];
+        let number = libm::sin(1.7 * (seed * N + i) as f64 + 0.4);
+        let size =
+            if channel.is_parameter() { crate::PerChannel::INITIAL_MEAN } else { crate::PerChannel::INITIAL_STD };
+        size[channel] * if channel.is_parameter() { 1.0 + 0.5 * number } else { number }
+    });
+    model.to_state(&usual).0
+}
+
+/// Does the same with every plant, with and without decay, in plain and in logarithmic parameters.
+fn with_each(visit: impl Fn(PlantKind, f64, bool)) {
+    for kind in PlantKind::ALL {
+        for eta in [0.0, 0.02] {
+            for log in [false, true] {
+                visit(kind, eta, log);
+            }
+        }
+    }
+}
+
+fn visit<V: Visitor>(kind: PlantKind, eta: f64, log: bool, visitor: V) -> V::Output {
+    if log { kind.visit_log(eta, visitor) } else { kind.visit(eta, visitor) }
+}
+
+#[test]
+fn jacobians_agree_with_differences() {
+    struct Differences;
+    impl Visitor for Differences {
+        type Output = f64;
+
+        fn visit<P: Model<N>, const N: usize>(self, model: P) -> f64 {
+            let mut worst = 0.0_f64;
+            for seed in 0..20 {
+                let at = state(&model, seed);
+                let analytic = model.jacobian(&at);
+                for j in 0..N {
+                    let step = 1e-6 * at[j].abs().max(1e-3);
+                    let [mut high, mut low] = [at; 2];
+                    high[j] += step;
+                    low[j] -= step;
+                    let difference = (model.rate(&high, 2.0) - model.rate(&low, 2.0)) / (high[j] - low[j]);
+                    let scale = analytic.column(j).amax().max(1.0);
+                    worst = worst.max((difference - analytic.column(j)).amax() / scale);
+                }
+            }
+            worst
+        }
+    }
+    with_each(|kind, eta, log| {
+        let error = visit(kind, eta, log, Differences);
+        assert!(error < 2e-6, "{kind:?}, η = {eta}, log {log}: {error}");
+    });
+}
+
+#[test]
+fn steps_with_shortcuts_are_those_of_the_definition() {
+    struct Steps(f64);
+    impl Visitor for Steps {
+        type Output = [f64; 3];
+
+        fn visit<P: Model<N>, const N: usize>(self, model: P) -> [f64; 3] {
+            let dt = self.0;
+            let mut worst = [0.0_f64; 3];
+            for seed in 0..20 {
+                let at = state(&model, seed);
+                let (mean, transition) = model.linearised_step(&at, 3.0, dt);
+                let (exp, integral) = exp_and_integral(&model.jacobian(&at), dt);
+                let general = at + integral * model.rate(&at, 3.0);
+                let stages = runge_kutta(&at, dt, |y| model.rate(y, 3.0));
+                let step = model.runge_kutta_step(&at, 3.0, dt);
+                let errors = [
+                    (transition - exp).amax() / exp.amax(),
+                    (mean - general).amax() / general.amax(),
+                    (step - stages).amax() / stages.amax(),
+                ];
+                worst = std::array::from_fn(|i| worst[i].max(errors[i]));
+            }
+            worst
+        }
+    }
+    with_each(|kind, eta, log| {
+        for dt in [1e-6, 0.001, 0.01, 0.1] {
+            let errors = visit(kind, eta, log, Steps(dt));
+            assert!(errors.iter().all(|e| *e < 1e-11), "{kind:?}, η = {eta}, log {log}, dt = {dt}: {errors:?}");
+        }
+    });
+}
+
+#[test]
+fn beliefs_come_back_in_the_units_that_they_were_given_in() {
+    struct Units;
+    impl Visitor for Units {
+        type Output = f64;
+
+        fn visit<P: Model<N>, const N: usize>(self, model: P) -> f64 {
+            let values = Vector::<N>::from_fn(|i, _| 0.3 + i as f64);
+            let stds = Vector::<N>::from_fn(|i, _| 0.1 + 0.01 * i as f64);
+            let (mean, unit) = model.to_state(&values);
+            let (back, _) = model.to_units(&Gaussian::independent(mean, &stds.component_mul(&unit)));
+            let cov = Matrix::from_diagonal(&stds.component_mul(&stds));
+            (back.mean - values).amax().max((back.cov - cov).amax())
+        }
+    }
+    with_each(|kind, eta, log| assert!(visit(kind, eta, log, Units) < 1e-14, "{kind:?}"));
+}
+
+#[test]
+fn a_linear_plants_exact_response_is_that_of_many_small_steps() {
+    struct Response;
+    impl Visitor for Response {
+        type Output = Option<f64>;
+
+        fn visit<P: Model<N>, const N: usize>(self, model: P) -> Option<f64> {
+            let at = state(&model, 3);
+            let exact = at + model.exact_integral(&at, 0.05)? * model.rate(&at, 2.0);
+            let small = (0..500).fold(at, |y, _| runge_kutta(&y, 1e-4, |y| model.rate(y, 2.0)));
+            Some((exact - small).amax() / small.amax())
+        }
+    }
+    for kind in PlantKind::ALL {
+        let error = kind.visit(0.0, Response);
+        let linear = !matches!(kind, PlantKind::Duffing | PlantKind::BoucWen);
+        assert_eq!(error.is_some(), linear, "{kind:?}");
+        assert!(error.is_none_or(|e| e < 1e-12), "{kind:?}: {error:?}");
+    }
+}
