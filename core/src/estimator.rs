@@ -94,10 +94,7 @@ pub(crate) struct Surroundings<'a> {
 
 /// Builds the filter of some settings.
 pub(crate) fn estimator(settings: &FilterSettings, surroundings: Surroundings<'_>) -> Box<dyn Estimator> {
-    let kind = settings.plant.unwrap_or(surroundings.plant);
-    let eta = if settings.kind == FilterKind::Kf { 0.0 } else { settings.eta };
-    let build = Build { settings, surroundings };
-    if settings.log_parameters { kind.visit_log(eta, build) } else { kind.visit(eta, build) }
+    with_model(settings, surroundings.plant, Build { settings, surroundings })
 }
 
 struct Build<'a> {
@@ -148,12 +145,27 @@ impl Build<'_> {
         model: P,
         belief: B,
     ) -> Box<dyn Estimator> {
-        let Self { settings, surroundings } = self;
-        let outputs = surroundings.sensors.iter().map(|&q| model.output(q)).collect();
-        let noise = noise(&model, settings);
-        let adaptation = settings.adaptation;
-        Box::new(Filter::new(model, belief, surroundings.dt, noise, outputs, adaptation))
+        Box::new(build_filter(model, belief, self.settings, &self.surroundings))
     }
+}
+
+/// The filter of some settings, with its types.
+pub(crate) fn build_filter<P: Model<N>, B: Belief<P, N>, const N: usize>(
+    model: P,
+    belief: B,
+    settings: &FilterSettings,
+    surroundings: &Surroundings<'_>,
+) -> Filter<P, B, N> {
+    let outputs = surroundings.sensors.iter().map(|&q| model.output(q)).collect();
+    let noise = noise(&model, settings);
+    Filter::new(model, belief, surroundings.dt, noise, outputs, settings.adaptation)
+}
+
+/// Lets a visitor work with the model that a filter with these settings has.
+pub(crate) fn with_model<V: Visitor>(settings: &FilterSettings, truth: PlantKind, visitor: V) -> V::Output {
+    let kind = settings.plant.unwrap_or(truth);
+    let eta = if settings.kind == FilterKind::Kf { 0.0 } else { settings.eta };
+    if settings.log_parameters { kind.visit_log(eta, visitor) } else { kind.visit(eta, visitor) }
 }
 
 /// The initial belief in the model's state.

@@ -153,6 +153,12 @@ pub trait Belief<P: Model<N>, const N: usize>: Send {
     fn gaussian(&self) -> Cow<'_, Gaussian<N>>;
 }
 
+/// A belief that can be smoothed once later measurements are known.
+pub(crate) trait Smoothable<P: Model<N>, const N: usize>: Belief<P, N> {
+    /// The covariance of the state with what a step of `dt` \[s\] makes of it, N × N.
+    fn cross(&self, model: &P, force: f64, dt: f64) -> Result<Matrix<N, N>, FilterError>;
+}
+
 /// A recursive estimator of the N-component state of a model.
 #[derive(Clone, Debug)]
 pub struct Filter<P, B, const N: usize> {
@@ -181,6 +187,11 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
     /// The belief after the last predict or update.
     pub fn belief(&self) -> &B {
         &self.belief
+    }
+
+    /// The belief, to be replaced.
+    pub(crate) fn belief_mut(&mut self) -> &mut B {
+        &mut self.belief
     }
 
     /// The model.

@@ -123,6 +123,27 @@ impl<const M: usize> Factor<M> {
         Some(factor)
     }
 
+    /// The factor of a symmetric matrix that may be only semidefinite: a direction of no variance is left out, and a
+    /// quotient has no part in it.
+    pub fn semidefinite(s: &Matrix<M, M>) -> Self {
+        let mut columns = *s;
+        let mut factor = Self { lower: Matrix::identity(), inverse_pivots: Vector::zeros(), determinant: 0.0 };
+        for j in 0..M {
+            let pivot = columns[(j, j)];
+            if pivot > 4.0 * M as f64 * f64::EPSILON * s[(j, j)] {
+                let inverse = 1.0 / pivot;
+                for k in j + 1..M {
+                    factor.lower[(k, j)] = columns[(k, j)] * inverse;
+                    for i in k..M {
+                        columns[(i, k)] -= columns[(i, j)] * factor.lower[(k, j)];
+                    }
+                }
+                factor.inverse_pivots[j] = inverse;
+            }
+        }
+        factor
+    }
+
     /// `X S⁻¹`, R × M.
     #[inline]
     pub fn divide<const R: usize>(&self, x: &Matrix<R, M>) -> Matrix<R, M> {
@@ -191,6 +212,16 @@ mod tests {
     }
 
     #[test]
+    fn a_root_can_be_added_to() {
+        let mut root = Matrix::<3, 3>::new(2.0, 0.0, 0.0, -0.3, 0.0, 0.0, 0.7, 0.4, 0.1);
+        let d = Vector::<3>::new(0.3, -1.0, 2.0);
+        let cov = root * root.transpose() + d * d.transpose();
+        add_to_root(&mut root, d);
+        assert!((root * root.transpose() - cov).amax() < 1e-14);
+        assert_eq!(root.upper_triangle(), Matrix::<3, 3>::from_diagonal(&root.diagonal()));
+    }
+
+    #[test]
     fn a_zero_variance_gives_a_zero_column() {
         let cov = Matrix::<3, 3>::new(4.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 5.0);
         let root = lower_root(&cov).unwrap();
@@ -224,6 +255,16 @@ mod tests {
         let e = Vector::<3>::new(0.3, -1.0, 2.0);
         assert!((factor.square(&e) - e.dot(&s.try_inverse().unwrap().tr_mul(&e))).abs() < 1e-12);
         assert!((factor.determinant() - s.determinant()).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_semidefinite_factor_divides_what_is_in_the_range() {
+        let a = Matrix::<4, 2>::new(2.0, -0.3, 0.7, 0.1, 1.5, -0.4, 0.0, 0.0);
+        let s = a * a.transpose();
+        let x = Matrix::<3, 2>::new(0.3, 1.0, -0.7, 0.2, 0.5, 0.6) * a.transpose();
+        let quotient = Factor::semidefinite(&s).divide(&x);
+        assert!((quotient * s - x).amax() < 1e-14, "{quotient}");
+        assert_eq!(quotient.column(3), Vector::<3>::zeros());
     }
 
     #[test]

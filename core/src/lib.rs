@@ -23,6 +23,7 @@
 //! ```
 
 pub mod channel;
+pub mod cramer_rao;
 pub mod diagnostics;
 pub mod estimates;
 pub mod filter;
@@ -41,8 +42,10 @@ pub mod simulate;
 
 mod estimator;
 mod random;
+mod smoother;
 
 pub use channel::Channel;
+pub use cramer_rao::CramerRao;
 pub use diagnostics::Summary;
 pub use estimates::{Estimates, Stop};
 pub use filter::FilterError;

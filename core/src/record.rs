@@ -86,6 +86,11 @@ impl Record {
         self.sensors.iter().position(|&s| s == quantity).map(|i| self.measured(i))
     }
 
+    /// What sample `k` has of some quantities; NaN where one is missing or not measured at all.
+    pub(crate) fn sample(&self, k: usize, quantities: &[Quantity]) -> Vec<f64> {
+        quantities.iter().map(|&q| self.measured_quantity(q).map_or(f64::NAN, |values| values[k])).collect()
+    }
+
     /// The true values of a channel, if they are known; NaN where one is missing.
     pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
         self.truth_channels.iter().position(|&c| c == channel).map(|i| self.truth[i].as_slice())

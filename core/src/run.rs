@@ -6,7 +6,8 @@ use thiserror::Error;
 
 use crate::estimator::{Estimator, Surroundings, estimator};
 use crate::simulate::Simulator;
-use crate::{Channel, Estimates, FilterSettings, Quantity, Record, Scenario, ScenarioError};
+use crate::smoother::smooth;
+use crate::{Channel, Estimates, FilterSettings, PlantKind, Quantity, Record, Scenario, ScenarioError};
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -29,6 +30,15 @@ pub struct Run {
     measured: Vec<f64>,
     estimators: Vec<Box<dyn Estimator>>,
     estimates: Vec<Estimates>,
+    settings: Settings,
+}
+
+/// What of the scenario is needed once more when the record is complete.
+struct Settings {
+    plant: PlantKind,
+    seed: u64,
+    quantities: Vec<Quantity>,
+    filters: Vec<FilterSettings>,
 }
 
 enum Source {
@@ -87,21 +97,20 @@ impl Run {
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let sensors = quantities.iter().map(|&q| place(q)).collect::<Result<Vec<_>, _>>()?;
         let dt = record.dt();
+        let Scenario { plant, seed, filters, .. } = scenario;
+        let settings = Settings { plant: plant.kind, seed: *seed, filters: filters.clone(), quantities };
         let mut old = old.into_iter();
         let estimates = |filter: &FilterSettings| {
-            let channels = filter.plant.unwrap_or(scenario.plant.kind).channels().to_vec();
-            let mut estimates = Estimates::new(filter.name.clone(), filter.kind, channels, quantities.clone());
+            let mut estimates = settings.estimates(filter, filter.name.clone());
             estimates.recycle(old.next(), samples);
             estimates
         };
-        let build = |(place, filter): (usize, &FilterSettings)| {
-            let plant = scenario.plant.kind;
-            estimator(filter, Surroundings { plant, sensors: &quantities, dt, seed: scenario.seed, place })
-        };
+        let build = |(place, filter)| estimator(filter, settings.surroundings(dt, place));
         Ok(Self {
             measured: vec![f64::NAN; sensors.len()],
-            estimates: scenario.filters.iter().map(estimates).collect(),
-            estimators: scenario.filters.iter().enumerate().map(build).collect(),
+            estimates: filters.iter().map(estimates).collect(),
+            estimators: filters.iter().enumerate().map(build).collect(),
+            settings,
             source,
             samples,
             step: 0,
@@ -113,7 +122,7 @@ impl Run {
     /// initial beliefs. A filter that fails keeps its estimates so far and says why in [`Estimates::stop`]; the others go
     /// on. Returns whether there was a sample left.
     pub fn step(&mut self) -> bool {
-        let Self { source, samples, step, sensors, measured, estimators, estimates } = self;
+        let Self { source, samples, step, sensors, measured, estimators, estimates, settings: _ } = self;
         if *step >= *samples {
             return false;
         }
@@ -176,6 +185,19 @@ impl Run {
         &self.estimates
     }
 
+    /// The estimates of every filter with a smoother in the light of all samples so far, by [`smooth`]. They have means and
+    /// covariances, but no innovations.
+    pub fn smoothed(&self) -> Vec<Estimates> {
+        let Self { settings, source, step, .. } = self;
+        let record = source.record();
+        let of = |(place, filter): (usize, &FilterSettings)| {
+            let mut smoothed = settings.estimates(filter, format!("{}, smoothed", filter.name));
+            smooth(filter, settings.surroundings(record.dt(), place), record, *step, &mut smoothed);
+            smoothed
+        };
+        settings.filters.iter().enumerate().filter(|(_, f)| f.smoother).map(of).collect()
+    }
+
     /// Every channel that the truth or a filter has.
     pub fn channels(&self) -> Vec<Channel> {
         let known =
@@ -186,5 +208,17 @@ impl Run {
     /// Checksum of all estimates, to compare platforms with.
     pub fn checksum(&self) -> u64 {
         self.estimates.iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
+    }
+}
+
+impl Settings {
+    fn surroundings(&self, dt: f64, place: usize) -> Surroundings<'_> {
+        Surroundings { plant: self.plant, sensors: &self.quantities, dt, seed: self.seed, place }
+    }
+
+    /// Empty estimates for a filter.
+    fn estimates(&self, filter: &FilterSettings, name: String) -> Estimates {
+        let channels = filter.plant.unwrap_or(self.plant).channels().to_vec();
+        Estimates::new(name, filter.kind, channels, self.quantities.clone())
     }
 }

@@ -11,8 +11,8 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
     ui.horizontal_wrapped(|ui| {
         for quantity in scenario.plant.kind.quantities() {
             let mut measured = scenario.sensors.iter().any(|s| s.measures == quantity);
-            let checkbox = Checkbox::new(&mut measured, quantity.key());
-            if ui.add_enabled(measured || !full, checkbox).changed() {
+            let enabled = measured || !full;
+            if ui.add_enabled(enabled, Checkbox::new(&mut measured, quantity.key())).changed() {
                 if measured {
                     scenario.add_sensor(Sensor { measures: quantity, noise_std: usual_noise(quantity) });
                 } else {

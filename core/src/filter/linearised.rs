@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 
 use super::kalman::{self, Expected, seen_by};
-use super::{Belief, Correction, FilterError, Observation};
+use super::{Belief, Correction, FilterError, Observation, Smoothable};
 use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::model::{Model, Output};
 
@@ -85,6 +85,11 @@ pub struct Linearised<const N: usize> {
 }
 
 impl<const N: usize> Linearised<N> {
+    /// Puts the belief elsewhere, as uncertain as it is.
+    pub(crate) fn move_to(&mut self, mean: Vector<N>) {
+        self.belief.mean = mean;
+    }
+
     /// A belief that moves by `propagation` and linearises the sensors up to `iterations` times an update.
     pub fn new(belief: Gaussian<N>, propagation: Propagation, iterations: usize) -> Self {
         Self { belief, propagation, iterations }
@@ -125,6 +130,14 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
     #[inline]
     fn gaussian(&self) -> Cow<'_, Gaussian<N>> {
         Cow::Borrowed(&self.belief)
+    }
+}
+
+impl<P: Model<N>, const N: usize> Smoothable<P, N> for Linearised<N> {
+    /// `P Φᵀ`
+    fn cross(&self, model: &P, force: f64, dt: f64) -> Result<Matrix<N, N>, FilterError> {
+        let (_, transition) = self.propagation.step(model, &self.belief.mean, force, dt);
+        Ok(self.belief.cov * transition.transpose())
     }
 }
 

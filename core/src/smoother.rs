@@ -1,0 +1,134 @@
+//! Estimates with hindsight: the whole record tells of every sample.
+
+use crate::estimator::{Surroundings, build_filter, initial_belief, with_model};
+use crate::filter::{Correction, Filter, Linearised, Rule, SigmaPoints, Smoothable};
+use crate::gaussian::{Factor, Gaussian, Matrix, symmetric};
+use crate::model::Model;
+use crate::plant::Visitor;
+use crate::{Estimates, FilterError, FilterKind, FilterSettings, Record};
+
+/// Smooths a filter's estimates over the first `samples` of a record: the filter goes forward, the smoother back.
+///
+/// ```text
+/// G = C (P⁻ₖ₊₁)⁻¹,  C = cov(yₖ, y⁻ₖ₊₁)
+/// yₖˢ = yₖ + G (yˢₖ₊₁ - y⁻ₖ₊₁),  Pₖˢ = Pₖ + G (Pˢₖ₊₁ - P⁻ₖ₊₁) Gᵀ
+/// ```
+///
+/// `C = P Φᵀ` for the KF, EKF and IEKF, and comes from the sigma points for UKF, SR-UKF and CKF. Sampled filters have no
+/// smoother here: they give no estimates. Where the filter stops, the smoother begins with the last sample before.
+///
+/// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented
+/// Rauch-Tung-Striebel smoother.
+pub(crate) fn smooth(
+    settings: &FilterSettings,
+    surroundings: Surroundings<'_>,
+    record: &Record,
+    samples: usize,
+    estimates: &mut Estimates,
+) {
+    with_model(settings, surroundings.plant, Smooth { settings, surroundings, record, samples, estimates });
+}
+
+struct Smooth<'a> {
+    settings: &'a FilterSettings,
+    surroundings: Surroundings<'a>,
+    record: &'a Record,
+    samples: usize,
+    estimates: &'a mut Estimates,
+}
+
+impl Visitor for Smooth<'_> {
+    type Output = ();
+
+    fn visit<P: Model<N>, const N: usize>(self, model: P) {
+        let Self { settings, surroundings, record, samples, estimates } = self;
+        let belief = initial_belief(&model, settings);
+        let linearised = |iterations| Linearised::new(belief.clone(), settings.propagation, iterations);
+        let sigma_points = |rule| SigmaPoints::new(belief.clone(), rule);
+        let pass = Pass { settings, surroundings: &surroundings, record, samples };
+        if samples == 0 {
+            return;
+        }
+        let way = match settings.kind {
+            FilterKind::Kf | FilterKind::Ekf => pass.forth(&model, linearised(1)),
+            FilterKind::Iekf => pass.forth(&model, linearised(settings.iterations)),
+            FilterKind::Ukf | FilterKind::SrUkf => pass.forth(&model, sigma_points(Rule::Unscented)),
+            FilterKind::Ckf => pass.forth(&model, sigma_points(Rule::Cubature)),
+            FilterKind::Enkf | FilterKind::Pf => return,
+        };
+        let stop = way.stop;
+        for belief in back(way) {
+            let (belief, _) = model.to_units(&belief);
+            estimates.push(&belief, &Correction::NOTHING);
+        }
+        if let Some(reason) = stop {
+            estimates.stop_at(reason);
+        }
+    }
+}
+
+/// What a smoother must know of a filter's way.
+struct Way<const N: usize> {
+    /// The belief after each sample.
+    filtered: Vec<Gaussian<N>>,
+    /// From each sample to the next: the belief before the latter, and its covariance with the belief after the former.
+    steps: Vec<(Gaussian<N>, Matrix<N, N>)>,
+    stop: Option<FilterError>,
+}
+
+struct Pass<'a> {
+    settings: &'a FilterSettings,
+    surroundings: &'a Surroundings<'a>,
+    record: &'a Record,
+    samples: usize,
+}
+
+impl Pass<'_> {
+    fn forth<P: Model<N>, B: Smoothable<P, N>, const N: usize>(&self, model: &P, belief: B) -> Way<N> {
+        let mut filter = build_filter(model.clone(), belief, self.settings, self.surroundings);
+        let mut way = Way { filtered: vec![filter.belief().gaussian().into_owned()], steps: Vec::new(), stop: None };
+        for k in 1..self.samples {
+            match self.step(&mut filter, k) {
+                Ok(step) => way.steps.push(step),
+                Err(reason) => {
+                    way.stop = Some(reason);
+                    break;
+                }
+            }
+            way.filtered.push(filter.belief().gaussian().into_owned());
+        }
+        way
+    }
+
+    fn step<P: Model<N>, B: Smoothable<P, N>, const N: usize>(
+        &self,
+        filter: &mut Filter<P, B, N>,
+        k: usize,
+    ) -> Result<(Gaussian<N>, Matrix<N, N>), FilterError> {
+        let Self { surroundings: Surroundings { sensors, dt, .. }, record, .. } = self;
+        let cross = filter.belief().cross(filter.model(), record.force()[k - 1], *dt)?;
+        filter.predict(record.force()[k - 1])?;
+        let predicted = filter.belief().gaussian().into_owned();
+        let mut correction = Correction::NOTHING;
+        filter.update(record.force()[k], &record.sample(k, sensors), &mut correction)?;
+        Ok((predicted, cross))
+    }
+}
+
+/// The smoothed beliefs, from the first sample on.
+fn back<const N: usize>(way: Way<N>) -> Vec<Gaussian<N>> {
+    let Way { mut filtered, steps, .. } = way;
+    for k in (0..steps.len()).rev() {
+        let (predicted, cross) = &steps[k];
+        let gain = Factor::semidefinite(&predicted.cov).divide(cross);
+        let Gaussian { mean: next_mean, cov: next_cov } = filtered[k + 1].clone();
+        let Gaussian { mean, cov } = &mut filtered[k];
+        *mean += gain * (next_mean - predicted.mean);
+        *cov = symmetric(&(*cov - gain * cross.transpose() + gain * next_cov * gain.transpose()));
+        for i in 0..N {
+            // Zero but for rounding.
+            cov[(i, i)] = cov[(i, i)].max(0.0);
+        }
+    }
+    filtered
+}

@@ -1,0 +1,248 @@
+//! The smoother and the Cramér-Rao bound.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use kalmanscope_core::{
+    Channel, CramerRao, Estimates, FilterKind, FilterSettings, PerChannel, PlantKind, Quantity, Record, Run, Scenario,
+    Sensor, Signal,
+};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+
+/// A KF, or another filter told the same, of an oscillator whose parameters it knows.
+fn known(kind: FilterKind, samples: usize) -> Scenario {
+    let mut scenario = Scenario { duration: 0.01 * (samples - 1) as f64, ..Scenario::default() };
+    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.disturbance_std = 2.0;
+    scenario.filters = vec![FilterSettings {
+        kind,
+        smoother: true,
+        initial_mean: PerChannel { natural_frequency: 6.0, damping_ratio: 0.05, ..PerChannel::ZERO },
+        initial_std: PerChannel { displacement: 0.3, velocity: 1.0, ..PerChannel::ZERO },
+        process_std: PerChannel { displacement: 1e-4, velocity: 0.02, ..PerChannel::ZERO },
+        ..scenario.filters[0].clone()
+    }];
+    scenario.filters[0].fading = 1.0;
+    scenario
+}
+
+fn finished(scenario: &Scenario) -> Run {
+    let mut run = Run::new(scenario).unwrap();
+    run.finish();
+    run
+}
+
+fn smoothed(run: &Run) -> Estimates {
+    run.smoothed().pop().unwrap()
+}
+
+const SAMPLES: usize = 12;
+const STATES: usize = 2 * SAMPLES;
+
+/// All states at once: the joint normal distribution of the motion at every sample, conditioned on all measurements.
+fn batch(run: &Run, scenario: &Scenario) -> (SVector<f64, STATES>, SMatrix<f64, STATES, STATES>) {
+    let filter = &scenario.filters[0];
+    let record = run.record();
+    let (wn, zeta, dt) = (6.0_f64, 0.05_f64, scenario.dt);
+    let decay = (-zeta * wn * dt).exp();
+    let wd = wn * (1.0 - zeta * zeta).sqrt();
+    let h = decay * (wd * dt).sin() / wd;
+    let dh = decay * (wd * dt).cos() - zeta * wn * h;
+    let transition = Matrix2::new(dh + 2.0 * zeta * wn * h, h, -wn * wn * h, dh);
+    let q = (1.0 - transition[(0, 0)]) / (wn * wn);
+    let variance =
+        |per: &PerChannel| Matrix2::from_diagonal(&Vector2::new(per.displacement, per.velocity).map(|std| std * std));
+    let mut mean = SVector::<f64, STATES>::zeros();
+    let mut cov = SMatrix::<f64, STATES, STATES>::zeros();
+    cov.fixed_view_mut::<2, 2>(0, 0).copy_from(&variance(&filter.initial_std));
+    for k in 1..SAMPLES {
+        let before: Vector2<f64> = mean.fixed_rows::<2>(2 * k - 2).into();
+        mean.fixed_rows_mut::<2>(2 * k).copy_from(&(transition * before + Vector2::new(q, h) * record.force()[k - 1]));
+        for j in 0..k {
+            let block: Matrix2<f64> = cov.fixed_view::<2, 2>(2 * k - 2, 2 * j).into();
+            let next = transition * block;
+            cov.fixed_view_mut::<2, 2>(2 * k, 2 * j).copy_from(&next);
+            cov.fixed_view_mut::<2, 2>(2 * j, 2 * k).copy_from(&next.transpose());
+        }
+        let last: Matrix2<f64> = cov.fixed_view::<2, 2>(2 * k - 2, 2 * k - 2).into();
+        let own = transition * last * transition.transpose() + variance(&filter.process_std);
+        cov.fixed_view_mut::<2, 2>(2 * k, 2 * k).copy_from(&own);
+    }
+    // Both sensors at every sample but the first.
+    let noise = Vector2::new(filter.sensor_std[0].powi(2), filter.sensor_std[1].powi(2));
+    let mut innovation_cov = cov;
+    let mut innovation = SVector::<f64, STATES>::zeros();
+    for k in 0..SAMPLES {
+        for sensor in 0..2 {
+            let i = 2 * k + sensor;
+            innovation_cov[(i, i)] += if k == 0 { 1e12 } else { noise[sensor] };
+            innovation[i] = if k == 0 { 0.0 } else { record.measured(sensor)[k] - mean[i] };
+        }
+    }
+    let gain = cov * innovation_cov.try_inverse().unwrap();
+    (mean + gain * innovation, cov - gain * cov)
+}
+
+#[test]
+fn smoothing_is_conditioning_on_the_whole_record() {
+    for kind in [FilterKind::Kf, FilterKind::Ekf, FilterKind::Ukf, FilterKind::SrUkf, FilterKind::Ckf] {
+        let scenario = known(kind, SAMPLES);
+        let run = finished(&scenario);
+        let (mean, cov) = batch(&run, &scenario);
+        let smoothed = smoothed(&run);
+        assert_eq!(smoothed.len(), SAMPLES);
+        for k in 0..SAMPLES {
+            for i in 0..2 {
+                let std = cov[(2 * k + i, 2 * k + i)].sqrt();
+                let error = (smoothed.mean(k)[i] - mean[2 * k + i]).abs() / std;
+                assert!(error < 1e-6, "{} mean {i} at {k}: {error}", kind.name());
+                let error = (smoothed.std(k, i) / std - 1.0).abs();
+                assert!(error < 1e-6, "{} std {i} at {k}: {error}", kind.name());
+            }
+            assert_eq!(&smoothed.mean(k)[2..], &[6.0, 0.05], "{} moves what it knows", kind.name());
+        }
+    }
+}
+
+#[test]
+fn hindsight_knows_the_parameters_better() {
+    for kind in [FilterKind::Ekf, FilterKind::Iekf, FilterKind::Ukf, FilterKind::SrUkf, FilterKind::Ckf] {
+        for log_parameters in [false, true] {
+            let mut scenario = Scenario::default();
+            scenario.plant.natural_frequency = Signal::Constant(6.0);
+            let settings =
+                FilterSettings { kind, log_parameters, smoother: true, fading: 1.0, ..scenario.filters[0].clone() };
+            scenario.filters = vec![settings];
+            let run = finished(&scenario);
+            let (filtered, smoothed) = (&run.estimates()[0], smoothed(&run));
+            let last = scenario.samples() - 1;
+            assert_eq!(smoothed.len(), scenario.samples());
+            let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+            assert!((0..4).all(|i| close(smoothed.mean(last)[i], filtered.mean(last)[i])), "{}", kind.name());
+            // After two seconds the filter has seen a thirtieth of what the smoother has.
+            let k = 200;
+            for i in [2, 3] {
+                assert!(smoothed.std(k, i) < 0.5 * filtered.std(k, i), "{} {i}", kind.name());
+            }
+            let error = (smoothed.mean(k)[2] - 6.0).abs();
+            assert!(error < 4.0 * smoothed.std(k, 2) + 0.01, "{}: {error} ± {}", kind.name(), smoothed.std(k, 2));
+        }
+    }
+}
+
+#[test]
+fn a_smoother_sees_what_the_run_has_seen() {
+    let scenario = known(FilterKind::Ekf, 300);
+    let mut run = Run::new(&scenario).unwrap();
+    assert!(smoothed(&run).is_empty());
+    run.advance_to(100);
+    assert_eq!(smoothed(&run).len(), 100);
+    let again = Run::on_record(&scenario, std::sync::Arc::new(run.record().clone())).unwrap();
+    assert_eq!(smoothed(&again).len(), 0);
+    let none = Run::new(&Scenario::default()).unwrap();
+    assert!(none.smoothed().is_empty());
+}
+
+fn bound(scenario: &Scenario, record: &Record) -> CramerRao {
+    let mut bound = CramerRao::new(scenario, 0).unwrap();
+    bound.follow(record);
+    bound
+}
+
+#[test]
+fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
+    let mut scenario = known(FilterKind::Kf, 1000);
+    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.5 });
+    let mut chain = scenario.clone();
+    chain.set_plant(PlantKind::Shear3);
+    for scenario in [scenario, chain] {
+        let mut scenario = scenario;
+        for channel in scenario.plant.kind.parameters() {
+            scenario.filters[0].initial_mean[channel] = scenario.plant.parameter(channel).unwrap().at(0.0);
+        }
+        let run = finished(&scenario);
+        let kf = &run.estimates()[0];
+        let bound = bound(&scenario, run.record());
+        assert_eq!(bound.len(), scenario.samples());
+        for k in 0..kf.len() {
+            for place in 0..kf.channels().len() {
+                let (floor, std) = (bound.std(k, place), kf.std(k, place));
+                assert!((floor - std).abs() <= 1e-10 * std, "{:?} at {k}: {floor} and {std}", kf.channels()[place]);
+            }
+        }
+    }
+}
+
+/// Tichavský's recursion as printed, on the information matrix, for a plant without anything certain.
+#[test]
+fn the_bound_is_the_information_recursion() {
+    let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    let run = finished(&scenario);
+    let record = run.record();
+    let bound = bound(&scenario, record);
+    let filter = &scenario.filters[0];
+    let diagonal = |per: &PerChannel| {
+        SMatrix::<f64, 4, 4>::from_diagonal(&SVector::<f64, 4>::from_fn(|i, _| {
+            per[run.estimates()[0].channels()[i]].powi(2)
+        }))
+    };
+    let inverse = |m: SMatrix<f64, 4, 4>| m.try_inverse().unwrap();
+    let q = inverse(diagonal(&filter.process_std));
+    let mut information = inverse(diagonal(&filter.initial_std));
+    let mut sensors = SMatrix::<f64, 4, 4>::zeros();
+    for (i, sensor) in scenario.sensors.iter().enumerate() {
+        sensors[(i, i)] = sensor.noise_std.powi(-2);
+    }
+    let truth = |channel, k: usize| record.truth(channel).unwrap()[k];
+    for k in 1..record.len() {
+        let (x, v) = (truth(Channel::Displacement, k - 1), truth(Channel::Velocity, k - 1));
+        let (wn, zeta) = (6.0, 0.05);
+        let mut a = SMatrix::<f64, 4, 4>::zeros();
+        a[(0, 1)] = 1.0;
+        let row = [-wn * wn, -2.0 * zeta * wn, -2.0 * (wn * x + zeta * v), -2.0 * wn * v];
+        a.set_row(1, &row.into());
+        let identity = SMatrix::<f64, 4, 4>::identity();
+        let phi: SMatrix<f64, 4, 4> =
+            (1..15).rev().fold(identity, |sum, n| identity + a * sum * (scenario.dt / f64::from(n)));
+        let (d11, d12) = (phi.transpose() * q * phi, -phi.transpose() * q);
+        information = q + sensors - d12.transpose() * inverse(information + d11) * d12;
+        let covariance = inverse(information);
+        for i in 0..4 {
+            let error = bound.std(k, i) / covariance[(i, i)].sqrt() - 1.0;
+            assert!(error.abs() < 1e-6, "{i} at {k}: {error}");
+        }
+    }
+}
+
+#[test]
+fn no_filter_is_surer_than_the_bound_and_the_ekf_comes_close() {
+    let mut scenario = Scenario::default();
+    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.filters.truncate(1);
+    scenario.filters[0].fading = 1.0;
+    let run = finished(&scenario);
+    let bound = bound(&scenario, run.record());
+    let last = scenario.samples() - 1;
+    for i in 0..4 {
+        let ratio = run.estimates()[0].std(last, i) / bound.std(last, i);
+        assert!((0.98..1.1).contains(&ratio), "channel {i}: {ratio}");
+    }
+}
+
+#[test]
+fn the_bound_grows_with_the_record() {
+    let scenario = Scenario { duration: 3.0, ..Scenario::default() };
+    let run = finished(&scenario);
+    let mut live = Run::new(&scenario).unwrap();
+    let mut growing = CramerRao::new(&scenario, 1).unwrap();
+    while live.step() {
+        growing.follow(live.record());
+        assert_eq!(growing.len(), live.len());
+    }
+    let mut whole = CramerRao::new(&scenario, 1).unwrap();
+    whole.follow(run.record());
+    let bits = |bound: &CramerRao| -> Vec<u64> {
+        (0..bound.len()).flat_map(|k| (0..4).map(move |i| (k, i))).map(|(k, i)| bound.std(k, i).to_bits()).collect()
+    };
+    assert_eq!(bits(&growing), bits(&whole));
+    assert!(CramerRao::new(&scenario, 2).is_none());
+}
