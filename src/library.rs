@@ -17,7 +17,7 @@ macro_rules! entry {
 }
 
 /// Every built-in scenario, in the menu's order.
-pub const ENTRIES: [Entry; 9] = [
+pub const ENTRIES: [Entry; 15] = [
     entry!("Sudden stiffness loss", "stiffness-loss"),
     entry!("Constant parameters", "constant"),
     entry!("Slow drift", "slow-drift"),
@@ -27,6 +27,12 @@ pub const ENTRIES: [Entry; 9] = [
     entry!("Chirp", "chirp"),
     entry!("Known parameters", "known-parameters"),
     entry!("No excitation", "no-excitation"),
+    entry!("Duffing oscillator", "duffing"),
+    entry!("Bouc-Wen hysteresis", "bouc-wen"),
+    entry!("Shear building", "shear-building"),
+    entry!("Q too small", "q-too-small"),
+    entry!("Q too large", "q-too-large"),
+    entry!("R wrong by ten", "r-wrong-by-ten"),
 ];
 
 impl Entry {

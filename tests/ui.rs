@@ -8,7 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
 use kalmanscope::session::Mode;
-use kalmanscope_core::{FilterKind, Force, PlantKind, Scenario, Signal};
+use kalmanscope_core::{FilterKind, Force, PlantKind, Quantity, Scenario, Signal};
 
 type Screen = Harness<'static, App>;
 

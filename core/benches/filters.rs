@@ -1,4 +1,6 @@
-//! Nanoseconds per step of each filter and of the simulation, and milliseconds per whole record.
+//! Nanoseconds per step of each filter, of the simulation and of the bookkeeping, and milliseconds per whole record.
+
+mod cases;
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -25,8 +27,19 @@ fn time_steps(steps: u64, scenario: &Scenario) -> Duration {
 }
 
 fn benchmarks(c: &mut Criterion) {
-    let scenario = Scenario::default();
+    let mut group = c.benchmark_group("predict and update");
+    for mut case in cases::cases() {
+        group.bench_function(case.name.clone(), |b| {
+            b.iter_custom(|steps| {
+                let start = Instant::now();
+                case.run(steps as usize);
+                start.elapsed()
+            });
+        });
+    }
+    group.finish();
 
+    let scenario = Scenario::default();
     let mut group = c.benchmark_group("step of the simulation and");
     let no_filter = Scenario { filters: vec![], ..scenario.clone() };
     group.bench_function("no filter", |b| b.iter_custom(|steps| time_steps(steps, &no_filter)));

@@ -67,6 +67,26 @@ impl PlantKind {
         }
     }
 
+    /// The equation of motion, per mass.
+    pub const fn equation(self) -> &'static str {
+        match self {
+            Self::Sdof => "ẍ + 2ζωₙẋ + ωₙ²x = f",
+            Self::Duffing => "ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f",
+            Self::BoucWen => "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²",
+            Self::Shear2 | Self::Shear3 | Self::Shear4 => "ẍᵢ = f - sᵢ + sᵢ₊₁, sᵢ = κᵢ(xᵢ - xᵢ₋₁) + c(ẋᵢ - ẋᵢ₋₁)",
+        }
+    }
+
+    /// Where it comes from.
+    pub const fn reference(self) -> &'static str {
+        match self {
+            Self::Sdof => "Huang and Yuen (2023), Bayesian Real-Time System Identification",
+            Self::Duffing => "Kovacic and Brennan, eds. (2011), The Duffing Equation",
+            Self::BoucWen => "Wen (1976), Method for random vibration of hysteretic systems",
+            Self::Shear2 | Self::Shear3 | Self::Shear4 => "Chopra (2017), Dynamics of Structures, section 9.1",
+        }
+    }
+
     /// Lets the visitor work with the model of this kind, whose parameters decay at the rate `eta` \[1/s\].
     pub(crate) fn visit<V: Visitor>(self, eta: f64, visitor: V) -> V::Output {
         match self {

@@ -64,12 +64,18 @@ fn built_in_scenarios_end_as_before() {
         names,
         [
             "acceleration-only",
+            "bouc-wen",
             "chirp",
             "constant",
+            "duffing",
             "free-vibration",
             "hammer",
             "known-parameters",
             "no-excitation",
+            "q-too-large",
+            "q-too-small",
+            "r-wrong-by-ten",
+            "shear-building",
             "slow-drift",
             "stiffness-loss",
         ]

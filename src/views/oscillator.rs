@@ -46,7 +46,8 @@ pub fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
     }
     let font = FontId::proportional(11.5);
     let corner = rect.right_top() + vec2(-10.0, 6.0);
-    painter.text(corner, Align2::RIGHT_TOP, "ẍ + 2ζωₙẋ + ωₙ²x = f(t)", font, palette.weak);
+    let equation = session.scenario().plant.kind.equation();
+    painter.text(corner, Align2::RIGHT_TOP, equation, font, palette.weak);
 }
 
 /// The largest displacement so far.

@@ -1,0 +1,48 @@
+//! What the README says of filters and plants is what there is.
+
+use kalmanscope_core::{Channel, FilterKind, PlantKind};
+
+const README: &str = include_str!("../../README.md");
+
+/// The rows of the table under a heading line.
+fn table(heading: &str) -> Vec<&'static str> {
+    let lines = README.lines().skip_while(|line| *line != heading).skip(2);
+    lines.take_while(|line| line.starts_with('|')).collect()
+}
+
+#[test]
+fn every_filter_is_in_its_table() {
+    let row = |kind: FilterKind| {
+        format!("| `{}` | {} | {} | {} |", kind.key(), kind.name(), kind.description(), kind.reference())
+    };
+    assert_eq!(table("| kind | filter | what it does | reference |"), FilterKind::ALL.map(row));
+}
+
+#[test]
+fn every_plant_is_in_its_table() {
+    let row = |kind: PlantKind| {
+        let parameters: Vec<&str> = kind.parameters().map(Channel::symbol).collect();
+        let equation = kind.equation().replace('|', "\\|");
+        format!(
+            "| `{}` | {} | {equation} | {} | {} |",
+            kind.key(),
+            kind.name(),
+            parameters.join(", "),
+            kind.reference()
+        )
+    };
+    assert_eq!(table("| kind | plant | motion per mass | parameters | reference |"), PlantKind::ALL.map(row));
+}
+
+#[test]
+fn keys_are_those_of_scenario_files() {
+    for kind in FilterKind::ALL {
+        assert_eq!(toml::Value::try_from(kind), Ok(kind.key().into()));
+    }
+    for kind in PlantKind::ALL {
+        assert_eq!(toml::Value::try_from(kind), Ok(kind.key().into()));
+    }
+    for channel in Channel::ALL {
+        assert_eq!(toml::Value::try_from(channel), Ok(channel.key().into()));
+    }
+}
