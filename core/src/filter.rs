@@ -5,7 +5,7 @@ mod unscented;
 
 use thiserror::Error;
 
-use crate::gaussian::{Factor, Gaussian, Matrix, Vector, symmetric};
+use crate::gaussian::{Factor, Gaussian, Matrix, Vector, minus_product, mirrored};
 use crate::model::{Model, Output};
 use crate::sensor::MAX_SENSORS;
 
@@ -78,6 +78,16 @@ impl<const N: usize> Correction<N> {
         nis: f64::NAN,
         log_likelihood: f64::NAN,
     };
+
+    /// Makes it [`Self::NOTHING`], number by number: cheaper than the copy of a constant.
+    #[inline]
+    fn clear(&mut self) {
+        self.innovation = [f64::NAN; MAX_SENSORS];
+        self.innovation_cov = [[f64::NAN; MAX_SENSORS]; MAX_SENSORS];
+        self.gain = [[0.0; N]; MAX_SENSORS];
+        self.nis = f64::NAN;
+        self.log_likelihood = f64::NAN;
+    }
 }
 
 /// A sensor that has delivered a measurement: where it reads, its place among the sensors, its variance.
@@ -95,8 +105,17 @@ struct Expected<const N: usize, const M: usize> {
     cov: Matrix<M, M>,
     /// Covariance of state and measurement.
     cross: Matrix<N, M>,
-    /// H, where the measurements are linear in the state or taken to be.
-    jacobian: Option<Matrix<M, N>>,
+    view: View<N, M>,
+}
+
+/// How measurements depend on the state.
+enum View<const N: usize, const M: usize> {
+    /// Each is a component of it.
+    Components([usize; M]),
+    /// Linearly, or taken to: H.
+    Linear(Matrix<M, N>),
+    /// Not linearly.
+    Curved,
 }
 
 impl<P: Model<N>, const N: usize> Filter<P, N> {
@@ -132,8 +151,10 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
             Transform::Linearised => linearised::predict(model, belief, force, *dt),
             Transform::Unscented => unscented::predict(model, belief, force, *dt)?,
         }
-        belief.cov = belief.cov * noise.fading + noise.process;
-        if belief.cov.diagonal().min() < 0.0 {
+        for (entry, added) in belief.cov.iter_mut().zip(&noise.process) {
+            *entry = *entry * noise.fading + added;
+        }
+        if belief.has_negative_variance() {
             // A variance that is zero but for rounding has come out on the wrong side.
             for i in 0..N {
                 belief.cov[(i, i)] = belief.cov[(i, i)].max(0.0);
@@ -154,7 +175,7 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
     /// sigma points cannot be drawn or a variance comes out negative; [`FilterError::NotFinite`] where the belief
     /// overflows.
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction<N>) -> Result<(), FilterError> {
-        *correction = Correction::NOTHING;
+        correction.clear();
         let mut active = [Active { sensor: 0, output: Output::State(0), variance: 0.0 }; MAX_SENSORS];
         let mut count = 0;
         for (sensor, &output) in self.outputs.iter().enumerate() {
@@ -180,13 +201,13 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
         correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
         let Self { model, transform, belief, .. } = self;
-        let linear = active.iter().all(|a| matches!(a.output, Output::State(_)));
-        let expected = match transform {
-            Transform::Unscented if !linear => unscented::expect(model, belief, &active, force)?,
+        let expected = match (components(&active), &transform) {
             // Sigma points through a linear function give its exact moments, which this gives for less.
-            Transform::Linearised | Transform::Unscented => linearised::expect(model, belief, &active, force),
+            (Some(components), _) => linearised::expect_components(belief, components, &active),
+            (None, Transform::Linearised) => linearised::expect(model, belief, &active, force),
+            (None, Transform::Unscented) => unscented::expect(model, belief, &active, force)?,
         };
-        let Expected { mean, cov: innovation_cov, cross, jacobian } = expected;
+        let Expected { mean, cov: innovation_cov, cross, view } = expected;
         let innovation = Vector::<M>::from_fn(|i, _| measured[active[i].sensor]) - mean;
         let Some(factor) = Factor::new(&innovation_cov) else {
             return Err(if innovation_cov.sum().is_finite() {
@@ -198,14 +219,17 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
         let gain = factor.divide(&cross);
 
         belief.mean += gain * innovation;
-        belief.cov = match jacobian {
-            Some(jacobian) => joseph(&belief.cov, &gain, &cross, &jacobian, &active),
-            None => subtract(&belief.cov, &gain, &innovation_cov),
+        belief.cov = match &view {
+            View::Components(components) => {
+                joseph(&belief.cov, &gain, &cross, &active, |x| linearised::columns(x, components))
+            }
+            View::Linear(jacobian) => joseph(&belief.cov, &gain, &cross, &active, |x| x * jacobian.transpose()),
+            View::Curved => subtract(&belief.cov, &gain, &innovation_cov),
         };
         if !belief.is_finite() {
             return Err(FilterError::NotFinite);
         }
-        if belief.cov.diagonal().min() < 0.0 {
+        if belief.has_negative_variance() {
             return Err(FilterError::IndefiniteCovariance);
         }
 
@@ -224,6 +248,17 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
     }
 }
 
+/// Which component of the state each sensor reads, if they all read one.
+#[inline]
+fn components<const M: usize>(active: &[Active; M]) -> Option<[usize; M]> {
+    let mut components = [0; M];
+    for (component, sensor) in components.iter_mut().zip(active) {
+        let Output::State(i) = sensor.output else { return None };
+        *component = i;
+    }
+    Some(components)
+}
+
 /// ln 2π
 const LN_2_PI: f64 = 1.837_877_066_409_345_5;
 
@@ -235,21 +270,22 @@ const LN_2_PI: f64 = 1.837_877_066_409_345_5;
 /// ```
 ///
 /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
+#[inline]
 fn joseph<const N: usize, const M: usize>(
     cov: &Matrix<N, N>,
     gain: &Matrix<N, M>,
     cross: &Matrix<N, M>,
-    jacobian: &Matrix<M, N>,
     active: &[Active; M],
+    seen: impl Fn(&Matrix<N, N>) -> Matrix<N, M>,
 ) -> Matrix<N, N> {
-    let kept = cov - gain * cross.transpose();
-    let mut excess = linearised::seen_by(&kept, jacobian, active);
+    let kept = minus_product(*cov, gain, cross);
+    let mut excess = seen(&kept);
     for (k, sensor) in active.iter().enumerate() {
         for i in 0..N {
             excess[(i, k)] -= gain[(i, k)] * sensor.variance;
         }
     }
-    symmetric(&(kept - excess * gain.transpose()))
+    mirrored(minus_product(kept, &excess, gain))
 }
 
 /// `P - K S Kᵀ`
@@ -258,5 +294,5 @@ fn subtract<const N: usize, const M: usize>(
     gain: &Matrix<N, M>,
     innovation_cov: &Matrix<M, M>,
 ) -> Matrix<N, N> {
-    symmetric(&(cov - gain * innovation_cov * gain.transpose()))
+    mirrored(minus_product(*cov, &(gain * innovation_cov), gain))
 }

@@ -3,8 +3,8 @@
 //! Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal
 //! Estimation*, section 6.1.
 
-use super::{Active, Expected};
-use crate::gaussian::{Gaussian, Matrix, Vector};
+use super::{Active, Expected, View};
+use crate::gaussian::{Gaussian, Matrix, Vector, mirrored};
 use crate::model::{Model, Output};
 
 /// `y⁻ = y + dt φ₁(A dt) g(y, f)` and `Φ P Φᵀ`.
@@ -17,26 +17,65 @@ pub(super) fn predict<P: Model<N>, const N: usize>(model: &P, belief: &mut Gauss
 /// `Φ P Φᵀ`, symmetric to the last bit, where the first `motion` rows of Φ are full and the rest is diagonal.
 #[inline]
 fn propagate<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Matrix<N, N>) -> Matrix<N, N> {
-    let mut half = *cov;
+    // The first rows of Φ P.
+    let mut half = Matrix::<N, N>::zeros();
     for j in 0..N {
         for i in 0..motion {
-            half[(i, j)] = (0..N).map(|k| transition[(i, k)] * cov[(k, j)]).sum();
+            half[(i, j)] = transition[(i, 0)] * cov[(0, j)];
         }
-        for i in motion..N {
-            half[(i, j)] *= transition[(i, i)];
+        for k in 1..N {
+            for i in 0..motion {
+                half[(i, j)] += transition[(i, k)] * cov[(k, j)];
+            }
         }
     }
     let mut result = Matrix::<N, N>::zeros();
-    for j in 0..N {
-        for i in j..N {
-            let entry = if j < motion {
-                (0..N).map(|k| half[(i, k)] * transition[(j, k)]).sum()
-            } else {
-                half[(i, j)] * transition[(j, j)]
-            };
-            result[(i, j)] = entry;
-            result[(j, i)] = entry;
+    for j in 0..motion {
+        for i in 0..motion {
+            result[(i, j)] = half[(i, 0)] * transition[(j, 0)];
         }
+        for k in 1..N {
+            for i in 0..motion {
+                result[(i, j)] += half[(i, k)] * transition[(j, k)];
+            }
+        }
+        // P is symmetric: these rows of P Φᵀ are columns of Φ P.
+        for i in motion..N {
+            result[(i, j)] = transition[(i, i)] * half[(j, i)];
+        }
+    }
+    for j in motion..N {
+        for i in j..N {
+            result[(i, j)] = transition[(i, i)] * cov[(i, j)] * transition[(j, j)];
+        }
+    }
+    mirrored(result)
+}
+
+/// `y⁻`, `S` and `P⁻ Hᵀ` of sensors that read components of the state: H picks, it does not multiply.
+#[inline]
+pub(super) fn expect_components<const N: usize, const M: usize>(
+    belief: &Gaussian<N>,
+    components: [usize; M],
+    active: &[Active; M],
+) -> Expected<N, M> {
+    let cross = columns(&belief.cov, &components);
+    let mut cov = Matrix::<M, M>::zeros();
+    let mut mean = Vector::<M>::zeros();
+    for (row, &i) in components.iter().enumerate() {
+        mean[row] = belief.mean[i];
+        cov.set_row(row, &cross.row(i));
+        cov[(row, row)] += active[row].variance;
+    }
+    Expected { mean, cov, cross, view: View::Components(components) }
+}
+
+/// The columns in the given places.
+#[inline]
+pub(super) fn columns<const N: usize, const M: usize>(x: &Matrix<N, N>, places: &[usize; M]) -> Matrix<N, M> {
+    let mut result = Matrix::<N, M>::zeros();
+    for (k, &place) in places.iter().enumerate() {
+        result.set_column(k, &x.column(place));
     }
     result
 }
@@ -49,6 +88,8 @@ pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
     force: f64,
 ) -> Expected<N, M> {
     let Gaussian { mean: state, cov } = belief;
+    let rate = model.rate(state, force);
+    let rate_jacobian = model.jacobian(state);
     let mut mean = Vector::<M>::zeros();
     let mut jacobian = Matrix::<M, N>::zeros();
     for (row, sensor) in active.iter().enumerate() {
@@ -58,32 +99,15 @@ pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
                 jacobian[(row, i)] = 1.0;
             }
             Output::Rate(i) => {
-                mean[row] = model.rate(state, force)[i];
-                jacobian.set_row(row, &model.jacobian(state).row(i));
+                mean[row] = rate[i];
+                jacobian.set_row(row, &rate_jacobian.row(i));
             }
         }
     }
-    let cross = seen_by(cov, &jacobian, active);
-    let mut innovation_cov = seen_by(&cross.transpose(), &jacobian, active);
+    let cross = cov * jacobian.transpose();
+    let mut innovation_cov = jacobian * cross;
     for (row, sensor) in active.iter().enumerate() {
         innovation_cov[(row, row)] += sensor.variance;
     }
-    Expected { mean, cov: innovation_cov, cross, jacobian: Some(jacobian) }
-}
-
-/// `X Hᵀ`, which for sensors that read a component of the state only picks columns.
-#[inline]
-pub(super) fn seen_by<const N: usize, const M: usize, const R: usize>(
-    x: &Matrix<R, N>,
-    jacobian: &Matrix<M, N>,
-    active: &[Active; M],
-) -> Matrix<R, M> {
-    let mut result = Matrix::<R, M>::zeros();
-    for (row, sensor) in active.iter().enumerate() {
-        match sensor.output {
-            Output::State(i) => result.set_column(row, &x.column(i)),
-            Output::Rate(_) => result.set_column(row, &(x * jacobian.row(row).transpose())),
-        }
-    }
-    result
+    Expected { mean, cov: innovation_cov, cross, view: View::Linear(jacobian) }
 }

@@ -14,7 +14,7 @@
 //!
 //! Source: Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation; van der Merwe (2004), section 3.2.
 
-use super::{Active, Expected};
+use super::{Active, Expected, View};
 use crate::FilterError;
 use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::model::{Model, Output};
@@ -89,7 +89,7 @@ pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
     for (row, sensor) in active.iter().enumerate() {
         cov[(row, row)] += sensor.variance;
     }
-    Ok(Expected { mean: centre + offset, cov, cross, jacobian: None })
+    Ok(Expected { mean: centre + offset, cov, cross, view: View::Curved })
 }
 
 /// Adds `d dᵀ`, column by column so that the compiler can use vector instructions.
