@@ -110,8 +110,8 @@ struct Expected<const N: usize, const M: usize> {
 
 /// How measurements depend on the state.
 enum View<const N: usize, const M: usize> {
-    /// Each is a component of it.
-    Components([usize; M]),
+    /// Each is a component of it: H picks. With `H P⁻ Hᵀ`.
+    Components(Matrix<M, M>),
     /// Linearly, or taken to: H.
     Linear(Matrix<M, N>),
     /// Not linearly.
@@ -220,8 +220,9 @@ impl<P: Model<N>, const N: usize> Filter<P, N> {
 
         belief.mean += gain * innovation;
         belief.cov = match &view {
-            View::Components(components) => {
-                joseph(&belief.cov, &gain, &cross, &active, |x| linearised::columns(x, components))
+            // Picked columns of `P - K (P Hᵀ)ᵀ`, computed again rather than fetched.
+            View::Components(seen) => {
+                joseph(&belief.cov, &gain, &cross, &active, |_| minus_product(cross, &gain, seen))
             }
             View::Linear(jacobian) => joseph(&belief.cov, &gain, &cross, &active, |x| x * jacobian.transpose()),
             View::Curved => subtract(&belief.cov, &gain, &innovation_cov),

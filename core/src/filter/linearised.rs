@@ -41,12 +41,12 @@ fn propagate<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Mat
         }
         // P is symmetric: these rows of P Φᵀ are columns of Φ P.
         for i in motion..N {
-            result[(i, j)] = transition[(i, i)] * half[(j, i)];
+            result[(i, j)] = half[(j, i)] * transition[(i, i)];
         }
     }
     for j in motion..N {
         for i in j..N {
-            result[(i, j)] = transition[(i, i)] * cov[(i, j)] * transition[(j, j)];
+            result[(i, j)] = cov[(i, j)] * (transition[(i, i)] * transition[(j, j)]);
         }
     }
     mirrored(result)
@@ -59,25 +59,26 @@ pub(super) fn expect_components<const N: usize, const M: usize>(
     components: [usize; M],
     active: &[Active; M],
 ) -> Expected<N, M> {
-    let cross = columns(&belief.cov, &components);
-    let mut cov = Matrix::<M, M>::zeros();
+    let mut cross = Matrix::<N, M>::zeros();
     let mut mean = Vector::<M>::zeros();
     for (row, &i) in components.iter().enumerate() {
         mean[row] = belief.mean[i];
-        cov.set_row(row, &cross.row(i));
-        cov[(row, row)] += active[row].variance;
+        // A row, not the same column: reading it number by number does not wait for pairs to be written.
+        for k in 0..N {
+            cross[(k, row)] = belief.cov[(i, k)];
+        }
     }
-    Expected { mean, cov, cross, view: View::Components(components) }
-}
-
-/// The columns in the given places.
-#[inline]
-pub(super) fn columns<const N: usize, const M: usize>(x: &Matrix<N, N>, places: &[usize; M]) -> Matrix<N, M> {
-    let mut result = Matrix::<N, M>::zeros();
-    for (k, &place) in places.iter().enumerate() {
-        result.set_column(k, &x.column(place));
+    let mut seen = Matrix::<M, M>::zeros();
+    for (row, &i) in components.iter().enumerate() {
+        for column in 0..M {
+            seen[(row, column)] = cross[(i, column)];
+        }
     }
-    result
+    let mut cov = seen;
+    for (row, sensor) in active.iter().enumerate() {
+        cov[(row, row)] += sensor.variance;
+    }
+    Expected { mean, cov, cross, view: View::Components(seen) }
 }
 
 /// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`.
