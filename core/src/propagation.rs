@@ -92,9 +92,11 @@ impl ImpulseResponse {
     pub fn runge_kutta(a: f64, b: f64, dt: f64) -> Self {
         let (alpha, beta) = (a * dt * dt, b * dt);
         let second = alpha + beta * beta;
+        let third = beta * (second + alpha);
+        let [_, _, half, sixth, twenty_fourth, ..] = INVERSE_FACTORIAL;
         Self {
-            value: dt * (1.0 + beta / 2.0 + second / 6.0 + beta * (second + alpha) / 24.0),
-            integral: dt * dt * (0.5 + beta / 6.0 + second / 24.0),
+            value: dt * ((1.0 + beta * half) + (second * sixth + third * twenty_fourth)),
+            integral: dt * dt * ((half + beta * sixth) + second * twenty_fourth),
         }
     }
 
@@ -105,18 +107,15 @@ impl ImpulseResponse {
         let (alpha, beta) = (a * dt * dt, b * dt);
         let forward = beta * beta + 2.0 * alpha;
         let back = alpha * alpha;
-        let mut c = [0.0; TERMS];
-        c[0] = 1.0;
-        c[1] = beta;
-        c[2] = beta * beta + alpha;
-        c[3] = beta * forward;
-        for n in 4..TERMS {
-            c[n] = forward * c[n - 2] - back * c[n - 4];
-        }
+        let mut c = [[1.0, beta], [beta * beta + alpha, beta * forward]];
         let (mut h, mut q) = ([0.0; 2], [0.0; 2]);
-        for n in 0..TERMS {
-            h[n % 2] += c[n] * INVERSE_FACTORIAL[n + 1];
-            q[n % 2] += c[n] * INVERSE_FACTORIAL[n + 2];
+        for n in (0..TERMS).step_by(2) {
+            for parity in 0..2 {
+                h[parity] += c[0][parity] * INVERSE_FACTORIAL[n + parity + 1];
+                q[parity] += c[0][parity] * INVERSE_FACTORIAL[n + parity + 2];
+            }
+            let next = [forward * c[1][0] - back * c[0][0], forward * c[1][1] - back * c[0][1]];
+            c = [c[1], next];
         }
         Self { value: (h[0] + h[1]) * dt, integral: (q[0] + q[1]) * dt * dt }
     }

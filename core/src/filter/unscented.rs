@@ -12,6 +12,13 @@
 //! dᵢ = g(χᵢ) - g(χ₀),  s = Σ W dᵢ,  mean = g(χ₀) + s,  cov = Σ W dᵢ dᵢᵀ + (W₀ᶜ + 2nW - 2) s sᵀ = Σ W dᵢ dᵢᵀ + s sᵀ
 //! ```
 //!
+//! A prediction sums over pairs `d± = b ± a` instead, which halves the work: what is linear in its distance from the mean,
+//! as parameters are, has no `b`.
+//!
+//! ```text
+//! s = Σ 2W b,  cov = Σ 2W (a aᵀ + b bᵀ) + s sᵀ
+//! ```
+//!
 //! Source: Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation; van der Merwe (2004), section 3.2.
 
 use super::{Active, Expected, View};
@@ -23,9 +30,13 @@ use crate::model::{Model, Output};
 const SPREAD: f64 = 3.0;
 /// Weight of each sigma point but the centre.
 const WEIGHT: f64 = 1.0 / (2.0 * SPREAD);
-/// The distances of the sigma points from the mean: the columns of `√3 L`.
+/// Weight of each pair of them.
+const PAIR: f64 = 1.0 / SPREAD;
+
+/// The distances of the sigma points from the mean: the rows of `√3 Lᵀ`.
+#[inline]
 fn distances<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, FilterError> {
-    Ok(lower_root(cov)? * SPREAD.sqrt())
+    Ok(lower_root(cov)?.transpose() * SPREAD.sqrt())
 }
 
 /// Mean and covariance of the belief after one Runge-Kutta step of each sigma point.
@@ -36,23 +47,49 @@ pub(super) fn predict<P: Model<N>, const N: usize>(
     dt: f64,
 ) -> Result<(), FilterError> {
     let distances = distances(&belief.cov)?;
-    let step = |state: Vector<N>| model.runge_kutta_step(&state, force, dt);
-    let centre = step(belief.mean);
-    let mut sum = Vector::<N>::zeros();
-    let mut squares = Matrix::<N, N>::zeros();
-    for i in 0..N {
-        let distance: Vector<N> = distances.column(i).into();
-        for image in [step(belief.mean + distance), step(belief.mean - distance)] {
-            let d = image - centre;
-            sum += d;
-            add_square(&mut squares, &d);
+    let (mut high, mut low) = (distances, distances);
+    for j in 0..N {
+        for i in 0..N {
+            high[(i, j)] = belief.mean[j] + distances[(i, j)];
+            low[(i, j)] = belief.mean[j] - distances[(i, j)];
         }
     }
-    let offset = sum * WEIGHT;
+    let centre = model.runge_kutta_step(&belief.mean, force, dt);
+    let high = model.runge_kutta_steps(&high, force, dt);
+    let low = model.runge_kutta_steps(&low, force, dt);
+
+    let linear = (high - low) * 0.5;
+    let mut curved = (high + low) * 0.5;
+    let mut offset = Vector::<N>::zeros();
+    for j in 0..P::MOTION {
+        for i in 0..N {
+            curved[(i, j)] -= centre[j];
+        }
+        offset[j] = curved.column(j).sum() * PAIR;
+    }
+    for j in 0..N {
+        for i in j..N {
+            let mut squares = dot(&linear, i, j);
+            if i < P::MOTION {
+                squares += dot(&curved, i, j);
+            }
+            let entry = squares * PAIR + offset[i] * offset[j];
+            belief.cov[(i, j)] = entry;
+            belief.cov[(j, i)] = entry;
+        }
+    }
     belief.mean = centre + offset;
-    belief.cov = squares * WEIGHT;
-    add_square(&mut belief.cov, &offset);
     Ok(())
+}
+
+/// The product of two columns, in two sums that do not wait for each other.
+#[inline]
+fn dot<const N: usize>(x: &Matrix<N, N>, i: usize, j: usize) -> f64 {
+    let mut sums = [0.0; 2];
+    for k in 0..N {
+        sums[k % 2] += x[(k, i)] * x[(k, j)];
+    }
+    sums[0] + sums[1]
 }
 
 /// What the sensors will read, from sigma points drawn afresh from the prediction.
@@ -75,7 +112,7 @@ pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
     let mut cov = Matrix::<M, M>::zeros();
     let mut cross = Matrix::<N, M>::zeros();
     for i in 0..N {
-        let distance: Vector<N> = distances.column(i).into();
+        let distance: Vector<N> = distances.row(i).transpose();
         let high = read(&(belief.mean + distance)) - centre;
         let low = read(&(belief.mean - distance)) - centre;
         sum += high + low;
