@@ -10,15 +10,27 @@ use crate::gaussian::{Matrix, Vector};
 ///
 /// A Taylor series of Γ over a step so short that 16 terms exhaust double precision, then doubled.
 ///
-/// Source: Moler and Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, method 3.
+/// Source: Moler and Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, method 3; Paterson and
+/// Stockmeyer (1973), On the number of nonscalar multiplications necessary to evaluate polynomials.
 pub fn exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N, N>, Matrix<N, N>) {
     let doublings = doublings(a.abs().row_sum().amax() * dt);
     let short = dt / libm::exp2(f64::from(doublings));
     let m = a * short;
     let identity = Matrix::<N, N>::identity();
-    let mut series = identity;
-    for n in (2..=16).rev() {
-        series = identity + m * series / f64::from(n);
+    // Σ mⁿ/(n+1)!, four powers at a time: six products of matrices, not fifteen.
+    let square = m * m;
+    let powers = [identity, m, square, square * m];
+    let quartet = |first: usize| {
+        let mut sum = powers[0] * INVERSE_FACTORIAL[first + 1];
+        for n in 1..4 {
+            sum += powers[n] * INVERSE_FACTORIAL[first + n + 1];
+        }
+        sum
+    };
+    let fourth = square * square;
+    let mut series = quartet(12);
+    for first in [8, 4, 0] {
+        series = quartet(first) + fourth * series;
     }
     let mut integral = series * short;
     for _ in 0..doublings {
@@ -54,11 +66,11 @@ pub struct ImpulseResponse {
     pub integral: f64,
 }
 
-/// 1/n! for n = 0..=15.
-const INVERSE_FACTORIAL: [f64; 16] = {
-    let mut table = [1.0; 16];
+/// 1/n! for n = 0..=16.
+const INVERSE_FACTORIAL: [f64; 17] = {
+    let mut table = [1.0; 17];
     let mut n = 1;
-    while n < 16 {
+    while n < table.len() {
         table[n] = table[n - 1] / n as f64;
         n += 1;
     }
