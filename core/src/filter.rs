@@ -75,6 +75,17 @@ impl<const N: usize> Correction<N> {
         log_likelihood: f64::NAN,
         effective_samples: f64::NAN,
     };
+
+    /// Makes it [`Self::NOTHING`], number by number: cheaper than the copy of a constant.
+    #[inline]
+    fn clear(&mut self) {
+        self.innovation = [f64::NAN; MAX_SENSORS];
+        self.innovation_cov = [[f64::NAN; MAX_SENSORS]; MAX_SENSORS];
+        self.gain = [[0.0; N]; MAX_SENSORS];
+        self.nis = f64::NAN;
+        self.log_likelihood = f64::NAN;
+        self.effective_samples = f64::NAN;
+    }
 }
 
 /// A sensor that has delivered a measurement: where it reads, its place among the sensors, its variance.
@@ -97,10 +108,8 @@ impl<const M: usize> Observation<M> {
     /// What the sensors would read in a state.
     #[inline]
     fn read<P: Model<N>, const N: usize>(&self, model: &P, state: &Vector<N>) -> Vector<M> {
-        if self.is_linear() {
-            return Vector::from_fn(|row, _| match self.active[row].output {
-                Output::State(i) | Output::Rate(i) => state[i],
-            });
+        if let Some(components) = self.components() {
+            return Vector::from_fn(|row, _| state[components[row]]);
         }
         let rate = model.rate(state, self.force);
         Vector::from_fn(|row, _| match self.active[row].output {
@@ -109,10 +118,15 @@ impl<const M: usize> Observation<M> {
         })
     }
 
-    /// Whether every sensor reads a component of the state.
+    /// Which component of the state each sensor reads, if they all read one.
     #[inline]
-    fn is_linear(&self) -> bool {
-        self.active.iter().all(|a| matches!(a.output, Output::State(_)))
+    fn components(&self) -> Option<[usize; M]> {
+        let mut components = [0; M];
+        for (component, sensor) in components.iter_mut().zip(&self.active) {
+            let Output::State(i) = sensor.output else { return None };
+            *component = i;
+        }
+        Some(components)
     }
 
     /// Adds R to a covariance of the readings.
@@ -227,7 +241,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
     /// sigma points cannot be drawn or a variance comes out negative; [`FilterError::NotFinite`] where the belief
     /// overflows.
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction<N>) -> Result<(), FilterError> {
-        *correction = Correction::NOTHING;
+        correction.clear();
         let mut active = [Active { sensor: 0, output: Output::State(0), variance: 0.0 }; MAX_SENSORS];
         let mut count = 0;
         for (sensor, (&output, &value)) in self.outputs.iter().zip(measured).enumerate() {

@@ -33,13 +33,19 @@ impl<const N: usize> Gaussian<N> {
         }
         sum.sum().is_finite()
     }
+
+    /// Whether a variance is below zero.
+    #[inline]
+    pub(crate) fn has_negative_variance(&self) -> bool {
+        (0..N).any(|i| self.cov[(i, i)] < 0.0)
+    }
 }
 
 /// The lower triangular `L` with `L Lᵀ = cov`, zero above the diagonal. A variance that is zero to rounding gives a column of
 /// zeros, so that a component known for certain stays so.
 ///
 /// Columns are scaled by their pivots' square roots only in the end: a pivot then waits for one division, not for a root
-/// and a division.
+/// and a division, and every other pivot for none (see [`next_pivot`]).
 ///
 /// # Errors
 /// [`FilterError::IndefiniteCovariance`] where a pivot is negative beyond rounding or not a number.
@@ -48,11 +54,15 @@ impl<const N: usize> Gaussian<N> {
 pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, FilterError> {
     let mut columns = *cov;
     let mut root = Matrix::<N, N>::zeros();
+    let mut next = None;
     for j in 0..N {
-        let pivot = columns[(j, j)];
+        let known = next.take();
+        let (pivot, inverse) = known.unwrap_or_else(|| with_inverse(columns[(j, j)]));
         let rounding = 4.0 * N as f64 * f64::EPSILON * cov[(j, j)];
         if pivot > rounding {
-            let inverse = 1.0 / pivot;
+            if known.is_none() {
+                next = next_pivot(&columns, j, pivot, inverse);
+            }
             for k in j + 1..N {
                 let share = columns[(k, j)] * inverse;
                 for i in k..N {
@@ -89,6 +99,25 @@ pub fn add_to_root<const N: usize>(root: &mut Matrix<N, N>, mut d: Vector<N>) {
     }
 }
 
+#[inline]
+fn with_inverse(pivot: f64) -> (f64, f64) {
+    (pivot, 1.0 / pivot)
+}
+
+/// The pivot that follows the one in column `j`, and its inverse, from the determinant of both. That does not wait for the
+/// inverse of the first: two divisions take the time of one. `None` where there is no next column, where the determinant
+/// is not positive, and where it leaves the range of numbers.
+#[inline]
+fn next_pivot<const N: usize>(columns: &Matrix<N, N>, j: usize, pivot: f64, inverse: f64) -> Option<(f64, f64)> {
+    if j + 1 == N {
+        return None;
+    }
+    let across = columns[(j + 1, j)];
+    let determinant = pivot * columns[(j + 1, j + 1)] - across * across;
+    let in_range = (f64::MIN_POSITIVE..=f64::MAX).contains(&determinant);
+    in_range.then(|| (determinant * inverse, pivot / determinant))
+}
+
 /// `S = L D Lᵀ` with a unit lower triangular L and a positive diagonal D: a Cholesky factor without square roots.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
@@ -105,11 +134,15 @@ impl<const M: usize> Factor<M> {
     pub fn new(s: &Matrix<M, M>) -> Option<Self> {
         let mut columns = *s;
         let mut factor = Self { lower: Matrix::identity(), inverse_pivots: Vector::zeros(), determinant: 1.0 };
+        let mut next = None;
         for j in 0..M {
-            let pivot = columns[(j, j)];
-            let inverse = 1.0 / pivot;
+            let known = next.take();
+            let (pivot, inverse) = known.unwrap_or_else(|| with_inverse(columns[(j, j)]));
             if !(pivot > 0.0 && inverse.is_finite()) {
                 return None;
+            }
+            if known.is_none() {
+                next = next_pivot(&columns, j, pivot, inverse);
             }
             for k in j + 1..M {
                 factor.lower[(k, j)] = columns[(k, j)] * inverse;
@@ -192,10 +225,33 @@ impl<const M: usize> Factor<M> {
     }
 }
 
-/// The symmetric part `(X + Xᵀ) / 2`: what rounding has made of a covariance, symmetric to the last bit again.
+/// What rounding has made of a covariance, symmetric to the last bit again: the lower triangle, mirrored.
 #[inline]
-pub(crate) fn symmetric<const N: usize>(matrix: &Matrix<N, N>) -> Matrix<N, N> {
-    (matrix + matrix.transpose()) * 0.5
+pub(crate) fn mirrored<const N: usize>(mut matrix: Matrix<N, N>) -> Matrix<N, N> {
+    for j in 1..N {
+        for i in 0..j {
+            matrix[(i, j)] = matrix[(j, i)];
+        }
+    }
+    matrix
+}
+
+/// `X - A Bᵀ`, column by column so that the compiler can use vector instructions.
+#[inline]
+pub(crate) fn minus_product<const N: usize, const M: usize, const R: usize>(
+    mut x: Matrix<R, N>,
+    a: &Matrix<R, M>,
+    b: &Matrix<N, M>,
+) -> Matrix<R, N> {
+    for j in 0..N {
+        for k in 0..M {
+            let share = b[(j, k)];
+            for i in 0..R {
+                x[(i, j)] -= a[(i, k)] * share;
+            }
+        }
+    }
+    x
 }
 
 #[cfg(test)]

@@ -17,7 +17,8 @@ pub enum Output {
 pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
     /// What each component is: first what moves, then the parameters.
     const CHANNELS: [Channel; N];
-    /// How many components move. Those after them are parameters: each is constant or decays, whatever the others do.
+    /// How many components move. Those after them are parameters: each is constant or decays in proportion to itself,
+    /// whatever the others do.
     const MOTION: usize;
     /// Whether the state is in the channels' units. If not, [`Self::to_units`] and [`Self::to_state`] say how.
     const IN_UNITS: bool = true;
@@ -58,6 +59,13 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
         runge_kutta(state, dt, |y| self.rate(y, force))
     }
 
+    /// [`Self::runge_kutta_step`] of several states, one a row. A plant whose step has no branches can take it for all of
+    /// them at once, component by component, which the compiler turns into vector instructions.
+    #[inline]
+    fn runge_kutta_steps<const B: usize>(&self, states: &Matrix<B, N>, force: f64, dt: f64) -> Matrix<B, N> {
+        one_by_one(states, |state| self.runge_kutta_step(&state, force, dt))
+    }
+
     /// `Γ = dt φ₁(A dt)` for a plant that is linear as long as its parameters are held: then `y + Γ g(y, f)` is its exact
     /// response. The truth of such a plant has no other error than rounding.
     fn exact_integral(&self, _state: &Vector<N>, _dt: f64) -> Option<Matrix<N, N>> {
@@ -85,4 +93,17 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
     fn to_state(&self, values: &Vector<N>) -> (Vector<N>, Vector<N>) {
         (*values, Vector::repeat(1.0))
     }
+}
+
+/// The images of several states, one a row.
+#[inline]
+pub(crate) fn one_by_one<const N: usize, const B: usize>(
+    states: &Matrix<B, N>,
+    step: impl Fn(Vector<N>) -> Vector<N>,
+) -> Matrix<B, N> {
+    let mut images = *states;
+    for row in 0..B {
+        images.set_row(row, &step(states.row(row).transpose()).transpose());
+    }
+    images
 }

@@ -10,15 +10,27 @@ use crate::gaussian::{Matrix, Vector};
 ///
 /// A Taylor series of Γ over a step so short that 16 terms exhaust double precision, then doubled.
 ///
-/// Source: Moler and Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, method 3.
+/// Source: Moler and Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, method 3; Paterson and
+/// Stockmeyer (1973), On the number of nonscalar multiplications necessary to evaluate polynomials.
 pub fn exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N, N>, Matrix<N, N>) {
     let doublings = doublings(a.abs().row_sum().amax() * dt);
     let short = dt / libm::exp2(f64::from(doublings));
     let m = a * short;
     let identity = Matrix::<N, N>::identity();
-    let mut series = identity;
-    for n in (2..=16).rev() {
-        series = identity + m * series / f64::from(n);
+    // Σ mⁿ/(n+1)!, four powers at a time: six products of matrices, not fifteen.
+    let square = m * m;
+    let powers = [identity, m, square, square * m];
+    let quartet = |first: usize| {
+        let mut sum = powers[0] * INVERSE_FACTORIAL[first + 1];
+        for n in 1..4 {
+            sum += powers[n] * INVERSE_FACTORIAL[first + n + 1];
+        }
+        sum
+    };
+    let fourth = square * square;
+    let mut series = quartet(12);
+    for first in [8, 4, 0] {
+        series = quartet(first) + fourth * series;
     }
     let mut integral = series * short;
     for _ in 0..doublings {
@@ -54,11 +66,11 @@ pub struct ImpulseResponse {
     pub integral: f64,
 }
 
-/// 1/n! for n = 0..=15.
-const INVERSE_FACTORIAL: [f64; 16] = {
-    let mut table = [1.0; 16];
+/// 1/n! for n = 0..=16.
+const INVERSE_FACTORIAL: [f64; 17] = {
+    let mut table = [1.0; 17];
     let mut n = 1;
-    while n < 16 {
+    while n < table.len() {
         table[n] = table[n - 1] / n as f64;
         n += 1;
     }
@@ -92,9 +104,11 @@ impl ImpulseResponse {
     pub fn runge_kutta(a: f64, b: f64, dt: f64) -> Self {
         let (alpha, beta) = (a * dt * dt, b * dt);
         let second = alpha + beta * beta;
+        let third = beta * (second + alpha);
+        let [_, _, half, sixth, twenty_fourth, ..] = INVERSE_FACTORIAL;
         Self {
-            value: dt * (1.0 + beta / 2.0 + second / 6.0 + beta * (second + alpha) / 24.0),
-            integral: dt * dt * (0.5 + beta / 6.0 + second / 24.0),
+            value: dt * ((1.0 + beta * half) + (second * sixth + third * twenty_fourth)),
+            integral: dt * dt * ((half + beta * sixth) + second * twenty_fourth),
         }
     }
 
@@ -105,18 +119,15 @@ impl ImpulseResponse {
         let (alpha, beta) = (a * dt * dt, b * dt);
         let forward = beta * beta + 2.0 * alpha;
         let back = alpha * alpha;
-        let mut c = [0.0; TERMS];
-        c[0] = 1.0;
-        c[1] = beta;
-        c[2] = beta * beta + alpha;
-        c[3] = beta * forward;
-        for n in 4..TERMS {
-            c[n] = forward * c[n - 2] - back * c[n - 4];
-        }
+        let mut c = [[1.0, beta], [beta * beta + alpha, beta * forward]];
         let (mut h, mut q) = ([0.0; 2], [0.0; 2]);
-        for n in 0..TERMS {
-            h[n % 2] += c[n] * INVERSE_FACTORIAL[n + 1];
-            q[n % 2] += c[n] * INVERSE_FACTORIAL[n + 2];
+        for n in (0..TERMS).step_by(2) {
+            for parity in 0..2 {
+                h[parity] += c[0][parity] * INVERSE_FACTORIAL[n + parity + 1];
+                q[parity] += c[0][parity] * INVERSE_FACTORIAL[n + parity + 2];
+            }
+            let next = [forward * c[1][0] - back * c[0][0], forward * c[1][1] - back * c[0][1]];
+            c = [c[1], next];
         }
         Self { value: (h[0] + h[1]) * dt, integral: (q[0] + q[1]) * dt * dt }
     }

@@ -2,7 +2,7 @@
 
 use crate::estimator::{Surroundings, build_filter, initial_belief, with_model};
 use crate::filter::{Correction, Filter, Linearised, Rule, SigmaPoints, Smoothable};
-use crate::gaussian::{Factor, Gaussian, Matrix, symmetric};
+use crate::gaussian::{Factor, Gaussian, Matrix, mirrored};
 use crate::model::Model;
 use crate::plant::Visitor;
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Record};
@@ -124,7 +124,7 @@ fn back<const N: usize>(way: Way<N>) -> Vec<Gaussian<N>> {
         let Gaussian { mean: next_mean, cov: next_cov } = filtered[k + 1].clone();
         let Gaussian { mean, cov } = &mut filtered[k];
         *mean += gain * (next_mean - predicted.mean);
-        *cov = symmetric(&(*cov - gain * cross.transpose() + gain * next_cov * gain.transpose()));
+        *cov = mirrored(*cov - gain * cross.transpose() + gain * next_cov * gain.transpose());
         for i in 0..N {
             // Zero but for rounding.
             cov[(i, i)] = cov[(i, i)].max(0.0);

@@ -14,21 +14,21 @@ use kalmanscope_core::models::shear_chain::ShearChain;
 use kalmanscope_core::{FilterSettings, PerChannel, PlantKind, Record, Run, Scenario};
 
 /// A filter and what it is fed.
-pub struct Case {
+pub(crate) struct Case {
     /// Plant, number of components, kind of filter.
-    pub name: String,
+    pub(crate) name: String,
     stepper: Box<dyn FnMut(usize)>,
 }
 
 impl Case {
     /// Makes `steps` predictions and updates, over the record again and again.
-    pub fn run(&mut self, steps: usize) {
+    pub(crate) fn run(&mut self, steps: usize) {
         (self.stepper)(steps);
     }
 }
 
 /// Every case, with two sensors each.
-pub fn cases() -> Vec<Case> {
+pub(crate) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     plant(&mut cases, PlantKind::Sdof, Sdof { eta: 0.0 });
     plant(&mut cases, PlantKind::Duffing, Duffing { eta: 0.0 });

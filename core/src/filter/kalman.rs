@@ -1,8 +1,7 @@
 //! The update of a Gaussian belief, whichever way the measurement was expected.
 
 use super::{Correction, FilterError, Observation};
-use crate::gaussian::{Factor, Gaussian, Matrix, Vector, symmetric};
-use crate::model::Output;
+use crate::gaussian::{Factor, Gaussian, Matrix, Vector, minus_product, mirrored};
 
 /// What a belief says of M measurements before they are seen.
 pub(super) struct Expected<const N: usize, const M: usize> {
@@ -11,8 +10,44 @@ pub(super) struct Expected<const N: usize, const M: usize> {
     pub(super) cov: Matrix<M, M>,
     /// Covariance of state and measurement.
     pub(super) cross: Matrix<N, M>,
-    /// H, where the measurements are linear in the state or taken to be.
-    pub(super) jacobian: Option<Matrix<M, N>>,
+    pub(super) view: View<N, M>,
+}
+
+/// How measurements depend on the state.
+pub(super) enum View<const N: usize, const M: usize> {
+    /// Each is a component of it: H picks. With `H P⁻ Hᵀ`.
+    Components(Matrix<M, M>),
+    /// Linearly, or taken to: H.
+    Linear(Matrix<M, N>),
+    /// Not linearly.
+    Curved,
+}
+
+/// What sensors will read that read components of the state: H picks, it does not multiply.
+#[inline]
+pub(super) fn expect_components<const N: usize, const M: usize>(
+    belief: &Gaussian<N>,
+    components: [usize; M],
+    observation: &Observation<M>,
+) -> Expected<N, M> {
+    let mut cross = Matrix::<N, M>::zeros();
+    let mut mean = Vector::<M>::zeros();
+    for (row, &i) in components.iter().enumerate() {
+        mean[row] = belief.mean[i];
+        // A row, not the same column: reading it number by number does not wait for pairs to be written.
+        for k in 0..N {
+            cross[(k, row)] = belief.cov[(i, k)];
+        }
+    }
+    let mut seen = Matrix::<M, M>::zeros();
+    for (row, &i) in components.iter().enumerate() {
+        for column in 0..M {
+            seen[(row, column)] = cross[(i, column)];
+        }
+    }
+    let mut cov = seen;
+    observation.add_noise(&mut cov);
+    Expected { mean, cov, cross, view: View::Components(seen) }
 }
 
 /// Conditions a Gaussian belief on a measurement.
@@ -32,15 +67,19 @@ pub(super) fn condition<const N: usize, const M: usize>(
     observation: &Observation<M>,
     correction: &mut Correction<N>,
 ) -> Result<(), FilterError> {
-    let Expected { mean, cov: innovation_cov, cross, jacobian } = expected;
+    let Expected { mean, cov: innovation_cov, cross, view } = expected;
     let innovation = observation.values - mean;
     let factor = factor(innovation_cov)?;
     let gain = factor.divide(cross);
 
     belief.mean += gain * innovation;
-    belief.cov = match jacobian {
-        Some(jacobian) => joseph(&belief.cov, &gain, cross, jacobian, observation),
-        None => symmetric(&(belief.cov - gain * innovation_cov * gain.transpose())),
+    belief.cov = match view {
+        // Picked columns of `P - K (P Hᵀ)ᵀ`, computed again rather than fetched.
+        View::Components(seen) => {
+            joseph(&belief.cov, &gain, cross, observation, |_| minus_product(*cross, &gain, seen))
+        }
+        View::Linear(jacobian) => joseph(&belief.cov, &gain, cross, observation, |x| x * jacobian.transpose()),
+        View::Curved => mirrored(minus_product(belief.cov, &(gain * innovation_cov), &gain)),
     };
     check(belief)?;
     report(observation, &innovation, innovation_cov, &factor, &gain, correction);
@@ -56,7 +95,7 @@ pub(super) fn check<const N: usize>(belief: &Gaussian<N>) -> Result<(), FilterEr
     if !belief.is_finite() {
         return Err(FilterError::NotFinite);
     }
-    if belief.cov.diagonal().min() < 0.0 {
+    if belief.has_negative_variance() {
         return Err(FilterError::IndefiniteCovariance);
     }
     Ok(())
@@ -113,43 +152,28 @@ fn joseph<const N: usize, const M: usize>(
     cov: &Matrix<N, N>,
     gain: &Matrix<N, M>,
     cross: &Matrix<N, M>,
-    jacobian: &Matrix<M, N>,
     observation: &Observation<M>,
+    seen: impl Fn(&Matrix<N, N>) -> Matrix<N, M>,
 ) -> Matrix<N, N> {
-    let kept = cov - gain * cross.transpose();
-    let mut excess = seen_by(&kept, jacobian, observation);
+    let kept = minus_product(*cov, gain, cross);
+    let mut excess = seen(&kept);
     for (k, sensor) in observation.active.iter().enumerate() {
         for i in 0..N {
             excess[(i, k)] -= gain[(i, k)] * sensor.variance;
         }
     }
-    symmetric(&(kept - excess * gain.transpose()))
-}
-
-/// `X Hᵀ`, which for sensors that read a component of the state only picks columns.
-#[inline]
-pub(super) fn seen_by<const N: usize, const M: usize, const R: usize>(
-    x: &Matrix<R, N>,
-    jacobian: &Matrix<M, N>,
-    observation: &Observation<M>,
-) -> Matrix<R, M> {
-    let mut result = Matrix::<R, M>::zeros();
-    for (row, sensor) in observation.active.iter().enumerate() {
-        match sensor.output {
-            Output::State(i) => result.set_column(row, &x.column(i)),
-            Output::Rate(_) => result.set_column(row, &(x * jacobian.row(row).transpose())),
-        }
-    }
-    result
+    mirrored(minus_product(kept, &excess, gain))
 }
 
 /// `P ← λ P + Q`; a variance that is zero but for rounding may have come out on the wrong side.
 #[inline]
-pub(super) fn spread<const N: usize>(cov: &mut Matrix<N, N>, fading: f64, process: &Matrix<N, N>) {
-    *cov = *cov * fading + process;
-    if cov.diagonal().min() < 0.0 {
+pub(super) fn spread<const N: usize>(belief: &mut Gaussian<N>, fading: f64, process: &Matrix<N, N>) {
+    for (entry, added) in belief.cov.iter_mut().zip(process) {
+        *entry = *entry * fading + added;
+    }
+    if belief.has_negative_variance() {
         for i in 0..N {
-            cov[(i, i)] = cov[(i, i)].max(0.0);
+            belief.cov[(i, i)] = belief.cov[(i, i)].max(0.0);
         }
     }
 }

@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-use super::kalman::{self, Expected, seen_by};
+use super::kalman::{self, Expected, View, expect_components};
 use super::{Belief, Correction, FilterError, Observation, Smoothable};
-use crate::gaussian::{Gaussian, Matrix, Vector};
+use crate::gaussian::{Gaussian, Matrix, Vector, mirrored};
 use crate::model::{Model, Output};
 
 /// How the mean of a linearising filter moves, and with which transition matrix its covariance.
@@ -108,7 +108,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
 
     #[inline]
     fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
-        kalman::spread(&mut self.belief.cov, fading, process);
+        kalman::spread(&mut self.belief, fading, process);
         Ok(())
     }
 
@@ -120,8 +120,12 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
         correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
         let Self { belief, iterations, .. } = self;
+        if let Some(components) = observation.components() {
+            let expected = expect_components(belief, components, observation);
+            return kalman::condition(belief, &expected, observation, correction);
+        }
         let expected = expect(model, belief, observation);
-        if *iterations > 1 && !observation.is_linear() {
+        if *iterations > 1 {
             return iterate(model, belief, &expected, observation, *iterations, correction);
         }
         kalman::condition(belief, &expected, observation, correction)
@@ -144,33 +148,43 @@ impl<P: Model<N>, const N: usize> Smoothable<P, N> for Linearised<N> {
 /// `Φ P Φᵀ`, symmetric to the last bit, where the first `motion` rows of Φ are full and the rest is diagonal.
 #[inline]
 fn congruence<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Matrix<N, N>) -> Matrix<N, N> {
-    let mut half = *cov;
+    // The first rows of Φ P.
+    let mut half = Matrix::<N, N>::zeros();
     for j in 0..N {
         for i in 0..motion {
-            half[(i, j)] = (0..N).map(|k| transition[(i, k)] * cov[(k, j)]).sum();
+            half[(i, j)] = transition[(i, 0)] * cov[(0, j)];
         }
-        for i in motion..N {
-            half[(i, j)] *= transition[(i, i)];
+        for k in 1..N {
+            for i in 0..motion {
+                half[(i, j)] += transition[(i, k)] * cov[(k, j)];
+            }
         }
     }
     let mut result = Matrix::<N, N>::zeros();
-    for j in 0..N {
-        for i in j..N {
-            let entry = if j < motion {
-                (0..N).map(|k| half[(i, k)] * transition[(j, k)]).sum()
-            } else {
-                half[(i, j)] * transition[(j, j)]
-            };
-            result[(i, j)] = entry;
-            result[(j, i)] = entry;
+    for j in 0..motion {
+        for i in 0..motion {
+            result[(i, j)] = half[(i, 0)] * transition[(j, 0)];
+        }
+        for k in 1..N {
+            for i in 0..motion {
+                result[(i, j)] += half[(i, k)] * transition[(j, k)];
+            }
+        }
+        // P is symmetric: these rows of P Φᵀ are columns of Φ P.
+        for i in motion..N {
+            result[(i, j)] = half[(j, i)] * transition[(i, i)];
         }
     }
-    result
+    for j in motion..N {
+        for i in j..N {
+            result[(i, j)] = cov[(i, j)] * (transition[(i, i)] * transition[(j, j)]);
+        }
+    }
+    mirrored(result)
 }
 
-/// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`.
-#[inline]
-pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
+/// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, where not every sensor reads a component of the state.
+fn expect<P: Model<N>, const N: usize, const M: usize>(
     model: &P,
     belief: &Gaussian<N>,
     observation: &Observation<M>,
@@ -179,31 +193,30 @@ pub(super) fn expect<P: Model<N>, const N: usize, const M: usize>(
     expect_with(belief, mean, sensor_jacobian(model, &belief.mean, observation), observation)
 }
 
-#[inline]
 fn expect_with<const N: usize, const M: usize>(
     belief: &Gaussian<N>,
     mean: Vector<M>,
     jacobian: Matrix<M, N>,
     observation: &Observation<M>,
 ) -> Expected<N, M> {
-    let cross = seen_by(&belief.cov, &jacobian, observation);
-    let mut cov = seen_by(&cross.transpose(), &jacobian, observation);
+    let cross = belief.cov * jacobian.transpose();
+    let mut cov = jacobian * cross;
     observation.add_noise(&mut cov);
-    Expected { mean, cov, cross, jacobian: Some(jacobian) }
+    Expected { mean, cov, cross, view: View::Linear(jacobian) }
 }
 
 /// H at a state, M × N.
-#[inline]
-pub(crate) fn sensor_jacobian<P: Model<N>, const N: usize, const M: usize>(
+fn sensor_jacobian<P: Model<N>, const N: usize, const M: usize>(
     model: &P,
     state: &Vector<N>,
     observation: &Observation<M>,
 ) -> Matrix<M, N> {
+    let rate = model.jacobian(state);
     let mut jacobian = Matrix::<M, N>::zeros();
     for (row, sensor) in observation.active.iter().enumerate() {
         match sensor.output {
             Output::State(i) => jacobian[(row, i)] = 1.0,
-            Output::Rate(i) => jacobian.set_row(row, &model.jacobian(state).row(i)),
+            Output::Rate(i) => jacobian.set_row(row, &rate.row(i)),
         }
     }
     jacobian

@@ -2,16 +2,23 @@
 //!
 //! ```text
 //! χ₀ = y,  χ± = y ± c L e_i,  L Lᵀ = P
-//! dᵢ = g(χᵢ) - g(χ₀),  s = Σ W dᵢ,  mean = g(χ₀) + s,  cov = Σ W dᵢ dᵢᵀ + b s sᵀ
+//! dᵢ = g(χᵢ) - g(χ₀),  s = Σ W dᵢ,  mean = g(χ₀) + s,  cov = Σ W dᵢ dᵢᵀ + o s sᵀ
 //! ```
 //!
 //! Means and covariances are taken about the centre's image: in exact arithmetic that is the weighted sum of the
 //! textbooks, in floating point it leaves a component that does not vary exactly where it is.
+//!
+//! A prediction sums over pairs `d± = b ± a` instead, which halves the work: what is linear in its distance from the mean,
+//! as parameters are, has no `b`.
+//!
+//! ```text
+//! s = Σ 2W bᵢ,  cov = Σ 2W (aᵢ aᵢᵀ + bᵢ bᵢᵀ) + o s sᵀ
+//! ```
 
 use std::borrow::Cow;
 
-use super::kalman::{self, Expected};
-use super::{Belief, Correction, FilterError, Observation, Smoothable, linearised};
+use super::kalman::{self, Expected, View, expect_components};
+use super::{Belief, Correction, FilterError, Observation, Smoothable};
 use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::model::Model;
 
@@ -19,19 +26,19 @@ use crate::model::Model;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// The scaled unscented transform with α = 1, β = 2, κ = 3 - n: points √3 standard deviations away. With these
-    /// constants the covariance is a sum of squares, `b = W₀ᶜ + 2nW - 2 = 1`, and never turns negative.
+    /// constants the covariance is a sum of squares, `o = W₀ᶜ + 2nW - 2 = 1`, and never turns negative.
     ///
     /// Source: Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation; van der Merwe (2004), section 3.2.
     Unscented,
     /// The third-degree spherical-radial cubature rule: 2n points √n standard deviations away, none in the centre,
-    /// `b = -1`.
+    /// `o = -1`.
     ///
     /// Source: Arasaratnam and Haykin (2009), Cubature Kalman filters.
     Cubature,
 }
 
 impl Rule {
-    /// c², the weight W of each point but the centre, and b, the part of `s sᵀ` in the covariance.
+    /// c², the weight W of each point but the centre, and o, the part of `s sᵀ` in the covariance.
     #[inline]
     pub(super) fn constants<const N: usize>(self) -> (f64, f64, f64) {
         let (spread, offset) = match self {
@@ -61,30 +68,47 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     #[inline]
     fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
         let Self { belief, rule } = self;
-        let (spread, weight, offset) = rule.constants::<N>();
-        let distances = lower_root(&belief.cov)? * spread.sqrt();
-        let step = |state: Vector<N>| model.runge_kutta_step(&state, force, dt);
-        let centre = step(belief.mean);
-        let mut sum = Vector::<N>::zeros();
-        let mut squares = Matrix::<N, N>::zeros();
-        for i in 0..N {
-            let distance: Vector<N> = distances.column(i).into();
-            for image in [step(belief.mean + distance), step(belief.mean - distance)] {
-                let d = image - centre;
-                sum += d;
-                add_square(&mut squares, &d, 1.0);
+        let (spread, weight, square) = rule.constants::<N>();
+        let pair = 2.0 * weight;
+        let distances = lower_root(&belief.cov)?.transpose() * spread.sqrt();
+        let (mut high, mut low) = (distances, distances);
+        for j in 0..N {
+            for i in 0..N {
+                high[(i, j)] = belief.mean[j] + distances[(i, j)];
+                low[(i, j)] = belief.mean[j] - distances[(i, j)];
             }
         }
-        let shift = sum * weight;
+        let centre = model.runge_kutta_step(&belief.mean, force, dt);
+        let high = model.runge_kutta_steps(&high, force, dt);
+        let low = model.runge_kutta_steps(&low, force, dt);
+
+        let linear = (high - low) * 0.5;
+        let mut curved = (high + low) * 0.5;
+        let mut shift = Vector::<N>::zeros();
+        for j in 0..P::MOTION {
+            for i in 0..N {
+                curved[(i, j)] -= centre[j];
+            }
+            shift[j] = curved.column(j).sum() * pair;
+        }
+        for j in 0..N {
+            for i in j..N {
+                let mut squares = dot(&linear, i, j);
+                if i < P::MOTION {
+                    squares += dot(&curved, i, j);
+                }
+                let entry = squares * pair + square * shift[i] * shift[j];
+                belief.cov[(i, j)] = entry;
+                belief.cov[(j, i)] = entry;
+            }
+        }
         belief.mean = centre + shift;
-        belief.cov = squares * weight;
-        add_square(&mut belief.cov, &shift, offset);
         Ok(())
     }
 
     #[inline]
     fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
-        kalman::spread(&mut self.belief.cov, fading, process);
+        kalman::spread(&mut self.belief, fading, process);
         Ok(())
     }
 
@@ -96,11 +120,10 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
         correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
         let Self { belief, rule } = self;
-        let expected = if observation.is_linear() {
+        let expected = match observation.components() {
             // Sigma points through a linear function give its exact moments, which this gives for less.
-            linearised::expect(model, belief, observation)
-        } else {
-            expect(model, belief, *rule, observation)?
+            Some(components) => expect_components(belief, components, observation),
+            None => expect(model, belief, *rule, observation)?,
         };
         kalman::condition(belief, &expected, observation, correction)
     }
@@ -153,7 +176,17 @@ fn expect<P: Model<N>, const N: usize, const M: usize>(
     cov *= weight;
     add_square(&mut cov, &shift, offset);
     observation.add_noise(&mut cov);
-    Ok(Expected { mean: centre + shift, cov, cross, jacobian: None })
+    Ok(Expected { mean: centre + shift, cov, cross, view: View::Curved })
+}
+
+/// The product of two columns, in two sums that do not wait for each other.
+#[inline]
+fn dot<const N: usize>(x: &Matrix<N, N>, i: usize, j: usize) -> f64 {
+    let mut sums = [0.0; 2];
+    for k in 0..N {
+        sums[k % 2] += x[(k, i)] * x[(k, j)];
+    }
+    sums[0] + sums[1]
 }
 
 /// Adds `b d dᵀ`, column by column so that the compiler can use vector instructions.

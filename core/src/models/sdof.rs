@@ -2,7 +2,7 @@
 
 use crate::Channel;
 use crate::gaussian::{Matrix, Vector};
-use crate::model::Model;
+use crate::model::{Model, one_by_one};
 use crate::propagation::{ImpulseResponse, exp_and_integral, runge_kutta};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
@@ -92,12 +92,31 @@ impl Model<4> for Sdof {
             return runge_kutta(state, dt, |y| self.rate(y, force));
         }
         let [[x, v, wn, zeta]] = state.data.0;
-        let (stiffness, damping) = (-wn * wn, -2.0 * zeta * wn);
-        let acceleration = force + damping * v + stiffness * x;
-        let response = ImpulseResponse::runge_kutta(stiffness, damping, dt);
-        let [x, v] = response.advance(stiffness, damping, [x, v], acceleration);
+        let [x, v] = runge_kutta_motion([x, v, wn, zeta], force, dt);
         Vector::<4>::new(x, v, wn, zeta)
     }
+
+    #[inline]
+    fn runge_kutta_steps<const B: usize>(&self, states: &Matrix<B, 4>, force: f64, dt: f64) -> Matrix<B, 4> {
+        if self.eta != 0.0 {
+            return one_by_one(states, |state| self.runge_kutta_step(&state, force, dt));
+        }
+        let [x, v, wn, zeta] = states.data.0;
+        let (mut moved, mut sped) = (x, v);
+        for row in 0..B {
+            [moved[row], sped[row]] = runge_kutta_motion([x[row], v[row], wn[row], zeta[row]], force, dt);
+        }
+        Matrix::from([moved, sped, wn, zeta])
+    }
+}
+
+/// Displacement and velocity after a Runge-Kutta step with constant parameters.
+#[inline]
+fn runge_kutta_motion([x, v, wn, zeta]: [f64; 4], force: f64, dt: f64) -> [f64; 2] {
+    let (stiffness, damping) = (-wn * wn, -2.0 * zeta * wn);
+    let acceleration = force + damping * v + stiffness * x;
+    let response = ImpulseResponse::runge_kutta(stiffness, damping, dt);
+    response.advance(stiffness, damping, [x, v], acceleration)
 }
 
 #[cfg(test)]
@@ -134,6 +153,9 @@ mod tests {
     fn the_polynomial_is_the_runge_kutta_step() {
         let model = Sdof { eta: 0.0 };
         for dt in [1e-6, 0.001, 0.01, 0.1] {
+            let states = Matrix::<7, 4>::from_fn(|row, i| STATES[row][i]);
+            let images = model.runge_kutta_steps(&states, 3.0, dt);
+            assert_eq!(images, one_by_one(&states, |state| model.runge_kutta_step(&state, 3.0, dt)));
             for state in STATES.map(Vector::<4>::from) {
                 let stages = runge_kutta(&state, dt, |y| model.rate(y, 3.0));
                 let error = (model.runge_kutta_step(&state, 3.0, dt) - stages).amax() / stages.amax();
