@@ -2,13 +2,14 @@
 
 use std::fmt::{self, Write as _};
 
-use kalmanscope_core::diagnostics::{Final, MeanNis};
+use kalmanscope_core::diagnostics::{Final, MeanSquare};
 use kalmanscope_core::{FilterKind, Run, Summary};
 
-use crate::number::{deviation, plain, with_spread};
+use crate::number::{deviation, plain, short, with_spread};
 
-/// What each filter made of the record, for people: the last estimates ±2σ with units, their errors where the truth is
-/// known, the mean NIS with its 95 % interval, the log likelihood, the time per step, and where it stopped if it did.
+/// What each filter made of the record, for people: the verdict on it, the last estimates ±2σ with units, their errors
+/// where the truth is known, mean NIS and NEES with their 95 % intervals, whether the innovations are white, the log
+/// likelihood, the time per step, and where it stopped if it did.
 ///
 /// `step_times` \[ns\] are those of [`crate::step_times`], one a filter, or empty if they are not to be shown.
 pub fn table(run: &Run, step_times: &[Option<f64>]) -> String {
@@ -32,17 +33,17 @@ fn write_table(text: &mut String, run: &Run, step_times: &[Option<f64>]) -> fmt:
         writeln!(text, "\nno filters")?;
     }
     let summaries: Vec<Summary> = run.estimates().iter().map(|e| Summary::new(e, record)).collect();
-    let rows: Vec<Vec<Row>> = summaries.iter().map(|s| s.finals.iter().map(Row::new).collect()).collect();
-    let all = || rows.iter().flatten();
-    let widths = Widths {
-        value: all().map(|r| width(&r.value)).max().unwrap_or(0),
-        spread: all().map(|r| width(&r.spread)).max().unwrap_or(0),
-        error: all().map(|r| width(&r.error)).max().unwrap_or(0),
-    };
+    let rows: Vec<Vec<[String; COLUMNS]>> = summaries.iter().map(|s| s.finals.iter().map(row).collect()).collect();
+    let widths: [usize; COLUMNS] =
+        std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
     for (i, (summary, rows)) in summaries.iter().zip(&rows).enumerate() {
         writeln!(text, "\n{}", heading(&summary.name, summary.kind))?;
+        match &summary.verdict {
+            Some(verdict) => writeln!(text, "  {verdict}")?,
+            None => writeln!(text, "  no verdict: fewer than 20 measurements")?,
+        }
         for row in rows {
-            row.write(text, &widths)?;
+            write_row(text, row, &widths)?;
         }
         write_quality(text, summary)?;
         if let Some(Some(time)) = step_times.get(i) {
@@ -57,24 +58,43 @@ fn write_table(text: &mut String, run: &Run, step_times: &[Option<f64>]) -> fmt:
 }
 
 fn write_quality(text: &mut String, summary: &Summary) -> fmt::Result {
-    let Some(nis @ MeanNis { mean, low, high }) = summary.nis else {
-        return writeln!(text, "  mean NIS        – (no measurement)\n  log likelihood  –");
-    };
-    let verdict = if nis.is_consistent() {
+    match &summary.nis {
+        Some(nis) => writeln!(text, "  mean NIS        {}", placed(nis, "interval"))?,
+        None => writeln!(text, "  mean NIS        – (no measurement)")?,
+    }
+    if let Some(nees) = &summary.nees {
+        writeln!(text, "  mean NEES       {}", placed(nees, "interval for one sample"))?;
+    }
+    if let Some(share) = summary.share_in_ellipsoid {
+        writeln!(text, "  truth           in the 95 % ellipsoid in {:.1} % of the samples", 100.0 * share)?;
+    }
+    let tests = summary.ljung_box.iter().filter_map(|(quantity, test)| {
+        let test = test.as_ref()?;
+        Some(format!("{} Q = {}, p = {:.3}", quantity.symbol(), short(test.statistic), test.p_value))
+    });
+    let tests: Vec<String> = tests.collect();
+    if !tests.is_empty() {
+        writeln!(text, "  Ljung-Box       {}", tests.join("; "))?;
+    }
+    match &summary.nis {
+        Some(_) => writeln!(text, "  log likelihood  {:.2}", summary.log_likelihood),
+        None => writeln!(text, "  log likelihood  –"),
+    }
+}
+
+/// A mean and where it is relative to its interval.
+fn placed(square: &MeanSquare, interval: &str) -> String {
+    let MeanSquare { mean, interval: range, .. } = square;
+    let place = if range.contains(mean) {
         "inside"
-    } else if mean > high {
-        "above"
-    } else {
+    } else if mean < range.start() {
         "below"
+    } else {
+        "above"
     };
-    let meaning = match verdict {
-        "above" => ": more confident than right",
-        "below" => ": less confident than right",
-        _ => "",
-    };
-    let [mean, low, high] = [mean, low, high].map(|x| if x < 1e6 { format!("{x:.3}") } else { format!("{x:.3e}") });
-    writeln!(text, "  mean NIS        {mean}, {verdict} its χ² 95 % interval {low} … {high}{meaning}")?;
-    writeln!(text, "  log likelihood  {:.2}", summary.log_likelihood)
+    let [mean, low, high] =
+        [mean, range.start(), range.end()].map(|x| if *x < 1e6 { format!("{x:.3}") } else { format!("{x:.3e}") });
+    format!("{mean}, {place} its χ² 95 % {interval} {low} … {high}")
 }
 
 /// The filter's name on one line, and its kind if the name does not say it.
@@ -87,45 +107,46 @@ pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     }
 }
 
-/// One channel's last estimate, as text.
-struct Row {
-    symbol: &'static str,
-    name: &'static str,
-    unit: &'static str,
-    value: String,
-    spread: String,
-    error: String,
-    in_stds: String,
-}
+/// Symbol, name, value, spread, unit, error, in standard deviations, errors of the whole record and of its last third,
+/// share inside ±2σ, time of settling.
+const COLUMNS: usize = 11;
 
-struct Widths {
-    value: usize,
-    spread: usize,
-    error: usize,
-}
+/// What stands before each column.
+const LABELS: [&str; COLUMNS] = ["", "", "", "±", "", "error", "", "RMSE", "last third", "inside", "settled"];
 
-impl Row {
-    fn new(last: &Final) -> Self {
-        let &Final { channel, mean, std, error } = last;
-        let (value, spread) = with_spread(mean, std);
-        let (symbol, name, unit) = (channel.symbol(), channel.name(), channel.unit());
-        let in_stds = match error {
-            Some(error) if std > 0.0 => format!("({:.1}σ)", error.abs() / std),
-            _ => String::new(),
+/// One channel's last estimate and its score, as text, column by column.
+fn row(last: &Final) -> [String; COLUMNS] {
+    let &Final { channel, mean, std, score } = last;
+    let (value, spread) = with_spread(mean, std);
+    let scored = score.map(|score| {
+        let in_stds = if std > 0.0 { format!("({:.1}σ)", score.error.abs() / std) } else { String::new() };
+        let settled = match score.settled {
+            _ if std == 0.0 || !channel.is_parameter() => String::new(),
+            Some(time) => format!("{} s", plain((time * 1e3).round() / 1e3)),
+            None => "never".to_owned(),
         };
-        let error = error.map(|error| deviation(error, std)).unwrap_or_default();
-        Self { symbol, name, unit, value, spread, error, in_stds }
-    }
+        let inside = if std > 0.0 { format!("{:.1} %", 100.0 * score.share_inside) } else { String::new() };
+        [deviation(score.error, std), in_stds, short(score.rmse), short(score.rmse_last_third), inside, settled]
+    });
+    let [error, in_stds, rmse, last_third, inside, settled] = scored.unwrap_or_default();
+    let [symbol, name, unit] = [channel.symbol(), channel.name(), channel.unit()].map(str::to_owned);
+    [symbol, name, value, spread, unit, error, in_stds, rmse, last_third, inside, settled]
+}
 
-    fn write(&self, text: &mut String, widths: &Widths) -> fmt::Result {
-        let Self { symbol, name, unit, value, spread, error, in_stds } = self;
-        let Widths { value: value_width, spread: spread_width, error: error_width } = widths;
-        let mut line = format!("  {symbol:2} {name:17}  {value:>value_width$} ± {spread:spread_width$} {unit:5}");
-        if !error.is_empty() {
-            write!(line, "  error {error:>error_width$} {in_stds}")?;
+/// Numbers to the right of their column, words to the left; a column that is empty in every row is left out.
+fn write_row(text: &mut String, row: &[String; COLUMNS], widths: &[usize; COLUMNS]) -> fmt::Result {
+    let mut line = " ".to_owned();
+    for (i, ((cell, &width), label)) in row.iter().zip(widths).zip(LABELS).enumerate() {
+        let label = if cell.is_empty() { " ".repeat(label.len()) } else { label.to_owned() };
+        match i {
+            _ if width == 0 => {}
+            0 | 1 | 4 | 6 => write!(line, " {cell:width$}")?,
+            3 => write!(line, " {label} {cell:width$}")?,
+            5 | 7.. => write!(line, "  {label} {cell:>width$}")?,
+            _ => write!(line, "  {cell:>width$}")?,
         }
-        writeln!(text, "{}", line.trim_end())
     }
+    writeln!(text, "{}", line.trim_end())
 }
 
 fn width(text: &str) -> usize {
@@ -154,6 +175,33 @@ mod tests {
             text.lines().filter_map(|l| l.find(" ± ").map(|byte| l[..byte].chars().count())).collect();
         assert_eq!(places.len(), 8);
         assert!(places.iter().all(|&p| p == places[0]), "{text}");
+        for label in ["  error ", "  RMSE ", "  last third ", "  inside "] {
+            let places: Vec<usize> =
+                text.lines().filter_map(|l| l.find(label).map(|byte| l[..byte].chars().count())).collect();
+            assert!(places.len() == 8 && places.iter().all(|&p| p == places[0]), "{label} in\n{text}");
+        }
+    }
+
+    #[test]
+    fn the_verdict_comes_first() {
+        let text = shown("duration = 5.0");
+        let lines: Vec<&str> = text.lines().collect();
+        let heading = lines.iter().position(|line| *line == "EKF").unwrap();
+        assert!(lines[heading + 1].starts_with("  consistent: innovations² are "), "{text}");
+        for part in ["mean NEES ", "95 % ellipsoid", "Ljung-Box ", "; v Q = ", "  settled "] {
+            assert!(text.contains(part), "{part} in\n{text}");
+        }
+        assert!(shown("duration = 0.05").contains("no verdict: fewer than 20 measurements"));
+    }
+
+    #[test]
+    fn parameters_held_for_certain_have_only_an_error() {
+        let text = shown("duration = 5.0\n[[filters]]\nkind = \"kf\"\n");
+        let frequency = text.lines().find(|line| line.contains("natural frequency")).unwrap();
+        assert!(
+            frequency.contains("RMSE") && !frequency.contains("inside") && !frequency.contains("settled"),
+            "{text}"
+        );
     }
 
     #[test]

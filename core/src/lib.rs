@@ -1,7 +1,7 @@
 //! Identification of an oscillator with Kalman filters, without a screen.
 //!
 //! ```text
-//! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Summary
+//! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Diagnostics
 //! (settings)   (or a CSV: measured record)
 //! ```
 //!
@@ -41,7 +41,7 @@ pub mod simulate;
 mod random;
 
 pub use channel::Channel;
-pub use diagnostics::Summary;
+pub use diagnostics::{Diagnostics, Summary};
 pub use estimates::{Estimates, Stop};
 pub use filter::FilterError;
 pub use force::Force;
