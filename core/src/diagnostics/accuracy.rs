@@ -98,7 +98,7 @@ impl Accuracy {
                 total.squares += square;
                 total.known += 1;
                 total.inside += u32::from(square <= 4.0 * cov[one.place * (mean.len() + 1)]);
-                one.largest_truth = one.largest_truth.max(truth.abs());
+                one.largest_truth = if truth.abs() > one.largest_truth { truth.abs() } else { one.largest_truth };
                 one.settled = if raw.abs() <= SETTLED * truth.abs() { one.settled } else { k + 1 };
             }
             one.total = total;

@@ -39,7 +39,7 @@ impl Nees {
     pub(super) fn push(&mut self, errors: &[f64], cov: &[f64], n: usize) {
         let (square, degrees) = match (<&[f64; 4]>::try_from(errors), <&[f64; 16]>::try_from(cov)) {
             // The usual case, for which the compiler unrolls every loop.
-            (Ok(errors), Ok(cov)) => normalised_square(&mut errors.clone(), cov, &mut cov.clone()),
+            (Ok(&[a, b, c, d]), Ok(cov)) => normalised_square(&mut [a, b, c, d], cov, &mut cov.clone()),
             _ => self.square_of(errors, cov, n),
         };
         let Self { values, totals, inside, limits, .. } = self;

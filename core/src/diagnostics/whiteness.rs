@@ -45,11 +45,8 @@ impl Whiteness {
         if innovation.is_nan() {
             return;
         }
-        // A copy, which the compiler knows to be apart from the sums: it then takes several at once.
-        let mut before = [0.0; LAGS];
-        before.copy_from_slice(&past[*newest..*newest + LAGS]);
-        for (product, before) in products.iter_mut().zip(&before) {
-            *product += innovation * before;
+        if let Some(before) = past[*newest..].first_chunk() {
+            add_products(products, innovation, before);
         }
         *square += innovation * innovation;
         *samples += 1;
@@ -87,6 +84,14 @@ impl Whiteness {
         let terms = self.autocorrelation().into_iter().zip(1..).map(|(r, lag)| r * r / (n - f64::from(lag)));
         let statistic = n * (n + 2.0) * terms.sum::<f64>();
         Some(LjungBox { statistic, p_value: chi_squared::upper_tail(statistic, LAGS as u32)? })
+    }
+}
+
+/// A function of its own, since the compiler then knows that sums and factors are apart, and takes several at once.
+#[inline]
+fn add_products(sums: &mut [f64; LAGS], innovation: f64, before: &[f64; LAGS]) {
+    for (sum, before) in sums.iter_mut().zip(before) {
+        *sum += innovation * before;
     }
 }
 
