@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use kalmanscope_cli::{PlotError, plot_svg, run_scenario, step_times, table, write_estimates};
+use kalmanscope_cli::{PlotError, bounds, plot_svg, run_scenario, step_times, table, write_estimates};
 use kalmanscope_core::{Record, RecordError, RunError, Scenario, ScenarioError};
 use thiserror::Error;
 
@@ -63,7 +63,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<bool, InputError> {
 
     let times = step_times(&scenario, &run).map_err(bad_run)?;
     // Whoever closed the pipe has read enough; what is left to tell is in the exit code.
-    if let Err(error) = io::stdout().write_all(table(&run, &times).as_bytes())
+    if let Err(error) = io::stdout().write_all(table(&run, &bounds(&scenario, &run), &times).as_bytes())
         && error.kind() != io::ErrorKind::BrokenPipe
     {
         well = false;

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use kalmanscope_core::{Channel, Estimates, Run};
 
-/// Writes one row a filter and sample, under the header `filter, k, t`, the means and standard deviations of all
+/// Writes one row a filter and sample, those of smoothers after those of filters, under the header `filter, k, t`, the means and standard deviations of all
 /// channels of truth and filters, `nis, log_likelihood`; with 17 significant digits, so that every bit survives. Undefined values are `nan`.
 ///
 /// # Errors
@@ -16,7 +16,7 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
     let stds = channels.iter().map(|c| format!("std_{}", c.key()));
     let header = ["filter", "k", "t"].map(str::to_owned).into_iter().chain(means).chain(stds);
     writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)))?;
-    for estimates in run.estimates() {
+    for estimates in run.estimates().iter().chain(&run.smoothed()) {
         for k in 0..estimates.len() {
             writer.write_field(estimates.name())?;
             writer.write_field(k.to_string())?;

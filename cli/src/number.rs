@@ -27,6 +27,18 @@ pub(crate) fn deviation(error: f64, std: f64) -> String {
     }
 }
 
+/// A positive number to three digits.
+pub(crate) fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e6).contains(&value) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2.0 - value.log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.decimals$}")
+}
+
 /// A number to six digits or so, without needless zeros.
 pub(crate) fn plain(value: f64) -> String {
     if value == 0.0 {
@@ -64,6 +76,13 @@ mod tests {
         assert_eq!(deviation(0.012_34, 0.002), "+0.01234");
         assert_eq!(deviation(-0.012_34, 0.0), "-1.2e-2");
         assert_eq!(deviation(0.0, 0.0), "0");
+    }
+
+    #[test]
+    fn short_numbers_have_three_digits() {
+        let shown = [0.0123456, 1.5, 123.4, 98_765.4, 1e-7, 2e7, 0.0].map(short);
+        assert_eq!(shown, ["0.0123", "1.50", "123", "98765", "1.00e-7", "2.00e7", "0"]);
+        assert_eq!(short(f64::NAN), "NaN");
     }
 
     #[test]

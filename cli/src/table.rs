@@ -2,23 +2,26 @@
 
 use std::fmt::{self, Write as _};
 
-use kalmanscope_core::diagnostics::{Final, MeanNis};
-use kalmanscope_core::{FilterKind, Run, Summary};
+use kalmanscope_core::diagnostics::{Final, MeanSquare};
+use kalmanscope_core::{Channel, CramerRao, Estimates, FilterKind, Run, Summary};
 
-use crate::number::{deviation, plain, with_spread};
+use crate::number::{deviation, plain, short, with_spread};
 
-/// What each filter made of the record, for people: the last estimates ±2σ with units, their errors where the truth is
-/// known, the mean NIS with its 95 % interval, the log likelihood, the time per step, and where it stopped if it did.
+/// What each filter made of the record, for people: the verdict on it, the last estimates ±2σ with units, their errors
+/// where the truth is known, σ over its Cramér-Rao bound, mean NIS and NEES with their 95 % intervals, whether the
+/// innovations are white, the log likelihood, the time per step, and where it stopped if it did; then the smoothed
+/// estimates of those filters that have a smoother.
 ///
-/// `step_times` \[ns\] are those of [`crate::step_times`], one a filter, or empty if they are not to be shown.
-pub fn table(run: &Run, step_times: &[Option<f64>]) -> String {
+/// `bounds` are those of [`crate::bounds`] and `step_times` \[ns\] those of [`crate::step_times`], one a filter, or empty
+/// if they are not to be shown.
+pub fn table(run: &Run, bounds: &[Option<CramerRao>], step_times: &[Option<f64>]) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = write_table(&mut text, run, step_times);
+    let _ = write_table(&mut text, run, bounds, step_times);
     text
 }
 
-fn write_table(text: &mut String, run: &Run, step_times: &[Option<f64>]) -> fmt::Result {
+fn write_table(text: &mut String, run: &Run, bounds: &[Option<CramerRao>], step_times: &[Option<f64>]) -> fmt::Result {
     let record = run.record();
     let (start, end) = (record.time(0), record.time(record.len().saturating_sub(1)));
     let [start, end, dt] = [start, end, record.dt()].map(plain);
@@ -31,20 +34,27 @@ fn write_table(text: &mut String, run: &Run, step_times: &[Option<f64>]) -> fmt:
     if run.estimates().is_empty() {
         writeln!(text, "\nno filters")?;
     }
-    let summaries: Vec<Summary> = run.estimates().iter().map(|e| Summary::new(e, record)).collect();
-    let rows: Vec<Vec<Row>> = summaries.iter().map(|s| s.finals.iter().map(Row::new).collect()).collect();
-    let all = || rows.iter().flatten();
-    let widths = Widths {
-        value: all().map(|r| width(&r.value)).max().unwrap_or(0),
-        spread: all().map(|r| width(&r.spread)).max().unwrap_or(0),
-        error: all().map(|r| width(&r.error)).max().unwrap_or(0),
-    };
+    let smoothed = run.smoothed();
+    let summary = |estimates: &Estimates| Summary::new(estimates, record);
+    let summaries: Vec<Summary> = run.estimates().iter().chain(&smoothed).map(summary).collect();
+    let rows: Vec<Vec<[String; COLUMNS]>> = summaries.iter().map(|s| s.finals.iter().map(row).collect()).collect();
+    let widths: [usize; COLUMNS] =
+        std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
     for (i, (summary, rows)) in summaries.iter().zip(&rows).enumerate() {
+        let filter = run.estimates().get(i);
         writeln!(text, "\n{}", heading(&summary.name, summary.kind))?;
-        for row in rows {
-            row.write(text, &widths)?;
+        match &summary.verdict {
+            Some(verdict) => writeln!(text, "  {verdict}")?,
+            None if filter.is_some() => writeln!(text, "  no verdict: fewer than 20 measurements")?,
+            None => {}
         }
-        write_quality(text, summary)?;
+        for row in rows {
+            write_row(text, row, &widths)?;
+        }
+        if let (Some(estimates), Some(Some(bound))) = (filter, bounds.get(i)) {
+            write_bound(text, estimates, bound)?;
+        }
+        write_quality(text, summary, filter.is_some())?;
         if let Some(Some(time)) = step_times.get(i) {
             writeln!(text, "  time per step   {time:.0} ns")?;
         }
@@ -56,25 +66,57 @@ fn write_table(text: &mut String, run: &Run, step_times: &[Option<f64>]) -> fmt:
     Ok(())
 }
 
-fn write_quality(text: &mut String, summary: &Summary) -> fmt::Result {
-    let Some(nis @ MeanNis { mean, low, high }) = summary.nis else {
-        return writeln!(text, "  mean NIS        – (no measurement)\n  log likelihood  –");
+/// How far each σ is above the least that it could be, at the last sample.
+fn write_bound(text: &mut String, estimates: &Estimates, bound: &CramerRao) -> fmt::Result {
+    let Some(last) = estimates.len().min(bound.len()).checked_sub(1) else { return Ok(()) };
+    let ratio = |(place, &channel): (usize, &Channel)| {
+        let floor = bound.std(last, bound.place(channel)?);
+        (floor > 0.0).then(|| format!("{} {}", channel.symbol(), short(estimates.std(last, place) / floor)))
     };
-    let verdict = if nis.is_consistent() {
+    let ratios: Vec<String> = estimates.channels().iter().enumerate().filter_map(ratio).collect();
+    if ratios.is_empty() { Ok(()) } else { writeln!(text, "  σ over bound    {}", ratios.join(", ")) }
+}
+
+fn write_quality(text: &mut String, summary: &Summary, has_innovations: bool) -> fmt::Result {
+    match &summary.nis {
+        Some(nis) => writeln!(text, "  mean NIS        {}", placed(nis, "interval"))?,
+        None if has_innovations => writeln!(text, "  mean NIS        – (no measurement)")?,
+        None => {}
+    }
+    if let Some(nees) = &summary.nees {
+        writeln!(text, "  mean NEES       {}", placed(nees, "interval for one sample"))?;
+    }
+    if let Some(share) = summary.share_in_ellipsoid {
+        writeln!(text, "  truth           in the 95 % ellipsoid in {:.1} % of the samples", 100.0 * share)?;
+    }
+    let tests = summary.ljung_box.iter().filter_map(|(quantity, test)| {
+        let test = test.as_ref()?;
+        Some(format!("{} Q = {}, p = {:.3}", quantity.symbol(), short(test.statistic), test.p_value))
+    });
+    let tests: Vec<String> = tests.collect();
+    if !tests.is_empty() {
+        writeln!(text, "  Ljung-Box       {}", tests.join("; "))?;
+    }
+    match &summary.nis {
+        Some(_) => writeln!(text, "  log likelihood  {:.2}", summary.log_likelihood),
+        None if has_innovations => writeln!(text, "  log likelihood  –"),
+        None => Ok(()),
+    }
+}
+
+/// A mean and where it is relative to its interval.
+fn placed(square: &MeanSquare, interval: &str) -> String {
+    let MeanSquare { mean, interval: range, .. } = square;
+    let place = if range.contains(mean) {
         "inside"
-    } else if mean > high {
-        "above"
-    } else {
+    } else if mean < range.start() {
         "below"
+    } else {
+        "above"
     };
-    let meaning = match verdict {
-        "above" => ": more confident than right",
-        "below" => ": less confident than right",
-        _ => "",
-    };
-    let [mean, low, high] = [mean, low, high].map(|x| if x < 1e6 { format!("{x:.3}") } else { format!("{x:.3e}") });
-    writeln!(text, "  mean NIS        {mean}, {verdict} its χ² 95 % interval {low} … {high}{meaning}")?;
-    writeln!(text, "  log likelihood  {:.2}", summary.log_likelihood)
+    let [mean, low, high] =
+        [mean, range.start(), range.end()].map(|x| if *x < 1e6 { format!("{x:.3}") } else { format!("{x:.3e}") });
+    format!("{mean}, {place} its χ² 95 % {interval} {low} … {high}")
 }
 
 /// The filter's name on one line, and its kind if the name does not say it.
@@ -89,45 +131,46 @@ pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     }
 }
 
-/// One channel's last estimate, as text.
-struct Row {
-    symbol: &'static str,
-    name: &'static str,
-    unit: &'static str,
-    value: String,
-    spread: String,
-    error: String,
-    in_stds: String,
-}
+/// Symbol, name, value, spread, unit, error, in standard deviations, errors of the whole record and of its last third,
+/// share inside ±2σ, time of settling.
+const COLUMNS: usize = 11;
 
-struct Widths {
-    value: usize,
-    spread: usize,
-    error: usize,
-}
+/// What stands before each column.
+const LABELS: [&str; COLUMNS] = ["", "", "", "±", "", "error", "", "RMSE", "last third", "inside", "settled"];
 
-impl Row {
-    fn new(last: &Final) -> Self {
-        let &Final { channel, mean, std, error } = last;
-        let (value, spread) = with_spread(mean, std);
-        let (symbol, name, unit) = (channel.symbol(), channel.name(), channel.unit());
-        let in_stds = match error {
-            Some(error) if std > 0.0 => format!("({:.1}σ)", error.abs() / std),
-            _ => String::new(),
+/// One channel's last estimate and its score, as text, column by column.
+fn row(last: &Final) -> [String; COLUMNS] {
+    let &Final { channel, mean, std, score } = last;
+    let (value, spread) = with_spread(mean, std);
+    let scored = score.map(|score| {
+        let in_stds = if std > 0.0 { format!("({:.1}σ)", score.error.abs() / std) } else { String::new() };
+        let settled = match score.settled {
+            _ if std == 0.0 || !channel.is_parameter() => String::new(),
+            Some(time) => format!("{} s", plain((time * 1e3).round() / 1e3)),
+            None => "never".to_owned(),
         };
-        let error = error.map(|error| deviation(error, std)).unwrap_or_default();
-        Self { symbol, name, unit, value, spread, error, in_stds }
-    }
+        let inside = if std > 0.0 { format!("{:.1} %", 100.0 * score.share_inside) } else { String::new() };
+        [deviation(score.error, std), in_stds, short(score.rmse), short(score.rmse_last_third), inside, settled]
+    });
+    let [error, in_stds, rmse, last_third, inside, settled] = scored.unwrap_or_default();
+    let [symbol, name, unit] = [channel.symbol(), channel.name(), channel.unit()].map(str::to_owned);
+    [symbol, name, value, spread, unit, error, in_stds, rmse, last_third, inside, settled]
+}
 
-    fn write(&self, text: &mut String, widths: &Widths) -> fmt::Result {
-        let Self { symbol, name, unit, value, spread, error, in_stds } = self;
-        let Widths { value: value_width, spread: spread_width, error: error_width } = widths;
-        let mut line = format!("  {symbol:2} {name:17}  {value:>value_width$} ± {spread:spread_width$} {unit:5}");
-        if !error.is_empty() {
-            write!(line, "  error {error:>error_width$} {in_stds}")?;
+/// Numbers to the right of their column, words to the left; a column that is empty in every row is left out.
+fn write_row(text: &mut String, row: &[String; COLUMNS], widths: &[usize; COLUMNS]) -> fmt::Result {
+    let mut line = " ".to_owned();
+    for (i, ((cell, &width), label)) in row.iter().zip(widths).zip(LABELS).enumerate() {
+        let label = if cell.is_empty() { " ".repeat(label.len()) } else { label.to_owned() };
+        match i {
+            _ if width == 0 => {}
+            0 | 1 | 4 | 6 => write!(line, " {cell:width$}")?,
+            3 => write!(line, " {label} {cell:width$}")?,
+            5 | 7.. => write!(line, "  {label} {cell:>width$}")?,
+            _ => write!(line, "  {cell:>width$}")?,
         }
-        writeln!(text, "{}", line.trim_end())
     }
+    writeln!(text, "{}", line.trim_end())
 }
 
 fn width(text: &str) -> usize {
@@ -139,10 +182,36 @@ mod tests {
     use super::*;
     use kalmanscope_core::Scenario;
 
-    use crate::run_scenario;
+    use crate::{bounds, run_scenario};
 
     fn shown(toml: &str) -> String {
-        table(&run_scenario(&Scenario::from_toml(toml).unwrap(), None).unwrap(), &[Some(123.4)])
+        let scenario = Scenario::from_toml(toml).unwrap();
+        let run = run_scenario(&scenario, None).unwrap();
+        table(&run, &bounds(&scenario, &run), &[Some(123.4)])
+    }
+
+    #[test]
+    fn the_bound_is_told_for_channels_that_the_truth_has() {
+        let text = shown("duration = 5.0\n[plant]\nkind = \"duffing\"\n[[filters]]\nplant = \"sdof\"");
+        let line = text.lines().find(|line| line.contains("σ over bound")).unwrap();
+        let symbols: Vec<&str> = line.split_whitespace().skip(3).step_by(2).collect();
+        assert_eq!(symbols, ["x", "v", "ωₙ", "ζ"]);
+        let known = shown(
+            "duration = 5.0\n[plant]\nnatural_frequency = 8\n[[filters]]\nkind = \"kf\"\n\
+             fading = 1.0\ninitial_mean = { damping_ratio = 0.05 }",
+        );
+        assert!(known.contains("σ over bound    x 1.00, v 1.00\n"), "{known}");
+    }
+
+    #[test]
+    fn smoothed_estimates_follow_the_filters() {
+        let text = shown("duration = 5.0\n[[filters]]\nkind = \"ukf\"\nsmoother = true");
+        let (_, smoothed) = text.split_once("\nUKF, smoothed\n").unwrap();
+        assert!(smoothed.contains("RMSE") && smoothed.contains("mean NEES"), "{text}");
+        assert!(
+            !smoothed.contains("NIS") && !smoothed.contains("verdict") && !smoothed.contains("likelihood"),
+            "{text}"
+        );
     }
 
     #[test]
@@ -156,6 +225,33 @@ mod tests {
             text.lines().filter_map(|l| l.find(" ± ").map(|byte| l[..byte].chars().count())).collect();
         assert_eq!(places.len(), 8);
         assert!(places.iter().all(|&p| p == places[0]), "{text}");
+        for label in ["  error ", "  RMSE ", "  last third ", "  inside "] {
+            let places: Vec<usize> =
+                text.lines().filter_map(|l| l.find(label).map(|byte| l[..byte].chars().count())).collect();
+            assert!(places.len() == 8 && places.iter().all(|&p| p == places[0]), "{label} in\n{text}");
+        }
+    }
+
+    #[test]
+    fn the_verdict_comes_first() {
+        let text = shown("duration = 5.0");
+        let lines: Vec<&str> = text.lines().collect();
+        let heading = lines.iter().position(|line| *line == "EKF").unwrap();
+        assert!(lines[heading + 1].starts_with("  consistent: innovations² are "), "{text}");
+        for part in ["mean NEES ", "95 % ellipsoid", "Ljung-Box ", "; v Q = ", "  settled "] {
+            assert!(text.contains(part), "{part} in\n{text}");
+        }
+        assert!(shown("duration = 0.05").contains("no verdict: fewer than 20 measurements"));
+    }
+
+    #[test]
+    fn parameters_held_for_certain_have_only_an_error() {
+        let text = shown("duration = 5.0\n[[filters]]\nkind = \"kf\"\n");
+        let frequency = text.lines().find(|line| line.contains("natural frequency")).unwrap();
+        assert!(
+            frequency.contains("RMSE") && !frequency.contains("inside") && !frequency.contains("settled"),
+            "{text}"
+        );
     }
 
     #[test]

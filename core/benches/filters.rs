@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use kalmanscope_core::{FilterKind, FilterSettings, Run, Scenario};
+use kalmanscope_core::{Diagnostics, FilterKind, FilterSettings, Run, Scenario};
 
 fn run(scenario: &Scenario) -> Run {
     Run::new(scenario).expect("the scenario is valid")
@@ -23,6 +23,24 @@ fn time_steps(steps: u64, scenario: &Scenario) -> Duration {
         }
     }
     black_box(&run);
+    start.elapsed()
+}
+
+/// The same with diagnostics that follow the filter sample by sample.
+fn time_followed_steps(steps: u64, scenario: &Scenario) -> Duration {
+    let mut run = run(scenario);
+    run.finish();
+    let mut diagnostics = Diagnostics::new(&run.estimates()[0], run.record());
+    let start = Instant::now();
+    for _ in 0..steps {
+        if run.step() {
+            diagnostics.follow(&run.estimates()[0], run.record());
+        } else {
+            run.restart(scenario).expect("the scenario is valid");
+            diagnostics.restart(&run.estimates()[0], run.record());
+        }
+    }
+    black_box((&run, &diagnostics));
     start.elapsed()
 }
 
@@ -47,10 +65,23 @@ fn benchmarks(c: &mut Criterion) {
         let settings = FilterSettings { kind, ..scenario.filters[0].clone() };
         let one = Scenario { filters: vec![settings], ..scenario.clone() };
         group.bench_function(kind.name(), |b| b.iter_custom(|steps| time_steps(steps, &one)));
+        let name = format!("{} and its diagnostics", kind.name());
+        group.bench_function(name, |b| b.iter_custom(|steps| time_followed_steps(steps, &one)));
     }
     group.finish();
 
     let mut whole = run(&scenario);
+    whole.finish();
+    let mut diagnostics = Diagnostics::default();
+    c.bench_function("diagnostics of a whole record of 6001 samples", |b| {
+        b.iter(|| {
+            diagnostics.restart(&whole.estimates()[0], whole.record());
+            black_box(diagnostics.len())
+        });
+    });
+    c.bench_function("verdict on a whole record", |b| {
+        b.iter(|| black_box(diagnostics.verdict(&whole.estimates()[0])));
+    });
     c.bench_function("whole record, EKF and UKF", |b| {
         b.iter(|| {
             whole.restart(&scenario).expect("the scenario is valid");

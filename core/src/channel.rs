@@ -131,4 +131,9 @@ impl Channel {
     pub const fn is_positive(self) -> bool {
         matches!(self.role(), Role::PositiveParameter)
     }
+
+    /// Whether the channel changes its sign together with the natural frequency, which leaves the oscillator the same.
+    pub(crate) const fn is_mirrored(self) -> bool {
+        matches!(self, Self::NaturalFrequency | Self::DampingRatio)
+    }
 }

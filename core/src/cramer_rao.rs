@@ -31,8 +31,9 @@ pub struct CramerRao {
 }
 
 impl CramerRao {
-    /// The bound for the filter at `place`, before the first sample. None if there is no such filter.
-    pub fn new(scenario: &Scenario, place: usize) -> Option<Self> {
+    /// The bound for the filter at `place` with `dt` \[s\] between samples, before the first one. None if there is no such
+    /// filter.
+    pub fn new(scenario: &Scenario, place: usize, dt: f64) -> Option<Self> {
         let told = scenario.true_noise();
         let settings = FilterSettings {
             plant: None,
@@ -45,7 +46,7 @@ impl CramerRao {
         };
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
-        let surroundings = Surroundings { plant, sensors: &sensors, dt: scenario.dt, seed: scenario.seed, place };
+        let surroundings = Surroundings { plant, sensors: &sensors, dt, seed: scenario.seed, place };
         let recursion = plant.visit(settings.eta, Start { settings: &settings, surroundings });
         Some(Self { channels: plant.channels(), recursion, std: Vec::new(), samples: 0, stopped: false })
     }

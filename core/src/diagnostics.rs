@@ -1,94 +1,188 @@
-//! How good the estimates of one filter are.
+//! Whether a filter is to be believed: how far it is from the truth, and whether it knows how far.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+mod accuracy;
+pub mod chi_squared;
+mod nees;
+mod summary;
+mod totals;
+mod verdict;
+mod whiteness;
 
-use crate::{Channel, Estimates, FilterKind, Record, Stop};
+use std::ops::Range;
 
-/// What one filter made of a record.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Summary {
-    /// The filter's name.
-    pub name: String,
-    /// The filter's kind.
-    pub kind: FilterKind,
-    /// The number of samples with an estimate.
-    pub samples: usize,
-    /// The last estimate of each channel.
-    pub finals: Vec<Final>,
-    /// The normalised innovation squared, if anything was measured.
-    pub nis: Option<MeanNis>,
-    /// Sum of the log likelihoods of all samples with a measurement.
-    pub log_likelihood: f64,
+use crate::{Channel, Estimates, Record, Stop};
+
+use accuracy::Accuracy;
+use nees::Nees;
+use totals::Totals;
+
+pub use accuracy::Tally;
+pub use summary::{Final, Score, Summary};
+pub use totals::{MeanSquare, Total};
+pub use verdict::{Verdict, VerdictKind};
+pub use whiteness::{LAGS, LjungBox, Whiteness};
+
+/// What the estimates of one filter are worth, from running sums that follow them sample by sample.
+///
+/// Errors are those of the canonical form ([`Estimates::canonical_mean`]). In whatever portions the samples come, the
+/// numbers are the same to the last bit.
+#[derive(Clone, Debug, Default)]
+pub struct Diagnostics {
+    samples: usize,
+    accuracy: Accuracy,
+    nees: Nees,
+    nis: Totals,
+    whiteness: Vec<Whiteness>,
+    log_likelihood: f64,
+    stop: Option<Stop>,
+}
+
+impl Diagnostics {
+    /// The diagnostics of all estimates so far of a filter, against the record that it follows.
+    pub fn new(estimates: &Estimates, record: &Record) -> Self {
+        let mut diagnostics = Self::default();
+        diagnostics.restart(estimates, record);
+        diagnostics
+    }
+
+    /// Begins anew with other estimates, as [`Self::new`] does, in the memory of these diagnostics.
+    pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
+        let Self { samples, accuracy, nees, nis, whiteness, log_likelihood, stop } = self;
+        *samples = 0;
+        accuracy.restart(estimates, record);
+        nees.restart(accuracy.known().iter().map(|known| known.place));
+        nis.clear();
+        whiteness.clear();
+        whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
+        *log_likelihood = 0.0;
+        *stop = None;
+        self.follow(estimates, record);
+    }
+
+    /// Takes in what has been estimated since: each sample in a time that does not depend on how many there are. Both
+    /// must be those that the diagnostics began with, grown longer.
+    pub fn follow(&mut self, estimates: &Estimates, record: &Record) {
+        for k in self.samples..estimates.len() {
+            self.push(estimates, record, k);
+        }
+        self.samples = estimates.len();
+        self.stop = estimates.stop();
+    }
+
+    #[inline]
+    fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) {
+        let Self { samples: _, accuracy, nees, nis, whiteness, log_likelihood, stop: _ } = self;
+        let errors = accuracy.push(estimates, record, k);
+        nees.push(errors, estimates.cov(k), estimates.channels().len());
+
+        let m = whiteness.len();
+        let innovation_cov = estimates.innovation_cov(k);
+        let mut measured = 0;
+        for (i, (whiteness, &innovation)) in whiteness.iter_mut().zip(estimates.innovation(k)).enumerate() {
+            measured += u32::from(!innovation.is_nan());
+            whiteness.push(innovation / innovation_cov[i * (m + 1)].sqrt());
+        }
+        nis.push(estimates.nis()[k], measured);
+        if measured > 0 {
+            *log_likelihood += estimates.log_likelihood()[k];
+        }
+    }
+
+    /// The number of samples taken in.
+    pub fn len(&self) -> usize {
+        self.samples
+    }
+
+    /// Whether no sample has been taken in.
+    pub fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+
     /// Where the filter stopped, if it could not go on.
-    pub stop: Option<Stop>,
-}
+    pub fn stop(&self) -> Option<Stop> {
+        self.stop
+    }
 
-/// The last estimate of a channel, in the channel's unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Final {
-    /// The channel.
-    pub channel: Channel,
-    /// Estimated mean.
-    pub mean: f64,
-    /// Its standard deviation as the filter sees it.
-    pub std: f64,
-    /// Mean minus truth, where the truth is known.
-    pub error: Option<f64>,
-}
+    /// The channels that the filter estimates and whose truth is known.
+    pub fn known(&self) -> impl Iterator<Item = Channel> {
+        self.accuracy.known().iter().map(|known| known.channel)
+    }
 
-/// Mean NIS of a record and the interval that a consistent filter's would be in with probability 95 %.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MeanNis {
-    /// Mean over all samples with a measurement.
-    pub mean: f64,
-    /// Lower end of the interval.
-    pub low: f64,
-    /// Upper end of the interval.
-    pub high: f64,
-}
+    /// A channel's last error, estimate minus truth, in its unit; `None` where the truth is not known.
+    pub fn error(&self, channel: Channel) -> Option<f64> {
+        Some(self.accuracy.error(self.accuracy.place(channel)?)).filter(|error| !error.is_nan())
+    }
 
-impl MeanNis {
-    /// The sum of the NIS of n samples with d measured numbers in all is χ² distributed with d degrees of freedom.
+    /// What a channel's errors over a range of samples come to; `None` where the truth is not known.
+    pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<Tally> {
+        let tally = self.accuracy.within(self.accuracy.place(channel)?, range);
+        (tally.known > 0).then_some(tally)
+    }
+
+    /// The samples of the last third: those from 2/3 of their number on.
+    pub fn last_third(&self) -> Range<usize> {
+        (2 * self.samples).div_ceil(3)..self.samples
+    }
+
+    /// The sample from which on a channel's estimate has been within 5 % of the truth until the last; `None` where the
+    /// last is not, or the truth is not known.
+    pub fn settled(&self, channel: Channel) -> Option<usize> {
+        self.accuracy.settled(self.accuracy.place(channel)?)
+    }
+
+    /// The normalised estimation error squared of every sample: NaN where a truth is missing or the covariance cannot be
+    /// factored.
+    ///
+    /// ```text
+    /// NEES = eᵀ P⁻¹ e
+    /// ```
+    ///
+    /// over all channels of known truth that the filter does not hold for certain (variance zero).
     ///
     /// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section
     /// 5.4.
-    fn new(estimates: &Estimates) -> Option<Self> {
-        let (mut samples, mut degrees, mut sum) = (0.0, 0.0, 0.0);
-        for (k, nis) in estimates.nis().iter().enumerate().filter(|(_, nis)| !nis.is_nan()) {
-            samples += 1.0;
-            degrees += estimates.innovation(k).iter().filter(|e| !e.is_nan()).count() as f64;
-            sum += nis;
-        }
-        let chi_squared = ChiSquared::new(degrees).ok()?;
-        let quantile = |p| chi_squared.inverse_cdf(p) / samples;
-        Some(Self { mean: sum / samples, low: quantile(0.025), high: quantile(0.975) })
+    pub fn nees(&self) -> &[f64] {
+        self.nees.values()
     }
 
-    /// Whether the mean is inside the interval.
-    pub fn is_consistent(&self) -> bool {
-        (self.low..=self.high).contains(&self.mean)
+    /// The sum of the NEES over a range of samples.
+    pub fn nees_within(&self, range: Range<usize>) -> Total {
+        self.nees.totals().within(range)
     }
-}
 
-impl Summary {
-    /// Sums up the estimates of a filter against the record that it followed.
-    pub fn new(estimates: &Estimates, record: &Record) -> Self {
-        let finals = estimates.len().checked_sub(1).map_or(Vec::new(), |last| {
-            let one = |(place, &channel): (usize, &Channel)| {
-                let mean = estimates.mean(last)[place];
-                let truth = record.truth(channel).map(|truth| truth[last]).filter(|x| !x.is_nan());
-                Final { channel, mean, std: estimates.std(last, place), error: truth.map(|x| mean - x) }
-            };
-            estimates.channels().iter().enumerate().map(one).collect()
-        });
-        Self {
-            name: estimates.name().to_owned(),
-            kind: estimates.kind(),
-            samples: estimates.len(),
-            finals,
-            nis: MeanNis::new(estimates),
-            log_likelihood: estimates.log_likelihood().iter().filter(|x| !x.is_nan()).sum(),
-            stop: estimates.stop(),
-        }
+    /// The mean NEES of all samples, and the 95 % interval of a single sample's.
+    ///
+    /// The errors of one run are so alike from sample to sample that its samples are far from independent, and nobody
+    /// knows how many independent ones they amount to. So the interval is that of one: a mean over more is inside with a
+    /// probability of more than 95 %. It assumes normal errors, and no more.
+    pub fn mean_nees(&self) -> Option<MeanSquare> {
+        MeanSquare::new(self.nees.totals().whole(), 1)
+    }
+
+    /// The share of samples whose NEES is below the 95 % quantile of χ²: the truth is inside the belief's 95 % ellipsoid.
+    pub fn share_in_ellipsoid(&self) -> Option<f64> {
+        Some(self.nees.share_inside()).filter(|share| !share.is_nan())
+    }
+
+    /// The sum of the NIS over a range of samples.
+    pub fn nis_within(&self, range: Range<usize>) -> Total {
+        self.nis.within(range)
+    }
+
+    /// The mean NIS of all samples with a measurement, and its 95 % interval: the innovations of a consistent filter are
+    /// independent.
+    pub fn mean_nis(&self) -> Option<MeanSquare> {
+        let total = self.nis.whole();
+        MeanSquare::new(total, total.samples)
+    }
+
+    /// Whether the innovations are white, sensor by sensor.
+    pub fn whiteness(&self) -> &[Whiteness] {
+        &self.whiteness
+    }
+
+    /// Sum of the log likelihoods of all samples with a measurement.
+    pub fn log_likelihood(&self) -> f64 {
+        self.log_likelihood
     }
 }

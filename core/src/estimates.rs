@@ -139,6 +139,23 @@ impl Estimates {
         chunk(&self.mean, k, self.channels.len())
     }
 
+    /// The mean of one channel at sample `k` in the canonical form of the oscillator, whose natural frequency is not
+    /// negative.
+    ///
+    /// ```text
+    /// (-ωₙ, -ζ) and (ωₙ, ζ) have the same ωₙ² and 2ζωₙ: they are the same oscillator
+    /// ```
+    pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
+        self.canonical_sign(k, channel) * self.mean(k)[channel]
+    }
+
+    /// What takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio where the
+    /// estimated natural frequency is negative, else 1. A covariance takes the signs of both its channels.
+    pub fn canonical_sign(&self, k: usize, channel: usize) -> f64 {
+        let negative = || self.place(Channel::NaturalFrequency).is_some_and(|place| self.mean(k)[place] < 0.0);
+        if self.channels[channel].is_mirrored() && negative() { -1.0 } else { 1.0 }
+    }
+
     /// The standard deviation of one channel at sample `k`.
     pub fn std(&self, k: usize, channel: usize) -> f64 {
         let n = self.channels.len();

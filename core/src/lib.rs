@@ -1,7 +1,7 @@
 //! Identification of an oscillator with Kalman filters, without a screen.
 //!
 //! ```text
-//! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Summary
+//! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Diagnostics
 //! (settings)   (or a CSV: measured record)
 //! ```
 //!
@@ -46,7 +46,7 @@ mod smoother;
 
 pub use channel::Channel;
 pub use cramer_rao::CramerRao;
-pub use diagnostics::Summary;
+pub use diagnostics::{Diagnostics, Summary};
 pub use estimates::{Estimates, Stop};
 pub use filter::FilterError;
 pub use filter::{Adaptation, Propagation};

@@ -93,6 +93,16 @@ impl Record {
 
     /// The true values of a channel, if they are known; NaN where one is missing.
     pub fn truth(&self, channel: Channel) -> Option<&[f64]> {
-        self.truth_channels.iter().position(|&c| c == channel).map(|i| self.truth[i].as_slice())
+        self.truth_place(channel).map(|i| self.truth[i].as_slice())
+    }
+
+    /// The place of a channel among those whose truth is known.
+    pub(crate) fn truth_place(&self, channel: Channel) -> Option<usize> {
+        self.truth_channels.iter().position(|&c| c == channel)
+    }
+
+    /// The true value at sample `k` of the channel in a place that [`Self::truth_place`] gave.
+    pub(crate) fn truth_at(&self, place: usize, k: usize) -> f64 {
+        self.truth[place][k]
     }
 }

@@ -142,7 +142,7 @@ fn a_smoother_sees_what_the_run_has_seen() {
 }
 
 fn bound(scenario: &Scenario, record: &Record) -> CramerRao {
-    let mut bound = CramerRao::new(scenario, 0).unwrap();
+    let mut bound = CramerRao::new(scenario, 0, scenario.dt).unwrap();
     bound.follow(record);
     bound
 }
@@ -233,16 +233,16 @@ fn the_bound_grows_with_the_record() {
     let scenario = Scenario { duration: 3.0, ..Scenario::default() };
     let run = finished(&scenario);
     let mut live = Run::new(&scenario).unwrap();
-    let mut growing = CramerRao::new(&scenario, 1).unwrap();
+    let mut growing = CramerRao::new(&scenario, 1, scenario.dt).unwrap();
     while live.step() {
         growing.follow(live.record());
         assert_eq!(growing.len(), live.len());
     }
-    let mut whole = CramerRao::new(&scenario, 1).unwrap();
+    let mut whole = CramerRao::new(&scenario, 1, scenario.dt).unwrap();
     whole.follow(run.record());
     let bits = |bound: &CramerRao| -> Vec<u64> {
         (0..bound.len()).flat_map(|k| (0..4).map(move |i| (k, i))).map(|(k, i)| bound.std(k, i).to_bits()).collect()
     };
     assert_eq!(bits(&growing), bits(&whole));
-    assert!(CramerRao::new(&scenario, 2).is_none());
+    assert!(CramerRao::new(&scenario, 2, scenario.dt).is_none());
 }

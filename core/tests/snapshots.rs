@@ -41,15 +41,18 @@ fn summaries(run: &Run) -> Vec<Summary> {
 fn described(run: &Run) -> String {
     let mut text = String::new();
     for summary in summaries(run) {
-        let Summary { name, kind, samples, finals, nis, log_likelihood, stop } = summary;
+        let Summary { name, kind, samples, finals, nis, nees, log_likelihood, verdict, stop, .. } = summary;
         writeln!(text, "{name} ({}), {samples} samples", kind.name()).unwrap();
-        for Final { channel, mean, std, error: _ } in finals {
+        for Final { channel, mean, std, score: _ } in finals {
             writeln!(text, "  {:17} {mean:17.9e} ± {std:.9e} {}", channel.name(), channel.unit()).unwrap();
         }
-        let nis = nis.unwrap();
-        let consistent = if nis.is_consistent() { "consistent" } else { "inconsistent" };
-        writeln!(text, "  mean NIS          {:17.9e}, {consistent}", nis.mean).unwrap();
+        for (what, square) in [("NIS", nis), ("NEES", nees)] {
+            let square = square.unwrap();
+            let place = if square.is_inside() { "inside" } else { "outside" };
+            writeln!(text, "  mean {what:4}         {:17.9e}, {place}", square.mean).unwrap();
+        }
         writeln!(text, "  log likelihood    {log_likelihood:17.9e}").unwrap();
+        writeln!(text, "  {}", verdict.unwrap()).unwrap();
         assert_eq!(stop, None, "{name}");
     }
     writeln!(text, "checksum {:016x}", run.checksum()).unwrap();
@@ -101,7 +104,7 @@ fn the_stiffness_loss_is_the_default() {
 
 /// Errors of a parameter at the end, in standard deviations, one a filter.
 fn final_errors(run: &Run, place: usize) -> Vec<f64> {
-    let error = |s: &Summary| s.finals[place].error.unwrap().abs() / s.finals[place].std;
+    let error = |s: &Summary| s.finals[place].score.unwrap().error.abs() / s.finals[place].std;
     summaries(run).iter().map(error).collect()
 }
 
@@ -129,11 +132,12 @@ fn the_filters_do_what_the_first_lines_claim() {
     }
 
     let drift = summaries(&finished("slow-drift"));
-    let mean_nis = |i: usize| drift[i].nis.unwrap().mean;
+    let mean_nis = |i: usize| drift[i].nis.as_ref().unwrap().mean;
     assert!(mean_nis(0) < 2.2 && mean_nis(1) > 2.8, "fading follows, trusting the past does not");
 
     let known = summaries(&finished("known-parameters"));
-    assert!(known[0].nis.unwrap().is_consistent() && known[1].nis.unwrap().mean > 10.0);
+    let nis = |i: usize| known[i].nis.as_ref().unwrap();
+    assert!(nis(0).is_inside() && nis(1).mean > 10.0);
 
     for summary in summaries(&finished("no-excitation")) {
         let std = |place: usize| summary.finals[place].std;

@@ -1,0 +1,226 @@
+//! How far the estimates are from a known truth, channel by channel.
+
+use std::ops::Range;
+
+use crate::{Channel, Estimates, Record};
+
+/// An estimate has settled on the truth within this part of it.
+const SETTLED: f64 = 0.05;
+
+/// What a channel's errors come to over some samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Sum of the squared errors, in the channel's unit squared.
+    pub squares: f64,
+    /// The number of samples with a known truth.
+    pub known: u32,
+    /// How many of them have the truth inside ±2σ.
+    pub inside: u32,
+}
+
+impl Tally {
+    /// The root mean square error, in the channel's unit; NaN without a known truth.
+    pub fn rmse(self) -> f64 {
+        (self.squares / f64::from(self.known)).sqrt()
+    }
+
+    /// The share of samples with the truth inside ±2σ: 0.954 where the errors are normal and σ is right.
+    pub fn share_inside(self) -> f64 {
+        f64::from(self.inside) / f64::from(self.known)
+    }
+}
+
+/// A channel whose truth is known, and what is remembered of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    pub(super) channel: Channel,
+    /// Its place among the filter's channels.
+    pub(super) place: usize,
+    /// Its place in the record.
+    truth: usize,
+    total: Tally,
+    /// The first absolute error; 0 before it.
+    pub(super) first_error: f64,
+    /// The largest absolute truth so far.
+    pub(super) largest_truth: f64,
+    /// From which sample on the estimate has been within [`SETTLED`]; the next one if it is not.
+    settled: usize,
+}
+
+/// The channels with a known truth. Errors are those of the canonical form.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Accuracy {
+    known: Vec<Known>,
+    /// The place of the channel whose sign decides about the canonical form.
+    frequency: Option<usize>,
+    /// The tallies of all samples up to each: one a known channel and sample.
+    until: Vec<Tally>,
+    /// The last errors, as they stand in the filter's own form, and the sign that makes mirrored channels canonical.
+    errors: Vec<f64>,
+    sign: f64,
+}
+
+impl Accuracy {
+    pub(super) fn restart(&mut self, estimates: &Estimates, record: &Record) {
+        let Self { known, frequency, until, errors, sign } = self;
+        let of = |(place, &channel): (usize, &Channel)| {
+            let truth = record.truth_place(channel)?;
+            let total = Tally::default();
+            Some(Known { channel, place, truth, total, first_error: 0.0, largest_truth: 0.0, settled: 0 })
+        };
+        known.clear();
+        known.extend(estimates.channels().iter().enumerate().filter_map(of));
+        *frequency = estimates.place(Channel::NaturalFrequency);
+        until.clear();
+        errors.clear();
+        errors.resize(known.len(), f64::NAN);
+        *sign = 1.0;
+    }
+
+    /// Takes in sample `k` and returns its errors in the filter's own form.
+    #[inline]
+    pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) -> &[f64] {
+        let Self { known, frequency, until, errors, sign } = self;
+        let (mean, cov) = (estimates.mean(k), estimates.cov(k));
+        *sign = if frequency.is_some_and(|place| mean[place] < 0.0) { -1.0 } else { 1.0 };
+        until.extend(known.iter_mut().zip(errors.iter_mut()).map(|(one, error)| {
+            let truth = record.truth_at(one.truth, k);
+            let raw = mean[one.place] - if one.channel.is_mirrored() { *sign * truth } else { truth };
+            *error = raw;
+            let mut total = one.total;
+            if raw.is_nan() {
+                one.settled += usize::from(one.settled == k);
+            } else {
+                let square = raw * raw;
+                if total.known == 0 {
+                    one.first_error = raw.abs();
+                }
+                total.squares += square;
+                total.known += 1;
+                total.inside += u32::from(square <= 4.0 * cov[one.place * (mean.len() + 1)]);
+                one.largest_truth = if truth.abs() > one.largest_truth { truth.abs() } else { one.largest_truth };
+                one.settled = if raw.abs() <= SETTLED * truth.abs() { one.settled } else { k + 1 };
+            }
+            one.total = total;
+            total
+        }));
+        errors
+    }
+
+    /// The last error of one of the known channels; NaN where the truth is not known.
+    pub(super) fn error(&self, at: usize) -> f64 {
+        let sign = if self.known[at].channel.is_mirrored() { self.sign } else { 1.0 };
+        sign * self.errors[at]
+    }
+
+    /// The sample from which on one of the known channels has settled.
+    pub(super) fn settled(&self, at: usize) -> Option<usize> {
+        let Known { settled, total, .. } = self.known[at];
+        (total.known > 0 && settled * self.known.len() < self.until.len()).then_some(settled)
+    }
+
+    pub(super) fn known(&self) -> &[Known] {
+        &self.known
+    }
+
+    pub(super) fn place(&self, channel: Channel) -> Option<usize> {
+        self.known.iter().position(|known| known.channel == channel)
+    }
+
+    /// The tally of the samples in `range`, as far as there are any, of one of the known channels.
+    pub(super) fn within(&self, at: usize, range: Range<usize>) -> Tally {
+        let width = self.known.len();
+        let until = |end: usize| {
+            let end = end.min(self.until.len() / width);
+            end.checked_sub(1).map_or(Tally::default(), |k| self.until[k * width + at])
+        };
+        let (before, after) = (until(range.start.min(range.end)), until(range.end));
+        Tally {
+            // Rounding can make a difference of sums negative.
+            squares: (after.squares - before.squares).max(0.0),
+            known: after.known - before.known,
+            inside: after.inside - before.inside,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::Correction;
+    use crate::gaussian::{Gaussian, Vector};
+    use crate::random::{Normal, Purpose};
+    use crate::{FilterKind, Quantity};
+
+    const STD: f64 = 0.5;
+
+    /// The accuracy of a frequency and a damping, given as pairs of estimate and truth.
+    fn of(samples: impl IntoIterator<Item = [(f64, f64); 2]>) -> Accuracy {
+        let channels = vec![Channel::NaturalFrequency, Channel::DampingRatio];
+        let mut estimates = Estimates::new(String::new(), FilterKind::Ekf, channels.clone(), Vec::new());
+        let mut record = Record::empty(0.01, Vec::<Quantity>::new(), channels);
+        let mut accuracy = Accuracy::default();
+        accuracy.restart(&estimates, &record);
+        for (k, pairs) in samples.into_iter().enumerate() {
+            let mean = Vector::from(pairs.map(|(mean, _)| mean));
+            estimates.push(&Gaussian::<2>::independent(mean, &Vector::repeat(STD)), &Correction::NOTHING);
+            record.push(0.0, [], pairs.map(|(_, truth)| truth));
+            accuracy.push(&estimates, &record, k);
+        }
+        accuracy
+    }
+
+    fn settled(errors: &[f64]) -> Option<usize> {
+        of(errors.iter().map(|error| [(4.0 + error, if error.is_nan() { f64::NAN } else { 4.0 }), (0.0, 0.0)]))
+            .settled(0)
+    }
+
+    #[test]
+    fn an_estimate_has_settled_from_when_on_it_is_near_the_truth_for_good() {
+        let (near, far, unknown) = (0.199, -0.201, f64::NAN);
+        for (errors, expected) in [
+            (&[far, near, -near, 0.0][..], Some(1)),
+            (&[near, near], Some(0)),
+            (&[near, far, near], Some(2)),
+            (&[near, near, far], None),
+            (&[far, unknown], None),
+            (&[far, unknown, near, unknown], Some(2)),
+            (&[unknown, unknown], None),
+            (&[], None),
+        ] {
+            assert_eq!(settled(errors), expected, "{errors:?}");
+        }
+    }
+
+    #[test]
+    fn errors_are_those_of_the_canonical_form() {
+        let mirrored = of([[(-6.5, 6.0), (-0.04, 0.05)], [(-6.25, 6.0), (-0.03, 0.05)]]);
+        assert_eq!((mirrored.error(0), mirrored.errors[0]), (0.25, -0.25));
+        assert!((mirrored.error(1) + 0.02).abs() < 1e-15);
+        assert!((mirrored.within(0, 0..2).squares - (0.25 + 0.0625)).abs() < 1e-15);
+        assert_eq!(mirrored.settled(0), Some(1));
+        let known = mirrored.known()[0];
+        assert_eq!((known.first_error, known.largest_truth), (0.5, 6.0));
+    }
+
+    #[test]
+    fn normal_errors_are_inside_two_standard_deviations_as_often_as_they_should() {
+        let mut normal = Normal::new(5, Purpose::Force);
+        let accuracy = of((0..20_000).map(|_| [(7.0 + STD * normal.sample(), 7.0), (2.0, 0.0)]));
+        let tally = accuracy.within(0, 0..20_000);
+        // 0.9545 ± three standard deviations of a share of so many samples.
+        assert!((tally.share_inside() - 0.9545).abs() < 0.0045, "{}", tally.share_inside());
+        assert!((tally.rmse() / STD - 1.0).abs() < 0.015, "{}", tally.rmse());
+        assert_eq!(accuracy.within(1, 0..20_000), Tally { squares: 80_000.0, known: 20_000, inside: 0 });
+    }
+
+    #[test]
+    fn ranges_are_as_long_as_there_are_samples() {
+        let accuracy = of([[(1.0, 0.0), (0.0, f64::NAN)], [(3.0, 0.0), (2.0, 0.0)], [(f64::NAN, 0.0), (0.0, 0.0)]]);
+        assert_eq!(accuracy.within(0, 1..99), Tally { squares: 9.0, known: 1, inside: 0 });
+        assert_eq!(accuracy.within(1, 0..1), Tally::default());
+        assert!(accuracy.within(1, 0..1).rmse().is_nan() && accuracy.error(0).is_nan());
+        assert_eq!(accuracy.within(1, 0..3).known, 2);
+        assert_eq!(of([]).within(0, 0..5), Tally::default());
+    }
+}

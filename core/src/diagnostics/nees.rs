@@ -1,0 +1,163 @@
+//! The normalised estimation error squared: what the covariance says of the errors that are really made.
+
+use super::chi_squared;
+use super::totals::Totals;
+
+/// The NEES of every sample, over the channels in some places.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Nees {
+    places: Vec<usize>,
+    values: Vec<f64>,
+    totals: Totals,
+    /// The number of samples below the 95 % quantile of their degrees of freedom.
+    inside: u32,
+    /// That quantile for one degree of freedom and more.
+    limits: Vec<f64>,
+    /// Memory for the errors, their covariance and its factor.
+    errors: Vec<f64>,
+    cov: Vec<f64>,
+    factor: Vec<f64>,
+}
+
+impl Nees {
+    /// Begins anew, for errors of the channels in `places`, which ascend.
+    pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
+        let Self { places, values, totals, inside, limits, errors: _, cov: _, factor: _ } = self;
+        places.clear();
+        places.extend(new_places);
+        values.clear();
+        totals.clear();
+        *inside = 0;
+        for degrees in limits.len()..places.len() {
+            limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
+        }
+    }
+
+    /// Takes in a sample: the errors of the channels in these places, and the n × n covariance of all n channels.
+    /// Channels known for certain, of variance zero, do not count.
+    #[inline]
+    pub(super) fn push(&mut self, errors: &[f64], cov: &[f64], n: usize) {
+        let (square, degrees) = match (<&[f64; 4]>::try_from(errors), <&[f64; 16]>::try_from(cov)) {
+            // The usual case, for which the compiler unrolls every loop.
+            (Ok(&[a, b, c, d]), Ok(cov)) => normalised_square(&mut [a, b, c, d], cov, &mut cov.clone()),
+            _ => self.square_of(errors, cov, n),
+        };
+        let Self { values, totals, inside, limits, .. } = self;
+        values.push(square);
+        totals.push(square, degrees);
+        *inside += u32::from(degrees > 0 && square <= limits[degrees as usize - 1]);
+    }
+
+    fn square_of(&mut self, all_errors: &[f64], all_cov: &[f64], n: usize) -> (f64, u32) {
+        let Self { places, errors, cov, factor, .. } = self;
+        errors.clear();
+        errors.extend_from_slice(all_errors);
+        cov.clear();
+        for &row in places.iter() {
+            cov.extend(places.iter().map(|&column| all_cov[row * n + column]));
+        }
+        factor.clear();
+        factor.extend_from_slice(cov);
+        normalised_square(errors, cov, factor)
+    }
+
+    pub(super) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    pub(super) fn totals(&self) -> &Totals {
+        &self.totals
+    }
+
+    /// The share of samples below the 95 % quantile of their degrees of freedom; NaN without any.
+    pub(super) fn share_inside(&self) -> f64 {
+        f64::from(self.inside) / f64::from(self.totals.whole().samples)
+    }
+}
+
+/// `eᵀ P⁻¹ e` by the factor `P = L D Lᵀ`, over the components of a variance above zero, and their number; NaN and zero
+/// where there is none, P is not positive definite or e is not a number. `errors` and `factor`, which begins as a copy of
+/// P, are used up.
+///
+/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
+#[inline(always)]
+fn normalised_square(errors: &mut [f64], cov: &[f64], factor: &mut [f64]) -> (f64, u32) {
+    let n = errors.len();
+    let (mut sum, mut degrees, mut positive) = (0.0, 0, true);
+    for j in 0..n {
+        let (variance, pivot) = (cov[j * n + j], factor[j * n + j]);
+        let counts = variance != 0.0;
+        // Without branches, so that the divisions of one sample overlap with the next sample's.
+        positive &= !counts | (pivot > 4.0 * n as f64 * f64::EPSILON * variance);
+        let inverse = if counts { 1.0 / pivot } else { 0.0 };
+        degrees += u32::from(counts);
+        sum += errors[j] * errors[j] * inverse;
+        for i in j + 1..n {
+            let share = factor[i * n + j] * inverse;
+            errors[i] -= share * errors[j];
+            for k in j + 1..=i {
+                factor[i * n + k] -= share * factor[k * n + j];
+            }
+        }
+    }
+    if positive && degrees > 0 && !sum.is_nan() { (sum, degrees) } else { (f64::NAN, 0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nees(places: &[usize], errors: &[f64], cov: &[f64], n: usize) -> Nees {
+        let mut nees = Nees::default();
+        nees.restart(places.iter().copied());
+        nees.push(errors, cov, n);
+        nees
+    }
+
+    #[test]
+    fn a_hand_case() {
+        // P = [4, 2; 2, 3], det 8, P⁻¹ = [3, -2; -2, 4]/8; e = (1, 2): (3 - 8 + 16)/8.
+        let cov = [4.0, 2.0, 2.0, 3.0];
+        let both = nees(&[0, 1], &[1.0, 2.0], &cov, 2);
+        assert!((both.values[0] - 11.0 / 8.0).abs() < 1e-15);
+        assert_eq!((both.totals.whole().degrees, both.inside), (2, 1));
+        assert_eq!(nees(&[1], &[2.0], &cov, 2).values, [4.0 / 3.0], "one channel's variance, not its share of P⁻¹");
+    }
+
+    #[test]
+    fn channels_known_for_certain_do_not_count() {
+        let cov = [4.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0, 3.0];
+        let some = nees(&[0, 1, 2], &[1.0, 7.0, 2.0], &cov, 3);
+        assert!((some.values[0] - 11.0 / 8.0).abs() < 1e-15);
+        assert_eq!(some.totals.whole().degrees, 2);
+        let none = nees(&[1], &[7.0], &cov, 3);
+        assert!(none.values[0].is_nan() && none.totals.whole().samples == 0);
+    }
+
+    #[test]
+    fn four_channels_and_more_take_the_same_steps() {
+        let a = nalgebra::Matrix5::from_fn(|i, j| libm::sin(1.0 + (3 * i + 5 * j * j) as f64));
+        let cov = a * a.transpose() + nalgebra::Matrix5::identity();
+        let errors = nalgebra::Vector5::new(0.3, -1.0, 2.0, 0.1, -0.7);
+        let five = nees(&[0, 1, 2, 3, 4], errors.as_slice(), cov.as_slice(), 5).values[0];
+        let direct = errors.dot(&(cov.try_inverse().unwrap() * errors));
+        assert!((five / direct - 1.0).abs() < 1e-9, "{five} instead of {direct}");
+
+        let four = cov.fixed_view::<4, 4>(0, 0).into_owned();
+        let fast = nees(&[0, 1, 2, 3], &errors.as_slice()[..4], four.as_slice(), 4).values[0];
+        let slow = nees(&[0, 1, 2, 3], &errors.as_slice()[..4], cov.as_slice(), 5).values[0];
+        assert_eq!(fast.to_bits(), slow.to_bits());
+    }
+
+    #[test]
+    fn what_cannot_be_factored_or_is_missing_is_left_out() {
+        for (errors, cov) in [
+            ([1.0, 1.0], [1.0, 1.0, 1.0, 1.0]),
+            ([1.0, 1.0], [1.0, 2.0, 2.0, 1.0]),
+            ([1.0, f64::NAN], [1.0, 0.0, 0.0, 1.0]),
+        ] {
+            let nees = nees(&[0, 1], &errors, &cov, 2);
+            assert!(nees.values[0].is_nan() && nees.share_inside().is_nan(), "{errors:?} {cov:?}");
+        }
+    }
+}

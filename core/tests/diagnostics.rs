@@ -1,0 +1,196 @@
+//! Diagnostics of whole runs: against direct computations, in any portions, in the canonical form.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use std::sync::Arc;
+
+use kalmanscope_core::diagnostics::{LAGS, Tally};
+use kalmanscope_core::{
+    Channel, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Summary,
+};
+
+fn finished(scenario: &Scenario) -> Run {
+    let mut run = Run::new(scenario).unwrap();
+    run.finish();
+    run
+}
+
+/// Frequency 6 rad/s, damping 0.05, an EKF with a first guess of the frequency.
+fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
+    let mut scenario = Scenario::default();
+    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.filters.truncate(1);
+    scenario.filters[0].initial_mean.natural_frequency = natural_frequency;
+    scenario.filters[0].initial_mean.damping_ratio = damping_ratio;
+    scenario
+}
+
+/// Every number that diagnostics have, to the bit.
+fn bits(diagnostics: &Diagnostics) -> Vec<u64> {
+    let n = diagnostics.len();
+    let tally = |Tally { squares, known, inside }: Tally| [squares, f64::from(known), f64::from(inside)];
+    let mut numbers: Vec<f64> = diagnostics.nees().to_vec();
+    for k in 0..=n {
+        for channel in diagnostics.known() {
+            numbers.extend(diagnostics.tally(channel, 0..k).into_iter().flat_map(tally));
+        }
+        numbers.extend([diagnostics.nis_within(0..k).sum, diagnostics.nees_within(0..k).sum]);
+    }
+    for channel in diagnostics.known() {
+        numbers.extend(diagnostics.error(channel));
+        numbers.extend(diagnostics.settled(channel).map(|k| k as f64));
+    }
+    for whiteness in diagnostics.whiteness() {
+        numbers.extend(whiteness.autocorrelation());
+        numbers.push(whiteness.mean_square());
+    }
+    numbers.extend([diagnostics.log_likelihood(), diagnostics.share_in_ellipsoid().unwrap()]);
+    numbers.iter().map(|x| x.to_bits()).collect()
+}
+
+#[test]
+fn any_portions_give_the_same_bits() {
+    let mut scenario = Scenario { duration: 7.0, ..Scenario::default() };
+    scenario.filters.push(FilterSettings { kind: FilterKind::Kf, ..scenario.filters[0].clone() });
+    let whole = finished(&scenario);
+    for (i, estimates) in whole.estimates().iter().enumerate() {
+        let at_once = Diagnostics::new(estimates, whole.record());
+        assert_eq!(at_once.len(), 701);
+        for portions in [&[1][..], &[3, 1, 250, 17]] {
+            let mut run = Run::new(&scenario).unwrap();
+            let mut following = Diagnostics::new(&run.estimates()[i], run.record());
+            assert!(following.is_empty() && following.verdict(&run.estimates()[i]).is_none());
+            for portion in portions.iter().cycle() {
+                if run.len() == run.samples() {
+                    break;
+                }
+                run.advance_to(run.len() + portion);
+                following.follow(&run.estimates()[i], run.record());
+                assert_eq!(following.len(), run.len());
+            }
+            assert_eq!(bits(&following), bits(&at_once));
+            assert_eq!(following.verdict(estimates), at_once.verdict(estimates));
+        }
+    }
+}
+
+#[test]
+fn diagnostics_that_begin_anew_are_new_diagnostics() {
+    let (first, second) = (finished(&Scenario::default()), finished(&guessing(9.0, 0.1)));
+    let mut diagnostics = Diagnostics::new(&first.estimates()[1], first.record());
+    diagnostics.restart(&second.estimates()[0], second.record());
+    assert_eq!(bits(&diagnostics), bits(&Diagnostics::new(&second.estimates()[0], second.record())));
+}
+
+fn direct_rmse(estimates: &Estimates, record: &Record, place: usize, from: usize) -> f64 {
+    let truth = record.truth(estimates.channels()[place]).unwrap();
+    let errors = (from..estimates.len()).map(|k| estimates.canonical_mean(k, place) - truth[k]);
+    (errors.map(|e| e * e).sum::<f64>() / (estimates.len() - from) as f64).sqrt()
+}
+
+#[test]
+fn running_sums_are_what_a_direct_computation_gives() {
+    for steps in [600, 601, 602] {
+        let run = finished(&Scenario { duration: f64::from(steps) * 0.01, ..guessing(8.0, 0.1) });
+        let (estimates, record) = (&run.estimates()[0], run.record());
+        let diagnostics = Diagnostics::new(estimates, record);
+        let n = estimates.len();
+        let first = (0..n).find(|&k| 3 * k >= 2 * n).unwrap();
+        assert_eq!(diagnostics.last_third(), first..n);
+        for (place, channel) in estimates.channels().iter().copied().enumerate() {
+            let tally = |range| diagnostics.tally(channel, range).unwrap();
+            assert!((tally(0..n).rmse() / direct_rmse(estimates, record, place, 0) - 1.0).abs() < 1e-12);
+            let last_third = tally(diagnostics.last_third()).rmse() / direct_rmse(estimates, record, place, first);
+            assert!((last_third - 1.0).abs() < 1e-9, "{channel:?}: {last_third}");
+        }
+        let nis = &estimates.nis()[1..];
+        let mean = nis.iter().sum::<f64>() / nis.len() as f64;
+        assert!((diagnostics.mean_nis().unwrap().mean - mean).abs() < 1e-12);
+        let likelihood: f64 = estimates.log_likelihood()[1..].iter().sum();
+        assert!((diagnostics.log_likelihood() - likelihood).abs() < 1e-9);
+        for (sensor, whiteness) in diagnostics.whiteness().iter().enumerate() {
+            let normalised =
+                |k: usize| estimates.innovation(k)[sensor] / estimates.innovation_cov(k)[3 * sensor].sqrt();
+            let square: f64 = (1..n).map(|k| normalised(k) * normalised(k)).sum();
+            for (i, r) in whiteness.autocorrelation().into_iter().enumerate() {
+                let product: f64 = (i + 2..n).map(|k| normalised(k) * normalised(k - i - 1)).sum();
+                assert!((r - product / square).abs() < 1e-12);
+            }
+            assert_eq!(whiteness.autocorrelation().len(), LAGS);
+        }
+    }
+}
+
+#[test]
+fn the_nees_is_that_of_the_inverse_covariance() {
+    let run = finished(&Scenario { duration: 5.0, ..guessing(-8.0, -0.1) });
+    let (estimates, record) = (&run.estimates()[0], run.record());
+    let diagnostics = Diagnostics::new(estimates, record);
+    for (k, nees) in diagnostics.nees().iter().enumerate().step_by(50) {
+        let sign = |place| estimates.canonical_sign(k, place);
+        let cov = nalgebra::Matrix4::from_fn(|i, j| sign(i) * sign(j) * estimates.cov(k)[4 * i + j]);
+        let error = nalgebra::Vector4::from_fn(|i, _| {
+            estimates.canonical_mean(k, i) - record.truth(estimates.channels()[i]).unwrap()[k]
+        });
+        let direct = error.dot(&(cov.try_inverse().unwrap() * error));
+        assert!((nees / direct - 1.0).abs() < 1e-6, "{k}: {nees} instead of {direct}");
+    }
+}
+
+#[test]
+fn a_mirrored_oscillator_is_as_good_as_its_mirror_image() {
+    let (plain, mirrored) = (finished(&guessing(8.0, 0.1)), finished(&guessing(-8.0, -0.1)));
+    let (a, b) = (&plain.estimates()[0], &mirrored.estimates()[0]);
+    let last = b.len() - 1;
+    assert!(b.mean(last)[2] < -5.9 && b.mean(last)[3] < 0.0, "the filter stays in its own form");
+    for place in 0..4 {
+        let (sign, plain_mean) = (b.canonical_sign(last, place), a.canonical_mean(last, place));
+        assert_eq!(sign, if place < 2 { 1.0 } else { -1.0 });
+        assert_eq!(a.canonical_sign(last, place), 1.0);
+        assert!((b.canonical_mean(last, place) / plain_mean - 1.0).abs() < 1e-9);
+    }
+    let [a, b] = [&plain, &mirrored].map(|run| Summary::new(&run.estimates()[0], run.record()));
+    assert_eq!(a.verdict, b.verdict);
+    for (a, b) in a.finals.iter().zip(&b.finals) {
+        let (one, other) = (a.score.unwrap(), b.score.unwrap());
+        assert!((one.rmse / other.rmse - 1.0).abs() < 1e-9 && one.settled == other.settled, "{a:?} {b:?}");
+        assert_eq!(one.share_inside, other.share_inside);
+    }
+    assert!((a.nees.unwrap().mean / b.nees.unwrap().mean - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn what_is_not_known_or_not_measured_is_not_scored() {
+    let mut scenario = Scenario { duration: 3.0, force: Force::None, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    let run = finished(&scenario);
+    let mut file = Vec::new();
+    run.record().write_csv(&mut file).unwrap();
+    let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
+    let text = String::from_utf8(file).unwrap().replace("true_damping_ratio", "other");
+    let record = Record::read_csv(text.as_bytes(), &sensors).unwrap();
+    let mut again = Run::on_record(&scenario, Arc::new(record)).unwrap();
+    again.finish();
+    let diagnostics = Diagnostics::new(&again.estimates()[0], again.record());
+    assert_eq!(diagnostics.known().count(), 3);
+    assert_eq!(diagnostics.tally(Channel::DampingRatio, 0..9), None);
+    assert_eq!((diagnostics.error(Channel::DampingRatio), diagnostics.settled(Channel::DampingRatio)), (None, None));
+    assert_eq!(diagnostics.mean_nees().unwrap().expected, 3.0);
+    assert_eq!(diagnostics.nees_within(0..10).degrees, 30);
+
+    scenario.sensors.clear();
+    scenario.filters[0].sensor_std.clear();
+    let blind = finished(&scenario);
+    let diagnostics = Diagnostics::new(&blind.estimates()[0], blind.record());
+    assert!(diagnostics.mean_nis().is_none() && diagnostics.verdict(&blind.estimates()[0]).is_none());
+    assert!(diagnostics.whiteness().is_empty() && diagnostics.mean_nees().is_some());
+}
+
+#[test]
+fn parameters_held_for_certain_have_no_part_in_the_nees() {
+    let mut scenario = guessing(6.0, 0.05);
+    scenario.filters[0].kind = FilterKind::Kf;
+    let run = finished(&scenario);
+    let nees = Diagnostics::new(&run.estimates()[0], run.record()).mean_nees().unwrap();
+    assert_eq!(nees.expected, 2.0);
+    assert!(nees.is_inside(), "{nees:?}");
+}
