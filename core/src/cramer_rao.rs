@@ -47,7 +47,7 @@ impl CramerRao {
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
         let surroundings = Surroundings { plant, sensors: &sensors, dt, seed: scenario.seed, place };
-        let recursion = plant.visit(settings.eta, Start { settings: &settings, surroundings });
+        let recursion = plant.visit_log(settings.eta, false, Start { settings: &settings, surroundings });
         Some(Self { channels: plant.channels(), recursion, std: Vec::new(), samples: 0, stopped: false })
     }
 

@@ -50,7 +50,7 @@ fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     estimates: &mut Estimates,
 ) {
     let belief = filter.belief().gaussian();
-    if P::IN_UNITS {
+    if filter.model().in_units() {
         estimates.push(&belief, correction);
     } else {
         let (belief, unit) = filter.model().to_units(&belief);
@@ -165,7 +165,7 @@ pub(crate) fn build_filter<P: Model<N>, B: Belief<P, N>, const N: usize>(
 pub(crate) fn with_model<V: Visitor>(settings: &FilterSettings, truth: PlantKind, visitor: V) -> V::Output {
     let kind = settings.plant.unwrap_or(truth);
     let eta = if settings.kind == FilterKind::Kf { 0.0 } else { settings.eta };
-    if settings.log_parameters { kind.visit_log(eta, visitor) } else { kind.visit(eta, visitor) }
+    kind.visit_log(eta, settings.log_parameters, visitor)
 }
 
 /// The initial belief in the model's state.

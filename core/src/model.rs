@@ -20,8 +20,6 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
     /// How many components move. Those after them are parameters: each is constant or decays in proportion to itself,
     /// whatever the others do.
     const MOTION: usize;
-    /// Whether the state is in the channels' units. If not, [`Self::to_units`] and [`Self::to_state`] say how.
-    const IN_UNITS: bool = true;
 
     /// `g(y, f)`, with the force over mass `force` \[m/s²\]; each component in its unit per second.
     fn rate(&self, state: &Vector<N>, force: f64) -> Vector<N>;
@@ -82,6 +80,11 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
     /// Numbers at whose change of sign the rate has a kink, which the truth's steps must not jump over.
     fn kinks(&self, _state: &Vector<N>) -> [f64; 2] {
         [1.0; 2]
+    }
+
+    /// Whether the state is in the channels' units. If not, [`Self::to_units`] and [`Self::to_state`] say how.
+    fn in_units(&self) -> bool {
+        true
     }
 
     /// The belief in the channels' units, and what a unit of each component is in them.

@@ -99,17 +99,17 @@ impl PlantKind {
         }
     }
 
-    /// As [`Self::visit`], with the logarithms of the positive parameters in the state instead of themselves.
-    pub(crate) fn visit_log<V: Visitor>(self, eta: f64, visitor: V) -> V::Output {
-        struct InLogarithms<V>(V);
-        impl<V: Visitor> Visitor for InLogarithms<V> {
+    /// As [`Self::visit`], with the logarithms of the positive parameters in the state instead of themselves if so wished.
+    pub(crate) fn visit_log<V: Visitor>(self, eta: f64, log_parameters: bool, visitor: V) -> V::Output {
+        struct WithLogarithms<V>(V, bool);
+        impl<V: Visitor> Visitor for WithLogarithms<V> {
             type Output = V::Output;
 
-            fn visit<P: Model<N>, const N: usize>(self, model: P) -> V::Output {
-                self.0.visit(LogParameters(model))
+            fn visit<P: Model<N>, const N: usize>(self, plant: P) -> V::Output {
+                self.0.visit(LogParameters { plant, on: self.1 })
             }
         }
-        self.visit(eta, InLogarithms(visitor))
+        self.visit(eta, WithLogarithms(visitor, log_parameters))
     }
 
     /// The components of the plant's augmented state, those that move first.

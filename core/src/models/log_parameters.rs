@@ -2,11 +2,11 @@
 
 use crate::Channel;
 use crate::gaussian::{Gaussian, Matrix, Vector};
-use crate::model::Model;
+use crate::model::{Model, one_by_one};
 use crate::propagation::{exp_and_integral, runge_kutta};
 
-/// A plant whose state has `ln θ` in place of every parameter θ that cannot be negative ([`Channel::is_positive`]), so
-/// that no estimate is.
+/// A plant whose state has, if `on`, `ln θ` in place of every parameter θ that cannot be negative
+/// ([`Channel::is_positive`]), so that no estimate is.
 ///
 /// ```text
 /// d(ln θ)/dt = θ̇ / θ,  ∂g/∂(ln θ) = θ ∂g/∂θ
@@ -15,14 +15,16 @@ use crate::propagation::{exp_and_integral, runge_kutta};
 /// Beliefs are given and reported in the channels' own units, to first order: the mean is `exp` of the logarithm's, the
 /// standard deviation θ times the logarithm's.
 #[derive(Clone, Copy, Debug)]
-pub struct LogParameters<P>(
+pub struct LogParameters<P> {
     /// The plant itself.
-    pub P,
-);
+    pub plant: P,
+    /// Whether there are logarithms. A choice while running, and not a type of its own: filters over every plant are most
+    /// of the program, and need not be there twice.
+    pub on: bool,
+}
 
 impl<P> LogParameters<P> {
     /// The plant's own state, and for each component its derivative by the one here.
-    #[inline]
     fn plain<const N: usize>(state: &Vector<N>) -> (Vector<N>, Vector<N>)
     where
         P: Model<N>,
@@ -42,20 +44,26 @@ impl<P> LogParameters<P> {
 impl<P: Model<N>, const N: usize> Model<N> for LogParameters<P> {
     const CHANNELS: [Channel; N] = P::CHANNELS;
     const MOTION: usize = P::MOTION;
-    const IN_UNITS: bool = false;
 
     fn eta(&self) -> f64 {
-        self.0.eta()
+        self.plant.eta()
     }
 
+    #[inline]
     fn rate(&self, state: &Vector<N>, force: f64) -> Vector<N> {
+        if !self.on {
+            return self.plant.rate(state, force);
+        }
         let (plain, scale) = Self::plain(state);
-        self.0.rate(&plain, force).component_div(&scale)
+        self.plant.rate(&plain, force).component_div(&scale)
     }
 
     fn jacobian(&self, state: &Vector<N>) -> Matrix<N, N> {
+        if !self.on {
+            return self.plant.jacobian(state);
+        }
         let (plain, scale) = Self::plain(state);
-        let mut jacobian = self.0.jacobian(&plain);
+        let mut jacobian = self.plant.jacobian(&plain);
         for j in P::MOTION..N {
             for i in 0..P::MOTION {
                 jacobian[(i, j)] *= scale[j];
@@ -68,13 +76,17 @@ impl<P: Model<N>, const N: usize> Model<N> for LogParameters<P> {
         jacobian
     }
 
+    #[inline]
     fn linearised_step(&self, state: &Vector<N>, force: f64, dt: f64) -> (Vector<N>, Matrix<N, N>) {
+        if !self.on {
+            return self.plant.linearised_step(state, force, dt);
+        }
         if self.eta() != 0.0 {
             let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
             return (state + integral * self.rate(state, force), transition);
         }
         let (plain, scale) = Self::plain(state);
-        let (mut mean, mut transition) = self.0.linearised_step(&plain, force, dt);
+        let (mut mean, mut transition) = self.plant.linearised_step(&plain, force, dt);
         for j in P::MOTION..N {
             mean[j] = state[j];
             for i in 0..P::MOTION {
@@ -84,25 +96,47 @@ impl<P: Model<N>, const N: usize> Model<N> for LogParameters<P> {
         (mean, transition)
     }
 
+    #[inline]
     fn runge_kutta_step(&self, state: &Vector<N>, force: f64, dt: f64) -> Vector<N> {
+        if !self.on {
+            return self.plant.runge_kutta_step(state, force, dt);
+        }
         if self.eta() != 0.0 {
             return runge_kutta(state, dt, |y| self.rate(y, force));
         }
         let (plain, _) = Self::plain(state);
-        let mut next = self.0.runge_kutta_step(&plain, force, dt);
+        let mut next = self.plant.runge_kutta_step(&plain, force, dt);
         for j in P::MOTION..N {
             next[j] = state[j];
         }
         next
     }
 
+    #[inline]
+    fn runge_kutta_steps<const B: usize>(&self, states: &Matrix<B, N>, force: f64, dt: f64) -> Matrix<B, N> {
+        if !self.on {
+            return self.plant.runge_kutta_steps(states, force, dt);
+        }
+        one_by_one(states, |state| self.runge_kutta_step(&state, force, dt))
+    }
+
+    fn in_units(&self) -> bool {
+        !self.on
+    }
+
     fn to_units(&self, belief: &Gaussian<N>) -> (Gaussian<N>, Vector<N>) {
+        if !self.on {
+            return self.plant.to_units(belief);
+        }
         let (mean, scale) = Self::plain(&belief.mean);
         let cov = Matrix::from_fn(|i, j| belief.cov[(i, j)] * (scale[i] * scale[j]));
         (Gaussian { mean, cov }, scale)
     }
 
     fn to_state(&self, values: &Vector<N>) -> (Vector<N>, Vector<N>) {
+        if !self.on {
+            return self.plant.to_state(values);
+        }
         let mut state = *values;
         let mut unit = Vector::repeat(1.0);
         for i in P::MOTION..N {

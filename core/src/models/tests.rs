@@ -29,7 +29,7 @@ fn with_each(visit: impl Fn(PlantKind, f64, bool)) {
 }
 
 fn visit<V: Visitor>(kind: PlantKind, eta: f64, log: bool, visitor: V) -> V::Output {
-    if log { kind.visit_log(eta, visitor) } else { kind.visit(eta, visitor) }
+    if log { kind.visit_log(eta, true, visitor) } else { kind.visit(eta, visitor) }
 }
 
 #[test]
