@@ -64,18 +64,6 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
         None
     }
 
-    /// The fastest that the motion turns in this state \[rad/s\]: what the truth's steps must resolve.
-    fn turning_rate(&self, state: &Vector<N>) -> f64 {
-        let jacobian = self.jacobian(state);
-        let motion = jacobian.view((0, 0), (Self::MOTION, Self::MOTION));
-        motion.norm().sqrt() + motion.trace().abs()
-    }
-
-    /// Numbers at whose change of sign the rate has a kink, which the truth's steps must not jump over.
-    fn kinks(&self, _state: &Vector<N>) -> [f64; 2] {
-        [1.0; 2]
-    }
-
     /// The belief in the channels' units, and what a unit of each component is in them.
     fn to_units(&self, belief: &Gaussian<N>) -> (Gaussian<N>, Vector<N>) {
         (belief.clone(), Vector::repeat(1.0))

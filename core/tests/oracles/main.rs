@@ -3,7 +3,9 @@
 
 mod by_the_book;
 mod cases;
+mod chains;
 mod matrix;
 mod plants;
 mod sampled;
+mod taylor;
 mod textbook;
