@@ -11,7 +11,7 @@ use crate::textbook::Sample;
 /// A plant with its parameters off the filters' guesses, shaken and seen by a displacement and an acceleration sensor, and
 /// one filter of a kind.
 pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
-    let mut scenario = Scenario { dt: 0.01, duration: 8.0, ..Scenario::default() };
+    let mut scenario = Scenario { dt: 0.01, duration: 2.5, ..Scenario::default() };
     scenario.set_plant(plant);
     scenario.plant.natural_frequency = Signal::Constant(6.0);
     scenario.sensors = vec![

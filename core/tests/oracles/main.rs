@@ -4,7 +4,10 @@
 mod by_the_book;
 mod cases;
 mod chains;
+mod identification;
+mod limits;
 mod matrix;
+mod other_plants;
 mod plants;
 mod sampled;
 mod taylor;

@@ -62,8 +62,8 @@ impl Sub for Dual {
 impl Mul for Dual {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        let slope = self.slope.iter().zip(&other.slope).map(|(a, b)| a * other.value + b * self.value).collect();
-        Self { value: self.value * other.value, slope }
+        let value = self.value * other.value;
+        Self { value, ..self.chained(0.0, other.value) + other.chained(0.0, self.value) }
     }
 }
 
