@@ -23,9 +23,9 @@ macro_rules! channel_table {
             "α \\[-\\], stiffness after yielding over that before"
             PostYieldRatio post_yield_ratio "post_yield_ratio" "post-yield ratio" "α" "" Parameter [0.1, 0.0, 0.0];
             "β \\[1/m²\\], shape of the hysteresis loop"
-            HysteresisBeta hysteresis_beta "hysteresis_beta" "hysteresis β" "β" "1/m²" Parameter [50.0, 30.0, 0.01];
+            HysteresisBeta hysteresis_beta "hysteresis_beta" "hysteresis β" "β" "1/m²" Parameter [50.0, 15.0, 0.01];
             "γ \\[1/m²\\], shape of the hysteresis loop"
-            HysteresisGamma hysteresis_gamma "hysteresis_gamma" "hysteresis γ" "γ" "1/m²" Parameter [25.0, 30.0, 0.01];
+            HysteresisGamma hysteresis_gamma "hysteresis_gamma" "hysteresis γ" "γ" "1/m²" Parameter [30.0, 15.0, 0.01];
             "x₂ \\[m\\]"
             Displacement2 displacement_2 "displacement_2" "displacement 2" "x₂" "m" Motion [0.0, 0.1, 1e-4];
             "x₃ \\[m\\]"
@@ -39,13 +39,13 @@ macro_rules! channel_table {
             "v₄ \\[m/s\\]"
             Velocity4 velocity_4 "velocity_4" "velocity 4" "v₄" "m/s" Motion [0.0, 0.3, 1e-3];
             "κ₁, stiffness of the first storey over mass \\[1/s²\\]"
-            Stiffness1 stiffness_1 "stiffness_1" "stiffness 1" "κ₁" "1/s²" PositiveParameter [150.0, 50.0, 0.01];
+            Stiffness1 stiffness_1 "stiffness_1" "stiffness 1" "κ₁" "1/s²" PositiveParameter [150.0, 30.0, 0.01];
             "κ₂, stiffness of the second storey over mass \\[1/s²\\]"
-            Stiffness2 stiffness_2 "stiffness_2" "stiffness 2" "κ₂" "1/s²" PositiveParameter [150.0, 50.0, 0.01];
+            Stiffness2 stiffness_2 "stiffness_2" "stiffness 2" "κ₂" "1/s²" PositiveParameter [150.0, 30.0, 0.01];
             "κ₃, stiffness of the third storey over mass \\[1/s²\\]"
-            Stiffness3 stiffness_3 "stiffness_3" "stiffness 3" "κ₃" "1/s²" PositiveParameter [150.0, 50.0, 0.01];
+            Stiffness3 stiffness_3 "stiffness_3" "stiffness 3" "κ₃" "1/s²" PositiveParameter [150.0, 30.0, 0.01];
             "κ₄, stiffness of the fourth storey over mass \\[1/s²\\]"
-            Stiffness4 stiffness_4 "stiffness_4" "stiffness 4" "κ₄" "1/s²" PositiveParameter [150.0, 50.0, 0.01];
+            Stiffness4 stiffness_4 "stiffness_4" "stiffness 4" "κ₄" "1/s²" PositiveParameter [150.0, 30.0, 0.01];
             "c, damping of every storey over mass \\[1/s\\]"
             StoreyDamping storey_damping "storey_damping" "storey damping" "c" "1/s" PositiveParameter [0.5, 0.3, 1e-4];
         }

@@ -70,18 +70,6 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
         None
     }
 
-    /// The fastest that the motion turns in this state \[rad/s\]: what the truth's steps must resolve.
-    fn turning_rate(&self, state: &Vector<N>) -> f64 {
-        let jacobian = self.jacobian(state);
-        let motion = jacobian.view((0, 0), (Self::MOTION, Self::MOTION));
-        motion.norm().sqrt() + motion.trace().abs()
-    }
-
-    /// Numbers at whose change of sign the rate has a kink, which the truth's steps must not jump over.
-    fn kinks(&self, _state: &Vector<N>) -> [f64; 2] {
-        [1.0; 2]
-    }
-
     /// Whether the state is in the channels' units. If not, [`Self::to_units`] and [`Self::to_state`] say how.
     fn in_units(&self) -> bool {
         true

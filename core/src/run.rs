@@ -25,6 +25,7 @@ pub struct Run {
     source: Source,
     samples: usize,
     step: usize,
+    truth_stop: Option<usize>,
     /// The place of each of the scenario's sensors in the record.
     sensors: Vec<usize>,
     measured: Vec<f64>,
@@ -114,6 +115,7 @@ impl Run {
             source,
             samples,
             step: 0,
+            truth_stop: None,
             sensors,
         })
     }
@@ -122,7 +124,7 @@ impl Run {
     /// initial beliefs. A filter that fails keeps its estimates so far and says why in [`Estimates::stop`]; the others go
     /// on. Returns whether there was a sample left.
     pub fn step(&mut self) -> bool {
-        let Self { source, samples, step, sensors, measured, estimators, estimates, settings: _ } = self;
+        let Self { source, samples, step, truth_stop, sensors, measured, estimators, estimates, settings: _ } = self;
         if *step >= *samples {
             return false;
         }
@@ -130,6 +132,7 @@ impl Run {
             && !simulator.step(record)
         {
             *samples = *step;
+            *truth_stop = Some(*step);
             return false;
         }
         let k = *step;
@@ -173,6 +176,12 @@ impl Run {
     /// The number of samples of the whole record.
     pub fn samples(&self) -> usize {
         self.samples
+    }
+
+    /// The first sample that the truth does not have because it ran away, as one with a softening spring can; the record
+    /// ends before it.
+    pub fn truth_stop(&self) -> Option<usize> {
+        self.truth_stop
     }
 
     /// The record: as far as it is simulated, or all of a measured one.

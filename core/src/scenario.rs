@@ -214,7 +214,7 @@ impl Default for FilterSettings {
             log_parameters: false,
             propagation: Propagation::LocalLinearisation,
             iterations: 5,
-            ensemble_size: 200,
+            ensemble_size: 500,
             adaptation: Adaptation::default(),
             smoother: false,
             fading: 1.0,

@@ -101,14 +101,44 @@ fn difference(a: &Estimates, b: &Estimates) -> f64 {
 
 #[test]
 fn all_filters_are_one_where_the_plant_is_linear() {
-    let scenario = known_parameters(&[FilterKind::Kf, FilterKind::Ekf, FilterKind::Ukf], 0.001);
-    let run = finished(&scenario);
-    let [kf, ekf, ukf] = run.estimates() else { unreachable!("three kinds") };
+    use FilterKind::{Ckf, Ekf, Iekf, Kf, SrUkf, Ukf};
+    let run = finished(&known_parameters(&[Kf, Ekf, Iekf, Ukf, SrUkf, Ckf], 0.001));
+    let [kf, ekf, others @ ..] = run.estimates() else { unreachable!("six kinds") };
     assert_eq!(bits(kf), bits(ekf));
-    // The UKF moves its sigma points by Runge-Kutta steps: local error (ωₙ dt)⁵/120, some 1e-13.
-    let difference = difference(kf, ukf);
-    assert!(difference < 1e-9, "{difference}");
-    assert!(difference > 0.0, "the UKF has a propagation of its own");
+    for other in others {
+        // Sigma points move by Runge-Kutta steps: local error (ωₙ dt)⁵/120, some 1e-13.
+        let difference = difference(kf, other);
+        assert!(difference < 1e-9, "{}: {difference}", other.name());
+        assert!(difference > 0.0, "the {} has an update of its own", other.name());
+    }
+}
+
+#[test]
+fn fading_is_the_same_for_every_filter() {
+    use FilterKind::{Ckf, Ekf, Enkf, Iekf, Kf, Pf, SrUkf, Ukf};
+    for fading in [1.0, 1.002, 1.05] {
+        let mut scenario = known_parameters(&[Kf, Ekf, Iekf, Ukf, SrUkf, Ckf, Enkf, Pf], 0.001);
+        scenario.duration = 0.3;
+        for filter in &mut scenario.filters {
+            (filter.fading, filter.ensemble_size) = (fading, 400);
+            // Without measurements or process noise the variance is that of the free motion, times fading to the k.
+            (filter.process_std, filter.initial_std) = (PerChannel::ZERO, PARAMETERS_KNOWN);
+        }
+        let record = finished(&scenario).record().clone();
+        scenario.sensors.clear();
+        scenario.filters.iter_mut().for_each(|filter| filter.sensor_std.clear());
+        let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
+        run.finish();
+        let [kf, others @ ..] = run.estimates() else { unreachable!("eight kinds") };
+        let last = kf.len() - 1;
+        for other in others {
+            for i in 0..2 {
+                let ratio = other.std(last, i) / kf.std(last, i);
+                let tolerance = if other.kind().is_sampled() { 0.15 } else { 1e-9 };
+                assert!((ratio - 1.0).abs() < tolerance, "{} with {fading}: {ratio}", other.name());
+            }
+        }
+    }
 }
 
 /// `exp(M)` by a plain Taylor series over a 1024th, squared ten times.

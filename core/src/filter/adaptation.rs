@@ -13,7 +13,7 @@ use crate::gaussian::{Factor, Matrix, Vector};
 /// Q ← a Q + (1 - a) K e eᵀ Kᵀ
 /// ```
 ///
-/// R stays diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
+/// with P after the update. R stays diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
 ///
 /// Source: Akhlaghi, Zhou and Huang (2017), Adaptive adjustment of noise covariance in Kalman filter for dynamic state
 /// estimation, equations 10 and 15.

@@ -8,15 +8,18 @@ use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::model::Model;
 use crate::random::Normal;
 
-/// The bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is weighted by the
+/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is weighted by the
 /// likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles, they are resampled
-/// systematically. Fading stretches the sample about its mean.
+/// systematically and spread by a normal kernel, without which parameters that do not change would soon be left with a
+/// single value. Fading stretches the sample about its mean.
 ///
 /// Innovation, S and gain are those of a Gaussian with the sample's moments, for diagnostics; the log likelihood is the
 /// particles' own.
 ///
 /// Source: Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation; Kitagawa
-/// (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models (systematic resampling).
+/// (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models (systematic resampling); Musso,
+/// Oudjane and Le Gland (2001), Improving regularised particle filters; Liu and West (2001), Combined parameter and state
+/// estimation in simulation-based filtering (a kernel that keeps mean and covariance).
 #[derive(Clone, Debug)]
 pub struct Particles<const N: usize> {
     particles: Vec<Vector<N>>,
@@ -42,8 +45,32 @@ impl<const N: usize> Particles<N> {
         weighted_mean(&self.particles, &self.weights)
     }
 
-    /// Draws as many particles anew, each as often as its weight says, give or take one.
+    fn moments(&self) -> Gaussian<N> {
+        let mean = self.mean();
+        let mut cov = Matrix::<N, N>::zeros();
+        for (particle, weight) in self.particles.iter().zip(&self.weights) {
+            let deviation = particle - mean;
+            cov += deviation * deviation.transpose() * *weight;
+        }
+        Gaussian { mean, cov }
+    }
+
+    /// Makes the weights' sum one.
+    fn normalise(&mut self) -> Result<(), FilterError> {
+        let total: f64 = self.weights.iter().sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        for weight in &mut self.weights {
+            *weight /= total;
+        }
+        Ok(())
+    }
+
+    /// Draws as many particles anew, each as often as its weight says, give or take one, and moves each by a draw from a
+    /// kernel, so that copies part. Drawing them together first leaves mean and covariance as they were.
     fn resample(&mut self) {
+        let Gaussian { mean, cov } = self.moments();
         let Self { particles, weights, normal, .. } = self;
         let count = particles.len();
         let offset = normal.uniform();
@@ -57,6 +84,14 @@ impl<const N: usize> Particles<N> {
             }
             drawn.push(particles[at]);
         }
+        let square = bandwidth_square::<N>(count);
+        let kept = (1.0 - square).sqrt();
+        // A sample so thin that rounding gives its covariance no root stays as it is drawn.
+        if let Ok(root) = lower_root(&(cov * square)) {
+            for particle in &mut drawn {
+                *particle = mean + (*particle - mean) * kept + root * standard(normal);
+            }
+        }
         *particles = drawn;
         weights.fill(1.0 / count as f64);
     }
@@ -65,10 +100,17 @@ impl<const N: usize> Particles<N> {
 impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
     fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
         self.origin = None;
-        for particle in &mut self.particles {
-            *particle = model.runge_kutta_step(particle, force, dt);
+        // A particle that runs away is no explanation of anything and loses its weight.
+        let mut lost = false;
+        for (particle, weight) in self.particles.iter_mut().zip(&mut self.weights) {
+            let next = model.runge_kutta_step(particle, force, dt);
+            if next.norm_squared().is_finite() {
+                *particle = next;
+            } else {
+                (*weight, lost) = (0.0, true);
+            }
         }
-        Ok(())
+        if lost { self.normalise() } else { Ok(()) }
     }
 
     fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
@@ -116,13 +158,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
         if let Some(origin) = &self.origin {
             return Cow::Borrowed(origin);
         }
-        let mean = self.mean();
-        let mut cov = Matrix::<N, N>::zeros();
-        for (particle, weight) in self.particles.iter().zip(&self.weights) {
-            let deviation = particle - mean;
-            cov += deviation * deviation.transpose() * *weight;
-        }
-        Cow::Owned(Gaussian { mean, cov })
+        Cow::Owned(self.moments())
     }
 }
 
@@ -149,15 +185,21 @@ impl<const N: usize> Particles<N> {
             *weight *= libm::exp(log_likelihood - best);
         }
         let total: f64 = self.weights.iter().sum();
-        if !(best.is_finite() && total > 0.0 && total.is_finite()) {
+        if !best.is_finite() {
             return Err(FilterError::NotFinite);
         }
-        for weight in &mut self.weights {
-            *weight /= total;
-        }
+        self.normalise()?;
         let ln_noise: f64 = observation.active.iter().map(|a| libm::log(std::f64::consts::TAU * a.variance)).sum();
         Ok(best + libm::log(total) - 0.5 * ln_noise)
     }
+}
+
+/// The square of the bandwidth of a normal kernel around each of `count` particles, in the sample's standard deviations.
+///
+/// Source: Silverman (1986), *Density Estimation for Statistics and Data Analysis*, equation 4.14.
+fn bandwidth_square<const N: usize>(count: usize) -> f64 {
+    let n = N as f64;
+    libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)
 }
 
 /// The weighted mean, taken about the first so that what does not vary is its own mean to the last bit.
@@ -174,8 +216,12 @@ fn add_draws<const N: usize>(
 ) -> Result<(), FilterError> {
     let root = lower_root(cov)?;
     for element in sample {
-        let draw = Vector::<N>::from_fn(|_, _| normal.sample());
-        *element += root * draw;
+        *element += root * standard(normal);
     }
     Ok(())
+}
+
+/// Independent standard normal numbers.
+fn standard<const N: usize>(normal: &mut Normal) -> Vector<N> {
+    Vector::from_fn(|_, _| normal.sample())
 }

@@ -89,8 +89,4 @@ impl Model<8> for BoucWen {
         let (transition, integral) = exp_and_integral(&jacobian, dt);
         (state + integral * rate, transition)
     }
-
-    fn kinks(&self, state: &Vector<8>) -> [f64; 2] {
-        [state[1], state[2]]
-    }
 }

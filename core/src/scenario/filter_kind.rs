@@ -21,7 +21,7 @@ pub enum FilterKind {
     Ckf,
     /// Ensemble Kalman filter.
     Enkf,
-    /// Bootstrap particle filter.
+    /// Bootstrap particle filter, regularised.
     Pf,
 }
 

@@ -1,0 +1,78 @@
+//! The scenarios that the oracles are asked about.
+
+use std::sync::Arc;
+
+use kalmanscope_core::{
+    Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal,
+};
+
+use crate::textbook::Sample;
+
+/// A plant with its parameters off the filters' guesses, shaken and seen by a displacement and an acceleration sensor, and
+/// one filter of a kind.
+pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
+    let mut scenario = Scenario { dt: 0.01, duration: 2.5, ..Scenario::default() };
+    scenario.set_plant(plant);
+    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.sensors = vec![
+        Sensor { measures: Quantity::Displacement, noise_std: 0.01 },
+        Sensor { measures: Quantity::Acceleration, noise_std: 0.5 },
+    ];
+    scenario.filters = vec![FilterSettings {
+        name: kind.name().to_owned(),
+        kind,
+        fading: 1.002,
+        sensor_std: vec![0.01, 0.5],
+        ..FilterSettings::default()
+    }];
+    scenario
+}
+
+pub(crate) fn finished(scenario: &Scenario) -> Run {
+    let mut run = Run::new(scenario).unwrap();
+    run.finish();
+    assert_eq!(run.len(), scenario.samples());
+    run
+}
+
+/// The record with some measurements left out.
+pub(crate) fn with_gaps(record: &Record, missing: impl Fn(usize, usize) -> bool) -> Arc<Record> {
+    let mut text = "t,force".to_owned();
+    record.sensors().iter().for_each(|s| text += &format!(",{}", s.key()));
+    for k in 0..record.len() {
+        text += &format!("\n{:e},{:e}", record.time(k), record.force()[k]);
+        for sensor in 0..record.sensors().len() {
+            let cell = if missing(sensor, k) { String::new() } else { format!("{:e}", record.measured(sensor)[k]) };
+            text += &format!(",{cell}");
+        }
+    }
+    Arc::new(Record::read_csv(text.as_bytes(), record.sensors()).unwrap())
+}
+
+/// The largest deviation of some estimates from the textbook's: means and covariances against standard deviations, or
+/// against rounding of the mean where these are smaller still; NIS and log likelihood against themselves or one.
+pub(crate) fn deviation(estimates: &Estimates, expected: &[Sample]) -> f64 {
+    assert_eq!((estimates.stop(), estimates.len()), (None, expected.len()), "{}", estimates.name());
+    let n = estimates.channels().len();
+    let mut worst = 0.0_f64;
+    for (k, sample) in expected.iter().enumerate() {
+        let scale = |i: usize| sample.cov.at(i, i).max(0.0).sqrt().max(1e-6 * sample.mean[i].abs());
+        for i in 0..n {
+            worst = worst.max(part(estimates.mean(k)[i] - sample.mean[i], scale(i)));
+            for j in 0..n {
+                worst = worst.max(part(estimates.cov(k)[n * j + i] - sample.cov.at(i, j), scale(i) * scale(j)));
+            }
+        }
+        let pairs = [(estimates.nis()[k], sample.nis), (estimates.log_likelihood()[k], sample.log_likelihood)];
+        for (found, expected) in pairs {
+            assert_eq!(found.is_nan(), expected.is_nan(), "{} at {k}", estimates.name());
+            worst = worst.max((found - expected).abs() / expected.abs().max(1.0));
+        }
+    }
+    worst
+}
+
+/// `x` relative to a scale that may be zero.
+fn part(x: f64, scale: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { (x / scale).abs() }
+}

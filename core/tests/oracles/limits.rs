@@ -1,0 +1,138 @@
+//! Settings at the edge: no decay, no damping, nothing uncertain, long steps.
+
+use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario, Signal};
+
+use crate::cases::{finished, scenario};
+
+fn last(run: &Run) -> Vec<f64> {
+    let estimates = &run.estimates()[0];
+    let last = estimates.len() - 1;
+    estimates.mean(last).iter().chain(estimates.cov(last)).copied().collect()
+}
+
+#[test]
+fn a_tiny_decay_is_nearly_none() {
+    for plant in PlantKind::ALL {
+        for kind in FilterKind::ALL {
+            for log_parameters in [false, true] {
+                let mut scenario = Scenario { duration: 1.0, ..scenario(plant, kind) };
+                scenario.filters[0].log_parameters = log_parameters;
+                let without = last(&finished(&scenario));
+                scenario.filters[0].eta = 1e-12;
+                for (a, b) in without.iter().zip(last(&finished(&scenario))) {
+                    let what = format!("{} of a {}, logarithms {log_parameters}", kind.name(), plant.name());
+                    assert!((a - b).abs() <= 1e-6 * a.abs().max(1e-3), "{what}: {a} and {b}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn no_damping_is_a_damping_like_any_other() {
+    for plant in PlantKind::ALL {
+        for kind in FilterKind::ALL {
+            let mut scenario = Scenario { duration: 3.0, ..scenario(plant, kind) };
+            for channel in [Channel::DampingRatio, Channel::StoreyDamping] {
+                *scenario.plant.parameter_mut(channel).unwrap() = Signal::Constant(0.0);
+                scenario.filters[0].initial_mean[channel] = 0.0;
+            }
+            let run = finished(&scenario);
+            assert_eq!(run.estimates()[0].stop(), None, "{} of a {}", kind.name(), plant.name());
+        }
+    }
+}
+
+/// Any one parameter, or all, or the displacement too: what has no variance stays where it is, to the bit.
+#[test]
+fn what_is_certain_stays_put() {
+    for plant in PlantKind::ALL {
+        let parameters: Vec<Channel> = plant.parameters().collect();
+        let mut choices: Vec<Vec<Channel>> = parameters.iter().map(|&c| vec![c]).collect();
+        choices.push(parameters);
+        for kind in FilterKind::ALL {
+            for log_parameters in [false, true] {
+                for certain in &choices {
+                    let mut scenario = Scenario { duration: 0.25, ..scenario(plant, kind) };
+                    let settings = &mut scenario.filters[0];
+                    (settings.log_parameters, settings.ensemble_size) = (log_parameters, 60);
+                    for &channel in certain {
+                        settings.initial_std[channel] = 0.0;
+                        settings.process_std[channel] = 0.0;
+                    }
+                    let run = finished(&scenario);
+                    let estimates = &run.estimates()[0];
+                    for &channel in certain {
+                        let place = estimates.place(channel).unwrap();
+                        let told = scenario.filters[0].initial_mean[channel];
+                        // The exponential of a logarithm may round, but then does so each time.
+                        let start = estimates.mean(0)[place];
+                        let log = log_parameters && channel.is_positive();
+                        assert!(if log { (start / told - 1.0).abs() < 1e-14 } else { start == told });
+                        for k in 0..estimates.len() {
+                            let what = format!("{} of a {}: {certain:?} at {k}", kind.name(), plant.name());
+                            assert_eq!(estimates.mean(k)[place].to_bits(), start.to_bits(), "{what}");
+                            assert_eq!(estimates.std(k, place), 0.0, "{what}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn long_steps_end_in_numbers_or_in_a_reason() {
+    for plant in PlantKind::ALL {
+        for kind in FilterKind::ALL {
+            for dt in [0.1, 0.5, 2.0, 20.0] {
+                let scenario = Scenario { dt, duration: 100.0 * dt, ..scenario(plant, kind) };
+                let mut run = Run::new(&scenario).unwrap();
+                run.finish();
+                let estimates = &run.estimates()[0];
+                assert_eq!(estimates.len(), estimates.stop().map_or(run.len(), |stop| stop.sample));
+                for k in 0..estimates.len() {
+                    let finite = estimates.mean(k).iter().chain(estimates.cov(k)).all(|x| x.is_finite());
+                    assert!(finite, "{} of a {} with {dt} at {k}", kind.name(), plant.name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_belief_without_any_variance_moves_as_the_plant_does() {
+    for plant in PlantKind::ALL {
+        for kind in FilterKind::ALL {
+            // Local linearisation is of second order where the plant is not linear.
+            let linear = !matches!(plant, PlantKind::Duffing | PlantKind::BoucWen);
+            let tolerance = if linear { 1e-6 } else { 1e-3 };
+            let mut scenario = Scenario { duration: 1.0, dt: 0.002, ..scenario(plant, kind) };
+            let settings = &mut scenario.filters[0];
+            for &channel in plant.channels() {
+                settings.initial_std[channel] = 0.0;
+                settings.process_std[channel] = 0.0;
+                if let Some(signal) = scenario.plant.parameter(channel) {
+                    settings.initial_mean[channel] = signal.at(0.0);
+                }
+            }
+            let run = finished(&scenario);
+            let estimates = &run.estimates()[0];
+            assert_eq!((estimates.stop(), estimates.len()), (None, run.len()));
+            for (place, &channel) in plant.channels().iter().enumerate() {
+                let truth = run.record().truth(channel).unwrap();
+                let size = truth.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                for (k, truth) in truth.iter().enumerate() {
+                    let error = (estimates.mean(k)[place] - truth).abs();
+                    assert!(
+                        error <= tolerance * size,
+                        "{} of a {}, {channel:?} at {k}: {error}",
+                        kind.name(),
+                        plant.name()
+                    );
+                    assert_eq!(estimates.std(k, place), 0.0);
+                }
+            }
+        }
+    }
+}
