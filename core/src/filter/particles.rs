@@ -98,8 +98,16 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
             cross += (particle - state_mean) * deviation.transpose() * *weight;
         }
         observation.add_noise(&mut innovation_cov);
+        if observation.active.iter().any(|sensor| sensor.variance == 0.0) {
+            // Not even a particle that reads the very value has a likelihood then.
+            return Err(FilterError::SingularInnovation);
+        }
         let factor = factor(&innovation_cov)?;
         let gain = factor.divide(&cross);
+        if !gain.sum().is_finite() {
+            // It moves no particle, so that no other number would tell.
+            return Err(FilterError::NotFinite);
+        }
         let innovation = observation.values - reading_mean;
         report(observation, &innovation, &innovation_cov, &factor, &gain, correction);
 
@@ -149,6 +157,9 @@ impl<const N: usize> Particles<N> {
             *weight *= libm::exp(log_likelihood - best);
         }
         let total: f64 = self.weights.iter().sum();
+        if best == f64::NEG_INFINITY && readings.iter().all(|reading| reading.sum().is_finite()) {
+            return Err(FilterError::ImpossibleMeasurement);
+        }
         if !(best.is_finite() && total > 0.0 && total.is_finite()) {
             return Err(FilterError::NotFinite);
         }
