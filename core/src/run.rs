@@ -5,7 +5,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::estimator::{Estimator, Surroundings, estimator};
-use crate::simulate::Simulator;
+use crate::simulate::{Simulator, TruthStop};
 use crate::{Channel, Estimates, FilterSettings, Quantity, Record, Scenario, ScenarioError};
 
 /// Why a run cannot begin.
@@ -89,8 +89,8 @@ impl Run {
         let dt = record.dt();
         let mut old = old.into_iter();
         let estimates = |filter: &FilterSettings| {
-            let channels = filter.plant.unwrap_or(scenario.plant.kind).channels().to_vec();
-            let mut estimates = Estimates::new(filter.name.clone(), filter.kind, channels, quantities.clone());
+            let plant = filter.plant.unwrap_or(scenario.plant.kind);
+            let mut estimates = Estimates::new(filter, plant, quantities.clone());
             estimates.recycle(old.next(), samples);
             estimates
         };
@@ -111,7 +111,8 @@ impl Run {
 
     /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
     /// initial beliefs. A filter that fails keeps its estimates so far and says why in [`Estimates::stop`]; the others go
-    /// on. Returns whether there was a sample left.
+    /// on. Returns whether there was a sample left; a truth that runs away ends the record early and says why in
+    /// [`Self::truth_stop`].
     pub fn step(&mut self) -> bool {
         let Self { source, samples, step, sensors, measured, estimators, estimates } = self;
         if *step >= *samples {
@@ -164,6 +165,14 @@ impl Run {
     /// The number of samples of the whole record.
     pub fn samples(&self) -> usize {
         self.samples
+    }
+
+    /// Where the simulated truth stopped and why, if it had no numbers left before the record was complete.
+    pub fn truth_stop(&self) -> Option<TruthStop> {
+        match &self.source {
+            Source::Simulated { simulator, .. } => simulator.stop(),
+            Source::Measured(_) => None,
+        }
     }
 
     /// The record: as far as it is simulated, or all of a measured one.
