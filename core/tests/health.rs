@@ -238,6 +238,23 @@ fn a_force_and_a_sensor_that_overflow_end_the_record_and_are_named() {
     assert_eq!(reason, TruthError::Reading(Quantity::Velocity));
 }
 
+/// Every step of such a motion crosses kinks, and halving it does not help: once that took for ever.
+#[test]
+fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
+    let plant = Plant { kind: PlantKind::BoucWen, natural_frequency: Signal::Constant(1e9), ..Plant::default() };
+    let scenario = Scenario { plant, dt: 1.0, duration: 20.0, filters: vec![], ..Scenario::default() };
+    check_scenario(&scenario, 0).unwrap();
+}
+
+/// The gain of a particle filter is reported, but moves nothing that would overflow with it.
+#[test]
+fn particles_too_far_apart_for_a_covariance_stop_the_filter() {
+    let mut scenario = with_filter(FilterKind::Pf);
+    scenario.filters[0].ensemble_size = 10;
+    scenario.filters[0].initial_std = PerChannel { velocity: 1e153, natural_frequency: 1e153, ..PerChannel::ZERO };
+    assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::NotFinite }));
+}
+
 /// The record of a scenario as a file, changed line by line; the first line of numbers is line 1.
 fn changed(scenario: &Scenario, change: impl Fn(usize, &str) -> String) -> Record {
     let mut file = Vec::new();
