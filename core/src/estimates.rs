@@ -1,8 +1,9 @@
 //! What one filter has estimated so far, sample by sample.
 
-use crate::filter::Correction;
+use crate::filter::{Correction, Noise};
 use crate::gaussian::Gaussian;
-use crate::{Channel, FilterError, FilterKind, Quantity};
+use crate::health::{Remark, Watch};
+use crate::{Channel, FilterError, FilterKind, FilterSettings, PlantKind, Quantity};
 
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,15 +32,18 @@ pub struct Estimates {
     nis: Vec<f64>,
     log_likelihood: Vec<f64>,
     effective_samples: Vec<f64>,
+    watch: Watch,
     stop: Option<Stop>,
 }
 
 impl Estimates {
-    pub(crate) fn new(name: String, kind: FilterKind, channels: Vec<Channel>, sensors: Vec<Quantity>) -> Self {
+    /// Estimates without a sample, of a filter that takes the truth for `plant` and is given `sensors`.
+    pub(crate) fn new(settings: &FilterSettings, plant: PlantKind, sensors: Vec<Quantity>) -> Self {
         Self {
-            name,
-            kind,
-            channels,
+            name: settings.name.clone(),
+            kind: settings.kind,
+            channels: plant.channels().to_vec(),
+            watch: Watch::new(settings, plant, &sensors),
             sensors,
             mean: Vec::new(),
             cov: Vec::new(),
@@ -57,7 +61,7 @@ impl Estimates {
     /// the system costs more than to fill them.
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
-        let mut old = old.unwrap_or_else(|| Self::new(String::new(), self.kind, Vec::new(), Vec::new()));
+        let mut old = old.unwrap_or_else(|| self.clone());
         for (new, old, per_sample) in [
             (&mut self.mean, &mut old.mean, n),
             (&mut self.cov, &mut old.cov, n * n),
@@ -88,6 +92,12 @@ impl Estimates {
         if self.kind == FilterKind::Pf {
             self.effective_samples.push(correction.effective_samples);
         }
+        self.watch.look(self.nis.len() - 1, belief, correction);
+    }
+
+    /// Takes note of the noise that an adaptive filter assumes by the last sample.
+    pub(crate) fn note_noise<const N: usize>(&mut self, noise: &Noise<N>) {
+        self.watch.look_at_noise(self.nis.len() - 1, noise);
     }
 
     pub(crate) fn stop_at(&mut self, reason: FilterError) {
@@ -132,6 +142,17 @@ impl Estimates {
     /// Where the filter stopped, if it could not go on.
     pub fn stop(&self) -> Option<Stop> {
         self.stop
+    }
+
+    /// What else there is to know, in the order in which it was noticed: troubles that the filter survived.
+    pub fn remarks(&self) -> &[Remark] {
+        self.watch.remarks()
+    }
+
+    /// The number of samples, the first not counted, in which a sensor told this filter nothing.
+    pub fn missing(&self, sensor: usize) -> usize {
+        let m = self.sensors.len();
+        (1..self.len()).filter(|k| self.innovation[k * m + sensor].is_nan()).count()
     }
 
     /// The mean at sample `k`, one number a channel.

@@ -26,7 +26,11 @@ pub(crate) trait Estimator: Send {
 
 impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Filter<P, B, N> {
     fn begin(&self, estimates: &mut Estimates) {
-        report(self, &Correction::NOTHING, estimates);
+        let Noise { process, sensors, fading: _ } = self.noise();
+        let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
+        if !is_finite || report(self, &Correction::NOTHING, estimates).is_err() {
+            estimates.stop_at(FilterError::TooLarge);
+        }
     }
 
     fn step(
@@ -39,8 +43,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Filter<P, B, N>
         self.predict(force_before)?;
         let mut correction = Correction::NOTHING;
         self.update(force, measured, &mut correction)?;
-        report(self, &correction, estimates);
-        Ok(())
+        report(self, &correction, estimates)
     }
 }
 
@@ -48,9 +51,13 @@ fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     filter: &Filter<P, B, N>,
     correction: &Correction<N>,
     estimates: &mut Estimates,
-) {
+) -> Result<(), FilterError> {
     let belief = filter.belief().gaussian();
     if filter.model().in_units() {
+        // An update has seen to it that the belief is finite, but nothing has yet looked at an initial one.
+        if estimates.is_empty() && !belief.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
         estimates.push(&belief, correction);
     } else {
         let (belief, unit) = filter.model().to_units(&belief);
@@ -60,8 +67,15 @@ fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
                 gain[i] *= unit[i];
             }
         }
+        if !belief.is_finite() || correction.gain.as_flattened().iter().any(|k| !k.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
         estimates.push(&belief, &correction);
     }
+    if filter.is_adaptive() {
+        estimates.note_noise(filter.noise());
+    }
+    Ok(())
 }
 
 /// A filter that has no covariance to draw its sample from, or none that has a root, fails at the first sample.
@@ -136,6 +150,8 @@ impl Build<'_> {
     ) -> Box<dyn Estimator> {
         match belief {
             Ok(belief) => self.filter(model, belief),
+            // At the beginning there is but a diagonal, and what its root may lack is numbers.
+            Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
             Err(error) => Box::new(Failed(error)),
         }
     }

@@ -26,15 +26,31 @@ pub use square_root::SquareRoot;
 /// Why a filter cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum FilterError {
+    /// A standard deviation of the settings has no finite square, or an initial mean no finite value.
+    #[error("a number of the filter's settings is too large to begin with: its square is not finite")]
+    TooLarge,
     /// A number of the belief has overflowed or is undefined.
     #[error("the estimate is no longer a finite number: the filter has diverged")]
     NotFinite,
     /// The covariance has a negative variance in some direction.
-    #[error("the covariance is no longer positive semidefinite")]
+    #[error("the covariance is no longer positive semidefinite: rounding has made a variance negative")]
     IndefiniteCovariance,
-    /// The innovation covariance S cannot be inverted.
-    #[error("the innovation covariance S is singular")]
+    /// The innovation covariance S cannot be inverted: to the filter, some combination of the sensors cannot err, or what
+    /// it can is lost to rounding.
+    #[error("the innovation covariance S is singular: some combination of the sensors has no variance left")]
     SingularInnovation,
+    /// The innovation covariance S has a negative variance in some direction.
+    #[error("the innovation covariance S is not positive definite: rounding has made a variance negative")]
+    IndefiniteInnovation,
+    /// The measurement has no likelihood that is a number: it is too far from what the filter expects.
+    #[error("a measurement is so far from what the filter expects that its likelihood is zero")]
+    ImpossibleMeasurement,
+    /// A measurement is infinite.
+    #[error("a measurement is infinite")]
+    InfiniteMeasurement,
+    /// The force is infinite or undefined.
+    #[error("the force is not a finite number")]
+    UndefinedForce,
 }
 
 /// The noise that a filter ascribes to model and sensors, and how fast it forgets.
@@ -143,13 +159,13 @@ pub trait Belief<P: Model<N>, const N: usize>: Send {
     /// Carries the belief over one step of `dt` \[s\] in which the force over mass was `force` \[m/s²\].
     ///
     /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] where the covariance has no root.
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root.
     fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError>;
 
     /// `P ← λ P + Q`
     ///
     /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] where Q has no root.
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where Q has no root.
     fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError>;
 
     /// Conditions the belief on measurements and reports in `correction` how.
@@ -218,6 +234,11 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         &self.noise
     }
 
+    /// Whether the filter learns its noise.
+    pub(crate) fn is_adaptive(&self) -> bool {
+        self.adaptation.is_on()
+    }
+
     /// Carries the belief over one step in which the force over mass was `force` \[m/s²\].
     ///
     /// ```text
@@ -225,10 +246,13 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
     /// ```
     ///
     /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn. A prediction that overflows is found by
-    /// the update.
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn,
+    /// [`FilterError::UndefinedForce`]. Any other prediction that overflows is found by the update.
     #[inline]
     pub fn predict(&mut self, force: f64) -> Result<(), FilterError> {
+        if !force.is_finite() {
+            return Err(FilterError::UndefinedForce);
+        }
         self.belief.propagate(&self.model, force, self.dt)?;
         self.belief.spread(self.noise.fading, &self.noise.process)
     }
@@ -237,23 +261,26 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
     /// measurement that is NaN skips its sensor.
     ///
     /// # Errors
-    /// [`FilterError::SingularInnovation`] where S is not positive definite; [`FilterError::IndefiniteCovariance`] where
-    /// sigma points cannot be drawn or a variance comes out negative; [`FilterError::NotFinite`] where the belief
-    /// overflows.
+    /// [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`] where S is not positive definite;
+    /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn or a variance comes out negative;
+    /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
+    /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction<N>) -> Result<(), FilterError> {
         correction.clear();
         let mut active = [Active { sensor: 0, output: Output::State(0), variance: 0.0 }; MAX_SENSORS];
         let mut count = 0;
         for (sensor, (&output, &value)) in self.outputs.iter().zip(measured).enumerate() {
             if let Some(output) = output.filter(|_| !value.is_nan()) {
+                if value.is_infinite() {
+                    return Err(FilterError::InfiniteMeasurement);
+                }
                 active[count] = Active { sensor, output, variance: self.noise.sensors[sensor] };
                 count += 1;
             }
         }
         let [a, b, c, d] = active;
         match count {
-            0 if self.belief.gaussian().is_finite() => Ok(()),
-            0 => Err(FilterError::NotFinite),
+            0 => kalman::check(&self.belief.gaussian()),
             1 => self.condition([a], force, measured, correction),
             2 => self.condition([a, b], force, measured, correction),
             3 => self.condition([a, b, c], force, measured, correction),
@@ -272,7 +299,8 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         let observation = Observation { active, values, force };
         self.belief.condition(&self.model, &observation, correction)?;
         if !(correction.nis.is_finite() && correction.log_likelihood.is_finite()) {
-            return Err(FilterError::NotFinite);
+            let surprising = active.iter().all(|a| correction.innovation[a.sensor].is_finite());
+            return Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite });
         }
         if self.adaptation.is_on() {
             self.adaptation.adapt(&observation, correction, &mut self.noise);

@@ -48,7 +48,8 @@ impl<const N: usize> Gaussian<N> {
 /// and a division, and every other pivot for none (see [`next_pivot`]).
 ///
 /// # Errors
-/// [`FilterError::IndefiniteCovariance`] where a pivot is negative beyond rounding or not a number.
+/// [`FilterError::IndefiniteCovariance`] where a pivot is negative beyond rounding, [`FilterError::NotFinite`] where one is
+/// no finite number.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
 pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, FilterError> {
@@ -59,7 +60,7 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
         let known = next.take();
         let (pivot, inverse) = known.unwrap_or_else(|| with_inverse(columns[(j, j)]));
         let rounding = 4.0 * N as f64 * f64::EPSILON * cov[(j, j)];
-        if pivot > rounding {
+        if pivot > rounding && pivot.is_normal() {
             if known.is_none() {
                 next = next_pivot(&columns, j, pivot, inverse);
             }
@@ -73,7 +74,9 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
             for i in j..N {
                 root[(i, j)] = columns[(i, j)] * scale;
             }
-        } else if pivot < -1e4 * rounding || pivot.is_nan() {
+        } else if !pivot.is_finite() {
+            return Err(FilterError::NotFinite);
+        } else if pivot < -1e4 * rounding {
             return Err(FilterError::IndefiniteCovariance);
         }
     }
@@ -89,6 +92,11 @@ pub fn add_to_root<const N: usize>(root: &mut Matrix<N, N>, mut d: Vector<N>) {
         let length = (root[(j, j)] * root[(j, j)] + d[j] * d[j]).sqrt();
         if length == 0.0 {
             continue;
+        }
+        if length == f64::INFINITY {
+            // Its quotients would be zeros, and what is too large to square would vanish without a word.
+            root[(j, j)] = length;
+            return;
         }
         let (cos, sin) = (root[(j, j)] / length, d[j] / length);
         for i in j..N {
@@ -138,7 +146,7 @@ impl<const M: usize> Factor<M> {
         for j in 0..M {
             let known = next.take();
             let (pivot, inverse) = known.unwrap_or_else(|| with_inverse(columns[(j, j)]));
-            if !(pivot > 0.0 && inverse.is_finite()) {
+            if !(pivot > 0.0 && inverse.is_normal()) {
                 return None;
             }
             if known.is_none() {
@@ -217,6 +225,15 @@ impl<const M: usize> Factor<M> {
             sum += white[j] * white[j] * inverse_pivots[j];
         }
         sum
+    }
+
+    /// ln det S, which is a number even where the determinant is none.
+    pub fn ln_determinant(&self) -> f64 {
+        if self.determinant.is_normal() {
+            libm::log(self.determinant)
+        } else {
+            -self.inverse_pivots.iter().map(|&inverse| libm::log(inverse)).sum::<f64>()
+        }
     }
 
     /// det S
@@ -298,7 +315,18 @@ mod tests {
         let indefinite = Matrix::<2, 2>::new(1.0, 2.0, 2.0, 1.0);
         assert_eq!(lower_root(&indefinite), Err(FilterError::IndefiniteCovariance));
         let undefined = Matrix::<2, 2>::new(f64::NAN, 0.0, 0.0, 1.0);
-        assert_eq!(lower_root(&undefined), Err(FilterError::IndefiniteCovariance));
+        assert_eq!(lower_root(&undefined), Err(FilterError::NotFinite));
+        let infinite = Matrix::<2, 2>::new(f64::INFINITY, 0.0, 0.0, 1.0);
+        assert_eq!(lower_root(&infinite), Err(FilterError::NotFinite));
+    }
+
+    #[test]
+    fn what_is_too_small_to_divide_by_is_zero_and_what_is_too_large_to_square_is_not() {
+        let tiny = Matrix::<2, 2>::new(1e-310, 0.0, 0.0, 1.0);
+        assert_eq!(lower_root(&tiny), Ok(Matrix::from_diagonal(&Vector::<2>::new(0.0, 1.0))));
+        let mut root = Matrix::<2, 2>::new(1e200, 0.0, 1e200, 1.0);
+        add_to_root(&mut root, Vector::<2>::new(1.0, 1.0));
+        assert!(!(root * root.transpose()).sum().is_finite());
     }
 
     #[test]
@@ -311,6 +339,10 @@ mod tests {
         let e = Vector::<3>::new(0.3, -1.0, 2.0);
         assert!((factor.square(&e) - e.dot(&s.try_inverse().unwrap().tr_mul(&e))).abs() < 1e-12);
         assert!((factor.determinant() - s.determinant()).abs() < 1e-13);
+        assert_eq!(factor.ln_determinant(), libm::log(factor.determinant()));
+        let tiny = Factor::new(&(s * 1e-150)).unwrap();
+        assert_eq!(tiny.determinant(), 0.0);
+        assert!((tiny.ln_determinant() - factor.ln_determinant() + 450.0 * std::f64::consts::LN_10).abs() < 1e-9);
     }
 
     #[test]
@@ -329,5 +361,6 @@ mod tests {
             assert!(Factor::new(&Matrix::<2, 2>::new(s[0], s[1], s[1], s[2])).is_none(), "{s:?}");
         }
         assert!(Factor::new(&Matrix::<1, 1>::new(1e-320)).is_none(), "a pivot without a finite inverse");
+        assert!(Factor::new(&Matrix::<1, 1>::new(f64::INFINITY)).is_none(), "an infinite pivot");
     }
 }

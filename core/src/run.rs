@@ -5,7 +5,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use crate::estimator::{Estimator, Surroundings, estimator};
-use crate::simulate::Simulator;
+use crate::simulate::{Simulator, TruthStop};
 use crate::smoother::smooth;
 use crate::{Channel, Estimates, FilterSettings, PlantKind, Quantity, Record, Scenario, ScenarioError};
 
@@ -25,7 +25,6 @@ pub struct Run {
     source: Source,
     samples: usize,
     step: usize,
-    truth_stop: Option<usize>,
     /// The place of each of the scenario's sensors in the record.
     sensors: Vec<usize>,
     measured: Vec<f64>,
@@ -102,7 +101,7 @@ impl Run {
         let settings = Settings { plant: plant.kind, seed: *seed, filters: filters.clone(), quantities };
         let mut old = old.into_iter();
         let estimates = |filter: &FilterSettings| {
-            let mut estimates = settings.estimates(filter, filter.name.clone());
+            let mut estimates = settings.estimates(filter);
             estimates.recycle(old.next(), samples);
             estimates
         };
@@ -115,16 +114,16 @@ impl Run {
             source,
             samples,
             step: 0,
-            truth_stop: None,
             sensors,
         })
     }
 
     /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
     /// initial beliefs. A filter that fails keeps its estimates so far and says why in [`Estimates::stop`]; the others go
-    /// on. Returns whether there was a sample left.
+    /// on. Returns whether there was a sample left; a truth that runs away ends the record early and says why in
+    /// [`Self::truth_stop`].
     pub fn step(&mut self) -> bool {
-        let Self { source, samples, step, truth_stop, sensors, measured, estimators, estimates, settings: _ } = self;
+        let Self { source, samples, step, sensors, measured, estimators, estimates, settings: _ } = self;
         if *step >= *samples {
             return false;
         }
@@ -132,7 +131,6 @@ impl Run {
             && !simulator.step(record)
         {
             *samples = *step;
-            *truth_stop = Some(*step);
             return false;
         }
         let k = *step;
@@ -178,10 +176,12 @@ impl Run {
         self.samples
     }
 
-    /// The first sample that the truth does not have because it ran away, as one with a softening spring can; the record
-    /// ends before it.
-    pub fn truth_stop(&self) -> Option<usize> {
-        self.truth_stop
+    /// Where the simulated truth stopped and why, if it had no numbers left before the record was complete.
+    pub fn truth_stop(&self) -> Option<TruthStop> {
+        match &self.source {
+            Source::Simulated { simulator, .. } => simulator.stop(),
+            Source::Measured(_) => None,
+        }
     }
 
     /// The record: as far as it is simulated, or all of a measured one.
@@ -200,7 +200,7 @@ impl Run {
         let Self { settings, source, step, .. } = self;
         let record = source.record();
         let of = |(place, filter): (usize, &FilterSettings)| {
-            let mut smoothed = settings.estimates(filter, format!("{}, smoothed", filter.name));
+            let mut smoothed = settings.smoothed(filter);
             smooth(filter, settings.surroundings(record.dt(), place), record, *step, &mut smoothed);
             smoothed
         };
@@ -226,8 +226,13 @@ impl Settings {
     }
 
     /// Empty estimates for a filter.
-    fn estimates(&self, filter: &FilterSettings, name: String) -> Estimates {
-        let channels = filter.plant.unwrap_or(self.plant).channels().to_vec();
-        Estimates::new(name, filter.kind, channels, self.quantities.clone())
+    fn estimates(&self, filter: &FilterSettings) -> Estimates {
+        Estimates::new(filter, filter.plant.unwrap_or(self.plant), self.quantities.clone())
+    }
+
+    /// Empty estimates for what a filter's smoother knows. Sensors have told it nothing that they had not told the filter.
+    fn smoothed(&self, filter: &FilterSettings) -> Estimates {
+        let named = FilterSettings { name: format!("{}, smoothed", filter.name), ..filter.clone() };
+        Estimates::new(&named, filter.plant.unwrap_or(self.plant), Vec::new())
     }
 }

@@ -1,12 +1,37 @@
 //! The truth: the plant's response and what the sensors make of it.
 
+use thiserror::Error;
+
 use crate::gaussian::{Matrix, Vector};
 use crate::model::{Model, Output};
 use crate::plant::Visitor;
 use crate::propagation::runge_kutta;
 use crate::random::{Normal, Purpose};
 use crate::sensor::MAX_SENSORS;
-use crate::{Channel, Record, Scenario};
+use crate::{Channel, Quantity, Record, Scenario};
+
+/// Why a truth cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum TruthError {
+    /// The plant has run away, as one with a softening spring can, or a parameter's signal overflows.
+    #[error("the true {} is no longer a finite number: the plant has run away", .0.name())]
+    Channel(Channel),
+    /// The force and the disturbance are too large for a number.
+    #[error("the force is no longer a finite number")]
+    Force,
+    /// A sensor's reading is too large for a number.
+    #[error("the sensor for {} no longer reads a finite number", .0.key())]
+    Reading(Quantity),
+}
+
+/// Where a truth stopped, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TruthStop {
+    /// The first sample that the record lacks.
+    pub sample: usize,
+    /// What went wrong there.
+    pub reason: TruthError,
+}
 
 /// Produces a record sample by sample, for as long as it is asked.
 ///
@@ -18,6 +43,7 @@ pub struct Simulator {
     disturbance_noise: Normal,
     sensor_noise: Vec<Normal>,
     truth: Box<dyn Truth>,
+    stop: Option<TruthStop>,
 }
 
 impl Simulator {
@@ -30,6 +56,7 @@ impl Simulator {
             sensor_noise: scenario.sensors.iter().map(|s| stream(Purpose::Sensor(s.measures))).collect(),
             truth: scenario.plant.kind.visit(0.0, Start(scenario)),
             scenario: scenario.clone(),
+            stop: None,
         }
     }
 
@@ -39,29 +66,46 @@ impl Simulator {
         Record::empty(self.scenario.dt, sensors, self.scenario.plant.kind.channels().to_vec())
     }
 
+    /// Where the truth stopped, if it could not go on.
+    pub fn stop(&self) -> Option<TruthStop> {
+        self.stop
+    }
+
     /// Appends the next sample to `record`. Returns whether there was one: a plant that is not stable, such as one with a
-    /// softening spring, can run away to where there are no numbers.
+    /// softening spring, can run away to where there are no numbers. [`Self::stop`] then says why.
     pub fn step(&mut self, record: &mut Record) -> bool {
-        let Self { scenario, force_noise, disturbance_noise, sensor_noise, truth } = self;
+        if self.stop.is_some() {
+            return false;
+        }
+        let sample = record.len();
+        self.stop = self.try_step(record).err().map(|reason| TruthStop { sample, reason });
+        self.stop.is_none()
+    }
+
+    fn try_step(&mut self, record: &mut Record) -> Result<(), TruthError> {
+        let Self { scenario, force_noise, disturbance_noise, sensor_noise, truth, stop: _ } = self;
         let dt = scenario.dt;
         let k = record.len();
         let t = k as f64 * dt;
         truth.set_parameters(&|channel| scenario.plant.parameter(channel).map_or(0.0, |signal| signal.at(t)));
         let force = scenario.force.sample(k, dt, force_noise);
         let disturbance = scenario.plant.disturbance_std * disturbance_noise.sample();
-        let clean = truth.readings(force + disturbance);
-        if !truth.state().iter().chain(&clean[..scenario.sensors.len()]).all(|x| x.is_finite()) {
-            return false;
+        if let Some(place) = truth.state().iter().position(|x| !x.is_finite()) {
+            return Err(TruthError::Channel(scenario.plant.kind.channels()[place]));
         }
-        let measured = scenario
-            .sensors
-            .iter()
-            .zip(sensor_noise)
-            .zip(clean)
-            .map(|((sensor, noise), clean)| clean + sensor.noise_std * noise.sample());
+        if !(force + disturbance).is_finite() {
+            return Err(TruthError::Force);
+        }
+        let mut measured = truth.readings(force + disturbance);
+        for ((sensor, noise), reading) in scenario.sensors.iter().zip(sensor_noise).zip(&mut measured) {
+            *reading += sensor.noise_std * noise.sample();
+            if !reading.is_finite() {
+                return Err(TruthError::Reading(sensor.measures));
+            }
+        }
         record.push(force, measured, truth.state().iter().copied());
         truth.advance(force + disturbance, dt);
-        true
+        Ok(())
     }
 }
 

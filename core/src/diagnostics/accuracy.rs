@@ -150,20 +150,21 @@ mod tests {
     use crate::filter::Correction;
     use crate::gaussian::{Gaussian, Vector};
     use crate::random::{Normal, Purpose};
-    use crate::{FilterKind, Quantity};
+    use crate::{FilterSettings, PlantKind, Quantity};
 
     const STD: f64 = 0.5;
 
     /// The accuracy of a frequency and a damping, given as pairs of estimate and truth.
     fn of(samples: impl IntoIterator<Item = [(f64, f64); 2]>) -> Accuracy {
         let channels = vec![Channel::NaturalFrequency, Channel::DampingRatio];
-        let mut estimates = Estimates::new(String::new(), FilterKind::Ekf, channels.clone(), Vec::new());
+        let mut estimates = Estimates::new(&FilterSettings::default(), PlantKind::Sdof, Vec::new());
         let mut record = Record::empty(0.01, Vec::<Quantity>::new(), channels);
         let mut accuracy = Accuracy::default();
         accuracy.restart(&estimates, &record);
         for (k, pairs) in samples.into_iter().enumerate() {
-            let mean = Vector::from(pairs.map(|(mean, _)| mean));
-            estimates.push(&Gaussian::<2>::independent(mean, &Vector::repeat(STD)), &Correction::NOTHING);
+            let [frequency, damping] = pairs.map(|(mean, _)| mean);
+            let mean = Vector::<4>::new(0.0, 0.0, frequency, damping);
+            estimates.push(&Gaussian::<4>::independent(mean, &Vector::repeat(STD)), &Correction::NOTHING);
             record.push(0.0, [], pairs.map(|(_, truth)| truth));
             accuracy.push(&estimates, &record, k);
         }

@@ -1,7 +1,7 @@
 //! The update of a Gaussian belief, whichever way the measurement was expected.
 
 use super::{Correction, FilterError, Observation};
-use crate::gaussian::{Factor, Gaussian, Matrix, Vector, minus_product, mirrored};
+use crate::gaussian::{Factor, Gaussian, Matrix, Vector, lower_root, minus_product, mirrored};
 
 /// What a belief says of M measurements before they are seen.
 pub(super) struct Expected<const N: usize, const M: usize> {
@@ -57,7 +57,8 @@ pub(super) fn expect_components<const N: usize, const M: usize>(
 /// ```
 ///
 /// # Errors
-/// [`FilterError::SingularInnovation`], [`FilterError::IndefiniteCovariance`], [`FilterError::NotFinite`].
+/// [`FilterError::SingularInnovation`], [`FilterError::IndefiniteInnovation`], [`FilterError::IndefiniteCovariance`],
+/// [`FilterError::NotFinite`].
 ///
 /// Source: Kalman (1960), A new approach to linear filtering and prediction problems.
 #[inline]
@@ -104,14 +105,19 @@ pub(super) fn check<const N: usize>(belief: &Gaussian<N>) -> Result<(), FilterEr
 /// The factor of S.
 ///
 /// # Errors
-/// [`FilterError::NotFinite`] and [`FilterError::SingularInnovation`].
+/// [`FilterError::NotFinite`], [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`].
 #[inline]
 pub(super) fn factor<const M: usize>(innovation_cov: &Matrix<M, M>) -> Result<Factor<M>, FilterError> {
-    Factor::new(innovation_cov).ok_or(if innovation_cov.sum().is_finite() {
-        FilterError::SingularInnovation
-    } else {
-        FilterError::NotFinite
-    })
+    Factor::new(innovation_cov).ok_or_else(|| why_no_factor(innovation_cov))
+}
+
+#[cold]
+fn why_no_factor<const M: usize>(innovation_cov: &Matrix<M, M>) -> FilterError {
+    match lower_root(innovation_cov) {
+        Ok(_) => FilterError::SingularInnovation,
+        Err(FilterError::IndefiniteCovariance) => FilterError::IndefiniteInnovation,
+        Err(error) => error,
+    }
 }
 
 /// Writes down what a measurement told, each sensor in its place.
@@ -126,7 +132,7 @@ pub(super) fn report<const N: usize, const M: usize>(
 ) {
     let nis = factor.square(innovation);
     correction.nis = nis;
-    correction.log_likelihood = -0.5 * (nis + libm::log(factor.determinant()) + M as f64 * LN_2_PI);
+    correction.log_likelihood = -0.5 * (nis + factor.ln_determinant() + M as f64 * LN_2_PI);
     for (i, row) in observation.active.iter().enumerate() {
         correction.innovation[row.sensor] = innovation[i];
         correction.gain[row.sensor] = gain.column(i).into();

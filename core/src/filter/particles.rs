@@ -140,8 +140,16 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
             cross += (particle - state_mean) * deviation.transpose() * *weight;
         }
         observation.add_noise(&mut innovation_cov);
+        if observation.active.iter().any(|sensor| sensor.variance == 0.0) {
+            // Not even a particle that reads the very value has a likelihood then.
+            return Err(FilterError::SingularInnovation);
+        }
         let factor = factor(&innovation_cov)?;
         let gain = factor.divide(&cross);
+        if !gain.sum().is_finite() {
+            // It moves no particle, so that no other number would tell.
+            return Err(FilterError::NotFinite);
+        }
         let innovation = observation.values - reading_mean;
         report(observation, &innovation, &innovation_cov, &factor, &gain, correction);
 
@@ -185,6 +193,9 @@ impl<const N: usize> Particles<N> {
             *weight *= libm::exp(log_likelihood - best);
         }
         let total: f64 = self.weights.iter().sum();
+        if best == f64::NEG_INFINITY && readings.iter().all(|reading| reading.sum().is_finite()) {
+            return Err(FilterError::ImpossibleMeasurement);
+        }
         if !best.is_finite() {
             return Err(FilterError::NotFinite);
         }

@@ -130,6 +130,10 @@ impl<const N: usize, const M: usize> Array<N, M> {
             if length == 0.0 {
                 continue;
             }
+            if length == f64::INFINITY {
+                sensors[(j, j)] = length;
+                return;
+            }
             let (cos, sin) = (sensors[(j, j)] / length, reading[j] / length);
             for i in j..M {
                 (sensors[(i, j)], reading[i]) =

@@ -141,7 +141,9 @@ fn spacing(times: &[(u64, f64)]) -> Result<(f64, f64), RecordError> {
     let dt = if exact { step } else { (last - first) / (times.len() - 1) as f64 };
     for (k, &(line, found)) in times.iter().enumerate() {
         let expected = first + k as f64 * dt;
-        if (found - expected).abs() > 0.01 * dt {
+        // A step that overflows has no expectations and fails, too.
+        let off = (found - expected).abs();
+        if off.is_nan() || off > 0.01 * dt {
             return Err(RecordError::Spacing { line, found, expected, dt });
         }
     }
@@ -193,6 +195,8 @@ mod tests {
         assert!(gap.starts_with("line 3: t = 1 s, but samples 1.5 s apart"), "{gap}");
         assert_eq!(message("t,force,velocity\n0,1,2\n"), "1 sample(s), but at least 2 are needed");
         assert!(message("t,force,velocity\n0,1,2\n0,1,2\n").starts_with("t must rise"));
+        let endless = message("t,force,velocity\n-1e308,1,2\n1e308,1,2\n");
+        assert!(endless.starts_with("line 2: t = -1"), "{endless}");
         assert!(message("t,force,velocity\n0,1\n").contains("line"), "{}", message("t,force,velocity\n0,1\n"));
     }
 }

@@ -199,7 +199,7 @@ fn a_plant_that_runs_away_ends_its_record() {
         });
         let mut run = Run::new(&scenario).unwrap();
         while run.step() {}
-        let stop = run.truth_stop().unwrap();
+        let stop = run.truth_stop().unwrap().sample;
         assert!(0 < stop && stop < scenario.samples() && !run.step());
         assert_eq!((stop, stop, stop), (run.len(), run.samples(), run.record().len()));
         for k in 0..stop {

@@ -1,0 +1,336 @@
+//! Numerical trouble is reported as what it is, at its sample: never a panic, never a silent NaN.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+#[path = "common/health.rs"]
+mod health;
+
+use std::cell::Cell;
+use std::sync::Arc;
+
+use health::{check_file, check_scenario, scenario_of};
+use kalmanscope_core::{
+    Adaptation, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, PerChannel, Plant, PlantKind,
+    Quantity, Record, Remark, Run, Scenario, Sensor, Signal, Stop, Trouble, TruthError, TruthStop,
+};
+use proptest::prelude::*;
+use proptest::test_runner::{RngSeed, TestError, TestRunner};
+
+/// The same cases every time, so that a test fails for a reason.
+fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, rng_seed: RngSeed::Fixed(20_261_121), failure_persistence: None, ..Default::default() }
+}
+
+#[test]
+fn a_million_steps_of_any_scenarios_are_healthy_or_say_why_not() {
+    let steps = Cell::new(0);
+    let any_bytes = proptest::collection::vec(any::<u8>(), 400);
+    let result = TestRunner::new(config(4200)).run(&any_bytes, |bytes| {
+        let (scenario, gap) = scenario_of(&bytes);
+        prop_assert_eq!(scenario.validate(), Ok(()));
+        let done = check_scenario(&scenario, gap);
+        let done = done.map_err(|what| TestCaseError::fail(format!("{what}\n{}", scenario.to_toml().unwrap())))?;
+        steps.set(steps.get() + done);
+        Ok(())
+    });
+    match result {
+        Ok(()) => assert!(steps.get() > 1_000_000, "{} steps", steps.get()),
+        Err(TestError::Fail(reason, _)) => panic!("{reason}"),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+proptest! {
+    #![proptest_config(config(300))]
+
+    #[test]
+    fn any_scenario_can_be_written_and_read_again(bytes in proptest::collection::vec(any::<u8>(), 400)) {
+        let text = scenario_of(&bytes).0.to_toml().unwrap();
+        check_file(&text).map_err(TestCaseError::fail)?;
+    }
+
+    #[test]
+    fn a_damaged_file_is_a_scenario_or_an_error(at in any::<prop::sample::Index>(), by in "\\PC{0,6}", cut in 0_usize..9) {
+        let mut text: Vec<char> = include_str!("../../assets/scenarios/stiffness-loss.toml").chars().collect();
+        let at = at.index(text.len() - cut);
+        text.splice(at..at + cut, by.chars());
+        check_file(&text.into_iter().collect::<String>()).map_err(TestCaseError::fail)?;
+    }
+}
+
+fn finished(scenario: &Scenario) -> Run {
+    let mut run = Run::new(scenario).unwrap();
+    run.finish();
+    run
+}
+
+fn built_in(name: &str) -> Scenario {
+    let path = format!("{}/../assets/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    Scenario::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// The default scenario for 10 s, with one filter.
+fn with_filter(kind: FilterKind) -> Scenario {
+    let filter = FilterSettings { fading: 1.0, kind, ..Scenario::default().filters[0].clone() };
+    Scenario { duration: 10.0, filters: vec![filter], ..Scenario::default() }
+}
+
+/// Where and why the only filter stops.
+fn stop(scenario: &Scenario) -> Option<Stop> {
+    check_scenario(scenario, 0).unwrap();
+    finished(scenario).estimates()[0].stop()
+}
+
+fn remark(estimates: &Estimates, what: Trouble) -> Option<Remark> {
+    estimates.remarks().iter().copied().find(|r| r.what == what)
+}
+
+#[test]
+fn what_is_well_has_no_remarks() {
+    for name in
+        ["constant", "free-vibration", "hammer", "chirp", "stiffness-loss", "acceleration-only", "no-excitation"]
+    {
+        let run = finished(&built_in(name));
+        assert_eq!(run.truth_stop(), None);
+        for estimates in run.estimates() {
+            assert_eq!((estimates.remarks(), estimates.missing(0)), (&[][..], 0), "{name}, {}", estimates.name());
+        }
+    }
+}
+
+#[test]
+fn forgetting_without_excitation_winds_up_and_is_remarked_once() {
+    let mut scenario = built_in("no-excitation");
+    scenario.filters.iter_mut().for_each(|filter| filter.fading = 1.02);
+    check_scenario(&scenario, 0).unwrap();
+    let run = finished(&scenario);
+    for estimates in run.estimates().iter().filter(|e| e.kind() == FilterKind::Ekf) {
+        let limit = 1e3 * scenario.filters[0].initial_std.natural_frequency;
+        let far = (0..estimates.len()).find(|&k| estimates.std(k, 2) > limit).unwrap();
+        let wound_up = remark(estimates, Trouble::WindUp(Channel::NaturalFrequency)).unwrap();
+        assert_eq!(wound_up.sample, far, "{}", estimates.name());
+        assert!(far > 500 && wound_up.last > far, "{wound_up:?}");
+        assert!(estimates.remarks().iter().filter(|r| r.what == wound_up.what).count() <= 2, "once an occasion");
+        assert!(remark(estimates, Trouble::WindUp(Channel::Displacement)).is_none_or(|r| r.sample > far));
+    }
+}
+
+#[test]
+fn a_wound_up_covariance_that_overflows_stops_the_filter() {
+    let mut scenario = Scenario { force: Force::None, sensors: vec![], ..with_filter(FilterKind::Ekf) };
+    scenario.filters[0].sensor_std = vec![];
+    scenario.filters[0].fading = 3.0;
+    let stop = stop(&scenario).unwrap();
+    assert_eq!(stop.reason, FilterError::NotFinite);
+    // The variance has tripled at each sample until there are no numbers left.
+    assert!((640..650).contains(&stop.sample), "{stop:?}");
+}
+
+#[test]
+fn sensors_that_cannot_err_and_a_state_that_is_known_make_s_singular() {
+    for kind in FilterKind::ALL {
+        let mut scenario = with_filter(kind);
+        let filter = &mut scenario.filters[0];
+        (filter.initial_std, filter.process_std) = (PerChannel::ZERO, PerChannel::ZERO);
+        filter.sensor_std = vec![1e-200; 2];
+        assert_eq!(
+            stop(&scenario),
+            Some(Stop { sample: 1, reason: FilterError::SingularInnovation }),
+            "{}",
+            kind.name()
+        );
+    }
+}
+
+#[test]
+fn perfect_sensors_make_s_singular_sooner_or_later() {
+    let mut scenario = with_filter(FilterKind::Ekf);
+    scenario.sensors.push(Sensor { measures: Quantity::Acceleration, noise_std: 0.0 });
+    let filter = &mut scenario.filters[0];
+    filter.sensor_std = vec![1e-200; 3];
+    filter.initial_std = PerChannel { displacement: 0.1, velocity: 0.3, ..PerChannel::ZERO };
+    filter.process_std = PerChannel::ZERO;
+    // The acceleration follows from displacement and velocity.
+    assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::SingularInnovation }));
+}
+
+#[test]
+fn an_indefinite_covariance_is_refused_or_remarked() {
+    // Rank one, and shrinking: what is left of the variances is rounding.
+    let nothing = PerChannel::ZERO;
+    let filter = FilterSettings {
+        kind: FilterKind::Ekf,
+        initial_mean: PerChannel { natural_frequency: 61.7, damping_ratio: 0.55, ..nothing },
+        initial_std: PerChannel { natural_frequency: 1.0, ..nothing },
+        process_std: nothing,
+        ..FilterSettings::default()
+    };
+    let force = Force::Step { amplitude: 0.3, at: 1.9 };
+    let scenario =
+        Scenario { dt: 0.2, duration: 40.0, force, sensors: vec![], filters: vec![filter], ..Scenario::default() };
+    check_scenario(&scenario, 0).unwrap();
+    let run = finished(&scenario);
+    let indefinite = |r: &&Remark| matches!(r.what, Trouble::Indefinite(..));
+    assert!(run.estimates()[0].remarks().iter().any(|r| indefinite(&r)), "{:?}", run.estimates()[0].remarks());
+}
+
+#[test]
+fn a_divergence_is_one() {
+    let mut scenario = with_filter(FilterKind::Ekf);
+    scenario.dt = 0.5;
+    scenario.duration = 1000.0;
+    scenario.filters[0].propagation = kalmanscope_core::Propagation::Euler;
+    (scenario.sensors, scenario.filters[0].sensor_std) = (vec![], vec![]);
+    assert_eq!(stop(&scenario).unwrap().reason, FilterError::NotFinite);
+}
+
+#[test]
+fn settings_too_large_to_square_are_said_to_be_so_at_the_first_sample() {
+    for kind in FilterKind::ALL {
+        let wide = |settings: &mut FilterSettings| settings.initial_std.displacement = 1e200;
+        let noisy = |settings: &mut FilterSettings| settings.process_std.displacement = 1e200;
+        let blind = |settings: &mut FilterSettings| settings.sensor_std[0] = 1e200;
+        for change in [wide, noisy, blind] {
+            let mut scenario = with_filter(kind);
+            change(&mut scenario.filters[0]);
+            assert_eq!(stop(&scenario), Some(Stop { sample: 0, reason: FilterError::TooLarge }), "{}", kind.name());
+        }
+    }
+}
+
+#[test]
+fn a_measurement_without_likelihood_is_not_called_divergence() {
+    for kind in FilterKind::ALL {
+        let mut scenario = with_filter(kind);
+        scenario.plant.initial.displacement = 1e160;
+        let filter = &mut scenario.filters[0];
+        filter.sensor_std = vec![1e-5, 1.0];
+        let reason = stop(&scenario).unwrap().reason;
+        assert_eq!(reason, FilterError::ImpossibleMeasurement, "{}", kind.name());
+    }
+}
+
+#[test]
+fn a_plant_that_runs_away_ends_the_record_and_says_where() {
+    let plant = Plant { kind: PlantKind::Duffing, cubic_stiffness: Signal::Constant(-300.0), ..Plant::default() };
+    let mut scenario = Scenario { plant, ..with_filter(FilterKind::Ukf) };
+    scenario.plant.initial.displacement = 1.0;
+    check_scenario(&scenario, 0).unwrap();
+    let run = finished(&scenario);
+    let TruthStop { sample, reason } = run.truth_stop().unwrap();
+    assert!(matches!(reason, TruthError::Channel(Channel::Displacement | Channel::Velocity)), "{reason:?}");
+    assert!(reason.to_string().contains("run away"));
+    assert_eq!((sample, sample), (run.len(), run.samples()));
+    assert!(sample < scenario.samples());
+}
+
+#[test]
+fn a_force_and_a_sensor_that_overflow_end_the_record_and_are_named() {
+    let force = Force::Step { amplitude: 1.7e308, at: 0.05 };
+    let mut scenario = Scenario { force, ..with_filter(FilterKind::Ekf) };
+    scenario.plant.disturbance_std = 1e308;
+    check_scenario(&scenario, 0).unwrap();
+    assert!(finished(&scenario).truth_stop().is_some());
+
+    let mut scenario = with_filter(FilterKind::Ekf);
+    scenario.sensors[1].noise_std = 1.7e308;
+    check_scenario(&scenario, 0).unwrap();
+    let reason = finished(&scenario).truth_stop().unwrap().reason;
+    assert_eq!(reason, TruthError::Reading(Quantity::Velocity));
+}
+
+/// Every step of such a motion crosses kinks, and halving it does not help: once that took for ever.
+#[test]
+fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
+    let plant = Plant { kind: PlantKind::BoucWen, natural_frequency: Signal::Constant(1e9), ..Plant::default() };
+    let scenario = Scenario { plant, dt: 1.0, duration: 20.0, filters: vec![], ..Scenario::default() };
+    check_scenario(&scenario, 0).unwrap();
+}
+
+/// The gain of a particle filter is reported, but moves nothing that would overflow with it.
+#[test]
+fn particles_too_far_apart_for_a_covariance_stop_the_filter() {
+    let mut scenario = with_filter(FilterKind::Pf);
+    scenario.filters[0].ensemble_size = 10;
+    scenario.filters[0].initial_std = PerChannel { velocity: 1e153, natural_frequency: 1e153, ..PerChannel::ZERO };
+    assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::NotFinite }));
+}
+
+/// The record of a scenario as a file, changed line by line; the first line of numbers is line 1.
+fn changed(scenario: &Scenario, change: impl Fn(usize, &str) -> String) -> Record {
+    let mut file = Vec::new();
+    finished(scenario).record().write_csv(&mut file).unwrap();
+    let text = String::from_utf8(file).unwrap();
+    let lines: Vec<String> =
+        text.lines().enumerate().map(|(i, line)| if i == 0 { line.to_owned() } else { change(i, line) }).collect();
+    let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+    Record::read_csv(lines.join("\n").as_bytes(), &sensors).unwrap()
+}
+
+#[test]
+fn missing_measurements_are_counted_and_a_run_of_them_is_remarked() {
+    let scenario = with_filter(FilterKind::Ekf);
+    let without_displacement = |line: &str| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        cells[2] = "nan";
+        cells.join(",")
+    };
+    let record = changed(&scenario, |i, line| {
+        // Sample k stands on line k + 1.
+        if (201..231).contains(&i) || i == 301 { without_displacement(line) } else { line.to_owned() }
+    });
+    let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
+    run.finish();
+    let estimates = &run.estimates()[0];
+    assert_eq!((estimates.missing(0), estimates.missing(1)), (31, 0));
+    let what = Trouble::Missing(Quantity::Displacement);
+    assert_eq!(estimates.remarks(), [Remark { what, sample: 200, last: 229 }]);
+}
+
+#[test]
+fn a_sensor_that_the_filters_plant_does_not_know_is_remarked() {
+    let mut scenario = Scenario::default();
+    scenario.set_plant(PlantKind::Shear2);
+    scenario.add_sensor(Sensor { measures: Quantity::Displacement2, noise_std: 0.01 });
+    scenario.filters.truncate(1);
+    scenario.filters[0].plant = Some(PlantKind::Sdof);
+    check_scenario(&scenario, 0).unwrap();
+    let run = finished(&scenario);
+    let unknown = remark(&run.estimates()[0], Trouble::Unknown(Quantity::Displacement2)).unwrap();
+    assert_eq!((unknown.sample, unknown.last), (1, run.len() - 1));
+}
+
+#[test]
+fn particles_collapse_where_sensors_are_much_more_precise_than_they_are_many() {
+    let mut scenario = with_filter(FilterKind::Pf);
+    let filter = &mut scenario.filters[0];
+    filter.ensemble_size = 50;
+    filter.sensor_std = vec![1e-6; 2];
+    check_scenario(&scenario, 0).unwrap();
+    let run = finished(&scenario);
+    let estimates = &run.estimates()[0];
+    let collapse = remark(estimates, Trouble::Collapse).unwrap();
+    for k in collapse.sample..collapse.sample + 10 {
+        assert!(estimates.effective_samples()[k] < 2.0, "{k}");
+    }
+    assert!(estimates.effective_samples()[collapse.sample - 1].is_nan() || collapse.sample > 1);
+}
+
+#[test]
+fn noise_that_is_learnt_to_be_nothing_or_everything_is_remarked() {
+    let adaptation = Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.9 };
+    let mut scenario = Scenario { force: Force::None, ..with_filter(FilterKind::Ekf) };
+    scenario.sensors.iter_mut().for_each(|sensor| sensor.noise_std = 0.0);
+    scenario.filters[0].adaptation = adaptation;
+    check_scenario(&scenario, 0).unwrap();
+    let run = finished(&scenario);
+    let vanishing = remark(&run.estimates()[0], Trouble::VanishingSensorNoise(Quantity::Displacement));
+    assert!(vanishing.is_some_and(|r| r.sample > 50), "{:?}", run.estimates()[0].remarks());
+
+    let mut scenario = with_filter(FilterKind::Ekf);
+    scenario.filters[0].sensor_std = vec![1e-7; 2];
+    scenario.filters[0].adaptation = Adaptation { process_noise: false, ..adaptation };
+    check_scenario(&scenario, 0).unwrap();
+    let run = finished(&scenario);
+    let growing = remark(&run.estimates()[0], Trouble::GrowingSensorNoise(Quantity::Displacement));
+    assert!(growing.is_some(), "{:?}", run.estimates()[0].remarks());
+}
