@@ -31,6 +31,9 @@ fn write_table(text: &mut String, run: &Run, bounds: &[Option<CramerRao>], step_
         [] => writeln!(text, "measured: nothing")?,
         names => writeln!(text, "measured: {}", names.join(", "))?,
     }
+    if let Some(stop) = run.truth_stop() {
+        writeln!(text, "the record ends before sample {}: {}", stop.sample, stop.reason)?;
+    }
     if run.estimates().is_empty() {
         writeln!(text, "\nno filters")?;
     }
@@ -57,6 +60,10 @@ fn write_table(text: &mut String, run: &Run, bounds: &[Option<CramerRao>], step_
         write_quality(text, summary, filter.is_some())?;
         if let Some(Some(time)) = step_times.get(i) {
             writeln!(text, "  time per step   {time:.0} ns")?;
+        }
+        for remark in filter.into_iter().flat_map(Estimates::remarks) {
+            let [from, to] = [remark.sample, remark.last].map(|k| plain(record.time(k)));
+            writeln!(text, "  from {from} s to {to} s: {}", remark.what)?;
         }
         if let Some(stop) = summary.stop {
             let time = plain(record.time(stop.sample));
@@ -201,6 +208,17 @@ mod tests {
              fading = 1.0\ninitial_mean = { damping_ratio = 0.05 }",
         );
         assert!(known.contains("σ over bound    x 1.00, v 1.00\n"), "{known}");
+    }
+
+    #[test]
+    fn troubles_that_a_filter_survives_are_told_with_their_time() {
+        let text = shown(
+            "duration = 5.0\n[plant]\nkind = \"shear_2\"\n[[sensors]]\nmeasures = \"velocity_2\"\n\
+             noise_std = 0.1\n[[filters]]\nplant = \"sdof\"",
+        );
+        assert!(text.contains("  from 0.01 s to 5 s: the filter's plant has no velocity_2"), "{text}");
+        let runaway = shown("[plant]\nkind = \"duffing\"\ncubic_stiffness = -300\ninitial = { displacement = 0.5 }");
+        assert!(runaway.contains("the record ends before sample ") && runaway.contains("has run away"), "{runaway}");
     }
 
     #[test]

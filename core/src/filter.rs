@@ -118,6 +118,8 @@ pub struct Observation<const M: usize> {
     active: [Active; M],
     values: Vector<M>,
     force: f64,
+    /// How many are measurements; the rest, if a belief wants [`Belief::PADDED`] ones, reads zero with a variance of one.
+    count: usize,
 }
 
 impl<const M: usize> Observation<M> {
@@ -129,14 +131,23 @@ impl<const M: usize> Observation<M> {
         }
         let rate = model.rate(state, self.force);
         Vector::from_fn(|row, _| match self.active[row].output {
+            _ if row >= self.count => 0.0,
             Output::State(i) => state[i],
             Output::Rate(i) => rate[i],
         })
     }
 
+    /// Those that are measurements.
+    fn measured(&self) -> &[Active] {
+        &self.active[..self.count]
+    }
+
     /// Which component of the state each sensor reads, if they all read one.
     #[inline]
     fn components(&self) -> Option<[usize; M]> {
+        if self.count < M {
+            return None;
+        }
         let mut components = [0; M];
         for (component, sensor) in components.iter_mut().zip(&self.active) {
             let Output::State(i) = sensor.output else { return None };
@@ -156,6 +167,10 @@ impl<const M: usize> Observation<M> {
 
 /// How a filter holds its belief over the N components of a model's state.
 pub trait Belief<P: Model<N>, const N: usize>: Send {
+    /// Whether observations are padded to [`MAX_SENSORS`]: slower, but the program has the update once instead of once for
+    /// every number of sensors. For beliefs that take their time anyway.
+    const PADDED: bool;
+
     /// Carries the belief over one step of `dt` \[s\] in which the force over mass was `force` \[m/s²\].
     ///
     /// # Errors
@@ -267,7 +282,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction<N>) -> Result<(), FilterError> {
         correction.clear();
-        let mut active = [Active { sensor: 0, output: Output::State(0), variance: 0.0 }; MAX_SENSORS];
+        let mut active = [Active { sensor: 0, output: Output::State(0), variance: 1.0 }; MAX_SENSORS];
         let mut count = 0;
         for (sensor, (&output, &value)) in self.outputs.iter().zip(measured).enumerate() {
             if let Some(output) = output.filter(|_| !value.is_nan()) {
@@ -281,25 +296,27 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         let [a, b, c, d] = active;
         match count {
             0 => kalman::check(&self.belief.gaussian()),
-            1 => self.condition([a], force, measured, correction),
-            2 => self.condition([a, b], force, measured, correction),
-            3 => self.condition([a, b, c], force, measured, correction),
-            _ => self.condition([a, b, c, d], force, measured, correction),
+            _ if B::PADDED => self.condition([a, b, c, d], count, force, measured, correction),
+            1 => self.condition([a], count, force, measured, correction),
+            2 => self.condition([a, b], count, force, measured, correction),
+            3 => self.condition([a, b, c], count, force, measured, correction),
+            _ => self.condition([a, b, c, d], count, force, measured, correction),
         }
     }
 
     fn condition<const M: usize>(
         &mut self,
         active: [Active; M],
+        count: usize,
         force: f64,
         measured: &[f64],
         correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
-        let values = Vector::from_fn(|row, _| measured[active[row].sensor]);
-        let observation = Observation { active, values, force };
+        let value = |row: usize| if row < count { measured[active[row].sensor] } else { 0.0 };
+        let observation = Observation { active, values: Vector::from_fn(|row, _| value(row)), force, count };
         self.belief.condition(&self.model, &observation, correction)?;
         if !(correction.nis.is_finite() && correction.log_likelihood.is_finite()) {
-            let surprising = active.iter().all(|a| correction.innovation[a.sensor].is_finite());
+            let surprising = observation.measured().iter().all(|a| correction.innovation[a.sensor].is_finite());
             return Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite });
         }
         if self.adaptation.is_on() {

@@ -47,20 +47,30 @@ impl Adaptation {
         noise: &mut Noise<N>,
     ) {
         let keep = self.forgetting;
-        let sensor = |row: usize| observation.active[row].sensor;
-        let innovation = Vector::<M>::from_fn(|row, _| correction.innovation[sensor(row)]);
+        let measured = observation.measured();
+        let innovation = |sensor: usize| correction.innovation[sensor];
         if self.process_noise {
-            let gain = Matrix::<N, M>::from_fn(|i, row| correction.gain[sensor(row)][i]);
-            let shift = gain * innovation;
+            let mut shift = Vector::<N>::zeros();
+            for active in measured {
+                shift += Vector::from(correction.gain[active.sensor]) * innovation(active.sensor);
+            }
             noise.process = noise.process * keep + shift * shift.transpose() * (1.0 - keep);
         }
         if self.sensor_noise {
-            let cov = Matrix::<M, M>::from_fn(|i, j| correction.innovation_cov[sensor(i)][sensor(j)]);
+            // Sensors without a measurement have a row of their own.
+            let mut cov = Matrix::<M, M>::identity();
+            let mut innovations = Vector::<M>::zeros();
+            for (i, row) in measured.iter().enumerate() {
+                innovations[i] = innovation(row.sensor);
+                for (j, column) in measured.iter().enumerate() {
+                    cov[(i, j)] = correction.innovation_cov[row.sensor][column.sensor];
+                }
+            }
             let Some(inverse) = Factor::new(&cov).map(|factor| factor.divide(&Matrix::<M, M>::identity())) else {
                 return;
             };
-            let white = inverse * innovation;
-            for (row, active) in observation.active.iter().enumerate() {
+            let white = inverse * innovations;
+            for (row, active) in measured.iter().enumerate() {
                 let r = active.variance;
                 let residual = r * white[row];
                 let seen = r - r * r * inverse[(row, row)];

@@ -36,6 +36,8 @@ impl<const N: usize> Ensemble<N> {
 }
 
 impl<P: Model<N>, const N: usize> Belief<P, N> for Ensemble<N> {
+    const PADDED: bool = true;
+
     fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
         self.origin = None;
         for member in &mut self.members {
@@ -86,7 +88,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Ensemble<N> {
         for ((member, reading), value) in members.iter_mut().zip(&readings).zip(&perturbed) {
             *member += gain * (value - reading);
         }
-        report(observation, &innovation, &innovation_cov, &factor, &gain, correction);
+        report(observation.measured(), &innovation, &innovation_cov, &factor, &gain, correction);
         check(&Belief::<P, N>::gaussian(self))
     }
 

@@ -1,6 +1,6 @@
 //! The update of a Gaussian belief, whichever way the measurement was expected.
 
-use super::{Correction, FilterError, Observation};
+use super::{Active, Correction, FilterError, Observation};
 use crate::gaussian::{Factor, Gaussian, Matrix, Vector, lower_root, minus_product, mirrored};
 
 /// What a belief says of M measurements before they are seen.
@@ -83,7 +83,7 @@ pub(super) fn condition<const N: usize, const M: usize>(
         View::Curved => mirrored(minus_product(belief.cov, &(gain * innovation_cov), &gain)),
     };
     check(belief)?;
-    report(observation, &innovation, innovation_cov, &factor, &gain, correction);
+    report(&observation.active, &innovation, innovation_cov, &factor, &gain, correction);
     Ok(())
 }
 
@@ -123,7 +123,7 @@ fn why_no_factor<const M: usize>(innovation_cov: &Matrix<M, M>) -> FilterError {
 /// Writes down what a measurement told, each sensor in its place.
 #[inline]
 pub(super) fn report<const N: usize, const M: usize>(
-    observation: &Observation<M>,
+    measured: &[Active],
     innovation: &Vector<M>,
     innovation_cov: &Matrix<M, M>,
     factor: &Factor<M>,
@@ -132,11 +132,11 @@ pub(super) fn report<const N: usize, const M: usize>(
 ) {
     let nis = factor.square(innovation);
     correction.nis = nis;
-    correction.log_likelihood = -0.5 * (nis + factor.ln_determinant() + M as f64 * LN_2_PI);
-    for (i, row) in observation.active.iter().enumerate() {
+    correction.log_likelihood = -0.5 * (nis + factor.ln_determinant() + measured.len() as f64 * LN_2_PI);
+    for (i, row) in measured.iter().enumerate() {
         correction.innovation[row.sensor] = innovation[i];
         correction.gain[row.sensor] = gain.column(i).into();
-        for (j, column) in observation.active.iter().enumerate() {
+        for (j, column) in measured.iter().enumerate() {
             correction.innovation_cov[row.sensor][column.sensor] = innovation_cov[(i, j)];
         }
     }

@@ -97,6 +97,8 @@ impl<const N: usize> Linearised<N> {
 }
 
 impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
+    const PADDED: bool = false;
+
     #[inline]
     fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
         let Self { belief, propagation, .. } = self;

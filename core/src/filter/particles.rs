@@ -98,6 +98,8 @@ impl<const N: usize> Particles<N> {
 }
 
 impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
+    const PADDED: bool = true;
+
     fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
         self.origin = None;
         // A particle that runs away is no explanation of anything and loses its weight.
@@ -151,7 +153,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
             return Err(FilterError::NotFinite);
         }
         let innovation = observation.values - reading_mean;
-        report(observation, &innovation, &innovation_cov, &factor, &gain, correction);
+        report(observation.measured(), &innovation, &innovation_cov, &factor, &gain, correction);
 
         correction.log_likelihood = self.weigh(&readings, observation)?;
         let effective = 1.0 / self.weights.iter().map(|w| w * w).sum::<f64>();
@@ -200,7 +202,7 @@ impl<const N: usize> Particles<N> {
             return Err(FilterError::NotFinite);
         }
         self.normalise()?;
-        let ln_noise: f64 = observation.active.iter().map(|a| libm::log(std::f64::consts::TAU * a.variance)).sum();
+        let ln_noise: f64 = observation.measured().iter().map(|a| libm::log(std::f64::consts::TAU * a.variance)).sum();
         Ok(best + libm::log(total) - 0.5 * ln_noise)
     }
 }

@@ -65,6 +65,8 @@ impl<const N: usize> SigmaPoints<N> {
 }
 
 impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
+    const PADDED: bool = false;
+
     #[inline]
     fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
         let Self { belief, rule } = self;

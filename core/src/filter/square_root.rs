@@ -39,6 +39,8 @@ impl<const N: usize> SquareRoot<N> {
 }
 
 impl<P: Model<N>, const N: usize> Belief<P, N> for SquareRoot<N> {
+    const PADDED: bool = true;
+
     fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
         let Self { mean, root } = self;
         let (spread, weight, _) = Rule::Unscented.constants::<N>();
@@ -99,7 +101,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SquareRoot<N> {
         let gain = factor.divide(&(cross * sensors.transpose()));
         *mean += gain * innovation;
         *root = state;
-        report(observation, &innovation, &innovation_cov, &factor, &gain, correction);
+        report(observation.measured(), &innovation, &innovation_cov, &factor, &gain, correction);
         check(&Belief::<P, N>::gaussian(self))
     }
 
