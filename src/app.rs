@@ -11,7 +11,7 @@ use crate::session::{Mode, Session};
 use crate::summary::Summary;
 use crate::theme::{self, Palette};
 use crate::transport;
-use crate::views::{Shown, TimeAxis, ViewContext, legend, oscillator, plots_ui};
+use crate::views::{Arrangement, Layout, Shown, TimeAxis, ViewContext, ViewKind, legend};
 
 /// Below this width the controls and the plots take turns \[points\].
 const NARROW: f32 = 720.0;
@@ -37,6 +37,7 @@ pub struct App {
     session: Session,
     axis: TimeAxis,
     shown: Shown,
+    layout: Layout,
     controls_open: Option<bool>,
     commands: Vec<Command>,
 }
@@ -74,6 +75,7 @@ impl App {
             session: Session::new(scenario)?,
             axis: TimeAxis::default(),
             shown: Shown::default(),
+            layout: Layout::default(),
             controls_open: None,
             commands: Vec::new(),
         })
@@ -89,6 +91,11 @@ impl App {
         &mut self.session
     }
 
+    /// The views on screen, to be set up by tests.
+    pub fn layout_mut(&mut self) -> &mut Layout {
+        &mut self.layout
+    }
+
     /// The time axis that the plots share.
     pub fn axis(&self) -> &TimeAxis {
         &self.axis
@@ -100,7 +107,7 @@ impl App {
     }
 
     fn apply(&mut self, command: Command) {
-        let Self { session, axis, .. } = self;
+        let Self { session, axis, layout, .. } = self;
         match command {
             Command::TogglePlay => session.toggle_play(),
             Command::Step => session.step(),
@@ -121,6 +128,8 @@ impl App {
                     axis.follows = true;
                 }
             }
+            Command::ToggleView(view) => layout.toggle(view),
+            Command::Arrange(arrangement) => *layout = Layout::of(arrangement),
             Command::Follow => axis.follows = true,
             Command::Unfollow => axis.follows = false,
             Command::PointAt(time) => axis.pointed = time,
@@ -128,7 +137,7 @@ impl App {
     }
 
     fn top_bar_ui(&mut self, ui: &mut Ui, narrow: bool) {
-        let Self { session, controls_open, commands, .. } = self;
+        let Self { session, controls_open, commands, layout, .. } = self;
         ui.horizontal_wrapped(|ui| {
             let open = controls_open.unwrap_or(!narrow);
             let toggle = ui.selectable_label(open, RichText::new("☰").size(16.0)).on_hover_text("Show the settings");
@@ -140,21 +149,17 @@ impl App {
                 ui.label(RichText::new("Kalmanscope").family(theme::strong()).size(17.0));
             }
             scenario_menu_ui(ui, session, commands);
+            views_menu_ui(ui, layout, commands);
             theme_ui(ui);
             ui.separator();
             transport::transport_ui(ui, session, narrow, commands);
         });
     }
 
-    fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette) {
-        let Self { session, axis, shown, controls_open: _, commands } = self;
-        let height = (0.16 * ui.available_height()).clamp(0.0, 120.0);
-        if height > 48.0 {
-            let context = ViewContext { session, palette, shown, axis };
-            oscillator::oscillator_ui(ui, &context, height);
-        }
+    fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
+        let Self { session, axis, shown, layout, controls_open: _, commands } = self;
         legend::legend_ui(ui, session, shown, palette);
-        plots_ui(ui, &ViewContext { session, palette, shown, axis }, commands);
+        layout.ui(ui, &ViewContext { session, palette, shown, axis }, commands, narrow);
     }
 }
 
@@ -164,6 +169,7 @@ impl eframe::App for App {
         for command in std::mem::take(&mut self.commands) {
             self.apply(command);
         }
+        self.session.want_bounds(self.layout.shown().contains(&ViewKind::Errors));
         // A frame that took long (a hidden tab, a breakpoint) must not swallow the story.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         self.session.advance(elapsed);
@@ -195,7 +201,7 @@ impl eframe::App for App {
             if open && narrow {
                 controls(ui, &self.session);
             } else {
-                self.centre_ui(ui, &palette);
+                self.centre_ui(ui, &palette, narrow);
             }
         });
         if let Some(scenario) = edited {
@@ -230,6 +236,25 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>)
                 ui.ctx().copy_text(toml);
             }
             ui.close();
+        }
+    });
+}
+
+fn views_menu_ui(ui: &mut Ui, layout: &Layout, commands: &mut Vec<Command>) {
+    ui.menu_button("Views", |ui| {
+        for arrangement in Arrangement::ALL {
+            if ui.button(arrangement.name()).clicked() {
+                commands.push(Command::Arrange(arrangement));
+                ui.close();
+            }
+        }
+        ui.separator();
+        let shown = layout.shown();
+        for view in ViewKind::ALL {
+            let mut on = shown.contains(&view);
+            if ui.checkbox(&mut on, view.view().name()).changed() {
+                commands.push(Command::ToggleView(view));
+            }
         }
     });
 }

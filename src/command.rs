@@ -2,6 +2,7 @@
 
 use crate::library::Entry;
 use crate::session::Mode;
+use crate::views::{Arrangement, ViewKind};
 
 /// A request, carried out after the frame in which it was made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +21,10 @@ pub enum Command {
     SetSpeed(f64),
     /// Play a built-in scenario from its start.
     Open(Entry),
+    /// Show a view or hide it.
+    ToggleView(ViewKind),
+    /// Show the views of a ready-made arrangement.
+    Arrange(Arrangement),
     /// Let the time axis follow the playback again.
     Follow,
     /// Leave the time axis where the user has put it.

@@ -1,6 +1,6 @@
 //! A scenario and its run, and where playback stands in it.
 
-use kalmanscope_core::{Run, RunError, Scenario};
+use kalmanscope_core::{CramerRao, Diagnostics, Quantity, Run, RunError, Scenario};
 use serde::{Deserialize, Serialize};
 
 /// What is shown of the record.
@@ -21,6 +21,9 @@ pub enum Mode {
 pub struct Session {
     scenario: Scenario,
     run: Run,
+    diagnostics: Vec<Diagnostics>,
+    bounds: Vec<CramerRao>,
+    with_bounds: bool,
     mode: Mode,
     playing: bool,
     speed: f64,
@@ -42,6 +45,9 @@ impl Session {
     pub fn new(scenario: Scenario) -> Result<Self, RunError> {
         let mut session = Self {
             run: Run::new(&scenario)?,
+            diagnostics: Vec::new(),
+            bounds: Vec::new(),
+            with_bounds: false,
             scenario,
             mode: Mode::Live,
             playing: true,
@@ -61,6 +67,30 @@ impl Session {
     /// Its run, as far as it is shown.
     pub fn run(&self) -> &Run {
         &self.run
+    }
+
+    /// What the estimates are worth, one a filter.
+    pub fn diagnostics(&self) -> &[Diagnostics] {
+        &self.diagnostics
+    }
+
+    /// The Cramér-Rao bounds, one a filter, if they are wanted.
+    pub fn bounds(&self) -> &[CramerRao] {
+        &self.bounds
+    }
+
+    /// Whether the Cramér-Rao bounds are to be computed: they cost as much as a filter.
+    pub fn want_bounds(&mut self, wanted: bool) {
+        if self.with_bounds != wanted {
+            self.with_bounds = wanted;
+            self.bounds.clear();
+            self.catch_up();
+        }
+    }
+
+    /// What the run's sensors measure.
+    pub fn scenario_sensors(&self) -> Vec<Quantity> {
+        self.run.record().sensors().to_vec()
     }
 
     /// What is shown of the record.
@@ -168,6 +198,8 @@ impl Session {
     }
 
     fn start_anew(&mut self) {
+        self.diagnostics.clear();
+        self.bounds.clear();
         self.problem = self.run.restart(&self.scenario).err().map(|error| error.to_string());
     }
 
@@ -175,6 +207,24 @@ impl Session {
         match self.mode {
             Mode::Live => self.run.advance_to(self.position() + 1),
             Mode::Whole => self.run.finish(),
+        }
+        let Self { scenario, run, diagnostics, bounds, with_bounds, .. } = self;
+        let record = run.record();
+        if diagnostics.len() == run.estimates().len() {
+            for (diagnostics, estimates) in diagnostics.iter_mut().zip(run.estimates()) {
+                diagnostics.follow(estimates, record);
+            }
+        } else {
+            *diagnostics = run.estimates().iter().map(|e| Diagnostics::new(e, record)).collect();
+        }
+        if *with_bounds {
+            if bounds.len() != run.estimates().len() {
+                let of = |place| CramerRao::new(scenario, place, record.dt());
+                *bounds = (0..run.estimates().len()).filter_map(of).collect();
+            }
+            for bound in bounds {
+                bound.follow(record);
+            }
         }
     }
 }

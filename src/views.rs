@@ -1,18 +1,31 @@
 //! What is drawn: one view a file, each a function of an immutable context.
 
+mod autocorrelation;
 pub mod axis;
+mod channels;
+mod chart;
+mod consistency;
+mod errors;
+mod gain;
+mod innovations;
+pub mod layout;
 pub mod legend;
+mod matrices;
 pub mod oscillator;
-pub mod time_plot;
+mod parameter_plane;
+mod phase;
+mod plane;
+mod scores;
+mod ticks;
 
 use egui::{Rect, Ui, vec2};
-use kalmanscope_core::Channel;
 
 use crate::command::Command;
 use crate::session::Session;
 use crate::theme::Palette;
 
 pub use axis::TimeAxis;
+pub use layout::{Arrangement, Layout};
 pub use legend::Shown;
 
 /// Everything that a view may read.
@@ -28,44 +41,113 @@ pub struct ViewContext<'a> {
     pub axis: &'a TimeAxis,
 }
 
-/// The least height of a plot \[points\]: where there are so many that they would be lower, they scroll.
-const LEAST_HEIGHT: f32 = 96.0;
+/// A way to look at a run.
+pub trait View: Sync {
+    /// Its name in the menu and above it.
+    fn name(&self) -> &'static str;
 
-/// Fills the rest of `ui` with a plot for each channel, the parameters first, as their convergence is the story: in two
-/// columns, or one below the other where it is narrow.
-pub fn plots_ui(ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) {
-    let area = ui.available_rect_before_wrap();
-    if area.width() < 1.0 || area.height() < 1.0 {
-        return;
-    }
-    let channels = context.session.run().channels();
-    let (parameters, motion): (Vec<Channel>, Vec<Channel>) = channels.into_iter().partition(|c| c.is_parameter());
-    let columns = if area.width() < 640.0 { 1 } else { 2 };
-    let rows: Vec<&[Channel]> = parameters.chunks(columns).chain(motion.chunks(columns)).collect();
-    let gaps = GAP * rows.len().saturating_sub(1) as f32;
-    let least = if rows.len() <= 4 { 1.0 } else { LEAST_HEIGHT };
-    let height = ((area.height() - gaps) / rows.len().max(1) as f32).max(least);
-    let mut pointed = None;
-    egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        let top = ui.max_rect().min;
-        let width = ((ui.available_width() - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
-        for (row, channels) in rows.iter().enumerate() {
-            for (column, &channel) in channels.iter().enumerate() {
-                let offset = vec2(column as f32 * (width + GUTTER), row as f32 * (height + GAP));
-                let cell = Rect::from_min_size(top + offset, vec2(width, height));
-                let mut child = ui.new_child(egui::UiBuilder::new().id_salt(channel.key()).max_rect(cell));
-                pointed = time_plot::time_plot_ui(&mut child, channel, context, commands).or(pointed);
-            }
+    /// In three lines what is drawn and how to read it.
+    fn help(&self) -> [&'static str; 3];
+
+    /// Draws it into all of `ui`. Returns the time that the user points at \[s\].
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64>;
+}
+
+/// The views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ViewKind {
+    /// The moving mass.
+    Oscillator,
+    /// Parameters over time.
+    Parameters,
+    /// States over time.
+    States,
+    /// Errors within ±2σ and the Cramér-Rao bound.
+    Errors,
+    /// Innovations within ±2√S.
+    Innovations,
+    /// NIS and NEES.
+    Consistency,
+    /// Autocorrelation of the innovations.
+    Autocorrelation,
+    /// Kalman gain over time.
+    Gain,
+    /// Velocity over displacement.
+    Phase,
+    /// Two parameters with their covariance.
+    ParameterPlane,
+    /// Predict and update in numbers.
+    Matrices,
+    /// Filters side by side.
+    Scores,
+}
+
+impl ViewKind {
+    /// Every view, in the menu's order.
+    pub const ALL: [Self; 12] = [
+        Self::Oscillator,
+        Self::Parameters,
+        Self::States,
+        Self::Errors,
+        Self::Innovations,
+        Self::Consistency,
+        Self::Autocorrelation,
+        Self::Gain,
+        Self::Phase,
+        Self::ParameterPlane,
+        Self::Matrices,
+        Self::Scores,
+    ];
+
+    /// The view itself.
+    pub fn view(self) -> &'static dyn View {
+        match self {
+            Self::Oscillator => &oscillator::Oscillator,
+            Self::Parameters => &channels::Parameters,
+            Self::States => &channels::States,
+            Self::Errors => &errors::Errors,
+            Self::Innovations => &innovations::Innovations,
+            Self::Consistency => &consistency::Consistency,
+            Self::Autocorrelation => &autocorrelation::Autocorrelation,
+            Self::Gain => &gain::Gain,
+            Self::Phase => &phase::Phase,
+            Self::ParameterPlane => &parameter_plane::ParameterPlane,
+            Self::Matrices => &matrices::Matrices,
+            Self::Scores => &scores::Scores,
         }
-        let all = vec2(ui.available_width(), rows.len() as f32 * height + gaps);
-        ui.allocate_rect(Rect::from_min_size(top, all), egui::Sense::hover());
-    });
-    if pointed != context.axis.pointed {
-        commands.push(Command::PointAt(pointed));
     }
 }
 
+/// The least height of a plot where there are many: then they scroll \[points\].
+const LEAST_HEIGHT: f32 = 96.0;
 /// Space between rows of plots \[points\].
 const GAP: f32 = 6.0;
 /// Space between columns of plots \[points\].
 const GUTTER: f32 = 16.0;
+
+/// Fills `ui` with `count` cells in two columns, or one where it is narrow. Tells each cell its number and whether it is in
+/// the last row.
+fn grid(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut Ui, usize, bool)) {
+    let area = ui.available_size();
+    if area.x < 1.0 || area.y < 1.0 || count == 0 {
+        return;
+    }
+    let columns = if area.x < 640.0 { 1 } else { 2.min(count) };
+    let rows = count.div_ceil(columns);
+    let gaps = GAP * (rows - 1) as f32;
+    let least = if rows <= 2 { 1.0 } else { LEAST_HEIGHT };
+    let height = ((area.y - gaps) / rows as f32).max(least);
+    egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let top = ui.max_rect().min;
+        let width = ((ui.available_width() - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
+        for i in 0..count {
+            let (row, column) = (i / columns, i % columns);
+            let offset = vec2(column as f32 * (width + GUTTER), row as f32 * (height + GAP));
+            let cell = Rect::from_min_size(top + offset, vec2(width, height));
+            let mut child = ui.new_child(egui::UiBuilder::new().id_salt(i).max_rect(cell));
+            cell_ui(&mut child, i, row + 1 == rows);
+        }
+        let all = vec2(ui.available_width(), rows as f32 * height + gaps);
+        ui.allocate_rect(Rect::from_min_size(top, all), egui::Sense::hover());
+    });
+}

@@ -4,6 +4,7 @@ use egui::{Theme, Vec2};
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use kalmanscope::App;
 use kalmanscope::session::Mode;
+use kalmanscope::views::{Arrangement, Layout, ViewKind};
 
 const DESKTOP: Vec2 = Vec2::new(1280.0, 800.0);
 const PHONE: Vec2 = Vec2::new(390.0, 844.0);
@@ -13,23 +14,48 @@ fn it_looks_as_it_did() {
     // Text is drawn alike on every machine, lines differ by a grey level at their edges.
     let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(400_usize);
     let mut results = SnapshotResults::new();
-    for (name, size, theme, mode, time) in [
-        ("live-light", DESKTOP, Theme::Light, Mode::Live, 8.0),
-        ("live-dark", DESKTOP, Theme::Dark, Mode::Live, 34.0),
-        ("whole-dark", DESKTOP, Theme::Dark, Mode::Whole, 40.0),
-        ("phone-light", PHONE, Theme::Light, Mode::Live, 8.0),
+    let teach = Arrangement::Teach;
+    for (name, size, theme, mode, time, arrangement) in [
+        ("live-light", DESKTOP, Theme::Light, Mode::Live, 8.0, teach),
+        ("live-dark", DESKTOP, Theme::Dark, Mode::Live, 34.0, teach),
+        ("whole-dark", DESKTOP, Theme::Dark, Mode::Whole, 40.0, teach),
+        ("phone-light", PHONE, Theme::Light, Mode::Live, 8.0, teach),
+        ("tune-light", DESKTOP, Theme::Light, Mode::Whole, 40.0, Arrangement::Tune),
+        ("compare-dark", DESKTOP, Theme::Dark, Mode::Whole, 40.0, Arrangement::Compare),
     ] {
         let mut screen = Harness::builder()
             .with_size(size)
             .with_theme(theme)
             .wgpu()
             .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+        *screen.state_mut().layout_mut() = Layout::of(arrangement);
         let session = screen.state_mut().session_mut();
         session.toggle_play();
         session.set_mode(mode);
         session.seek(time);
         screen.run_steps(8);
         screen.snapshot_options(name, &options);
+        results.extend_harness(&mut screen);
+    }
+    for view in ViewKind::ALL {
+        let mut screen = Harness::builder()
+            .with_size(Vec2::new(900.0, 620.0))
+            .with_theme(Theme::Light)
+            .wgpu()
+            .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+        let layout = screen.state_mut().layout_mut();
+        for shown in layout.shown().into_iter().chain([view]) {
+            layout.toggle(shown);
+        }
+        if !layout.shown().contains(&view) {
+            layout.toggle(view);
+        }
+        let session = screen.state_mut().session_mut();
+        session.toggle_play();
+        session.set_mode(Mode::Whole);
+        session.seek(34.0);
+        screen.run_steps(8);
+        screen.snapshot_options(format!("view-{}", view.view().name().replace(' ', "-").to_lowercase()), &options);
         results.extend_harness(&mut screen);
     }
     results.unwrap();

@@ -73,7 +73,9 @@ impl PlantKind {
             Self::Sdof => "ẍ + 2ζωₙẋ + ωₙ²x = f",
             Self::Duffing => "ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f",
             Self::BoucWen => "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²",
-            Self::Shear2 | Self::Shear3 | Self::Shear4 => "ẍᵢ = f - sᵢ + sᵢ₊₁, sᵢ = κᵢ(xᵢ - xᵢ₋₁) + c(ẋᵢ - ẋᵢ₋₁)",
+            Self::Shear2 | Self::Shear3 | Self::Shear4 => {
+                "ẍ₁ = f - s₁ + s₂, ẍ₂ = f - s₂ + …; s₁ = κ₁x₁ + cẋ₁, s₂ = κ₂(x₂ - x₁) + c(ẋ₂ - ẋ₁), …"
+            }
         }
     }
 

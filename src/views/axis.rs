@@ -25,7 +25,8 @@ impl TimeAxis {
     pub fn followed(session: &Session) -> (f64, f64) {
         let start = session.run().record().time(0);
         match session.mode() {
-            Mode::Whole => (start, start + session.end()),
+            // A little room, so that the last tick's text is not cut off.
+            Mode::Whole => (start, start + 1.012 * session.end()),
             Mode::Live => {
                 // A little room ahead, so that the newest estimate does not stick to the frame.
                 let ahead = session.time() - start + 0.6;

@@ -5,10 +5,38 @@ use egui::{
 };
 use kalmanscope_core::Channel;
 
-use super::ViewContext;
+use super::{View, ViewContext};
+use crate::command::Command;
+
+/// The moving mass.
+pub(super) struct Oscillator;
+
+impl View for Oscillator {
+    fn name(&self) -> &'static str {
+        "Oscillator"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "The mass on its spring and damper, with the force as an arrow; each filter's estimate is an outline with its ±2σ.",
+            "Where an outline leaves the mass, the filter is wrong about the displacement.",
+            "Of a chain of masses the lowest is shown.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
+        let available = ui.available_height();
+        let height = available.min(0.3 * ui.available_width());
+        if height > 40.0 {
+            ui.add_space(0.5 * (available - height));
+            oscillator_ui(ui, context, height);
+        }
+        None
+    }
+}
 
 /// Draws the oscillator where playback stands, as wide as `ui` and `height` high \[points\].
-pub fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
+fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
     let ViewContext { session, palette, shown, .. } = *context;
     let size = vec2(ui.available_width().max(1.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());

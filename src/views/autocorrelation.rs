@@ -1,0 +1,65 @@
+//! Whether the innovations are white.
+
+use egui::Ui;
+use egui_plot::{Bar, BarChart, HLine, LineStyle};
+
+use super::plane::plane_ui;
+use super::{View, ViewContext, grid};
+use crate::command::Command;
+
+/// Autocorrelation of the innovations, sensor by sensor.
+pub(super) struct Autocorrelation;
+
+impl View for Autocorrelation {
+    fn name(&self) -> &'static str {
+        "Autocorrelation"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "How far each sensor's innovations repeat themselves some samples later, as a correlation from −1 to 1.",
+            "Innovations of a well tuned filter are white: 19 of 20 bars are between the dashed lines.",
+            "Positive bars that fall slowly: the filter follows too sluggishly. Negative first bars: it follows every noise.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
+        let ViewContext { session, palette, shown, .. } = *context;
+        let sensors = session.scenario_sensors();
+        if sensors.is_empty() {
+            ui.weak("Nothing is measured.");
+        }
+        let filters: Vec<_> =
+            session.diagnostics().iter().enumerate().filter(|&(place, _)| shown.filter(place)).collect();
+        grid(ui, sensors.len(), |ui, sensor, _| {
+            let mut band = 0.0_f64;
+            let mut least = 0.25_f64;
+            let mut charts = Vec::new();
+            let width = 0.8 / filters.len().max(1) as f64;
+            for (i, (place, diagnostics)) in filters.iter().enumerate() {
+                let Some(whiteness) = diagnostics.whiteness().get(sensor) else { continue };
+                let correlations = whiteness.autocorrelation();
+                least = correlations.iter().filter(|r| r.is_finite()).fold(least, |most, r| most.max(r.abs()));
+                band = band.max(whiteness.band()).min(1.0);
+                let offset = (i as f64 + 0.5) * width - 0.4;
+                let bar = |(lag, r): (usize, &f64)| Bar::new((lag + 1) as f64 + offset, *r).width(width);
+                let bars: Vec<Bar> = correlations.iter().enumerate().filter(|(_, r)| r.is_finite()).map(bar).collect();
+                charts.push(BarChart::new("autocorrelation", bars).color(palette.filter(*place)).allow_hover(false));
+            }
+            let reach = 1.1 * least.max(band);
+            let range = Some([(0.3, kalmanscope_core::diagnostics::LAGS as f64 + 0.7), (-reach, reach)]);
+            let key = format!("autocorrelation of the {} innovations", sensors[sensor].key());
+            let label = format!("r of e({})", sensors[sensor].symbol());
+            plane_ui(ui, &key, ["lag [samples]", &label], palette, range, |plot| {
+                for chart in charts {
+                    plot.bar_chart(chart);
+                }
+                for edge in [-band, band] {
+                    let style = LineStyle::dashed_dense();
+                    plot.hline(HLine::new("band", edge).color(palette.weak).style(style).allow_hover(false));
+                }
+            });
+        });
+        None
+    }
+}

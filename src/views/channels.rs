@@ -1,0 +1,152 @@
+//! States and parameters over time: truth, measurement, each filter's estimate and its ±2σ band.
+
+use egui::Ui;
+use kalmanscope_core::{Channel, Quantity};
+
+use super::chart::{Chart, Layer, Readout};
+use super::{View, ViewContext, grid};
+use crate::command::Command;
+use crate::text::fixed;
+
+/// What moves.
+pub(super) struct States;
+
+impl View for States {
+    fn name(&self) -> &'static str {
+        "States"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "The motion over time: truth thick, measurements as dots, each filter's estimate with its ±2σ band.",
+            "A filter that is right about itself has the truth in its band 95 % of the time.",
+            "The estimate should be closer to the truth than the dots are: that is what filtering is for.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
+        channels_ui(ui, context, commands, |channel| !channel.is_parameter())
+    }
+}
+
+/// What the plant is.
+pub(super) struct Parameters;
+
+impl View for Parameters {
+    fn name(&self) -> &'static str {
+        "Parameters"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "The plant's parameters over time: truth thick, each filter's estimate with its ±2σ band.",
+            "Nobody measures them: a filter infers them from how the motion answers the force.",
+            "The band narrows as evidence comes in. A change of the truth is followed only by a filter that forgets or doubts.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
+        channels_ui(ui, context, commands, Channel::is_parameter)
+    }
+}
+
+fn channels_ui(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    commands: &mut Vec<Command>,
+    wanted: impl Fn(Channel) -> bool,
+) -> Option<f64> {
+    let channels: Vec<Channel> = context.session.run().channels().into_iter().filter(|c| wanted(*c)).collect();
+    let mut pointed = None;
+    grid(ui, channels.len(), |ui, i, last_row| {
+        let chart = chart(channels[i], context, last_row);
+        pointed = chart.show(ui, context, commands).or(pointed);
+    });
+    pointed
+}
+
+/// One channel's chart: bands under measurements under truth under estimates.
+fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
+    let ViewContext { session, palette, shown, .. } = *context;
+    let run = session.run();
+    let record = run.record();
+    let mut layers: Vec<Layer<'a>> = Vec::new();
+    let filters = || run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place));
+    for (place, estimates) in filters().filter(|_| shown.bands) {
+        let Some(at) = estimates.place(channel) else { continue };
+        let edge = move |sign: f64| move |k: usize| estimates.canonical_mean(k, at) + sign * 2.0 * estimates.std(k, at);
+        layers.push(Layer::Band {
+            low: Box::new(edge(-1.0)),
+            high: Box::new(edge(1.0)),
+            len: estimates.len(),
+            color: palette.filter(place),
+        });
+    }
+    let quantity = Quantity::ALL.into_iter().find(|q| q.channel() == Some(channel));
+    if let Some(z) = quantity.and_then(|q| record.measured_quantity(q)).filter(|_| shown.measured) {
+        layers.push(Layer::Dots { value: Box::new(|k| z[k]), len: run.len(), color: palette.measured });
+    }
+    // Where all agree, each line still shows beside the narrower one above it.
+    if let Some(truth) = record.truth(channel).filter(|_| shown.truth) {
+        layers.push(Layer::Line {
+            value: Box::new(|k| truth[k]),
+            len: run.len(),
+            color: palette.truth,
+            width: 3.4,
+            dashed: false,
+            bounds: true,
+        });
+    }
+    for (place, estimates) in filters() {
+        let Some(at) = estimates.place(channel) else { continue };
+        layers.push(Layer::Line {
+            value: Box::new(move |k| estimates.canonical_mean(k, at)),
+            len: estimates.len(),
+            color: palette.filter(place),
+            width: (2.8 - 1.2 * place as f32).max(1.2),
+            dashed: false,
+            bounds: false,
+        });
+    }
+    Chart {
+        key: channel.key().to_owned(),
+        title: channel.name().to_owned(),
+        symbol: channel.symbol().to_owned(),
+        name: channel.name().to_owned(),
+        unit: channel.unit(),
+        readouts: readouts(channel, context),
+        layers,
+        names_time: names_time && !channel.is_parameter(),
+        least: None,
+    }
+}
+
+/// Truth and estimates at the cursor, or at playback.
+fn readouts(channel: Channel, context: &ViewContext<'_>) -> Vec<Readout> {
+    let ViewContext { session, palette, shown, axis } = *context;
+    let k = axis.readout(session);
+    let decimals = decimals(channel);
+    let truth = session.run().record().truth(channel).and_then(|truth| truth.get(k)).map(|truth| Readout {
+        text: fixed(*truth, decimals),
+        color: palette.truth,
+        hint: "truth".to_owned(),
+    });
+    let filters = session.run().estimates().iter().enumerate().filter_map(|(place, estimates)| {
+        let at = estimates.place(channel).filter(|_| shown.filter(place) && k < estimates.len())?;
+        let mean = fixed(estimates.canonical_mean(k, at), decimals);
+        let text = format!("{mean} ±{}", fixed(2.0 * estimates.std(k, at), decimals));
+        Some(Readout { text, color: palette.filter(place), hint: estimates.name().to_owned() })
+    });
+    truth.into_iter().chain(filters).collect()
+}
+
+/// Decimals that show a channel's usual values well.
+pub(super) fn decimals(channel: Channel) -> usize {
+    match channel {
+        Channel::Stiffness1 | Channel::Stiffness2 | Channel::Stiffness3 | Channel::Stiffness4 => 1,
+        Channel::CubicStiffness | Channel::HysteresisBeta | Channel::HysteresisGamma => 1,
+        Channel::NaturalFrequency | Channel::StoreyDamping => 3,
+        _ if channel.unit() == "m/s" => 3,
+        _ => 4,
+    }
+}

@@ -1,0 +1,98 @@
+//! NIS and NEES over time: whether a filter's claims fit what happens.
+
+use egui::Ui;
+use kalmanscope_core::diagnostics::{Diagnostics, Total, chi_squared};
+
+use super::chart::{Chart, Layer, Readout};
+use super::{View, ViewContext, grid};
+use crate::command::Command;
+use crate::text::significant;
+
+/// The moving mean is over this time \[s\].
+const WINDOW: f64 = 2.0;
+
+/// Normalised squares of innovations and errors.
+pub(super) struct Consistency;
+
+impl View for Consistency {
+    fn name(&self) -> &'static str {
+        "NIS and NEES"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "Squares of innovations (NIS) and errors (NEES) over what the filter expects of them, as a moving mean, on a logarithmic axis.",
+            "At 1 (log 0) the filter is as sure as it may be. Above: overconfident. Below: too modest. Between the dashed lines chance explains it.",
+            "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
+        let mut pointed = None;
+        grid(ui, 2, |ui, i, last_row| {
+            let chart = if i == 0 {
+                chart("NIS", "normalised innovation squared", context, last_row, Diagnostics::nis_within)
+            } else {
+                chart("NEES", "normalised estimation error squared", context, last_row, Diagnostics::nees_within)
+            };
+            pointed = chart.show(ui, context, commands).or(pointed);
+        });
+        pointed
+    }
+}
+
+fn chart<'a>(
+    symbol: &str,
+    name: &str,
+    context: &ViewContext<'a>,
+    names_time: bool,
+    within: fn(&Diagnostics, std::ops::Range<usize>) -> Total,
+) -> Chart<'a> {
+    let ViewContext { session, palette, shown, axis } = *context;
+    let window = (WINDOW / session.run().record().dt()).ceil().max(1.0) as usize;
+    let ratio = move |diagnostics: &Diagnostics, k: usize| {
+        within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree()
+    };
+    let k = axis.readout(session);
+    let filters = || session.diagnostics().iter().enumerate().filter(|&(place, _)| shown.filter(place));
+    let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.truth }];
+    let mut readouts = Vec::new();
+    // Independent numbers of one window for NIS, of one sample for NEES.
+    let last = filters().map(|(_, d)| within(d, d.len().saturating_sub(window)..d.len())).find(|t| t.degrees > 0);
+    if let Some(total) = last {
+        let degrees = if symbol == "NIS" { total.degrees } else { total.degrees / total.samples.max(1) };
+        if let Some(interval) = chi_squared::quick_interval(degrees, degrees) {
+            for edge in [interval.start(), interval.end()] {
+                layers.push(Layer::Level { value: edge.log10(), color: palette.weak });
+            }
+        }
+    }
+    for (place, diagnostics) in filters() {
+        layers.push(Layer::Line {
+            value: Box::new(move |k| ratio(diagnostics, k).log10()),
+            len: diagnostics.len(),
+            color: palette.filter(place),
+            width: 1.4,
+            dashed: false,
+            bounds: false,
+        });
+        if k < diagnostics.len() {
+            readouts.push(Readout {
+                text: significant(ratio(diagnostics, k), 3),
+                color: palette.filter(place),
+                hint: session.run().estimates()[place].name().to_owned(),
+            });
+        }
+    }
+    Chart {
+        key: symbol.to_owned(),
+        title: name.to_owned(),
+        symbol: format!("log₁₀ {symbol}"),
+        name: format!("over expectation, mean of {WINDOW} s"),
+        unit: "",
+        readouts,
+        layers,
+        names_time,
+        least: Some((-0.5, 0.5)),
+    }
+}

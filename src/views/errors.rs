@@ -1,0 +1,109 @@
+//! Estimation errors over time within their ±2σ, and the Cramér-Rao bound.
+
+use egui::Ui;
+use kalmanscope_core::Channel;
+
+use super::channels::decimals;
+use super::chart::{Chart, Layer, Readout};
+use super::{View, ViewContext, grid};
+use crate::command::Command;
+use crate::text::fixed;
+
+/// Estimate minus truth.
+pub(super) struct Errors;
+
+impl View for Errors {
+    fn name(&self) -> &'static str {
+        "Errors"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "Estimate minus truth over time, in the band ±2σ that the filter claims; dashed is ±2 times the Cramér-Rao bound.",
+            "An error outside its band more than 5 % of the time: the filter is overconfident. Far inside all the time: it is too modest.",
+            "No unbiased filter with the same knowledge can be surer than the dashed lines.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
+        let record = context.session.run().record();
+        let channels = context.session.run().channels();
+        let (parameters, states): (Vec<Channel>, Vec<Channel>) =
+            channels.into_iter().filter(|c| record.truth(*c).is_some()).partition(|c| c.is_parameter());
+        let channels = [parameters, states].concat();
+        if channels.is_empty() {
+            ui.weak("The truth of this record is not known.");
+        }
+        let mut pointed = None;
+        grid(ui, channels.len(), |ui, i, last_row| {
+            pointed = chart(channels[i], context, last_row).show(ui, context, commands).or(pointed);
+        });
+        pointed
+    }
+}
+
+fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
+    let ViewContext { session, palette, shown, axis } = *context;
+    let run = session.run();
+    let truth = run.record().truth(channel).unwrap_or_default();
+    let k = axis.readout(session);
+    let decimals = decimals(channel);
+    let mut layers: Vec<Layer<'a>> = Vec::new();
+    let mut readouts = Vec::new();
+    let filters = || run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place));
+    for (place, estimates) in filters() {
+        let Some(at) = estimates.place(channel) else { continue };
+        if shown.bands {
+            layers.push(Layer::Band {
+                low: Box::new(move |k| -2.0 * estimates.std(k, at)),
+                high: Box::new(move |k| 2.0 * estimates.std(k, at)),
+                len: estimates.len(),
+                color: palette.filter(place),
+            });
+        }
+        if k < estimates.len() {
+            let error = estimates.canonical_mean(k, at) - truth[k];
+            readouts.push(Readout {
+                text: format!("{} ±{}", fixed(error, decimals), fixed(2.0 * estimates.std(k, at), decimals)),
+                color: palette.filter(place),
+                hint: estimates.name().to_owned(),
+            });
+        }
+    }
+    layers.push(Layer::Level { value: 0.0, color: palette.truth });
+    for (place, estimates) in filters() {
+        let Some(at) = estimates.place(channel) else { continue };
+        layers.push(Layer::Line {
+            value: Box::new(move |k| estimates.canonical_mean(k, at) - truth[k]),
+            len: estimates.len(),
+            color: palette.filter(place),
+            width: 1.4,
+            dashed: false,
+            bounds: false,
+        });
+    }
+    for (place, bound) in session.bounds().iter().enumerate().filter(|&(place, _)| shown.filter(place)) {
+        let Some(at) = bound.place(channel) else { continue };
+        for sign in [-2.0, 2.0] {
+            layers.push(Layer::Line {
+                value: Box::new(move |k| sign * bound.std(k, at)),
+                len: bound.len(),
+                color: palette.filter(place),
+                width: 1.0,
+                dashed: true,
+                bounds: false,
+            });
+        }
+    }
+    Chart {
+        key: format!("error of {}", channel.key()),
+        title: format!("error of the {}", channel.name()),
+        symbol: format!("{} error", channel.symbol()),
+        name: channel.name().to_owned(),
+        unit: channel.unit(),
+        readouts,
+        layers,
+        names_time,
+        least: None,
+    }
+}

@@ -1,0 +1,88 @@
+//! What each measurement told: innovations within ±2√S.
+
+use egui::Ui;
+use kalmanscope_core::Quantity;
+
+use super::chart::{Chart, Layer, Readout};
+use super::{View, ViewContext, grid};
+use crate::command::Command;
+use crate::text::significant;
+
+/// Measurement minus prediction.
+pub(super) struct Innovations;
+
+impl View for Innovations {
+    fn name(&self) -> &'static str {
+        "Innovations"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "Measurement minus what the filter expected, in the band ±2√S of what it thought possible.",
+            "Of a well tuned filter they are white noise, and 95 % are in the band: what could be known has been taken out.",
+            "A rhythm in them, or a band that does not fit, says that model, Q or R is wrong; the truth is not needed to see it.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
+        let sensors: Vec<Quantity> = context.session.scenario_sensors();
+        if sensors.is_empty() {
+            ui.weak("Nothing is measured.");
+        }
+        let mut pointed = None;
+        grid(ui, sensors.len(), |ui, i, last_row| {
+            pointed = chart(i, sensors[i], context, last_row).show(ui, context, commands).or(pointed);
+        });
+        pointed
+    }
+}
+
+fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
+    let ViewContext { session, palette, shown, axis } = *context;
+    let k = axis.readout(session);
+    let mut layers: Vec<Layer<'a>> = Vec::new();
+    let mut readouts = Vec::new();
+    let filters = || session.run().estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place));
+    for (place, estimates) in filters() {
+        let m = estimates.sensors().len();
+        let std = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
+        if shown.bands {
+            layers.push(Layer::Band {
+                low: Box::new(move |k| -2.0 * std(k)),
+                high: Box::new(move |k| 2.0 * std(k)),
+                len: estimates.len(),
+                color: palette.filter(place),
+            });
+        }
+        if k < estimates.len() {
+            let [innovation, std] = [estimates.innovation(k)[sensor], std(k)].map(|x| significant(x, 2));
+            readouts.push(Readout {
+                text: format!("{innovation} (√S {std})"),
+                color: palette.filter(place),
+                hint: estimates.name().to_owned(),
+            });
+        }
+    }
+    layers.push(Layer::Level { value: 0.0, color: palette.weak });
+    for (place, estimates) in filters() {
+        layers.push(Layer::Line {
+            value: Box::new(move |k| estimates.innovation(k)[sensor]),
+            len: estimates.len(),
+            color: palette.filter(place).gamma_multiply(0.8),
+            width: 0.8,
+            dashed: false,
+            bounds: false,
+        });
+    }
+    Chart {
+        key: format!("innovation of {}", quantity.key()),
+        title: format!("innovations of the {} sensor", quantity.key()),
+        symbol: format!("e({})", quantity.symbol()),
+        name: format!("innovation of {}", quantity.key()),
+        unit: quantity.unit(),
+        readouts,
+        layers,
+        names_time,
+        least: None,
+    }
+}

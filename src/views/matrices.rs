@@ -1,0 +1,118 @@
+//! Predict and update of one sample, in numbers.
+
+use egui::{Grid, RichText, ScrollArea, Ui};
+use kalmanscope_core::{Estimates, Record};
+
+use super::{View, ViewContext};
+use crate::command::Command;
+use crate::text::significant;
+use crate::theme;
+
+/// The algebra of the current sample.
+pub(super) struct Matrices;
+
+impl View for Matrices {
+    fn name(&self) -> &'static str {
+        "Predict and update"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "One sample in numbers: what the filter knew, what it predicted, what the sensors said, what it made of that.",
+            "Predicting carries mean and covariance over a step and widens σ; updating moves the mean by K e and narrows σ.",
+            "Go on sample by sample with the step button (→) and see which number makes the next.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
+        let ViewContext { session, palette, shown, axis } = *context;
+        let k = axis.readout(session);
+        ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+            for (place, estimates) in session.run().estimates().iter().enumerate() {
+                if !shown.filter(place) || k >= estimates.len() {
+                    continue;
+                }
+                let title = format!("{}, sample {k}, t = {:.3} s", estimates.name(), session.run().record().time(k));
+                ui.label(RichText::new(title).family(theme::strong()).color(palette.filter(place)));
+                if k == 0 {
+                    ui.weak("The initial belief: nothing has been predicted or measured yet.");
+                }
+                channels_ui(ui, estimates, k, place);
+                sensors_ui(ui, estimates, session.run().record(), k, place);
+                ui.add_space(8.0);
+            }
+        });
+        None
+    }
+}
+
+fn header(ui: &mut Ui, names: &[&str]) {
+    for name in names {
+        ui.label(RichText::new(*name).small().weak());
+    }
+    ui.end_row();
+}
+
+/// Mean and σ of each channel before, predicted and after, and the gain.
+fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, place: usize) {
+    let (n, m) = (estimates.channels().len(), estimates.sensors().len());
+    let (gain, e, s) = (estimates.gain(k), estimates.innovation(k), estimates.innovation_cov(k));
+    // K e and K S Kᵀ of the sensors that delivered.
+    let delivered = |sensor: &usize| !e[*sensor].is_nan();
+    let shift = |i: usize| (0..m).filter(delivered).map(|a| gain[a * n + i] * e[a]).sum::<f64>();
+    let known = |i: usize| {
+        let term = |a: usize, b: usize| gain[a * n + i] * s[a * m + b] * gain[b * n + i];
+        (0..m).filter(delivered).flat_map(|a| (0..m).filter(delivered).map(move |b| term(a, b))).sum::<f64>()
+    };
+    Grid::new(("predict and update", place)).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
+        let gains: Vec<String> = estimates.sensors().iter().map(|q| format!("K for e({})", q.symbol())).collect();
+        let mut names = vec!["", "y before", "± σ", "y⁻ predicted", "± σ⁻", "+ K e", "y after", "± σ"];
+        names.extend(gains.iter().map(String::as_str));
+        header(ui, &names);
+        for (i, channel) in estimates.channels().iter().enumerate() {
+            let (mean, std) = (estimates.mean(k)[i], estimates.std(k, i));
+            let predicted_std = (std * std + known(i)).sqrt();
+            ui.label(channel.symbol()).on_hover_text(channel.name());
+            let before = k.checked_sub(1);
+            number(ui, before.map(|k| estimates.mean(k)[i]));
+            number(ui, before.map(|k| estimates.std(k, i)));
+            number(ui, before.map(|_| mean - shift(i)));
+            number(ui, before.map(|_| predicted_std));
+            number(ui, before.map(|_| shift(i)));
+            number(ui, Some(mean));
+            number(ui, Some(std));
+            for sensor in 0..m {
+                number(ui, before.map(|_| gain[sensor * n + i]));
+            }
+            ui.end_row();
+        }
+    });
+}
+
+/// What each sensor said and what was expected of it.
+fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, place: usize) {
+    let m = estimates.sensors().len();
+    if k == 0 || m == 0 {
+        return;
+    }
+    Grid::new(("sensors", place)).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
+        header(ui, &["", "z measured", "h(y⁻) expected", "e = z − h(y⁻)", "√S", "e / √S"]);
+        for (sensor, quantity) in estimates.sensors().iter().enumerate() {
+            let z = record.measured_quantity(*quantity).map(|z| z[k]);
+            let e = estimates.innovation(k)[sensor];
+            let std = estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
+            ui.label(quantity.symbol()).on_hover_text(quantity.key());
+            for value in [z, z.map(|z| z - e), Some(e), Some(std), Some(e / std)] {
+                number(ui, value);
+            }
+            ui.end_row();
+        }
+    });
+    let (nis, log_likelihood) = (estimates.nis()[k], estimates.log_likelihood()[k]);
+    ui.weak(format!("NIS {} · log likelihood {}", significant(nis, 4), significant(log_likelihood, 4)));
+}
+
+fn number(ui: &mut Ui, value: Option<f64>) {
+    let text = value.map_or(String::new(), |x| significant(x, 5));
+    ui.label(RichText::new(text).monospace().size(12.0));
+}

@@ -1,0 +1,102 @@
+//! Two parameters against each other, with the covariance between them.
+
+use egui::{Color32, Ui};
+use egui_plot::{Line, MarkerShape, Points};
+use kalmanscope_core::{Channel, Estimates};
+
+use super::plane::{around, plane_ui};
+use super::{View, ViewContext};
+use crate::command::Command;
+
+type Points2 = Vec<[f64; 2]>;
+
+/// The estimate's path in the plane of the first two parameters.
+pub(super) struct ParameterPlane;
+
+/// Half axes of the ellipse that holds 95 % of a normal distribution in the plane, in standard deviations.
+const ELLIPSE: f64 = 2.447_746_830_680_816;
+
+impl View for ParameterPlane {
+    fn name(&self) -> &'static str {
+        "Parameter plane"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "The path of each filter's estimate in the plane of the first two parameters, and the ellipse that it gives 95 % to.",
+            "The cross is the truth: a filter that is right about itself has it in the ellipse 19 times of 20.",
+            "A tilted ellipse: the filter cannot tell the two apart, only a combination of them.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
+        let ViewContext { session, palette, shown, axis } = *context;
+        let run = session.run();
+        let parameters: Vec<Channel> = run.channels().into_iter().filter(|c| c.is_parameter()).collect();
+        let [x, y, ..] = parameters[..] else {
+            ui.weak("There are not two parameters.");
+            return None;
+        };
+        let k = axis.readout(session);
+        let mut paths: Vec<(Points2, Points2, Color32)> = Vec::new();
+        for (place, estimates) in run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place)) {
+            let (Some(i), Some(j)) = (estimates.place(x), estimates.place(y)) else { continue };
+            let Some(last) = estimates.len().checked_sub(1).map(|last| last.min(k)) else { continue };
+            let stride = (last / 800).max(1);
+            let path = (0..=last).rev().step_by(stride);
+            let path = path.map(|k| [estimates.canonical_mean(k, i), estimates.canonical_mean(k, j)]).collect();
+            paths.push((path, ellipse(estimates, last, [i, j]), palette.filter(place)));
+        }
+        let truth = run.record().truth(x).zip(run.record().truth(y)).and_then(|(x, y)| Some([*x.get(k)?, *y.get(k)?]));
+        let truth = truth.filter(|_| shown.truth);
+        let seen = |axis: usize| {
+            // The ellipses and the truth now, and not the whole of a wide first guess.
+            paths
+                .iter()
+                .flat_map(|(path, ellipse, _)| ellipse.iter().chain(path.first()))
+                .chain(&truth)
+                .map(move |p| p[axis])
+        };
+        let range = around(seen(0)).zip(around(seen(1))).map(|(x, y)| [x, y]);
+        let label = |c: Channel| match c.unit() {
+            "" => format!("{} {}", c.name(), c.symbol()),
+            unit => format!("{} {} [{unit}]", c.name(), c.symbol()),
+        };
+        plane_ui(ui, "parameter plane", [&label(x), &label(y)], palette, range, |plot| {
+            for (path, ellipse, color) in paths {
+                let now = path.first().copied();
+                plot.line(Line::new("path", path).color(color.gamma_multiply(0.55)).width(1.0).allow_hover(false));
+                if shown.bands {
+                    plot.line(Line::new("ellipse", ellipse).color(color).width(2.0).allow_hover(false));
+                }
+                if let Some(now) = now {
+                    plot.points(Points::new("now", vec![now]).color(color).radius(4.0).allow_hover(false));
+                }
+            }
+            if let Some(truth) = truth {
+                let cross = Points::new("truth", vec![truth]).shape(MarkerShape::Plus).color(palette.truth).radius(8.0);
+                plot.points(cross.allow_hover(false));
+            }
+        });
+        None
+    }
+}
+
+/// The ellipse of two components that the belief at sample `k` gives 95 % to.
+fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]> {
+    let n = estimates.channels().len();
+    let cov = |a: usize, b: usize| {
+        estimates.cov(k)[a * n + b] * estimates.canonical_sign(k, a) * estimates.canonical_sign(k, b)
+    };
+    let centre = [estimates.canonical_mean(k, i), estimates.canonical_mean(k, j)];
+    // A lower triangular root of the two by two covariance.
+    let a = cov(i, i).sqrt();
+    let b = if a > 0.0 { cov(i, j) / a } else { 0.0 };
+    let c = (cov(j, j) - b * b).max(0.0).sqrt();
+    (0..=72)
+        .map(|step| {
+            let (sin, cos) = (f64::from(step) * 5.0).to_radians().sin_cos();
+            [centre[0] + ELLIPSE * a * cos, centre[1] + ELLIPSE * (b * cos + c * sin)]
+        })
+        .collect()
+}

@@ -1,0 +1,64 @@
+//! Velocity over displacement.
+
+use egui::Ui;
+use egui_plot::{Line, Points};
+use kalmanscope_core::Channel;
+
+use super::plane::{around, plane_ui};
+use super::{View, ViewContext};
+use crate::command::Command;
+
+/// How much of the past is drawn \[s\].
+const TAIL: f64 = 5.0;
+
+/// The motion in the phase plane.
+pub(super) struct Phase;
+
+impl View for Phase {
+    fn name(&self) -> &'static str {
+        "Phase portrait"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "Velocity over displacement of the last five seconds: truth thick, each filter's estimate in its colour.",
+            "A free linear oscillator spirals inwards along ellipses; a hardening spring makes them taller than wide.",
+            "The dots are where truth and estimates are now.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
+        let ViewContext { session, palette, shown, axis } = *context;
+        let run = session.run();
+        let record = run.record();
+        let last = axis.readout(session);
+        let first = last.saturating_sub((TAIL / record.dt()) as usize);
+        // A few hundred points are as smooth as thousands.
+        let stride = ((last - first) / 600).max(1);
+        let samples = |end: usize| (first..(last + 1).min(end)).rev().step_by(stride);
+        let truth = record.truth(Channel::Displacement).zip(record.truth(Channel::Velocity)).filter(|_| shown.truth);
+        let mut paths: Vec<(Vec<[f64; 2]>, egui::Color32, f32)> = Vec::new();
+        if let Some((x, v)) = truth {
+            paths.push((samples(run.len()).map(|k| [x[k], v[k]]).collect(), palette.truth, 3.0));
+        }
+        for (place, estimates) in run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place)) {
+            let at = |channel| estimates.place(channel);
+            if let (Some(x), Some(v)) = (at(Channel::Displacement), at(Channel::Velocity)) {
+                let path = samples(estimates.len()).map(|k| [estimates.mean(k)[x], estimates.mean(k)[v]]);
+                paths.push((path.collect(), palette.filter(place), 1.4));
+            }
+        }
+        let all = || paths.iter().flat_map(|(path, ..)| path.iter());
+        let range = around(all().map(|p| p[0])).zip(around(all().map(|p| p[1]))).map(|(x, y)| [x, y]);
+        plane_ui(ui, "phase portrait", ["displacement x [m]", "velocity v [m/s]"], palette, range, |plot| {
+            for (path, color, width) in paths {
+                let now = path.first().copied();
+                plot.line(Line::new("path", path).color(color).width(width).allow_hover(false));
+                if let Some(now) = now {
+                    plot.points(Points::new("now", vec![now]).color(color).radius(2.0 + width).allow_hover(false));
+                }
+            }
+        });
+        None
+    }
+}

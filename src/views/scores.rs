@@ -1,0 +1,132 @@
+//! Filters side by side: verdict and scores.
+
+use egui::{Grid, RichText, ScrollArea, Ui};
+use kalmanscope_core::diagnostics::{Summary, VerdictKind};
+
+use super::{View, ViewContext};
+use crate::command::Command;
+use crate::text::significant;
+use crate::theme;
+
+/// Which filter is best at what.
+pub(super) struct Scores;
+
+impl View for Scores {
+    fn name(&self) -> &'static str {
+        "Scores"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "What each filter has made of the record so far; the best of each row is marked.",
+            "RMSE is how far it was off on average; the verdict is whether it knew how far.",
+            "A small error with a wrong verdict is luck: do not build on it.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
+        let ViewContext { session, palette, .. } = *context;
+        let (estimates, record) = (session.run().estimates(), session.run().record());
+        let summaries: Vec<Summary> =
+            session.diagnostics().iter().zip(estimates).map(|(d, e)| Summary::of(d, e, record)).collect();
+        let rows = rows(&summaries);
+        ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+            Grid::new("scores").striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
+                if ui.small_button("Copy").on_hover_text("Copy the table as text").clicked() {
+                    ui.ctx().copy_text(as_text(&summaries, &rows));
+                }
+                for (place, summary) in summaries.iter().enumerate() {
+                    ui.label(RichText::new(&summary.name).family(theme::strong()).color(palette.filter(place)));
+                }
+                ui.end_row();
+                ui.weak("verdict");
+                for summary in &summaries {
+                    let Some(verdict) = &summary.verdict else {
+                        ui.weak("too few samples");
+                        continue;
+                    };
+                    let color = if verdict.kind == VerdictKind::Consistent { palette.text } else { palette.warning };
+                    ui.colored_label(color, verdict.kind.name()).on_hover_text(&verdict.reason);
+                }
+                ui.end_row();
+                for row in &rows {
+                    ui.weak(&row.name).on_hover_text(row.hint);
+                    let best = row.best();
+                    for value in &row.values {
+                        let text = RichText::new(value.map_or("–".to_owned(), |x| significant(x, 3))).monospace();
+                        ui.label(if *value == best && best.is_some() { text.strong().underline() } else { text });
+                    }
+                    ui.end_row();
+                }
+            });
+        });
+        None
+    }
+}
+
+/// One measure of all filters.
+struct Row {
+    name: String,
+    hint: &'static str,
+    values: Vec<Option<f64>>,
+    /// What is best: nearest to this, or the largest.
+    ideal: f64,
+}
+
+impl Row {
+    fn best(&self) -> Option<f64> {
+        let distance = |x: f64| if self.ideal == f64::INFINITY { -x } else { (x - self.ideal).abs() };
+        let values = self.values.iter().flatten().copied().filter(|x| x.is_finite());
+        values.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).filter(|_| self.values.len() > 1)
+    }
+}
+
+fn rows(summaries: &[Summary]) -> Vec<Row> {
+    let row = |name: &str, hint, ideal, of: &dyn Fn(&Summary) -> Option<f64>| Row {
+        name: name.to_owned(),
+        hint,
+        ideal,
+        values: summaries.iter().map(of).collect(),
+    };
+    let mut channels: Vec<kalmanscope_core::Channel> = Vec::new();
+    for channel in summaries.iter().flat_map(|s| s.finals.iter().map(|f| f.channel)) {
+        if !channels.contains(&channel) {
+            channels.push(channel);
+        }
+    }
+    channels.sort_by_key(|c| !c.is_parameter());
+    let mut rows = Vec::new();
+    for channel in channels {
+        let score = |s: &Summary| s.finals.iter().find(|f| f.channel == channel)?.score;
+        let symbol = channel.symbol();
+        let name = format!("RMSE {symbol}, last third");
+        rows.push(row(&name, "Root mean square error, last third", 0.0, &|s| Some(score(s)?.rmse_last_third)));
+        let name = format!("in ±2σ {symbol} [%]");
+        rows.push(row(&name, "Share of samples with the truth inside ±2σ: 95 % is right", 95.0, &|s| {
+            Some(100.0 * score(s)?.share_inside)
+        }));
+        if channel.is_parameter() {
+            let name = format!("settled {symbol} [s]");
+            rows.push(row(&name, "From when on it stays within 5 % of the truth", 0.0, &|s| score(s)?.settled));
+        }
+    }
+    let per_number = |square: &Option<kalmanscope_core::diagnostics::MeanSquare>| {
+        square.as_ref().map(|square| square.mean / square.expected)
+    };
+    rows.push(row("NIS / expected", "Mean over all samples; 1 is right", 1.0, &|s| per_number(&s.nis)));
+    rows.push(row("NEES / expected", "Mean over all samples; 1 is right", 1.0, &|s| per_number(&s.nees)));
+    rows.push(row("log likelihood", "Of all measurements; more is better", f64::INFINITY, &|s| Some(s.log_likelihood)));
+    rows
+}
+
+fn as_text(summaries: &[Summary], rows: &[Row]) -> String {
+    let names: Vec<&str> = summaries.iter().map(|s| s.name.as_str()).collect();
+    let mut text = format!("\t{}\n", names.join("\t"));
+    let verdicts = summaries.iter().map(|s| s.verdict.as_ref().map_or(String::new(), |v| v.kind.name().to_owned()));
+    text += &format!("verdict\t{}\n", verdicts.collect::<Vec<_>>().join("\t"));
+    for row in rows {
+        let values = row.values.iter().map(|x| x.map_or(String::new(), |x| x.to_string()));
+        text += &format!("{}\t{}\n", row.name, values.collect::<Vec<_>>().join("\t"));
+    }
+    text
+}
