@@ -214,6 +214,49 @@ pub fn runge_kutta<const N: usize>(state: &Vector<N>, dt: f64, rate: impl Fn(&Ve
     state + (k1 + (k2 + k3) * 2.0 + k4) * (dt / 6.0)
 }
 
+/// [`runge_kutta`] of a state `[motion, parameters]` whose parameters are held: its motion after the step, from the
+/// motion's rate.
+#[inline]
+pub(crate) fn held_runge_kutta<const M: usize, const N: usize>(
+    state: [f64; N],
+    dt: f64,
+    rate: impl Fn([f64; N]) -> [f64; M],
+) -> [f64; M] {
+    let half = 0.5 * dt;
+    let moved = |rate: [f64; M], dt: f64| {
+        let mut stage = state;
+        for i in 0..M {
+            stage[i] += rate[i] * dt;
+        }
+        stage
+    };
+    let k1 = rate(state);
+    let k2 = rate(moved(k1, half));
+    let k3 = rate(moved(k2, half));
+    let k4 = rate(moved(k3, dt));
+    std::array::from_fn(|i| state[i] + (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (dt / 6.0))
+}
+
+/// The images of several states, one a row, whose first M components move and whose other ones are held. Without branches
+/// in `motion` the compiler takes rows two at a time.
+#[inline]
+pub(crate) fn held_rows<const M: usize, const N: usize, const B: usize>(
+    states: &Matrix<B, N>,
+    motion: impl Fn([f64; N]) -> [f64; M],
+) -> Matrix<B, N> {
+    let columns = states.data.0;
+    let mut moved = [[0.0; B]; M];
+    for row in 0..B {
+        let image = motion(std::array::from_fn(|i| columns[i][row]));
+        for i in 0..M {
+            moved[i][row] = image[i];
+        }
+    }
+    let mut images = columns;
+    images[..M].copy_from_slice(&moved);
+    Matrix::from(images)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
