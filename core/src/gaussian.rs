@@ -63,12 +63,7 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
             if known.is_none() {
                 next = next_pivot(&columns, j, pivot, inverse);
             }
-            for k in j + 1..N {
-                let share = columns[(k, j)] * inverse;
-                for i in k..N {
-                    columns[(i, k)] -= columns[(i, j)] * share;
-                }
-            }
+            eliminate(&mut columns, j, inverse);
             let scale = inverse * pivot.sqrt();
             for i in j..N {
                 root[(i, j)] = columns[(i, j)] * scale;
@@ -78,6 +73,38 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
         }
     }
     Ok(root)
+}
+
+/// Takes from the columns after `j` their share in it: what is left is to be decomposed without it.
+#[inline]
+fn eliminate<const N: usize>(columns: &mut Matrix<N, N>, j: usize, inverse: f64) {
+    if N <= 4 {
+        // A triangle so small that the compiler unrolls all of it.
+        for k in j + 1..N {
+            let share = columns[(k, j)] * inverse;
+            for i in k..N {
+                columns[(i, k)] -= columns[(i, j)] * share;
+            }
+        }
+        return;
+    }
+    // Halves of columns, for vector instructions; what is above the diagonal is not looked at.
+    let column = columns.data.0[j];
+    for k in j + 1..N {
+        if column[k] == 0.0 {
+            continue;
+        }
+        let share = column[k] * inverse;
+        let target = &mut columns.data.0[k];
+        if k < N / 2 {
+            for i in 0..N / 2 {
+                target[i] -= column[i] * share;
+            }
+        }
+        for i in N / 2..N {
+            target[i] -= column[i] * share;
+        }
+    }
 }
 
 /// Makes of the lower triangular root `L` that of `L Lᵀ + d dᵀ`, by Givens rotations.
