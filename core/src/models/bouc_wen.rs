@@ -106,6 +106,7 @@ impl Model<8> for BoucWen {
 #[inline]
 fn motion_rate([x, v, z, wn, zeta, alpha, beta, gamma]: [f64; 8], force: f64) -> [f64; 3] {
     let acceleration = force - 2.0 * zeta * wn * v - wn * wn * (z + alpha * (x - z));
-    let yielding = v - (beta * v.abs() * z.abs() + gamma * v * z) * z;
+    let product = v * z;
+    let yielding = v - (beta * product.abs() + gamma * product) * z;
     [v, acceleration, yielding]
 }
