@@ -63,7 +63,17 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
             if known.is_none() {
                 next = next_pivot(&columns, j, pivot, inverse);
             }
-            eliminate(&mut columns, j, inverse);
+            if N > 4 {
+                eliminate(&mut columns, j, inverse);
+            } else {
+                // A triangle so small that the compiler unrolls all of it.
+                for k in j + 1..N {
+                    let share = columns[(k, j)] * inverse;
+                    for i in k..N {
+                        columns[(i, k)] -= columns[(i, j)] * share;
+                    }
+                }
+            }
             let scale = inverse * pivot.sqrt();
             for i in j..N {
                 root[(i, j)] = columns[(i, j)] * scale;
@@ -75,20 +85,10 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
     Ok(root)
 }
 
-/// Takes from the columns after `j` their share in it: what is left is to be decomposed without it.
+/// Takes from the columns after `j` their share in it, half columns at a time, which the compiler turns into vector
+/// instructions; what that makes of the numbers above the diagonal does not matter.
 #[inline]
 fn eliminate<const N: usize>(columns: &mut Matrix<N, N>, j: usize, inverse: f64) {
-    if N <= 4 {
-        // A triangle so small that the compiler unrolls all of it.
-        for k in j + 1..N {
-            let share = columns[(k, j)] * inverse;
-            for i in k..N {
-                columns[(i, k)] -= columns[(i, j)] * share;
-            }
-        }
-        return;
-    }
-    // Halves of columns, for vector instructions; what is above the diagonal is not looked at.
     let column = columns.data.0[j];
     for k in j + 1..N {
         if column[k] == 0.0 {

@@ -86,14 +86,15 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
 
         // Parameters that do not decay keep their rows of the root and their covariances with each other.
         let moving = if model.eta() == 0.0 { P::MOTION } else { N };
-        let half = 0.5 / distance;
+        let inverse = 1.0 / distance;
+        let half = 0.5 * inverse;
         let mut curved = high;
         let mut shift = Vector::<N>::zeros();
         for j in 0..P::MOTION {
             for i in 0..N {
                 curved[(i, j)] = (high[(i, j)] + low[(i, j)] - 2.0 * centre[j]) * half;
             }
-            shift[j] = curved.column(j).sum() / distance;
+            shift[j] = curved.column(j).sum() * inverse;
         }
         for j in 0..moving {
             for i in 0..N {
