@@ -64,10 +64,15 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
             if known.is_none() {
                 next = next_pivot(&columns, j, pivot, inverse);
             }
-            for k in j + 1..N {
-                let share = columns[(k, j)] * inverse;
-                for i in k..N {
-                    columns[(i, k)] -= columns[(i, j)] * share;
+            if N > 4 {
+                eliminate(&mut columns, j, inverse);
+            } else {
+                // A triangle so small that the compiler unrolls all of it.
+                for k in j + 1..N {
+                    let share = columns[(k, j)] * inverse;
+                    for i in k..N {
+                        columns[(i, k)] -= columns[(i, j)] * share;
+                    }
                 }
             }
             let scale = inverse * pivot.sqrt();
@@ -81,6 +86,28 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
         }
     }
     Ok(root)
+}
+
+/// Takes from the columns after `j` their share in it, half columns at a time, which the compiler turns into vector
+/// instructions; what that makes of the numbers above the diagonal does not matter.
+#[inline]
+fn eliminate<const N: usize>(columns: &mut Matrix<N, N>, j: usize, inverse: f64) {
+    let column = columns.data.0[j];
+    for k in j + 1..N {
+        if column[k] == 0.0 {
+            continue;
+        }
+        let share = column[k] * inverse;
+        let target = &mut columns.data.0[k];
+        if k < N / 2 {
+            for i in 0..N / 2 {
+                target[i] -= column[i] * share;
+            }
+        }
+        for i in N / 2..N {
+            target[i] -= column[i] * share;
+        }
+    }
 }
 
 /// Makes of the lower triangular root `L` that of `L Lᵀ + d dᵀ`, by Givens rotations.

@@ -1,6 +1,11 @@
 //! How a state moves over one step: exact for linear rates, Runge-Kutta for others.
 
+mod held;
+
 use crate::gaussian::{Matrix, Vector};
+
+pub use held::{held_parameters_step, oscillator_step};
+pub(crate) use held::{held_rows, held_runge_kutta};
 
 /// `exp(A dt)` and its integral `∫₀^dt exp(A s) ds = dt φ₁(A dt)`, for any `A`, singular or not.
 ///
@@ -8,17 +13,33 @@ use crate::gaussian::{Matrix, Vector};
 /// Γ(t) = ∫₀^t exp(A s) ds,  exp(A t) = I + A Γ(t),  Γ(2t) = Γ(t) (I + exp(A t))
 /// ```
 ///
-/// A Taylor series of Γ over a step so short that 16 terms exhaust double precision, then doubled.
+/// A Taylor series of Γ over a step so short that its terms, 16 at most, exhaust double precision, then doubled.
 ///
 /// Source: Moler and Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, method 3; Paterson and
 /// Stockmeyer (1973), On the number of nonscalar multiplications necessary to evaluate polynomials.
 pub fn exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N, N>, Matrix<N, N>) {
-    let doublings = doublings(a.abs().row_sum().amax() * dt);
-    let short = dt / libm::exp2(f64::from(doublings));
-    let m = a * short;
     let identity = Matrix::<N, N>::identity();
-    // Σ mⁿ/(n+1)!, four powers at a time: six products of matrices, not fifteen.
+    let m = a * dt;
     let square = m * m;
+    if norm(&square) <= 0.05 {
+        // Σ mⁿ/(n+1)!, whose terms fall with the norm of the square: twelve are enough. Three powers at a time.
+        let cube = square * m;
+        let triple = |first: usize| {
+            let [c0, c1, c2] = [0, 1, 2].map(|n| INVERSE_FACTORIAL[first + n + 1]);
+            identity * c0 + m * c1 + square * c2
+        };
+        let mut series = triple(9);
+        for first in [6, 3, 0] {
+            series = triple(first) + cube * series;
+        }
+        let integral = series * dt;
+        return (identity + a * integral, integral);
+    }
+    let doublings = doublings(norm(&m));
+    // A power of two: what is scaled by it is not rounded.
+    let scale = 1.0 / libm::exp2(f64::from(doublings));
+    let (m, square, short) = (m * scale, square * (scale * scale), dt * scale);
+    // Four powers at a time: six products of matrices, not fifteen.
     let powers = [identity, m, square, square * m];
     let quartet = |first: usize| {
         let mut sum = powers[0] * INVERSE_FACTORIAL[first + 1];
@@ -37,6 +58,11 @@ pub fn exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N,
         integral *= identity * 2.0 + a * integral;
     }
     (identity + a * integral, integral)
+}
+
+/// The largest sum of a column's absolute values.
+fn norm<const N: usize>(a: &Matrix<N, N>) -> f64 {
+    a.abs().row_sum().amax()
 }
 
 /// How often a step must be halved until `size`, a norm of `A dt`, is at most one half.
@@ -144,64 +170,6 @@ impl ImpulseResponse {
         let Self { value: h, integral: q } = *self;
         [x + (h - b * q) * v + q * acceleration, v + a * q * v + h * acceleration]
     }
-}
-
-/// One step of local linearisation of an oscillator `[x, v, parameters]` whose parameters are held: the state after `dt`
-/// \[s\] and its transition matrix, from `A` and `g` at its beginning. All of it follows from the impulse response of
-/// `A`'s second row:
-///
-/// ```text
-/// Φ = [1 + a q, h, q c; a h, 1 + a q + b h, h c; 0, 0, I],  A's second row [a, b, c]
-/// ```
-#[inline]
-pub fn oscillator_step<const N: usize>(
-    state: &Vector<N>,
-    rate: &Vector<N>,
-    jacobian: &Matrix<N, N>,
-    dt: f64,
-) -> (Vector<N>, Matrix<N, N>) {
-    let (a, b) = (jacobian[(1, 0)], jacobian[(1, 1)]);
-    let response = ImpulseResponse::new(a, b, dt);
-    let ImpulseResponse { value: h, integral: q } = response;
-    let mut mean = *state;
-    [mean[0], mean[1]] = response.advance(a, b, [state[0], state[1]], rate[1]);
-    let mut transition = Matrix::identity();
-    transition[(0, 0)] = 1.0 + a * q;
-    transition[(0, 1)] = h;
-    transition[(1, 0)] = a * h;
-    transition[(1, 1)] = 1.0 + a * q + b * h;
-    for j in 2..N {
-        transition[(0, j)] = q * jacobian[(1, j)];
-        transition[(1, j)] = h * jacobian[(1, j)];
-    }
-    (mean, transition)
-}
-
-/// One step of local linearisation of a plant with M moving components whose parameters are held: the state after `dt`
-/// \[s\] and its transition matrix, from `A` and `g` at its beginning.
-///
-/// ```text
-/// A = [F, C; 0, 0],  Φ = [exp(F dt), Γ C; 0, I],  Γ = dt φ₁(F dt)
-/// ```
-#[inline]
-pub fn held_parameters_step<const M: usize, const N: usize>(
-    state: &Vector<N>,
-    rate: &Vector<N>,
-    jacobian: &Matrix<N, N>,
-    dt: f64,
-) -> (Vector<N>, Matrix<N, N>) {
-    let motion: Matrix<M, M> = jacobian.fixed_view::<M, M>(0, 0).into_owned();
-    let (exp, integral) = exp_and_integral(&motion, dt);
-    let mut mean = *state;
-    let mut transition = Matrix::<N, N>::identity();
-    transition.fixed_view_mut::<M, M>(0, 0).copy_from(&exp);
-    for i in 0..M {
-        mean[i] += (0..M).map(|k| integral[(i, k)] * rate[k]).sum::<f64>();
-        for j in M..N {
-            transition[(i, j)] = (0..M).map(|k| integral[(i, k)] * jacobian[(k, j)]).sum();
-        }
-    }
-    (mean, transition)
 }
 
 /// One classical fourth-order Runge-Kutta step of `ẏ = rate(y)` over `dt` \[s\].

@@ -26,7 +26,7 @@ impl TimeAxis {
         let start = session.run().record().time(0);
         match session.mode() {
             // A little room, so that the last tick's text is not cut off.
-            Mode::Whole => (start, start + 1.012 * session.end()),
+            Mode::Whole => (start, start + 1.02 * session.end()),
             Mode::Live => {
                 // A little room ahead, so that the newest estimate does not stick to the frame.
                 let ahead = session.time() - start + 0.6;

@@ -128,7 +128,7 @@ impl Chart<'_> {
             ui.spacing_mut().item_spacing.x = 10.0;
             ui.label(RichText::new(&self.symbol).family(crate::theme::strong()).size(15.0));
             let unit = if self.unit.is_empty() { String::new() } else { format!(" [{}]", self.unit) };
-            let named = ui.available_width() > 300.0 + 75.0 * self.readouts.len() as f32;
+            let named = ui.available_width() > 200.0 + 75.0 * self.readouts.len() as f32;
             ui.weak(if named { format!("{}{unit}", self.name) } else { unit });
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 for Readout { text, color, hint } in self.readouts.iter().rev() {

@@ -216,7 +216,7 @@ impl Behavior<ViewKind> for Panes<'_> {
     }
 
     fn gap_width(&self, _: &egui::Style) -> f32 {
-        8.0
+        14.0
     }
 
     fn tab_bar_color(&self, _: &egui::Visuals) -> Color32 {

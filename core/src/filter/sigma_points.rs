@@ -8,11 +8,11 @@
 //! Means and covariances are taken about the centre's image: in exact arithmetic that is the weighted sum of the
 //! textbooks, in floating point it leaves a component that does not vary exactly where it is.
 //!
-//! A prediction sums over pairs `d± = b ± a` instead, which halves the work: what is linear in its distance from the mean,
-//! as parameters are, has no `b`.
+//! A prediction sums over pairs `d± = c (bᵢ ± aᵢ)` instead, which halves the work: what is linear in its distance from the
+//! mean, as parameters are, has no `b`. Since `2W c² = 1`, the `aᵢ` are the columns of a root.
 //!
 //! ```text
-//! s = Σ 2W bᵢ,  cov = Σ 2W (aᵢ aᵢᵀ + bᵢ bᵢᵀ) + o s sᵀ
+//! s = Σ bᵢ / c,  cov = Σ (aᵢ aᵢᵀ + bᵢ bᵢᵀ) + o s sᵀ
 //! ```
 
 use std::borrow::Cow;
@@ -70,38 +70,52 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     #[inline]
     fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
         let Self { belief, rule } = self;
-        let (spread, weight, square) = rule.constants::<N>();
-        let pair = 2.0 * weight;
-        let distances = lower_root(&belief.cov)?.transpose() * spread.sqrt();
-        let (mut high, mut low) = (distances, distances);
+        let (spread, _, offset) = rule.constants::<N>();
+        let distance = spread.sqrt();
+        let mut root = lower_root(&belief.cov)?;
+        // Points are rows, so that what is done to one component of all of them is done to a column.
+        let [mut high, mut low] = [Matrix::<N, N>::zeros(); 2];
         for j in 0..N {
             for i in 0..N {
-                high[(i, j)] = belief.mean[j] + distances[(i, j)];
-                low[(i, j)] = belief.mean[j] - distances[(i, j)];
+                let step = root[(j, i)] * distance;
+                high[(i, j)] = belief.mean[j] + step;
+                low[(i, j)] = belief.mean[j] - step;
             }
         }
         let centre = model.runge_kutta_step(&belief.mean, force, dt);
         let high = model.runge_kutta_steps(&high, force, dt);
         let low = model.runge_kutta_steps(&low, force, dt);
 
-        let linear = (high - low) * 0.5;
-        let mut curved = (high + low) * 0.5;
+        // Parameters that do not decay keep their rows of the root and their covariances with each other.
+        let moving = if model.eta() == 0.0 { P::MOTION } else { N };
+        let inverse = 1.0 / distance;
+        let half = 0.5 * inverse;
+        let mut curved = high;
         let mut shift = Vector::<N>::zeros();
         for j in 0..P::MOTION {
             for i in 0..N {
-                curved[(i, j)] -= centre[j];
+                curved[(i, j)] = (high[(i, j)] + low[(i, j)] - 2.0 * centre[j]) * half;
             }
-            shift[j] = curved.column(j).sum() * pair;
+            shift[j] = curved.column(j).sum() * inverse;
         }
-        for j in 0..N {
-            for i in j..N {
-                let mut squares = dot(&linear, i, j);
-                if i < P::MOTION {
-                    squares += dot(&curved, i, j);
+        for j in 0..moving {
+            for i in 0..N {
+                root[(j, i)] = (high[(i, j)] - low[(i, j)]) * half;
+            }
+        }
+        for j in 0..moving {
+            let mut sums = Vector::<N>::zeros();
+            for k in 0..N {
+                for i in 0..N {
+                    sums[i] += root[(i, k)] * root[(j, k)];
                 }
-                let entry = squares * pair + square * shift[i] * shift[j];
-                belief.cov[(i, j)] = entry;
-                belief.cov[(j, i)] = entry;
+            }
+            for i in j..P::MOTION {
+                sums[i] += dot(&curved, i, j) + offset * shift[i] * shift[j];
+            }
+            for i in j..N {
+                belief.cov[(i, j)] = sums[i];
+                belief.cov[(j, i)] = sums[i];
             }
         }
         belief.mean = centre + shift;

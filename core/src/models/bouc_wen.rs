@@ -2,8 +2,8 @@
 
 use crate::Channel;
 use crate::gaussian::{Matrix, Vector};
-use crate::model::Model;
-use crate::propagation::{exp_and_integral, held_parameters_step};
+use crate::model::{Model, one_by_one};
+use crate::propagation::{exp_and_integral, held_parameters_step, held_rows, held_runge_kutta, runge_kutta};
 
 /// Bouc-Wen hysteresis with exponent 2 and state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
 ///
@@ -41,20 +41,9 @@ impl Model<8> for BoucWen {
 
     #[inline]
     fn rate(&self, state: &Vector<8>, force: f64) -> Vector<8> {
-        let [[x, v, z, wn, zeta, alpha, beta, gamma]] = state.data.0;
-        let acceleration = force - 2.0 * zeta * wn * v - wn * wn * (z + alpha * (x - z));
-        let yielding = v - (beta * v.abs() * z.abs() + gamma * v * z) * z;
-        let decay = -self.eta;
-        Vector::<8>::from([
-            v,
-            acceleration,
-            yielding,
-            decay * wn,
-            decay * zeta,
-            decay * alpha,
-            decay * beta,
-            decay * gamma,
-        ])
+        let mut rate = state * -self.eta;
+        [rate[0], rate[1], rate[2]] = motion_rate(state.data.0[0], force);
+        rate
     }
 
     /// At the kinks `v = 0` and `z = 0` the derivative is that of the side of positive v.
@@ -89,4 +78,31 @@ impl Model<8> for BoucWen {
         let (transition, integral) = exp_and_integral(&jacobian, dt);
         (state + integral * rate, transition)
     }
+
+    /// With η = 0 the parameters stay, and only the motion goes through the stages.
+    #[inline]
+    fn runge_kutta_step(&self, state: &Vector<8>, force: f64, dt: f64) -> Vector<8> {
+        if self.eta != 0.0 {
+            return runge_kutta(state, dt, |y| self.rate(y, force));
+        }
+        let mut next = *state;
+        [next[0], next[1], next[2]] = held_runge_kutta(state.data.0[0], dt, |y| motion_rate(y, force));
+        next
+    }
+
+    #[inline]
+    fn runge_kutta_steps<const B: usize>(&self, states: &Matrix<B, 8>, force: f64, dt: f64) -> Matrix<B, 8> {
+        if self.eta != 0.0 {
+            return one_by_one(states, |state| self.runge_kutta_step(&state, force, dt));
+        }
+        held_rows(states, |state| held_runge_kutta(state, dt, |y| motion_rate(y, force)))
+    }
+}
+
+#[inline]
+fn motion_rate([x, v, z, wn, zeta, alpha, beta, gamma]: [f64; 8], force: f64) -> [f64; 3] {
+    let acceleration = force - 2.0 * zeta * wn * v - wn * wn * (z + alpha * (x - z));
+    let product = v * z;
+    let yielding = v - (beta * product.abs() + gamma * product) * z;
+    [v, acceleration, yielding]
 }

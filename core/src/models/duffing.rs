@@ -2,8 +2,8 @@
 
 use crate::Channel;
 use crate::gaussian::{Matrix, Vector};
-use crate::model::Model;
-use crate::propagation::{exp_and_integral, oscillator_step};
+use crate::model::{Model, one_by_one};
+use crate::propagation::{exp_and_integral, held_rows, held_runge_kutta, oscillator_step, runge_kutta};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
 ///
@@ -37,8 +37,8 @@ impl Model<5> for Duffing {
 
     #[inline]
     fn rate(&self, state: &Vector<5>, force: f64) -> Vector<5> {
-        let [[x, v, wn, zeta, mu]] = state.data.0;
-        let acceleration = force - 2.0 * zeta * wn * v - wn * wn * x - mu * x * x * x;
+        let [[_, _, wn, zeta, mu]] = state.data.0;
+        let [v, acceleration] = motion_rate(state.data.0[0], force);
         Vector::<5>::new(v, acceleration, -self.eta * wn, -self.eta * zeta, -self.eta * mu)
     }
 
@@ -64,4 +64,27 @@ impl Model<5> for Duffing {
         let (transition, integral) = exp_and_integral(&jacobian, dt);
         (state + integral * rate, transition)
     }
+    /// With η = 0 the parameters stay, and only the motion goes through the stages.
+    #[inline]
+    fn runge_kutta_step(&self, state: &Vector<5>, force: f64, dt: f64) -> Vector<5> {
+        if self.eta != 0.0 {
+            return runge_kutta(state, dt, |y| self.rate(y, force));
+        }
+        let [[.., wn, zeta, mu]] = state.data.0;
+        let [x, v] = held_runge_kutta(state.data.0[0], dt, |y| motion_rate(y, force));
+        Vector::<5>::new(x, v, wn, zeta, mu)
+    }
+
+    #[inline]
+    fn runge_kutta_steps<const B: usize>(&self, states: &Matrix<B, 5>, force: f64, dt: f64) -> Matrix<B, 5> {
+        if self.eta != 0.0 {
+            return one_by_one(states, |state| self.runge_kutta_step(&state, force, dt));
+        }
+        held_rows(states, |state| held_runge_kutta(state, dt, |y| motion_rate(y, force)))
+    }
+}
+
+#[inline]
+fn motion_rate([x, v, wn, zeta, mu]: [f64; 5], force: f64) -> [f64; 2] {
+    [v, force - 2.0 * zeta * wn * v - wn * wn * x - mu * x * x * x]
 }

@@ -1,0 +1,105 @@
+//! Steps of plants whose parameters are held: only the motion moves.
+
+use super::{ImpulseResponse, exp_and_integral};
+use crate::gaussian::{Matrix, Vector};
+
+/// One step of local linearisation of an oscillator `[x, v, parameters]` whose parameters are held: the state after `dt`
+/// \[s\] and its transition matrix, from `A` and `g` at its beginning. All of it follows from the impulse response of
+/// `A`'s second row:
+///
+/// ```text
+/// Φ = [1 + a q, h, q c; a h, 1 + a q + b h, h c; 0, 0, I],  A's second row [a, b, c]
+/// ```
+#[inline]
+pub fn oscillator_step<const N: usize>(
+    state: &Vector<N>,
+    rate: &Vector<N>,
+    jacobian: &Matrix<N, N>,
+    dt: f64,
+) -> (Vector<N>, Matrix<N, N>) {
+    let (a, b) = (jacobian[(1, 0)], jacobian[(1, 1)]);
+    let response = ImpulseResponse::new(a, b, dt);
+    let ImpulseResponse { value: h, integral: q } = response;
+    let mut mean = *state;
+    [mean[0], mean[1]] = response.advance(a, b, [state[0], state[1]], rate[1]);
+    let mut transition = Matrix::identity();
+    transition[(0, 0)] = 1.0 + a * q;
+    transition[(0, 1)] = h;
+    transition[(1, 0)] = a * h;
+    transition[(1, 1)] = 1.0 + a * q + b * h;
+    for j in 2..N {
+        transition[(0, j)] = q * jacobian[(1, j)];
+        transition[(1, j)] = h * jacobian[(1, j)];
+    }
+    (mean, transition)
+}
+
+/// One step of local linearisation of a plant with M moving components whose parameters are held: the state after `dt`
+/// \[s\] and its transition matrix, from `A` and `g` at its beginning.
+///
+/// ```text
+/// A = [F, C; 0, 0],  Φ = [exp(F dt), Γ C; 0, I],  Γ = dt φ₁(F dt)
+/// ```
+#[inline]
+pub fn held_parameters_step<const M: usize, const N: usize>(
+    state: &Vector<N>,
+    rate: &Vector<N>,
+    jacobian: &Matrix<N, N>,
+    dt: f64,
+) -> (Vector<N>, Matrix<N, N>) {
+    let motion: Matrix<M, M> = jacobian.fixed_view::<M, M>(0, 0).into_owned();
+    let (exp, integral) = exp_and_integral(&motion, dt);
+    let mut mean = *state;
+    let mut transition = Matrix::<N, N>::identity();
+    transition.fixed_view_mut::<M, M>(0, 0).copy_from(&exp);
+    for i in 0..M {
+        mean[i] += (0..M).map(|k| integral[(i, k)] * rate[k]).sum::<f64>();
+        for j in M..N {
+            transition[(i, j)] = (0..M).map(|k| integral[(i, k)] * jacobian[(k, j)]).sum();
+        }
+    }
+    (mean, transition)
+}
+
+/// [`runge_kutta`](super::runge_kutta) of a state `[motion, parameters]` whose parameters are held: its motion after the step, from the
+/// motion's rate.
+#[inline]
+pub(crate) fn held_runge_kutta<const M: usize, const N: usize>(
+    state: [f64; N],
+    dt: f64,
+    rate: impl Fn([f64; N]) -> [f64; M],
+) -> [f64; M] {
+    let half = 0.5 * dt;
+    let moved = |rate: [f64; M], dt: f64| {
+        let mut stage = state;
+        for i in 0..M {
+            stage[i] += rate[i] * dt;
+        }
+        stage
+    };
+    let k1 = rate(state);
+    let k2 = rate(moved(k1, half));
+    let k3 = rate(moved(k2, half));
+    let k4 = rate(moved(k3, dt));
+    std::array::from_fn(|i| state[i] + (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (dt / 6.0))
+}
+
+/// The images of several states, one a row, whose first M components move and whose other ones are held. Without branches
+/// in `motion` the compiler takes rows two at a time.
+#[inline]
+pub(crate) fn held_rows<const M: usize, const N: usize, const B: usize>(
+    states: &Matrix<B, N>,
+    motion: impl Fn([f64; N]) -> [f64; M],
+) -> Matrix<B, N> {
+    let columns = states.data.0;
+    let mut moved = [[0.0; B]; M];
+    for row in 0..B {
+        let image = motion(std::array::from_fn(|i| columns[i][row]));
+        for i in 0..M {
+            moved[i][row] = image[i];
+        }
+    }
+    let mut images = columns;
+    images[..M].copy_from_slice(&moved);
+    Matrix::from(images)
+}
