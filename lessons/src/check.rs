@@ -113,6 +113,8 @@ pub struct Check {
     /// In how many of ten seeds it must hold.
     #[serde(default = "all_seeds")]
     pub seeds: usize,
+    /// The only seed with which it must hold, where a step is about one record.
+    pub seed: Option<u64>,
 }
 
 fn all_seeds() -> usize {
@@ -200,6 +202,11 @@ impl Check {
         self.before || self.than.is_some() || self.reference_times() != self.times()
     }
 
+    /// Whether it is to be made with a seed.
+    pub(crate) fn is_about(&self, seed: u64) -> bool {
+        self.seed.is_none_or(|only| only == seed)
+    }
+
     /// Whether a value is as it must be.
     pub fn holds(&self, value: &Value) -> bool {
         match (value, &self.is) {
@@ -235,7 +242,7 @@ impl Check {
         let number = self.above.is_some() || self.below.is_some();
         let word = matches!(self.is, Some(Expected::Word(_))) && self.measure != Measure::Stopped;
         let flag = matches!(self.is, Some(Expected::Flag(_))) && self.measure == Measure::Stopped;
-        let trouble = if self.measure.needs_channel() && self.channel.is_none() {
+        let wrong = if self.measure.needs_channel() && self.channel.is_none() {
             "lacks a `channel`"
         } else if self.measure.is_number() && !(number && self.is.is_none()) {
             "needs `above` or `below`"
@@ -246,7 +253,11 @@ impl Check {
         } else {
             return Ok(());
         };
-        Err(LessonError::Check { measure: self.measure.key().to_owned(), trouble: trouble.to_owned() })
+        Err(self.trouble(wrong))
+    }
+
+    pub(crate) fn trouble(&self, what: &str) -> LessonError {
+        LessonError::Check { measure: self.measure.key().to_owned(), trouble: what.to_owned() }
     }
 }
 

@@ -113,12 +113,16 @@ impl Lesson {
     pub fn from_toml(text: &str) -> Result<Self, LessonError> {
         let lesson: Self = toml::from_str(text).map_err(|error| LessonError::Syntax(error.to_string()))?;
         let scenarios = lesson.scenarios()?;
+        let first = lesson.first_scenario()?;
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
-            // A check that compares with what was before needs its filter there, too.
-            let before = scenarios.get(number.wrapping_sub(1)).unwrap_or(scenario);
+            let before = number.checked_sub(1).map_or(&first, |last| &scenarios[last]);
             for check in &step.checks {
-                let earlier = if check.before { before } else { scenario };
-                check.validate(scenario).and_then(|()| check.validate(earlier)).map_err(|e| e.in_step(number))?;
+                let valid = check.validate(scenario).and_then(|()| match (check.before, &step.change) {
+                    (false, _) => Ok(()),
+                    (true, Some(_)) => check.validate(before),
+                    (true, None) => Err(check.trouble("compares with what was before, but the step changes nothing")),
+                });
+                valid.map_err(|error| error.in_step(number))?;
             }
         }
         Ok(lesson)
@@ -160,5 +164,69 @@ impl Lesson {
     /// [`LessonError::Step`] where a step changes what is not there.
     pub fn scenarios(&self) -> Result<Vec<Scenario>, LessonError> {
         (0..self.steps.len()).map(|step| self.scenario_at(step)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "title = \"T\"\ngroup = \"Practice\"\nsummary = \"s\"\nscenario = \"stiffness-loss\"\n";
+    const STEP: &str = "[[steps]]\nlook = \"l\"\nhappens = \"h\"\nwhy = \"w\"\n";
+
+    #[test]
+    fn changes_accumulate_from_step_to_step() {
+        let change = |set: &str| format!("{STEP}change = {{ label = \"x\", set = {{ {set} }} }}\n");
+        let text = format!(
+            "{HEAD}adjust = {{ set = {{ duration = 5.0 }} }}\n{STEP}{}{}",
+            change("\"filters.EKF.fading\" = 1.1"),
+            change("seed = 9, \"filters.EKF.eta\" = 0.5")
+        );
+        let lesson = Lesson::from_toml(&text).unwrap();
+        let of = |s: &Scenario| (s.duration, s.filters[0].fading, s.seed, s.filters[0].eta);
+        let steps: Vec<_> = lesson.scenarios().unwrap().iter().map(of).collect();
+        assert_eq!(steps, [(5.0, 1.005, 1, 0.0), (5.0, 1.1, 1, 0.0), (5.0, 1.1, 9, 0.5)]);
+        assert_eq!(of(&lesson.scenario_at(99).unwrap()), steps[2]);
+        assert_eq!(of(&lesson.first_scenario().unwrap()), steps[0]);
+        assert_eq!((lesson.steps[0].mode, &lesson.steps[0].change), (Mode::Whole, &None));
+    }
+
+    #[test]
+    fn a_lesson_may_bring_its_own_scenario() {
+        let text = format!("{HEAD}{STEP}")
+            .replace("\"stiffness-loss\"", "{ duration = 3.0, plant = { damping_ratio = 0.2 } }");
+        let scenario = Lesson::from_toml(&text).unwrap().scenario_at(0).unwrap();
+        assert_eq!((scenario.duration, scenario.plant.damping_ratio.at(0.0)), (3.0, 0.2));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_step() {
+        let check = |check: &str| format!("{HEAD}{STEP}{STEP}checks = [{{ filter = \"EKF\", {check} }}]");
+        for (text, message) in [
+            (HEAD.replace("stiffness-loss", "x") + STEP, "there is no built-in scenario `x`"),
+            (
+                format!("{HEAD}{STEP}{STEP}change = {{ label = \"x\", set = {{ \"plant.x\" = 1 }} }}"),
+                "step 2: the scenario has no setting `plant.x`",
+            ),
+            (check("measure = \"rmse\", below = 1"), "step 2: the check of `rmse` lacks a `channel`"),
+            (check("measure = \"nis\""), "step 2: the check of `nis` needs `above` or `below`"),
+            (check("measure = \"nis\", below = 1, than = \"KF\""), "step 2: the scenario has no filter `KF`"),
+            (
+                check("measure = \"verdict\", is = true"),
+                "step 2: the check of `verdict` needs `is`, and nothing to compare with",
+            ),
+            (
+                check("measure = \"nis\", below = 1, before = true"),
+                "step 2: the check of `nis` compares with what was before, but the step changes nothing",
+            ),
+            (
+                check("measure = \"nis\", below = 1, seeds = 11"),
+                "step 2: the check of `nis` must hold in 1 to 10 `seeds`",
+            ),
+        ] {
+            assert_eq!(Lesson::from_toml(&text).unwrap_err().to_string(), message);
+        }
+        let unknown = Lesson::from_toml(&check("measure = \"nis\", belov = 1")).unwrap_err().to_string();
+        assert!(unknown.contains("belov") && unknown.contains("below"), "{unknown}");
     }
 }

@@ -3,6 +3,31 @@
 //! A lesson is a file in `assets/lessons/`: a scenario, and steps that say what to look at, what to change, what happens
 //! and why. The text makes claims, so each step carries them as checks too, which [`verify`] runs over several seeds.
 //!
+//! ```toml
+//! title = "Fading memory"
+//! group = "Practice"
+//! summary = "One sentence for the menu."
+//! scenario = "stiffness-loss"                      # or a table: a scenario of its own
+//! adjust = { remove_filters = ["UKF"] }            # what is different at first
+//!
+//! [[steps]]
+//! look = "What to look at."
+//! happens = "What is seen."
+//! why = "And why."
+//! views = ["parameters", "innovations"]
+//! mode = "live"                                    # or "whole"
+//! checks = [{ filter = "EKF", measure = "verdict", is = "consistent" }]
+//!
+//! [[steps]]                                        # changes accumulate
+//! look = "What to look at now."
+//! change = { label = "λ = 1", set = { "filters.EKF.fading" = 1.0 } }
+//! happens = "Its band is narrower before the loss."
+//! why = "And why."
+//! checks = [
+//!   { filter = "EKF", measure = "std", channel = "natural_frequency", at = 29.0, before = true, below = 0.8 },
+//! ]
+//! ```
+//!
 //! ```
 //! # fn main() -> Result<(), kalmanscope_lessons::LessonError> {
 //! let lesson = kalmanscope_lessons::lessons().remove(0)?;
