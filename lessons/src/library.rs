@@ -11,6 +11,24 @@ macro_rules! files {
 /// Every lesson in the menu's order: the name of its file and the text.
 pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "01-recursive-estimation",
+    "02-noise-reduction",
+    "03-nonlinear-models",
+    "04-state-and-parameters",
+    "05-model-assumptions",
+    "06-computational-cost",
+    "07-initialisation",
+    "08-instability",
+    "09-predict-and-update",
+    "10-sudden-loss",
+    "11-slow-drift",
+    "12-wind-up",
+    "13-process-noise",
+    "14-sensor-noise",
+    "15-learning-noise",
+    "16-excitation",
+    "17-acceleration-only",
+    "18-overconfident-guess",
+    "19-ekf-against-ukf",
 ];
 
 /// Every built-in scenario: the name of its file and the text.
@@ -69,6 +87,11 @@ mod tests {
             for (number, step) in lesson.steps.iter().enumerate() {
                 let texts = [&step.look, &step.happens, &step.why];
                 assert!(texts.iter().all(|t| t.ends_with('.') && t.len() > 20), "{name}, step {}", number + 1);
+                assert!(
+                    step.change.as_ref().is_none_or(|change| change.label.len() > 2),
+                    "{name}, step {}",
+                    number + 1
+                );
                 assert!(!step.views.is_empty() && !step.checks.is_empty(), "{name}, step {}", number + 1);
             }
         }
