@@ -6,6 +6,7 @@ use kalmanscope_core::{Channel, Quantity, Scenario};
 use serde::Deserialize;
 
 use crate::LessonError;
+use crate::value::{Expected, Value};
 
 /// The number of seeds that a check is tried with, of which it says how many must hold.
 pub(crate) const SEEDS: usize = 10;
@@ -52,27 +53,6 @@ pub enum Measure {
     Stopped,
     /// The filter's remarks on the whole record, by keys such as `wind_up`; `none` if there are none.
     Remark,
-}
-
-/// What must come out of a measure that is no number.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-#[serde(untagged)]
-pub enum Expected {
-    /// Yes or no.
-    Flag(bool),
-    /// A verdict or a remark.
-    Word(String),
-}
-
-/// What a measure gave.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    /// A number, or a ratio of two.
-    Number(f64),
-    /// Yes or no.
-    Flag(bool),
-    /// A verdict, or every remark.
-    Words(Vec<&'static str>),
 }
 
 /// Something that a lesson says, and what it means in numbers.
@@ -217,6 +197,7 @@ impl Check {
             }
             (Value::Flag(value), Some(Expected::Flag(expected))) => value == expected,
             (Value::Words(words), Some(Expected::Word(expected))) => words.contains(&expected.as_str()),
+            (Value::Words(words), Some(Expected::OneOf(all))) => all.iter().any(|one| words.contains(&one.as_str())),
             _ => false,
         }
     }
@@ -240,7 +221,7 @@ impl Check {
             return Err(LessonError::UnknownSensor(sensor));
         }
         let number = self.above.is_some() || self.below.is_some();
-        let word = matches!(self.is, Some(Expected::Word(_))) && self.measure != Measure::Stopped;
+        let word = matches!(self.is, Some(Expected::Word(_) | Expected::OneOf(_))) && self.measure != Measure::Stopped;
         let flag = matches!(self.is, Some(Expected::Flag(_))) && self.measure == Measure::Stopped;
         let wrong = if self.measure.needs_channel() && self.channel.is_none() {
             "lacks a `channel`"
@@ -288,18 +269,8 @@ impl fmt::Display for Check {
         match &self.is {
             Some(Expected::Flag(flag)) => write!(f, ", {flag}"),
             Some(Expected::Word(word)) => write!(f, ", {word}"),
+            Some(Expected::OneOf(words)) => write!(f, ", {}", words.join(" or ")),
             None => Ok(()),
-        }
-    }
-}
-
-impl fmt::Display for Value {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Number(x) if *x == 0.0 || (0.01..1e4).contains(&x.abs()) => write!(f, "{x:.3}"),
-            Self::Number(x) => write!(f, "{x:.2e}"),
-            Self::Flag(flag) => write!(f, "{flag}"),
-            Self::Words(words) => f.write_str(&words.join(" + ")),
         }
     }
 }

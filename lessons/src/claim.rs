@@ -5,7 +5,8 @@ use std::ops::RangeInclusive;
 
 use kalmanscope_core::Scenario;
 
-use crate::check::{Check, SEEDS, Value};
+use crate::check::{Check, SEEDS};
+use crate::value::Value;
 use crate::{Lesson, LessonError, Outcome};
 
 /// A check of a lesson and what came of it, seed by seed.

@@ -50,12 +50,14 @@ mod library;
 mod measure;
 mod outcome;
 mod path;
+mod value;
 
 pub use adjustment::{Adjustment, Change};
-pub use check::{Check, Expected, Measure, Times, Value};
+pub use check::{Check, Measure, Times};
 pub use claim::{Claim, verify};
 pub use cost::evaluations_per_step;
 pub use error::LessonError;
 pub use lesson::{Base, Lesson, Mode, Step, View};
 pub use library::{LESSONS, SCENARIOS, lessons};
 pub use outcome::Outcome;
+pub use value::{Expected, Value};

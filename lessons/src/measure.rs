@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use kalmanscope_core::{Channel, Trouble};
 
-use crate::check::{Check, Measure, Times, Value};
+use crate::check::{Check, Measure, Times};
 use crate::outcome::Seen;
+use crate::value::Value;
 use crate::{LessonError, Outcome, evaluations_per_step};
 
 impl Check {
