@@ -148,3 +148,84 @@ const fn trouble_key(trouble: Trouble) -> &'static str {
         Trouble::GrowingProcessNoise(_) => "growing_process_noise",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kalmanscope_core::{Scenario, Summary};
+
+    fn outcome() -> Outcome {
+        let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
+        scenario.filters[0].smoother = true;
+        scenario.filters[1].fading = 1e60;
+        Outcome::of(&scenario).unwrap()
+    }
+
+    fn value(outcome: &Outcome, filter: &str, check: &str) -> Value {
+        let check: Check = toml::from_str(&format!("filter = \"{filter}\"\n{check}")).unwrap();
+        check.value(outcome, outcome).unwrap()
+    }
+
+    fn number(outcome: &Outcome, filter: &str, check: &str) -> f64 {
+        match value(outcome, filter, check) {
+            Value::Number(number) => number,
+            other => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn measures_are_those_of_the_summary() {
+        let outcome = outcome();
+        let summary = Summary::new(&outcome.run().estimates()[0], outcome.run().record());
+        let frequency = summary.finals[2];
+        let score = frequency.score.unwrap();
+        let of = |measure: &str| {
+            number(&outcome, "EKF", &format!("channel = \"natural_frequency\"\nmeasure = \"{measure}\""))
+        };
+        for (measured, expected) in [
+            (of("rmse"), score.rmse),
+            (of("std"), frequency.std),
+            (of("estimate"), frequency.mean),
+            (of("settled"), score.settled.unwrap()),
+            (of("share_inside"), score.share_inside),
+            (of("nees"), summary.nees.unwrap().mean / 4.0),
+            (of("nis"), summary.nis.unwrap().mean / 2.0),
+            (of("log_likelihood"), summary.log_likelihood / 1000.0),
+            (of("evaluations"), 5.0),
+        ] {
+            assert!((measured / expected - 1.0).abs() < 1e-12, "{measured} instead of {expected}");
+        }
+        assert!(of("mean_error") < of("rmse") && of("std_over_bound") > 0.9);
+        assert!(number(&outcome, "EKF", "measure = \"rmse_over_sensor\"\nchannel = \"displacement\"") < 0.5);
+        assert_eq!(value(&outcome, "EKF", "measure = \"verdict\""), Value::Words(vec!["consistent"]));
+        assert_eq!(value(&outcome, "EKF", "measure = \"remark\""), Value::Words(vec!["none"]));
+    }
+
+    #[test]
+    fn ratios_compare_filters_and_times() {
+        let outcome = outcome();
+        let std = |more: &str| {
+            number(&outcome, "EKF", &format!("channel = \"natural_frequency\"\nmeasure = \"std\"\n{more}"))
+        };
+        assert_eq!(std("at = 1.0\nthan_at = 0.0"), std("at = 1.0") / 2.0);
+        assert_eq!(std("at = 1.0\nbefore = true"), 1.0);
+        assert_eq!(std("than = \"EKF, smoothed\""), 1.0);
+        assert!(std("at = 0.2\nthan = \"EKF, smoothed\"") > 1.0, "hindsight knows better");
+        let error = "channel = \"natural_frequency\"\nmeasure = \"error_in_std\"\nat = 0.0";
+        assert_eq!(number(&outcome, "EKF", error), 1.0, "8 ± 2 where 6 is true");
+    }
+
+    #[test]
+    fn where_there_is_no_number_no_check_holds() {
+        let outcome = outcome();
+        assert_eq!(value(&outcome, "UKF", "measure = \"stopped\""), Value::Flag(true));
+        for check in ["measure = \"nis\"\nfrom = 9.0", "measure = \"std\"\nchannel = \"velocity\"\nat = 9.0"] {
+            assert!(number(&outcome, "UKF", check).is_nan(), "{check}");
+        }
+        assert!(number(&outcome, "EKF", "measure = \"std\"\nchannel = \"cubic_stiffness\"").is_nan());
+        let check: Check = toml::from_str("filter = \"KF\"\nmeasure = \"nis\"").unwrap();
+        assert_eq!(check.value(&outcome, &outcome), Err(LessonError::UnknownFilter("KF".to_owned())));
+        let limits: Check = toml::from_str("filter = \"KF\"\nmeasure = \"nis\"\nabove = 0.0").unwrap();
+        assert!(!limits.holds(&Value::Number(f64::NAN)) && limits.holds(&Value::Number(f64::INFINITY)));
+    }
+}
