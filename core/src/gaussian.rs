@@ -56,36 +56,59 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
     let mut columns = *cov;
     let mut root = Matrix::<N, N>::zeros();
     let mut next = None;
-    for j in 0..N {
-        let known = next.take();
-        let (pivot, inverse) = known.unwrap_or_else(|| with_inverse(columns[(j, j)]));
-        let rounding = 4.0 * N as f64 * f64::EPSILON * cov[(j, j)];
-        if pivot > rounding && pivot.is_normal() {
-            if known.is_none() {
-                next = next_pivot(&columns, j, pivot, inverse);
-            }
-            if N > 4 {
-                eliminate(&mut columns, j, inverse);
-            } else {
-                // A triangle so small that the compiler unrolls all of it.
-                for k in j + 1..N {
-                    let share = columns[(k, j)] * inverse;
-                    for i in k..N {
-                        columns[(i, k)] -= columns[(i, j)] * share;
-                    }
-                }
-            }
-            let scale = inverse * pivot.sqrt();
-            for i in j..N {
-                root[(i, j)] = columns[(i, j)] * scale;
-            }
-        } else if !pivot.is_finite() {
-            return Err(FilterError::NotFinite);
-        } else if pivot < -1e4 * rounding {
-            return Err(FilterError::IndefiniteCovariance);
-        }
+    let mut take = |j: usize| -> Result<(), FilterError> {
+        next = take_column(cov, &mut columns, &mut root, j, next)?;
+        Ok(())
+    };
+    if N == 4 {
+        // One by one: left as a loop, the usual size takes four times as many instructions.
+        take(0)?;
+        take(1)?;
+        take(2)?;
+        take(3)?;
+    } else {
+        (0..N).try_for_each(take)?;
     }
     Ok(root)
+}
+
+/// Makes column `j` of the root and takes its share from the columns after it. `known` is the pivot and its inverse, if the
+/// last column has found them; returns the next ones, if this one has.
+#[inline(always)]
+fn take_column<const N: usize>(
+    cov: &Matrix<N, N>,
+    columns: &mut Matrix<N, N>,
+    root: &mut Matrix<N, N>,
+    j: usize,
+    known: Option<(f64, f64)>,
+) -> Result<Option<(f64, f64)>, FilterError> {
+    let (pivot, inverse) = known.unwrap_or_else(|| with_inverse(columns[(j, j)]));
+    let rounding = 4.0 * N as f64 * f64::EPSILON * cov[(j, j)];
+    if pivot > rounding && pivot.is_normal() {
+        let next = if known.is_none() { next_pivot(columns, j, pivot, inverse) } else { None };
+        if N > 4 {
+            eliminate(columns, j, inverse);
+        } else {
+            for k in j + 1..N {
+                let share = columns[(k, j)] * inverse;
+                for i in k..N {
+                    columns[(i, k)] -= columns[(i, j)] * share;
+                }
+            }
+        }
+        let scale = inverse * pivot.sqrt();
+        for i in j..N {
+            root[(i, j)] = columns[(i, j)] * scale;
+        }
+        return Ok(next);
+    }
+    if !pivot.is_finite() {
+        Err(FilterError::NotFinite)
+    } else if pivot < -1e4 * rounding {
+        Err(FilterError::IndefiniteCovariance)
+    } else {
+        Ok(None)
+    }
 }
 
 /// Takes from the columns after `j` their share in it, half columns at a time, which the compiler turns into vector

@@ -9,6 +9,7 @@ use kalmanscope_core::gaussian::{Gaussian, Matrix, Vector};
 use kalmanscope_core::model::Model;
 use kalmanscope_core::models::bouc_wen::BoucWen;
 use kalmanscope_core::models::duffing::Duffing;
+use kalmanscope_core::models::log_parameters::LogParameters;
 use kalmanscope_core::models::sdof::Sdof;
 use kalmanscope_core::models::shear_chain::ShearChain;
 use kalmanscope_core::{FilterSettings, PerChannel, PlantKind, Record, Run, Scenario};
@@ -37,7 +38,9 @@ pub(crate) fn cases() -> Vec<Case> {
     cases
 }
 
-fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, model: P) {
+fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, plant: P) {
+    // As a run has it, which may want logarithms.
+    let model = LogParameters { plant, on: false };
     let mut scenario = Scenario { duration: 20.0, filters: vec![], ..Scenario::default() };
     scenario.set_plant(kind);
     let mut run = Run::new(&scenario).expect("the scenario is valid");

@@ -41,6 +41,29 @@ impl<P> LogParameters<P> {
     }
 }
 
+impl<P> LogParameters<P> {
+    /// [`Model::linearised_step`] with logarithms; apart, so that the step without them stays short.
+    #[inline(never)]
+    fn log_step<const N: usize>(&self, state: &Vector<N>, force: f64, dt: f64) -> (Vector<N>, Matrix<N, N>)
+    where
+        P: Model<N>,
+    {
+        if self.plant.eta() != 0.0 {
+            let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
+            return (state + integral * self.rate(state, force), transition);
+        }
+        let (plain, scale) = Self::plain(state);
+        let (mut mean, mut transition) = self.plant.linearised_step(&plain, force, dt);
+        for j in P::MOTION..N {
+            mean[j] = state[j];
+            for i in 0..P::MOTION {
+                transition[(i, j)] *= scale[j];
+            }
+        }
+        (mean, transition)
+    }
+}
+
 impl<P: Model<N>, const N: usize> Model<N> for LogParameters<P> {
     const CHANNELS: [Channel; N] = P::CHANNELS;
     const MOTION: usize = P::MOTION;
@@ -78,22 +101,7 @@ impl<P: Model<N>, const N: usize> Model<N> for LogParameters<P> {
 
     #[inline]
     fn linearised_step(&self, state: &Vector<N>, force: f64, dt: f64) -> (Vector<N>, Matrix<N, N>) {
-        if !self.on {
-            return self.plant.linearised_step(state, force, dt);
-        }
-        if self.eta() != 0.0 {
-            let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
-            return (state + integral * self.rate(state, force), transition);
-        }
-        let (plain, scale) = Self::plain(state);
-        let (mut mean, mut transition) = self.plant.linearised_step(&plain, force, dt);
-        for j in P::MOTION..N {
-            mean[j] = state[j];
-            for i in 0..P::MOTION {
-                transition[(i, j)] *= scale[j];
-            }
-        }
-        (mean, transition)
+        if self.on { self.log_step(state, force, dt) } else { self.plant.linearised_step(state, force, dt) }
     }
 
     #[inline]

@@ -1,0 +1,198 @@
+//! What a lesson changes in a scenario.
+
+use kalmanscope_core::{Quantity, Scenario, ScenarioError, Sensor};
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use crate::LessonError;
+use crate::path;
+
+/// Changes to a scenario, made in the order of the fields.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Adjustment {
+    /// Filters to be removed, by their names.
+    pub remove_filters: Vec<String>,
+    /// Filters to be added, as in a scenario file; `like = "NAME"` takes what is left out from another filter.
+    pub add_filters: Vec<Table>,
+    /// Sensors to be removed.
+    pub remove_sensors: Vec<Quantity>,
+    /// Sensors to be added. Every filter is told their true noise.
+    pub add_sensors: Vec<Sensor>,
+    /// Values by their paths, such as `"filters.EKF.fading" = 1.005` or `"filters.*.process_std.natural_frequency" = 1e-3`.
+    pub set: Table,
+}
+
+/// A change that a button makes.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(from = "LabelledChange")]
+pub struct Change {
+    /// The button's text.
+    pub label: String,
+    /// What it does.
+    pub adjustment: Adjustment,
+}
+
+/// A change as it stands in a file, where label and adjustment are one table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LabelledChange {
+    label: String,
+    #[serde(default)]
+    remove_filters: Vec<String>,
+    #[serde(default)]
+    add_filters: Vec<Table>,
+    #[serde(default)]
+    remove_sensors: Vec<Quantity>,
+    #[serde(default)]
+    add_sensors: Vec<Sensor>,
+    #[serde(default)]
+    set: Table,
+}
+
+impl From<LabelledChange> for Change {
+    fn from(change: LabelledChange) -> Self {
+        let LabelledChange { label, remove_filters, add_filters, remove_sensors, add_sensors, set } = change;
+        Self { label, adjustment: Adjustment { remove_filters, add_filters, remove_sensors, add_sensors, set } }
+    }
+}
+
+impl Adjustment {
+    /// The scenario with these changes.
+    ///
+    /// # Errors
+    /// [`LessonError`] where a change is about what the scenario does not have, or makes it impossible.
+    pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, LessonError> {
+        let Self { remove_filters, add_filters, remove_sensors, add_sensors, set } = self;
+        let mut scenario = scenario.clone();
+        for name in remove_filters {
+            let place = scenario.filters.iter().position(|filter| filter.name == *name);
+            scenario.filters.remove(place.ok_or_else(|| LessonError::UnknownFilter(name.clone()))?);
+        }
+        if !add_filters.is_empty() {
+            let mut file = written(&scenario)?;
+            for filter in add_filters {
+                add_filter(&mut file, filter)?;
+            }
+            scenario = read(&file)?;
+        }
+        for &quantity in remove_sensors {
+            if !scenario.sensors.iter().any(|sensor| sensor.measures == quantity) {
+                return Err(LessonError::UnknownSensor(quantity));
+            }
+            scenario.remove_sensor(quantity);
+        }
+        for &sensor in add_sensors {
+            scenario.add_sensor(sensor);
+        }
+        let mut file = written(&scenario)?;
+        for (path, value) in set {
+            if !path::set(&mut file, path, value) {
+                return Err(LessonError::UnknownPath(path.clone()));
+            }
+        }
+        read(&file)
+    }
+}
+
+fn add_filter(file: &mut Table, filter: &Table) -> Result<(), LessonError> {
+    let mut filter = filter.clone();
+    let name = filter.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
+    let Some(Value::Array(filters)) = file.get_mut("filters") else {
+        return Err(LessonError::UnknownPath("filters".to_owned()));
+    };
+    let called = |name: &str| filters.iter().find(|other| other.get("name").and_then(Value::as_str) == Some(name));
+    if name.is_empty() || called(&name).is_some() {
+        return Err(LessonError::AmbiguousFilter(name));
+    }
+    if let Some(like) = filter.remove("like") {
+        let like = like.as_str().unwrap_or_default();
+        let model = called(like).and_then(Value::as_table);
+        let mut model = model.ok_or_else(|| LessonError::UnknownFilter(like.to_owned()))?.clone();
+        path::lay_over(&mut model, &filter);
+        filter = model;
+    }
+    filters.push(Value::Table(filter));
+    Ok(())
+}
+
+/// The scenario with all that it has, defaults too, so that each setting has its path.
+fn written(scenario: &Scenario) -> Result<Table, LessonError> {
+    Table::try_from(scenario).map_err(|error| LessonError::Scenario(ScenarioError::Syntax(error.to_string())))
+}
+
+/// The scenario of a file, by way of its text: what follows from the rest is completed and everything is checked.
+pub(crate) fn read(file: &Table) -> Result<Scenario, LessonError> {
+    let text = toml::to_string(file).map_err(|error| LessonError::Syntax(error.to_string()))?;
+    Ok(Scenario::from_toml(&text)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kalmanscope_core::{FilterKind, Force, Signal};
+
+    fn change(text: &str) -> Change {
+        toml::from_str(&format!("label = \"x\"\n{text}")).unwrap()
+    }
+
+    fn apply(text: &str) -> Result<Scenario, LessonError> {
+        change(text).adjustment.apply(&Scenario::default())
+    }
+
+    #[test]
+    fn nothing_changed_is_the_same_scenario() {
+        assert_eq!(apply("").unwrap(), Scenario::default());
+        assert_eq!(Adjustment::default().apply(&Scenario::default()).unwrap(), Scenario::default());
+    }
+
+    #[test]
+    fn values_are_set_by_their_paths() {
+        let scenario = apply(
+            "[set]\n\"filters.*.fading\" = 1\n\"filters.UKF.initial_mean.natural_frequency\" = 12\nduration = 10\n\
+             force = { none = {} }\n\"plant.natural_frequency\" = { step = { from = 6, to = 5, at = 2 } }",
+        )
+        .unwrap();
+        assert!(scenario.filters.iter().all(|f| f.fading == 1.0));
+        assert_eq!(scenario.filters.iter().map(|f| f.initial_mean.natural_frequency).collect::<Vec<_>>(), [8.0, 12.0]);
+        assert_eq!((scenario.duration, scenario.force), (10.0, Force::None));
+        assert_eq!(scenario.plant.natural_frequency.at(2.0), 5.0);
+        let constant = apply("set = { \"plant.natural_frequency\" = 5 }").unwrap();
+        assert_eq!(constant.plant.natural_frequency, Signal::Constant(5.0));
+    }
+
+    #[test]
+    fn filters_and_sensors_come_and_go() {
+        let scenario = apply(
+            "remove_filters = [\"UKF\"]\nremove_sensors = [\"velocity\"]\n\
+             add_sensors = [{ measures = \"acceleration\", noise_std = 0.5 }]\n\
+             [[add_filters]]\nlike = \"EKF\"\nname = \"P\"\nkind = \"pf\"\ninitial_std = { velocity = 7.0 }",
+        )
+        .unwrap();
+        let [ekf, pf] = &scenario.filters[..] else { panic!("{:?}", scenario.filters) };
+        assert_eq!((ekf.name.as_str(), pf.name.as_str(), pf.kind), ("EKF", "P", FilterKind::Pf));
+        assert_eq!((pf.fading, pf.initial_std.velocity, pf.initial_std.natural_frequency), (1.005, 7.0, 2.0));
+        assert!(scenario.filters.iter().all(|f| f.sensor_std == [0.01, 0.5]));
+    }
+
+    #[test]
+    fn errors_have_the_name_of_what_is_missing() {
+        for (text, message) in [
+            ("set = { \"filters.EKF.fadng\" = 1 }", "the scenario has no setting `filters.EKF.fadng`"),
+            ("set = { \"filters.KF.fading\" = 1 }", "the scenario has no setting `filters.KF.fading`"),
+            ("remove_filters = [\"KF\"]", "the scenario has no filter `KF`"),
+            ("remove_sensors = [\"acceleration\"]", "the scenario has no sensor for acceleration"),
+            ("add_filters = [{ like = \"KF\", name = \"A\" }]", "the scenario has no filter `KF`"),
+            (
+                "add_filters = [{ like = \"EKF\", name = \"UKF\" }]",
+                "a filter is added as `UKF`, but must have a name that no other has",
+            ),
+        ] {
+            assert_eq!(apply(text).unwrap_err().to_string(), message);
+        }
+        let impossible = apply("set = { \"filters.EKF.fading\" = 0.5 }").unwrap_err().to_string();
+        assert!(impossible.contains("filters[0].fading"), "{impossible}");
+        let unknown = toml::from_str::<Change>("label = \"x\"\nsett = {}").unwrap_err().to_string();
+        assert!(unknown.contains("sett"), "{unknown}");
+    }
+}

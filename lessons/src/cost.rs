@@ -1,0 +1,44 @@
+//! What a filter's prediction costs, in a number that does not depend on the machine.
+
+use kalmanscope_core::{FilterKind, FilterSettings, PlantKind, Propagation};
+
+/// How often a filter evaluates the plant's rate `g(y, f)` to predict one step. `truth` is the plant that it takes the truth
+/// for unless its settings name another, with n channels. A Jacobian counts as n evaluations, one a column, as it would
+/// take by differences.
+///
+/// ```text
+/// KF, EKF, IEKF    1 + n by local linearisation or Euler, 4 (1 + n) by Runge-Kutta
+/// UKF, SR-UKF      4 (2n + 1)
+/// CKF              4 · 2n
+/// EnKF, PF         4 times the size of the ensemble
+/// ```
+pub fn evaluations_per_step(settings: &FilterSettings, truth: PlantKind) -> usize {
+    let n = settings.plant.unwrap_or(truth).channels().len();
+    match settings.kind {
+        FilterKind::Kf | FilterKind::Ekf | FilterKind::Iekf => match settings.propagation {
+            Propagation::LocalLinearisation | Propagation::Euler => 1 + n,
+            Propagation::RungeKutta => 4 * (1 + n),
+        },
+        FilterKind::Ukf | FilterKind::SrUkf => 4 * (2 * n + 1),
+        FilterKind::Ckf => 4 * 2 * n,
+        FilterKind::Enkf | FilterKind::Pf => 4 * settings.ensemble_size,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_has_its_count() {
+        let of = |kind| evaluations_per_step(&FilterSettings { kind, ..FilterSettings::default() }, PlantKind::Sdof);
+        let counts = FilterKind::ALL.map(of);
+        assert_eq!(counts, [5, 5, 5, 36, 36, 32, 2000, 2000]);
+        let other = FilterSettings {
+            plant: Some(PlantKind::Duffing),
+            propagation: Propagation::RungeKutta,
+            ..FilterSettings::default()
+        };
+        assert_eq!(evaluations_per_step(&other, PlantKind::Sdof), 24);
+    }
+}

@@ -1,0 +1,232 @@
+//! A lesson as it stands in its file.
+
+use kalmanscope_core::Scenario;
+use serde::Deserialize;
+use toml::Table;
+
+use crate::adjustment::{self, Adjustment, Change};
+use crate::library::scenario_text;
+use crate::{Check, LessonError};
+
+/// An experiment in steps. Each begins with what the steps before have changed.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lesson {
+    /// The title in the menu.
+    pub title: String,
+    /// The group in the menu.
+    pub group: String,
+    /// What one learns, in a sentence.
+    pub summary: String,
+    /// The scenario that it begins with.
+    pub scenario: Base,
+    /// What is different from that at first.
+    #[serde(default)]
+    pub adjust: Adjustment,
+    /// What to do, in order.
+    pub steps: Vec<Step>,
+}
+
+/// The scenario that a lesson begins with.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum Base {
+    /// A built-in one, by the name of its file.
+    Named(String),
+    /// One of its own, as in a scenario file.
+    Inline(Table),
+}
+
+/// A step of a lesson.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Step {
+    /// What to look at.
+    pub look: String,
+    /// What to change, if anything.
+    pub change: Option<Change>,
+    /// What happens then.
+    pub happens: String,
+    /// Why.
+    pub why: String,
+    /// The views that show it, the most telling first.
+    #[serde(default)]
+    pub views: Vec<View>,
+    /// Whether the record is played or shown whole.
+    #[serde(default)]
+    pub mode: Mode,
+    /// The time that the record is played from \[s\], or that is shown from; its beginning if left out.
+    pub from: Option<f64>,
+    /// The time until which the record is shown \[s\]; its end if left out.
+    pub to: Option<f64>,
+    /// What the text says, in numbers.
+    #[serde(default)]
+    pub checks: Vec<Check>,
+}
+
+/// What a step wants to be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum View {
+    /// Motion over time.
+    States,
+    /// Parameters over time.
+    Parameters,
+    /// Errors with ±2σ over time.
+    Errors,
+    /// Innovations with ±2σ over time.
+    Innovations,
+    /// NIS and NEES over time.
+    NisNees,
+    /// Autocorrelation of the innovations.
+    Autocorrelation,
+    /// Gain over time.
+    Gain,
+    /// Velocity over displacement.
+    Phase,
+    /// Two parameters against each other, with the belief's ellipse.
+    ParameterPlane,
+    /// Frequency response, true and estimated.
+    FrequencyResponse,
+    /// P, K, S, Φ and H of one step.
+    Matrices,
+    /// The moving mass.
+    Oscillator,
+}
+
+/// How a step shows the record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mode {
+    /// Sample by sample.
+    Live,
+    /// All at once.
+    #[default]
+    Whole,
+}
+
+impl Lesson {
+    /// Reads a lesson file and checks that each of its steps can be taken.
+    ///
+    /// # Errors
+    /// [`LessonError::Syntax`] where it is no lesson, [`LessonError::Step`] where a step asks for what is not there.
+    pub fn from_toml(text: &str) -> Result<Self, LessonError> {
+        let lesson: Self = toml::from_str(text).map_err(|error| LessonError::Syntax(error.to_string()))?;
+        let scenarios = lesson.scenarios()?;
+        let first = lesson.first_scenario()?;
+        for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
+            let before = number.checked_sub(1).map_or(&first, |last| &scenarios[last]);
+            for check in &step.checks {
+                let valid = check.validate(scenario).and_then(|()| match (check.before, &step.change) {
+                    (false, _) => Ok(()),
+                    (true, Some(_)) => check.validate(before),
+                    (true, None) => Err(check.trouble("compares with what was before, but the step changes nothing")),
+                });
+                valid.map_err(|error| error.in_step(number))?;
+            }
+        }
+        Ok(lesson)
+    }
+
+    /// The scenario that the lesson begins with, before the first step's change.
+    ///
+    /// # Errors
+    /// [`LessonError`] where there is no such scenario or it cannot be adjusted like this.
+    pub fn first_scenario(&self) -> Result<Scenario, LessonError> {
+        let scenario = match &self.scenario {
+            Base::Named(name) => {
+                let text = scenario_text(name).ok_or_else(|| LessonError::UnknownScenario(name.clone()))?;
+                Scenario::from_toml(text)?
+            }
+            Base::Inline(table) => adjustment::read(table)?,
+        };
+        self.adjust.apply(&scenario)
+    }
+
+    /// The scenario of a step, counted from 0, with its change and those of all steps before. That of the last step if
+    /// there are not so many.
+    ///
+    /// # Errors
+    /// [`LessonError::Step`] where a step changes what is not there.
+    pub fn scenario_at(&self, step: usize) -> Result<Scenario, LessonError> {
+        let mut scenario = self.first_scenario()?;
+        for (number, step) in self.steps.iter().enumerate().take(step + 1) {
+            if let Some(change) = &step.change {
+                scenario = change.adjustment.apply(&scenario).map_err(|error| error.in_step(number))?;
+            }
+        }
+        Ok(scenario)
+    }
+
+    /// The scenario of every step.
+    ///
+    /// # Errors
+    /// [`LessonError::Step`] where a step changes what is not there.
+    pub fn scenarios(&self) -> Result<Vec<Scenario>, LessonError> {
+        (0..self.steps.len()).map(|step| self.scenario_at(step)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "title = \"T\"\ngroup = \"Practice\"\nsummary = \"s\"\nscenario = \"stiffness-loss\"\n";
+    const STEP: &str = "[[steps]]\nlook = \"l\"\nhappens = \"h\"\nwhy = \"w\"\n";
+
+    #[test]
+    fn changes_accumulate_from_step_to_step() {
+        let change = |set: &str| format!("{STEP}change = {{ label = \"x\", set = {{ {set} }} }}\n");
+        let text = format!(
+            "{HEAD}adjust = {{ set = {{ duration = 5.0 }} }}\n{STEP}{}{}",
+            change("\"filters.EKF.fading\" = 1.1"),
+            change("seed = 9, \"filters.EKF.eta\" = 0.5")
+        );
+        let lesson = Lesson::from_toml(&text).unwrap();
+        let of = |s: &Scenario| (s.duration, s.filters[0].fading, s.seed, s.filters[0].eta);
+        let steps: Vec<_> = lesson.scenarios().unwrap().iter().map(of).collect();
+        assert_eq!(steps, [(5.0, 1.005, 1, 0.0), (5.0, 1.1, 1, 0.0), (5.0, 1.1, 9, 0.5)]);
+        assert_eq!(of(&lesson.scenario_at(99).unwrap()), steps[2]);
+        assert_eq!(of(&lesson.first_scenario().unwrap()), steps[0]);
+        assert_eq!((lesson.steps[0].mode, &lesson.steps[0].change), (Mode::Whole, &None));
+    }
+
+    #[test]
+    fn a_lesson_may_bring_its_own_scenario() {
+        let text = format!("{HEAD}{STEP}")
+            .replace("\"stiffness-loss\"", "{ duration = 3.0, plant = { damping_ratio = 0.2 } }");
+        let scenario = Lesson::from_toml(&text).unwrap().scenario_at(0).unwrap();
+        assert_eq!((scenario.duration, scenario.plant.damping_ratio.at(0.0)), (3.0, 0.2));
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_step() {
+        let check = |check: &str| format!("{HEAD}{STEP}{STEP}checks = [{{ filter = \"EKF\", {check} }}]");
+        for (text, message) in [
+            (HEAD.replace("stiffness-loss", "x") + STEP, "there is no built-in scenario `x`"),
+            (
+                format!("{HEAD}{STEP}{STEP}change = {{ label = \"x\", set = {{ \"plant.x\" = 1 }} }}"),
+                "step 2: the scenario has no setting `plant.x`",
+            ),
+            (check("measure = \"rmse\", below = 1"), "step 2: the check of `rmse` lacks a `channel`"),
+            (check("measure = \"nis\""), "step 2: the check of `nis` needs `above` or `below`"),
+            (check("measure = \"nis\", below = 1, than = \"KF\""), "step 2: the scenario has no filter `KF`"),
+            (
+                check("measure = \"verdict\", is = true"),
+                "step 2: the check of `verdict` needs `is`, and nothing to compare with",
+            ),
+            (
+                check("measure = \"nis\", below = 1, before = true"),
+                "step 2: the check of `nis` compares with what was before, but the step changes nothing",
+            ),
+            (
+                check("measure = \"nis\", below = 1, seeds = 11"),
+                "step 2: the check of `nis` must hold in 1 to 10 `seeds`",
+            ),
+        ] {
+            assert_eq!(Lesson::from_toml(&text).unwrap_err().to_string(), message);
+        }
+        let unknown = Lesson::from_toml(&check("measure = \"nis\", belov = 1")).unwrap_err().to_string();
+        assert!(unknown.contains("belov") && unknown.contains("below"), "{unknown}");
+    }
+}

@@ -1,0 +1,63 @@
+//! Lessons on Kalman filters: experiments in steps, and checks that hold each of them to what it says.
+//!
+//! A lesson is a file in `assets/lessons/`: a scenario, and steps that say what to look at, what to change, what happens
+//! and why. The text makes claims, so each step carries them as checks too, which [`verify`] runs over several seeds.
+//!
+//! ```toml
+//! title = "Fading memory"
+//! group = "Practice"
+//! summary = "One sentence for the menu."
+//! scenario = "stiffness-loss"                      # or a table: a scenario of its own
+//! adjust = { remove_filters = ["UKF"] }            # what is different at first
+//!
+//! [[steps]]
+//! look = "What to look at."
+//! happens = "What is seen."
+//! why = "And why."
+//! views = ["parameters", "innovations"]
+//! mode = "live"                                    # or "whole"
+//! checks = [{ filter = "EKF", measure = "verdict", is = "consistent" }]
+//!
+//! [[steps]]                                        # changes accumulate
+//! look = "What to look at now."
+//! change = { label = "λ = 1", set = { "filters.EKF.fading" = 1.0 } }
+//! happens = "Its band is narrower before the loss."
+//! why = "And why."
+//! checks = [
+//!   { filter = "EKF", measure = "std", channel = "natural_frequency", at = 29.0, before = true, below = 0.8 },
+//! ]
+//! ```
+//!
+//! ```
+//! # fn main() -> Result<(), kalmanscope_lessons::LessonError> {
+//! let lesson = kalmanscope_lessons::lessons().remove(0)?;
+//! let at_first = lesson.scenario_at(0)?;
+//! for claim in kalmanscope_lessons::verify(&lesson, 1..=1)? {
+//!     assert!(claim.holds(), "{claim}");
+//! }
+//! # assert!(!at_first.filters.is_empty());
+//! # Ok(())
+//! # }
+//! ```
+
+mod adjustment;
+mod check;
+mod claim;
+mod cost;
+mod error;
+mod lesson;
+mod library;
+mod measure;
+mod outcome;
+mod path;
+mod value;
+
+pub use adjustment::{Adjustment, Change};
+pub use check::{Check, Measure, Times};
+pub use claim::{Claim, verify};
+pub use cost::evaluations_per_step;
+pub use error::LessonError;
+pub use lesson::{Base, Lesson, Mode, Step, View};
+pub use library::{LESSONS, SCENARIOS, lessons};
+pub use outcome::Outcome;
+pub use value::{Expected, Value};

@@ -1,0 +1,99 @@
+//! The lessons that come with the program, and the scenarios that they begin with.
+
+use crate::{Lesson, LessonError};
+
+macro_rules! files {
+    ($folder:literal: $($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../assets/", $folder, "/", $name, ".toml")))),*]
+    };
+}
+
+/// Every lesson in the menu's order: the name of its file and the text.
+pub const LESSONS: &[(&str, &str)] = files!["lessons":
+    "01-recursive-estimation",
+    "02-noise-reduction",
+    "03-nonlinear-models",
+    "04-state-and-parameters",
+    "05-model-assumptions",
+    "06-computational-cost",
+    "07-initialisation",
+    "08-instability",
+    "09-predict-and-update",
+    "10-sudden-loss",
+    "11-slow-drift",
+    "12-wind-up",
+    "13-process-noise",
+    "14-sensor-noise",
+    "15-learning-noise",
+    "16-excitation",
+    "17-acceleration-only",
+    "18-overconfident-guess",
+    "19-ekf-against-ukf",
+];
+
+/// Every built-in scenario: the name of its file and the text.
+pub const SCENARIOS: &[(&str, &str)] = files!["scenarios":
+    "acceleration-only",
+    "bouc-wen",
+    "chirp",
+    "constant",
+    "duffing",
+    "free-vibration",
+    "hammer",
+    "known-parameters",
+    "no-excitation",
+    "q-too-large",
+    "q-too-small",
+    "r-wrong-by-ten",
+    "shear-building",
+    "slow-drift",
+    "stiffness-loss",
+];
+
+/// Every lesson in the menu's order. A test rules out that one is wrong.
+pub fn lessons() -> Vec<Result<Lesson, LessonError>> {
+    LESSONS.iter().map(|(_, text)| Lesson::from_toml(text)).collect()
+}
+
+pub(crate) fn scenario_text(name: &str) -> Option<&'static str> {
+    SCENARIOS.iter().find(|(file, _)| *file == name).map(|(_, text)| *text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn files(folder: &str) -> Vec<String> {
+        let folder = format!("{}/../assets/{folder}", env!("CARGO_MANIFEST_DIR"));
+        let name = |file: std::io::Result<std::fs::DirEntry>| file.unwrap().file_name().into_string().unwrap();
+        let mut names: Vec<String> = std::fs::read_dir(folder).unwrap().map(name).collect();
+        names.sort();
+        names.into_iter().map(|name| name.trim_end_matches(".toml").to_owned()).collect()
+    }
+
+    #[test]
+    fn each_file_is_in_its_list() {
+        assert_eq!(files("scenarios"), SCENARIOS.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+        assert_eq!(files("lessons"), LESSONS.iter().map(|(name, _)| *name).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn each_lesson_can_be_read_and_says_all_that_it_should() {
+        for ((name, _), lesson) in LESSONS.iter().zip(lessons()) {
+            let lesson = lesson.unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert!(["Advantages", "Challenges", "Practice"].contains(&lesson.group.as_str()), "{name}");
+            assert!((2..=4).contains(&lesson.steps.len()), "{name}: {} steps", lesson.steps.len());
+            assert!(lesson.summary.ends_with('.'), "{name}");
+            for (number, step) in lesson.steps.iter().enumerate() {
+                let texts = [&step.look, &step.happens, &step.why];
+                assert!(texts.iter().all(|t| t.ends_with('.') && t.len() > 20), "{name}, step {}", number + 1);
+                assert!(
+                    step.change.as_ref().is_none_or(|change| change.label.len() > 2),
+                    "{name}, step {}",
+                    number + 1
+                );
+                assert!(!step.views.is_empty() && !step.checks.is_empty(), "{name}, step {}", number + 1);
+            }
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! What a measure gives, and what it must be.
+
+use std::fmt;
+
+use serde::Deserialize;
+
+/// What must come out of a measure that is no number.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+pub enum Expected {
+    /// Yes or no.
+    Flag(bool),
+    /// A verdict or a remark.
+    Word(String),
+    /// One of several verdicts or remarks.
+    OneOf(Vec<String>),
+}
+
+/// What a measure gave.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A number, or a ratio of two.
+    Number(f64),
+    /// Yes or no.
+    Flag(bool),
+    /// A verdict, or every remark.
+    Words(Vec<&'static str>),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(x) if *x == 0.0 || (0.01..1e4).contains(&x.abs()) => write!(f, "{x:.3}"),
+            Self::Number(x) => write!(f, "{x:.2e}"),
+            Self::Flag(flag) => write!(f, "{flag}"),
+            Self::Words(words) => f.write_str(&words.join(" + ")),
+        }
+    }
+}
