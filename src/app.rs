@@ -2,6 +2,7 @@
 
 use egui::{CentralPanel, Frame, Margin, Panel, RichText, Ui};
 use kalmanscope_core::{RunError, Scenario};
+use kalmanscope_lessons::Lesson;
 use serde::{Deserialize, Serialize};
 
 use crate::command::Command;
@@ -11,6 +12,7 @@ use crate::session::{Mode, Session};
 use crate::summary::Summary;
 use crate::theme::{self, Palette};
 use crate::transport;
+use crate::tutor::{self, Tutor};
 use crate::views::{Arrangement, Layout, Shown, TimeAxis, ViewContext, ViewKind, legend};
 
 /// Below this width the controls and the plots take turns \[points\].
@@ -38,6 +40,8 @@ pub struct App {
     axis: TimeAxis,
     shown: Shown,
     layout: Layout,
+    lessons: Vec<Lesson>,
+    tutor: Option<Tutor>,
     controls_open: Option<bool>,
     commands: Vec<Command>,
 }
@@ -76,6 +80,8 @@ impl App {
             axis: TimeAxis::default(),
             shown: Shown::default(),
             layout: Layout::default(),
+            lessons: kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect(),
+            tutor: None,
             controls_open: None,
             commands: Vec::new(),
         })
@@ -107,7 +113,7 @@ impl App {
     }
 
     fn apply(&mut self, command: Command) {
-        let Self { session, axis, layout, .. } = self;
+        let Self { session, axis, layout, lessons, tutor, .. } = self;
         match command {
             Command::TogglePlay => session.toggle_play(),
             Command::Step => session.step(),
@@ -128,6 +134,18 @@ impl App {
                     axis.follows = true;
                 }
             }
+            Command::StartLesson(place) => {
+                *tutor = lessons.get(place).cloned().map(Tutor::new);
+                self.go_to_step(0);
+            }
+            Command::GoToStep(step) => self.go_to_step(step),
+            Command::ChangeLesson => {
+                if let Some(Err(_)) = tutor.as_mut().map(|tutor| tutor.change(session)) {
+                    // What the change is about is gone: begin the step again as it should be.
+                    self.go_to_step(0);
+                }
+            }
+            Command::LeaveLesson => *tutor = None,
             Command::ToggleView(view) => layout.toggle(view),
             Command::Arrange(arrangement) => *layout = Layout::of(arrangement),
             Command::Follow => axis.follows = true,
@@ -136,8 +154,23 @@ impl App {
         }
     }
 
+    /// Goes to a step of the lesson in progress; without one, or to one that cannot be taken, nowhere.
+    fn go_to_step(&mut self, step: usize) {
+        let Self { session, axis, layout, tutor, .. } = self;
+        let Some(lesson) = tutor else { return };
+        if lesson.go_to(step, session).is_err() {
+            *tutor = None;
+            return;
+        }
+        axis.follows = true;
+        let views = lesson.views();
+        if !views.is_empty() {
+            *layout = Layout::column(&views);
+        }
+    }
+
     fn top_bar_ui(&mut self, ui: &mut Ui, narrow: bool) {
-        let Self { session, controls_open, commands, layout, .. } = self;
+        let Self { session, controls_open, commands, layout, lessons, .. } = self;
         ui.horizontal_wrapped(|ui| {
             let open = controls_open.unwrap_or(!narrow);
             let toggle = ui.selectable_label(open, RichText::new("☰").size(16.0)).on_hover_text("Show the settings");
@@ -150,6 +183,7 @@ impl App {
             }
             scenario_menu_ui(ui, session, commands);
             views_menu_ui(ui, layout, commands);
+            tutor::menu_ui(ui, lessons, commands);
             theme_ui(ui);
             ui.separator();
             transport::transport_ui(ui, session, narrow, commands);
@@ -157,7 +191,7 @@ impl App {
     }
 
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, shown, layout, controls_open: _, commands } = self;
+        let Self { session, axis, shown, layout, commands, lessons: _, tutor: _, controls_open: _ } = self;
         legend::legend_ui(ui, session, shown, palette);
         layout.ui(ui, &ViewContext { session, palette, shown, axis }, commands, narrow);
     }
@@ -196,6 +230,16 @@ impl eframe::App for App {
         if open && !narrow {
             let panel = Panel::left("controls").frame(frame).default_size(340.0).size_range(300.0..=460.0);
             panel.show(ui, |ui| controls(ui, &self.session));
+        }
+        if let Some(tutor) = &self.tutor {
+            let commands = &mut self.commands;
+            if narrow {
+                let panel = Panel::bottom("lesson").frame(frame).default_size(260.0);
+                panel.show(ui, |ui| tutor.ui(ui, &palette, commands));
+            } else {
+                let panel = Panel::right("lesson").frame(frame).default_size(290.0).size_range(240.0..=420.0);
+                panel.show(ui, |ui| tutor.ui(ui, &palette, commands));
+            }
         }
         CentralPanel::default().frame(frame).show(ui, |ui| {
             if open && narrow {

@@ -21,6 +21,14 @@ pub enum Command {
     SetSpeed(f64),
     /// Play a built-in scenario from its start.
     Open(Entry),
+    /// Begin the lesson at a place in the menu.
+    StartLesson(usize),
+    /// Go to a step of the lesson.
+    GoToStep(usize),
+    /// Make the change of the lesson's step.
+    ChangeLesson,
+    /// Leave the lesson, and everything as it is.
+    LeaveLesson,
     /// Show a view or hide it.
     ToggleView(ViewKind),
     /// Show the views of a ready-made arrangement.

@@ -13,6 +13,7 @@ pub mod summary;
 pub mod text;
 pub mod theme;
 pub mod transport;
+pub mod tutor;
 pub mod views;
 
 pub use app::App;

@@ -1,6 +1,7 @@
 //! Pictures of the app, against those of `tests/snapshots`; `UPDATE_SNAPSHOTS=1 cargo test --test looks` makes them anew.
 
 use egui::{Theme, Vec2};
+use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use kalmanscope::App;
 use kalmanscope::session::Mode;
@@ -58,5 +59,20 @@ fn it_looks_as_it_did() {
         screen.snapshot_options(format!("view-{}", view.view().name().replace(' ', "-").to_lowercase()), &options);
         results.extend_harness(&mut screen);
     }
+    let mut screen = Harness::builder()
+        .with_size(DESKTOP)
+        .with_theme(Theme::Light)
+        .wgpu()
+        .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    screen.get_by_label("Lessons").click();
+    screen.run_steps(4);
+    screen.get_by_label("Fading memory and a sudden loss").click();
+    screen.run_steps(4);
+    screen.get_by_label("Next").click();
+    screen.run_steps(4);
+    screen.get_by_label("λ = 1.005").click();
+    screen.run_steps(8);
+    screen.snapshot_options("lesson-light", &options);
+    results.extend_harness(&mut screen);
     results.unwrap();
 }

@@ -8,6 +8,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
 use kalmanscope::session::Mode;
+use kalmanscope::views::{Arrangement, Layout, ViewKind};
 use kalmanscope_core::{FilterKind, Force, PlantKind, Quantity, Scenario, Signal};
 
 type Screen = Harness<'static, App>;
@@ -382,4 +383,67 @@ fn a_stopped_filter_says_so_and_the_rest_goes_on() {
     screen.run_steps(3);
     assert!(screen.query_by_label_contains("EKF stopped at").is_some());
     assert_eq!(screen.state().session().run().estimates()[1].len(), 6001);
+}
+
+#[test]
+fn every_lesson_can_be_taken_from_beginning_to_end() {
+    let mut screen = workbench();
+    let lessons: Vec<_> = kalmanscope_lessons::lessons().into_iter().map(Result::unwrap).collect();
+    assert!(lessons.len() >= 12);
+    for lesson in &lessons {
+        screen.get_by_label("Lessons").click();
+        screen.run_steps(3);
+        screen.get_by_label(&lesson.title).click();
+        screen.run_steps(3);
+        for (i, step) in lesson.steps.iter().enumerate() {
+            assert!(screen.query_by_label(&step.look).is_some(), "{}, step {}", lesson.title, i + 1);
+            if let Some(change) = &step.change {
+                let before = scenario(&screen).clone();
+                assert!(screen.query_by_label(&step.why).is_none(), "{} gives its secret away", lesson.title);
+                screen.get_by_label(&change.label).click();
+                screen.run_steps(3);
+                assert_ne!(&before, scenario(&screen), "{}: {} changes nothing", lesson.title, change.label);
+            }
+            assert_eq!(scenario(&screen), &lesson.scenario_at(i).unwrap(), "{}, step {}", lesson.title, i + 1);
+            assert_eq!(screen.state().session().problem(), None);
+            assert!(screen.query_by_label(&step.why).is_some(), "{}, step {}", lesson.title, i + 1);
+            let next = if i + 1 < lesson.steps.len() { "Next" } else { "Done" };
+            screen.get_by_label(next).click();
+            screen.run_steps(3);
+        }
+        assert!(screen.query_by_label("Leave the lesson").is_none());
+    }
+}
+
+#[test]
+fn every_view_can_be_shown_enlarged_and_hidden() {
+    let mut screen = workbench();
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    for view in ViewKind::ALL {
+        let name = view.view().name();
+        for arrangement in Arrangement::ALL {
+            *screen.state_mut().layout_mut() = Layout::of(arrangement);
+            let shown = screen.state_mut().layout_mut().shown().contains(&view);
+            screen.state_mut().layout_mut().toggle(view);
+            screen.run_steps(2);
+            assert_eq!(screen.query_by_label(&format!("About {name}")).is_some(), !shown, "{name}");
+        }
+        let beside = if view == ViewKind::Oscillator { ViewKind::States } else { ViewKind::Oscillator };
+        *screen.state_mut().layout_mut() = Layout::column(&[view, beside]);
+        screen.run_steps(2);
+        let top = |screen: &Screen| screen.get_by_label(&format!("Hide {name}")).rect().top();
+        let before = top(&screen);
+        let about_beside = format!("About {}", beside.view().name());
+        screen.get_by_label(&format!("Enlarge {name}")).click();
+        screen.run_steps(2);
+        assert!(screen.query_by_label(&about_beside).is_none(), "{name} is not alone");
+        screen.get_by_label(&format!("Enlarge {name}")).click();
+        screen.run_steps(2);
+        assert!(screen.query_by_label(&about_beside).is_some() && top(&screen) == before);
+        screen.get_by_label(&format!("Hide {name}")).click();
+        screen.run_steps(2);
+        assert!(screen.query_by_label(&format!("About {name}")).is_none());
+        let help = view.view().help();
+        assert!(help.iter().all(|line| line.len() > 30 && line.ends_with('.')), "{name}");
+    }
 }

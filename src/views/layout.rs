@@ -40,22 +40,20 @@ impl Arrangement {
             Self::Compare => &[(0.5, &[Parameters, Scores]), (0.5, &[Errors, ParameterPlane])],
         }
     }
+}
 
-    fn tree(self) -> Tree<ViewKind> {
-        let mut tiles = Tiles::default();
-        let mut rows = Vec::new();
-        for (share, views) in self.rows() {
-            let panes: Vec<TileId> = views.iter().map(|view| tiles.insert_pane(*view)).collect();
-            let row = if let [pane] = panes[..] { pane } else { tiles.insert_horizontal_tile(panes) };
-            rows.push((row, *share));
-        }
-        let mut column = egui_tiles::Linear::new(LinearDir::Vertical, rows.iter().map(|(row, _)| *row).collect());
-        for (row, share) in rows {
-            column.shares.set_share(row, share);
-        }
-        let root = tiles.insert_container(column);
-        Tree::new(Id::unique("views"), root, tiles)
+/// Rows of views, each with its share of the height.
+fn tree(rows: &[(f32, &[ViewKind])]) -> Tree<ViewKind> {
+    let mut tiles = Tiles::default();
+    let mut column = egui_tiles::Linear::new(LinearDir::Vertical, Vec::new());
+    for (share, views) in rows {
+        let panes: Vec<TileId> = views.iter().map(|view| tiles.insert_pane(*view)).collect();
+        let row = if let [pane] = panes[..] { pane } else { tiles.insert_horizontal_tile(panes) };
+        column.add_child(row);
+        column.shares.set_share(row, *share);
     }
+    let root = tiles.insert_container(column);
+    Tree::new(Id::unique("views"), root, tiles)
 }
 
 /// The views on screen.
@@ -73,7 +71,14 @@ impl Default for Layout {
 impl Layout {
     /// A ready-made arrangement.
     pub fn of(arrangement: Arrangement) -> Self {
-        Self { tree: arrangement.tree(), enlarged: None }
+        Self { tree: tree(arrangement.rows()), enlarged: None }
+    }
+
+    /// Some views one below the other, the first with the most room.
+    pub fn column(views: &[ViewKind]) -> Self {
+        let share = |i: usize| if i == 0 { 1.3 } else { 1.0 };
+        let rows: Vec<(f32, &[ViewKind])> = views.chunks(1).enumerate().map(|(i, view)| (share(i), view)).collect();
+        Self { tree: tree(&rows), enlarged: None }
     }
 
     /// The views that are shown.

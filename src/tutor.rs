@@ -1,0 +1,175 @@
+//! Lessons beside the views: what to look at, a button that changes it, what happens, why.
+
+use egui::{Button, RichText, ScrollArea, Ui};
+use kalmanscope_lessons::{Lesson, LessonError, Mode as LessonMode, Step, View};
+
+use crate::command::Command;
+use crate::session::{Mode, Session};
+use crate::theme::{self, Palette};
+use crate::views::ViewKind;
+
+/// A lesson in progress.
+pub struct Tutor {
+    lesson: Lesson,
+    step: usize,
+    changed: bool,
+}
+
+impl Tutor {
+    /// At the beginning of a lesson.
+    pub fn new(lesson: Lesson) -> Self {
+        Self { lesson, step: 0, changed: false }
+    }
+
+    /// The lesson's title.
+    pub fn title(&self) -> &str {
+        &self.lesson.title
+    }
+
+    fn current(&self) -> Option<&Step> {
+        self.lesson.steps.get(self.step)
+    }
+
+    /// The views that the step wants, the most telling first.
+    pub fn views(&self) -> Vec<ViewKind> {
+        self.current().map_or(vec![], |step| step.views.iter().filter_map(|view| kind(*view)).collect())
+    }
+
+    /// Goes to a step, as the steps before it have left things, and shows its record.
+    ///
+    /// # Errors
+    /// [`LessonError`] where a change is impossible, which a test rules out for those that come with the program.
+    pub fn go_to(&mut self, step: usize, session: &mut Session) -> Result<(), LessonError> {
+        self.step = step.min(self.lesson.steps.len().saturating_sub(1));
+        self.changed = false;
+        let scenario = match self.step.checked_sub(1) {
+            Some(before) => self.lesson.scenario_at(before)?,
+            None => self.lesson.first_scenario()?,
+        };
+        session.set_scenario(scenario);
+        self.show(session);
+        Ok(())
+    }
+
+    /// Makes the change of the step.
+    ///
+    /// # Errors
+    /// [`LessonError`] where what the change is about is no longer there.
+    pub fn change(&mut self, session: &mut Session) -> Result<(), LessonError> {
+        if let Some(change) = self.current().and_then(|step| step.change.as_ref()) {
+            session.set_scenario(change.adjustment.apply(session.scenario())?);
+            self.changed = true;
+            self.show(session);
+        }
+        Ok(())
+    }
+
+    fn show(&self, session: &mut Session) {
+        let Some(step) = self.current() else { return };
+        match step.mode {
+            LessonMode::Whole => {
+                session.set_mode(Mode::Whole);
+                session.seek(step.to.unwrap_or_else(|| session.end()));
+            }
+            LessonMode::Live => {
+                session.set_mode(Mode::Live);
+                session.play_from_start();
+                session.seek(step.from.unwrap_or(0.0));
+            }
+        }
+    }
+
+    /// The panel's contents.
+    pub fn ui(&self, ui: &mut Ui, palette: &Palette, commands: &mut Vec<Command>) {
+        let Self { lesson, step, changed } = self;
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(&lesson.title).family(theme::strong()).size(15.0));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
+                let close = ui.add(Button::new("×").frame(false)).on_hover_text("Leave the lesson");
+                close.ctx.accesskit_node_builder(close.id, |node| node.set_label("Leave the lesson"));
+                if close.clicked() {
+                    commands.push(Command::LeaveLesson);
+                }
+            });
+        });
+        let Some(current) = self.current() else { return };
+        ScrollArea::vertical().max_height((ui.available_height() - 40.0).max(40.0)).show(ui, |ui| {
+            ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
+            if *step == 0 {
+                ui.weak(&lesson.summary);
+                ui.add_space(6.0);
+            }
+            part_ui(ui, "Look", &current.look);
+            if let Some(change) = &current.change {
+                let button = Button::new(RichText::new(&change.label).color(palette.on_accent)).fill(palette.accent);
+                if ui.add_enabled(!changed, button.wrap()).clicked() {
+                    commands.push(Command::ChangeLesson);
+                }
+                ui.add_space(6.0);
+            }
+            if *changed || current.change.is_none() {
+                part_ui(ui, "What happens", &current.happens);
+                part_ui(ui, "Why", &current.why);
+            }
+        });
+        ui.horizontal(|ui| {
+            if ui.add_enabled(*step > 0, Button::new("Back")).clicked() {
+                commands.push(Command::GoToStep(step - 1));
+            }
+            ui.weak(format!("{} of {}", step + 1, lesson.steps.len()));
+            let ready = *changed || current.change.is_none();
+            if step + 1 < lesson.steps.len() {
+                if ui.add_enabled(ready, Button::new("Next")).clicked() {
+                    commands.push(Command::GoToStep(step + 1));
+                }
+            } else if ui.add_enabled(ready, Button::new("Done")).clicked() {
+                commands.push(Command::LeaveLesson);
+            }
+        });
+    }
+}
+
+fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
+    ui.label(RichText::new(heading).small().weak());
+    ui.label(text);
+    ui.add_space(6.0);
+}
+
+/// The view that a lesson means, if there is one.
+fn kind(view: View) -> Option<ViewKind> {
+    Some(match view {
+        View::States => ViewKind::States,
+        View::Parameters => ViewKind::Parameters,
+        View::Errors => ViewKind::Errors,
+        View::Innovations => ViewKind::Innovations,
+        View::NisNees => ViewKind::Consistency,
+        View::Autocorrelation => ViewKind::Autocorrelation,
+        View::Gain => ViewKind::Gain,
+        View::Phase => ViewKind::Phase,
+        View::ParameterPlane => ViewKind::ParameterPlane,
+        View::Matrices => ViewKind::Matrices,
+        View::Oscillator => ViewKind::Oscillator,
+        View::FrequencyResponse => return None,
+    })
+}
+
+/// The menu of all lessons, by group.
+pub fn menu_ui(ui: &mut Ui, lessons: &[Lesson], commands: &mut Vec<Command>) {
+    ui.menu_button("Lessons", |ui| {
+        // All of them, as far as the window has room.
+        let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);
+        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
+            let mut group = "";
+            for (place, lesson) in lessons.iter().enumerate() {
+                if lesson.group != group {
+                    group = &lesson.group;
+                    ui.label(RichText::new(group).small().weak());
+                }
+                if ui.button(&lesson.title).on_hover_text(&lesson.summary).clicked() {
+                    commands.push(Command::StartLesson(place));
+                    ui.close();
+                }
+            }
+        });
+    });
+}
