@@ -4,6 +4,7 @@ mod adaptation;
 mod ensemble;
 mod kalman;
 mod linearised;
+mod observation;
 mod particles;
 mod sigma_points;
 mod square_root;
@@ -12,6 +13,8 @@ use std::borrow::Cow;
 
 use thiserror::Error;
 
+use observation::Active;
+
 use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::model::{Model, Output};
 use crate::sensor::MAX_SENSORS;
@@ -19,6 +22,7 @@ use crate::sensor::MAX_SENSORS;
 pub use adaptation::Adaptation;
 pub use ensemble::Ensemble;
 pub use linearised::{Linearised, Propagation};
+pub use observation::Observation;
 pub use particles::Particles;
 pub use sigma_points::{Rule, SigmaPoints};
 pub use square_root::SquareRoot;
@@ -101,67 +105,6 @@ impl<const N: usize> Correction<N> {
         self.nis = f64::NAN;
         self.log_likelihood = f64::NAN;
         self.effective_samples = f64::NAN;
-    }
-}
-
-/// A sensor that has delivered a measurement: where it reads, its place among the sensors, its variance.
-#[derive(Clone, Copy, Debug)]
-struct Active {
-    sensor: usize,
-    output: Output,
-    variance: f64,
-}
-
-/// The M measurements of one sample that are not missing.
-#[derive(Clone, Copy, Debug)]
-pub struct Observation<const M: usize> {
-    active: [Active; M],
-    values: Vector<M>,
-    force: f64,
-    /// How many are measurements; the rest, if a belief wants [`Belief::PADDED`] ones, reads zero with a variance of one.
-    count: usize,
-}
-
-impl<const M: usize> Observation<M> {
-    /// What the sensors would read in a state.
-    #[inline]
-    fn read<P: Model<N>, const N: usize>(&self, model: &P, state: &Vector<N>) -> Vector<M> {
-        if let Some(components) = self.components() {
-            return Vector::from_fn(|row, _| state[components[row]]);
-        }
-        let rate = model.rate(state, self.force);
-        Vector::from_fn(|row, _| match self.active[row].output {
-            _ if row >= self.count => 0.0,
-            Output::State(i) => state[i],
-            Output::Rate(i) => rate[i],
-        })
-    }
-
-    /// Those that are measurements.
-    fn measured(&self) -> &[Active] {
-        &self.active[..self.count]
-    }
-
-    /// Which component of the state each sensor reads, if they all read one.
-    #[inline]
-    fn components(&self) -> Option<[usize; M]> {
-        if self.count < M {
-            return None;
-        }
-        let mut components = [0; M];
-        for (component, sensor) in components.iter_mut().zip(&self.active) {
-            let Output::State(i) = sensor.output else { return None };
-            *component = i;
-        }
-        Some(components)
-    }
-
-    /// Adds R to a covariance of the readings.
-    #[inline]
-    fn add_noise(&self, cov: &mut Matrix<M, M>) {
-        for (row, sensor) in self.active.iter().enumerate() {
-            cov[(row, row)] += sensor.variance;
-        }
     }
 }
 

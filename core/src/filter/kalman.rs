@@ -1,6 +1,7 @@
 //! The update of a Gaussian belief, whichever way the measurement was expected.
 
-use super::{Active, Correction, FilterError, Observation};
+use super::observation::{Active, Observation};
+use super::{Correction, FilterError};
 use crate::gaussian::{Factor, Gaussian, Matrix, Vector, lower_root, minus_product, mirrored};
 
 /// What a belief says of M measurements before they are seen.
