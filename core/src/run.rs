@@ -194,8 +194,10 @@ impl Run {
         &self.estimates
     }
 
-    /// The estimates of every filter with a smoother in the light of all samples so far, by [`smooth`]. They have means and
+    /// The estimates of every filter with a smoother in the light of all samples so far. They have means and
     /// covariances, but no innovations.
+    ///
+    /// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems.
     pub fn smoothed(&self) -> Vec<Estimates> {
         let Self { settings, source, step, .. } = self;
         let record = source.record();

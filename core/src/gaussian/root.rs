@@ -7,7 +7,7 @@ use crate::FilterError;
 /// zeros, so that a component known for certain stays so.
 ///
 /// Columns are scaled by their pivots' square roots only in the end: a pivot then waits for one division, not for a root
-/// and a division, and every other pivot for none (see [`next_pivot`]).
+/// and a division, and every other pivot for none.
 ///
 /// # Errors
 /// [`FilterError::IndefiniteCovariance`] where a pivot is negative beyond rounding, [`FilterError::NotFinite`] where one is
