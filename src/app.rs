@@ -1,5 +1,6 @@
 //! The app: one session, its controls and its views.
 
+use egui::util::undoer::Undoer;
 use egui::{CentralPanel, Frame, Margin, Panel, RichText, Ui};
 use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::Lesson;
@@ -42,6 +43,7 @@ pub struct App {
     layout: Layout,
     lessons: Vec<Lesson>,
     tutor: Option<Tutor>,
+    history: Undoer<Scenario>,
     controls_open: Option<bool>,
     commands: Vec<Command>,
 }
@@ -82,6 +84,7 @@ impl App {
             layout: Layout::default(),
             lessons: kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect(),
             tutor: None,
+            history: Undoer::default(),
             controls_open: None,
             commands: Vec::new(),
         })
@@ -113,7 +116,7 @@ impl App {
     }
 
     fn apply(&mut self, command: Command) {
-        let Self { session, axis, layout, lessons, tutor, .. } = self;
+        let Self { session, axis, layout, lessons, tutor, history, .. } = self;
         match command {
             Command::TogglePlay => session.toggle_play(),
             Command::Step => session.step(),
@@ -132,6 +135,16 @@ impl App {
                     session.set_scenario(scenario);
                     session.play_from_start();
                     axis.follows = true;
+                }
+            }
+            Command::Undo => {
+                if let Some(scenario) = history.undo(session.scenario()).cloned() {
+                    session.set_scenario(scenario);
+                }
+            }
+            Command::Redo => {
+                if let Some(scenario) = history.redo(session.scenario()).cloned() {
+                    session.set_scenario(scenario);
                 }
             }
             Command::StartLesson(place) => {
@@ -191,7 +204,7 @@ impl App {
     }
 
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, shown, layout, commands, lessons: _, tutor: _, controls_open: _ } = self;
+        let Self { session, axis, shown, layout, commands, .. } = self;
         legend::legend_ui(ui, session, shown, palette);
         layout.ui(ui, &ViewContext { session, palette, shown, axis }, commands, narrow);
     }
@@ -203,6 +216,8 @@ impl eframe::App for App {
         for command in std::mem::take(&mut self.commands) {
             self.apply(command);
         }
+        // What is dragged becomes one step of the history once it has come to rest.
+        self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
         self.session.want_bounds(self.layout.shown().contains(&ViewKind::Errors));
         // A frame that took long (a hidden tab, a breakpoint) must not swallow the story.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);

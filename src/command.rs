@@ -21,6 +21,10 @@ pub enum Command {
     SetSpeed(f64),
     /// Play a built-in scenario from its start.
     Open(Entry),
+    /// Take back the last change of the scenario.
+    Undo,
+    /// Make it again.
+    Redo,
     /// Begin the lesson at a place in the menu.
     StartLesson(usize),
     /// Go to a step of the lesson.

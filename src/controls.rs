@@ -5,6 +5,7 @@ mod filter;
 mod force;
 mod general;
 pub mod number;
+mod options;
 mod plant;
 mod sensors;
 mod signal;
@@ -26,8 +27,12 @@ pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> b
         section(ui, "Force", true, |ui| force::force_ui(ui, &mut scenario.force));
         section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
         for place in 0..filters {
-            filter::filter_section(ui, scenario, place, palette);
+            // One may have been removed in this very frame.
+            if place < scenario.filters.len() {
+                filter::filter_section(ui, scenario, place, palette);
+            }
         }
+        filter::add_filter_ui(ui, scenario);
         section(ui, "Record", false, |ui| general::general_ui(ui, scenario));
         ui.add_space(12.0);
     });

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use eframe::{App as _, Storage as _};
-use egui::{Theme, Vec2, accesskit};
+use egui::{Key, Modifiers, Theme, Vec2, accesskit};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
@@ -240,7 +240,7 @@ fn the_transport_does_what_it_says() {
     screen.get_by_label("Step").click();
     screen.run_steps(3);
     assert_eq!(position(&screen), paused + 1);
-    screen.key_press(egui::Key::ArrowRight);
+    screen.key_press(Key::ArrowRight);
     screen.run_steps(3);
     assert_eq!(position(&screen), paused + 2);
     set(&mut screen, "Time", 20.0);
@@ -446,4 +446,63 @@ fn every_view_can_be_shown_enlarged_and_hidden() {
         let help = view.view().help();
         assert!(help.iter().all(|line| line.len() > 30 && line.ends_with('.')), "{name}");
     }
+}
+
+#[test]
+fn filters_can_be_added_duplicated_renamed_and_removed() {
+    let mut screen = workbench();
+    let names = |screen: &Screen| scenario(screen).filters.iter().map(|f| f.name.clone()).collect::<Vec<_>>();
+    let click = |screen: &mut Screen, label: &str| {
+        screen.get_by_label(label).click();
+        screen.run_steps(3);
+    };
+    click(&mut screen, "Add a filter");
+    assert_eq!(names(&screen), ["EKF", "UKF", "EKF 2"]);
+    click(&mut screen, "Duplicate EKF");
+    assert_eq!(names(&screen), ["EKF", "EKF 3", "UKF", "EKF 2"]);
+    assert_eq!(screen.state().session().run().estimates().len(), 4);
+    let field = screen.get_by_label("Name of EKF");
+    field.focus();
+    field.type_text(" of old");
+    screen.run_steps(3);
+    assert_eq!(names(&screen)[0], "EKF of old");
+    click(&mut screen, "Remove EKF of old");
+    assert_eq!(names(&screen), ["EKF 3", "UKF", "EKF 2"]);
+    assert_eq!(screen.state().session().problem(), None);
+}
+
+#[test]
+fn the_options_of_a_filter_reach_the_scenario() {
+    let mut screen = workbench();
+    let first = |screen: &Screen| scenario(screen).filters[0].clone();
+    screen.get_all_by_label("Options").next().unwrap().click();
+    screen.run_steps(12);
+    choose(&mut screen, "EKF plant", "Duffing oscillator");
+    assert_eq!(first(&screen).plant, Some(PlantKind::Duffing));
+    choose(&mut screen, "EKF steps", "Euler");
+    assert_eq!(first(&screen).propagation, kalmanscope_core::Propagation::Euler);
+    for text in ["logarithms of positive parameters", "learn R from the innovations", "learn Q from the innovations"] {
+        let before = first(&screen);
+        screen.get_by_label(&format!("EKF: {text}")).click();
+        screen.run_steps(3);
+        assert_ne!(first(&screen), before, "{text}");
+    }
+    assert_eq!(screen.state().session().problem(), None);
+}
+
+#[test]
+fn a_change_can_be_undone_and_made_again() {
+    let mut screen = workbench();
+    screen.run_steps(8);
+    let before = scenario(&screen).clone();
+    set(&mut screen, "EKF fading factor, value", 1.02);
+    let after = scenario(&screen).clone();
+    assert_ne!(before, after);
+    screen.run_steps(20);
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen), &before);
+    screen.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen), &after);
 }

@@ -6,6 +6,7 @@ use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 
 use super::belief::belief_ui;
 use super::number::Number;
+use super::options::options_ui;
 use crate::text::significant;
 use crate::theme::{self, Palette};
 
@@ -13,7 +14,8 @@ use crate::theme::{self, Palette};
 pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
     let id = ui.make_persistent_id(("filter", place));
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
-    let mut match_truth = false;
+    let (mut match_truth, mut duplicate, mut remove) = (false, false, false);
+    let several = scenario.filters.len();
     let Scenario { dt, plant, sensors, filters, .. } = scenario;
     let others: Vec<String> =
         filters.iter().enumerate().filter(|(i, _)| *i != place).map(|(_, f)| f.name.clone()).collect();
@@ -29,17 +31,75 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             memory_ui(ui, filter, *dt);
             belief_ui(ui, filter, place, sensors, plant.kind);
             ui.add_space(2.0);
-            let hint =
-                "Set R to the sensors' true noise, and Q to what disturbance and changing parameters do in a step";
-            match_truth = ui.button("Match the truth").on_hover_text(hint).clicked();
+            options_ui(ui, filter, place);
+            ui.add_space(2.0);
+            ui.horizontal_wrapped(|ui| {
+                let hint =
+                    "Set R to the sensors' true noise, and Q to what disturbance and changing parameters do in a step";
+                match_truth = ui.button("Match the truth").on_hover_text(hint).clicked();
+                let small = |ui: &mut Ui, text: &str, enabled: bool| {
+                    let button = ui.add_enabled(enabled, egui::Button::new(text));
+                    button.ctx.accesskit_node_builder(button.id, |node| {
+                        node.set_label(format!("{text} {}", filter.name));
+                    });
+                    button.clicked()
+                };
+                duplicate = small(ui, "Duplicate", several < MOST_FILTERS);
+                remove = small(ui, "Remove", true);
+            });
+            rename_ui(ui, filter, &others);
             ui.add_space(6.0);
         });
+    if duplicate {
+        let mut copy = scenario.filters[place].clone();
+        copy.name = free_name(scenario, &copy.name);
+        scenario.filters.insert(place + 1, copy);
+    }
+    if remove {
+        scenario.filters.remove(place);
+        return;
+    }
     if match_truth {
         let (sensor_std, process_std) = scenario.true_noise();
         let filter = &mut scenario.filters[place];
         filter.sensor_std = sensor_std;
         filter.process_std = process_std;
     }
+}
+
+/// A button that adds a filter, as long as the screen has colours for it.
+pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
+    let room = scenario.filters.len() < MOST_FILTERS;
+    if ui.add_enabled(room, egui::Button::new("Add a filter")).clicked() {
+        let kind = FilterKind::Ekf;
+        let (sensor_std, _) = scenario.true_noise();
+        let name = free_name(scenario, kind.name());
+        scenario.filters.push(FilterSettings { name, kind, sensor_std, ..FilterSettings::default() });
+    }
+}
+
+/// As many filters as there are colours that can be told apart.
+const MOST_FILTERS: usize = 6;
+
+/// The name, or the name with the first number that makes it one of its own.
+fn free_name(scenario: &Scenario, name: &str) -> String {
+    let taken = |name: &str| scenario.filters.iter().any(|filter| filter.name == name);
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
+    let mut numbered = (2..).map(|i| format!("{stem} {i}"));
+    if taken(name) { numbered.find(|name| !taken(name)).unwrap_or_default() } else { name.to_owned() }
+}
+
+/// A new name takes effect when it is complete and no other filter has it.
+fn rename_ui(ui: &mut Ui, filter: &mut FilterSettings, others: &[String]) {
+    ui.horizontal(|ui| {
+        ui.label("name");
+        let mut name = filter.name.clone();
+        let field = ui.add(egui::TextEdit::singleline(&mut name).desired_width(150.0).char_limit(40));
+        field.ctx.accesskit_node_builder(field.id, |node| node.set_label(format!("Name of {}", filter.name)));
+        if field.changed() && !name.trim().is_empty() && !others.contains(&name) {
+            filter.name = name;
+        }
+    });
 }
 
 fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[String]) {

@@ -1,0 +1,75 @@
+//! What else a filter can be told: its plant, its propagation, logarithms, learning, the size of its ensemble.
+
+use egui::{Checkbox, ComboBox, DragValue, Ui};
+use kalmanscope_core::{FilterKind, FilterSettings, PlantKind, Propagation};
+
+/// The most members of an ensemble that a frame has time for.
+const MOST_MEMBERS: usize = 2000;
+
+/// The less common settings of a filter.
+pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
+    egui::CollapsingHeader::new("Options").id_salt(("options", place)).show_unindented(ui, |ui| {
+        plant_ui(ui, filter, place);
+        if matches!(filter.kind, FilterKind::Kf | FilterKind::Ekf | FilterKind::Iekf) {
+            propagation_ui(ui, filter, place);
+        }
+        let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, .. } = filter;
+        if *kind == FilterKind::Iekf {
+            let hint = "The most times that the sensors are linearised in one update";
+            whole_ui(ui, "iterations", &format!("{name} iterations"), iterations, (1, 20), hint);
+        }
+        if kind.is_sampled() {
+            let hint = "More are more exact, and slower";
+            let label = if *kind == FilterKind::Pf { "particles" } else { "members" };
+            whole_ui(ui, label, &format!("{name} {label}"), ensemble_size, (2, MOST_MEMBERS), hint);
+        }
+        let check = |ui: &mut Ui, value: &mut bool, text: &str, hint: &str| {
+            let response = ui.add(Checkbox::new(value, text)).on_hover_text(hint);
+            response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("{name}: {text}")));
+        };
+        let hint = "Estimate the logarithms of frequency, damping and stiffness, which then stay positive";
+        check(ui, log_parameters, "logarithms of positive parameters", hint);
+        check(ui, &mut adaptation.sensor_noise, "learn R from the innovations", "Akhlaghi, Zhou and Huang (2017)");
+        check(ui, &mut adaptation.process_noise, "learn Q from the innovations", "Akhlaghi, Zhou and Huang (2017)");
+    });
+}
+
+fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
+    let FilterSettings { name, plant, .. } = filter;
+    let text = |plant: Option<PlantKind>| plant.map_or("as the truth", PlantKind::name);
+    ui.horizontal(|ui| {
+        ui.label("its plant").on_hover_text("What the filter takes the truth for");
+        let combo = ComboBox::from_id_salt(("plant", place)).selected_text(text(*plant)).show_ui(ui, |ui| {
+            for kind in std::iter::once(None).chain(PlantKind::ALL.map(Some)) {
+                ui.selectable_value(plant, kind, text(kind));
+            }
+        });
+        ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("{name} plant")));
+    });
+}
+
+fn propagation_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
+    let FilterSettings { name, propagation, .. } = filter;
+    let text = |propagation: Propagation| match propagation {
+        Propagation::LocalLinearisation => "local linearisation",
+        Propagation::RungeKutta => "Runge-Kutta",
+        Propagation::Euler => "Euler",
+    };
+    ui.horizontal(|ui| {
+        ui.label("its steps").on_hover_text("How the mean moves from sample to sample");
+        let combo = ComboBox::from_id_salt(("steps", place)).selected_text(text(*propagation)).show_ui(ui, |ui| {
+            for way in Propagation::ALL {
+                ui.selectable_value(propagation, way, text(way));
+            }
+        });
+        ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("{name} steps")));
+    });
+}
+
+fn whole_ui(ui: &mut Ui, label: &str, name: &str, value: &mut usize, (least, most): (usize, usize), hint: &str) {
+    ui.horizontal(|ui| {
+        ui.label(label).on_hover_text(hint);
+        let field = ui.add(DragValue::new(value).range(least..=most)).on_hover_text(hint);
+        field.ctx.accesskit_node_builder(field.id, |node| node.set_label(name.to_owned()));
+    });
+}
