@@ -146,7 +146,7 @@ fn draw_channel(run: &Run, channel: Channel, area: &Area<'_>, with_time: bool) -
     }
     for (estimates, color) in run.estimates().iter().zip(PALETTE.iter().cycle()) {
         let Some(place) = estimates.place(channel) else { continue };
-        let line = series::line(estimates.len(), columns, |k| (record.time(k), estimates.mean(k)[place]));
+        let line = series::line(estimates.len(), columns, |k| (record.time(k), estimates.canonical_mean(k, place)));
         chart.draw_series(paths(&line, range, color.stroke_width(5 * SCALE / 4)))?;
     }
     Ok(())
@@ -154,7 +154,7 @@ fn draw_channel(run: &Run, channel: Channel, area: &Area<'_>, with_time: bool) -
 
 /// Time and the edges of the ±2σ band at sample `k`.
 fn edges(record: &Record, estimates: &Estimates, place: usize, k: usize) -> (f64, f64, f64) {
-    let mean = estimates.mean(k)[place];
+    let mean = estimates.canonical_mean(k, place);
     let spread = 2.0 * estimates.std(k, place);
     (record.time(k), mean - spread, mean + spread)
 }

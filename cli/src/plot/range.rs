@@ -22,7 +22,7 @@ pub(super) fn of(run: &Run, channel: Channel) -> (f64, f64) {
     let mut banded = None;
     for estimates in run.estimates() {
         let Some(place) = estimates.place(channel) else { continue };
-        let mean = |k: usize| estimates.mean(k)[place];
+        let mean = |k: usize| estimates.canonical_mean(k, place);
         let spread = |k: usize| 2.0 * estimates.std(k, place);
         // The samples are those of the record: a filter that soon stopped has little to say.
         let samples = || series::thinned(record.len(), SAMPLES).filter(|&k| k < estimates.len());
