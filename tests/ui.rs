@@ -506,3 +506,22 @@ fn a_change_can_be_undone_and_made_again() {
     screen.run_steps(3);
     assert_eq!(scenario(&screen), &after);
 }
+
+#[test]
+fn troubles_are_told() {
+    let mut screen = workbench();
+    let mut wound_up = kalmanscope::library::ENTRIES[8].scenario().unwrap();
+    assert_eq!(wound_up.force, Force::None);
+    wound_up.filters[0].fading = 1.02;
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    screen.state_mut().session_mut().set_scenario(wound_up);
+    screen.run_steps(3);
+    assert!(screen.query_by_label_contains("the covariance winds up").is_some());
+    let mut runaway = Scenario::default();
+    runaway.set_plant(PlantKind::Duffing);
+    runaway.plant.cubic_stiffness = Signal::Constant(-300.0);
+    runaway.plant.initial.displacement = 0.5;
+    screen.state_mut().session_mut().set_scenario(runaway);
+    screen.run_steps(3);
+    assert!(screen.query_by_label_contains("the plant has run away").is_some());
+}

@@ -45,7 +45,7 @@ enum Mark {
     Band,
 }
 
-/// One row of entries, and below it why a filter has stopped.
+/// One row of entries, and below it why a filter has stopped, or what else there is to know of it.
 pub fn legend_ui(ui: &mut Ui, session: &Session, shown: &mut Shown, palette: &Palette) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 12.0;
@@ -64,10 +64,20 @@ pub fn legend_ui(ui: &mut Ui, session: &Session, shown: &mut Shown, palette: &Pa
             shown.bands = !shown.bands;
         }
     });
+    let record = session.run().record();
+    if let Some(stop) = session.run().truth_stop() {
+        let time = record.time(stop.sample);
+        ui.colored_label(palette.warning, format!("The record ends before {time:.2} s: {}.", stop.reason));
+    }
     for estimates in session.run().estimates() {
+        let name = estimates.name();
         if let Some(stop) = estimates.stop() {
-            let time = session.run().record().time(stop.sample);
-            ui.colored_label(palette.warning, format!("{} stopped at {time:.2} s: {}.", estimates.name(), stop.reason));
+            let time = record.time(stop.sample);
+            ui.colored_label(palette.warning, format!("{name} stopped at {time:.2} s: {}.", stop.reason));
+        }
+        if let Some(remark) = estimates.remarks().last() {
+            let time = record.time(remark.sample);
+            ui.weak(format!("{name} from {time:.2} s: {}.", remark.what));
         }
     }
     if let Some(problem) = session.problem() {
