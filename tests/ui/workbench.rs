@@ -1,0 +1,144 @@
+//! Lessons, views, filters side by side, undo and what is told of troubles.
+
+use super::*;
+
+#[test]
+fn every_lesson_can_be_taken_from_beginning_to_end() {
+    let mut screen = workbench();
+    let lessons: Vec<_> = kalmanscope_lessons::lessons().into_iter().map(Result::unwrap).collect();
+    assert!(lessons.len() >= 12);
+    for lesson in &lessons {
+        screen.get_by_label("Lessons").click();
+        screen.run_steps(3);
+        screen.get_by_label(&lesson.title).click();
+        screen.run_steps(3);
+        for (i, step) in lesson.steps.iter().enumerate() {
+            assert!(screen.query_by_label(&step.look).is_some(), "{}, step {}", lesson.title, i + 1);
+            if let Some(change) = &step.change {
+                let before = scenario(&screen).clone();
+                assert!(screen.query_by_label(&step.why).is_none(), "{} gives its secret away", lesson.title);
+                screen.get_by_label(&change.label).click();
+                screen.run_steps(3);
+                assert_ne!(&before, scenario(&screen), "{}: {} changes nothing", lesson.title, change.label);
+            }
+            assert_eq!(scenario(&screen), &lesson.scenario_at(i).unwrap(), "{}, step {}", lesson.title, i + 1);
+            assert_eq!(screen.state().session().problem(), None);
+            assert!(screen.query_by_label(&step.why).is_some(), "{}, step {}", lesson.title, i + 1);
+            let next = if i + 1 < lesson.steps.len() { "Next" } else { "Done" };
+            screen.get_by_label(next).click();
+            screen.run_steps(3);
+        }
+        assert!(screen.query_by_label("Leave the lesson").is_none());
+    }
+}
+
+#[test]
+fn every_view_can_be_shown_enlarged_and_hidden() {
+    let mut screen = workbench();
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    for view in ViewKind::ALL {
+        let name = view.view().name();
+        for arrangement in Arrangement::ALL {
+            *screen.state_mut().layout_mut() = Layout::of(arrangement);
+            let shown = screen.state_mut().layout_mut().shown().contains(&view);
+            screen.state_mut().layout_mut().toggle(view);
+            screen.run_steps(2);
+            assert_eq!(screen.query_by_label(&format!("About {name}")).is_some(), !shown, "{name}");
+        }
+        let beside = if view == ViewKind::Oscillator { ViewKind::States } else { ViewKind::Oscillator };
+        *screen.state_mut().layout_mut() = Layout::column(&[view, beside]);
+        screen.run_steps(2);
+        let top = |screen: &Screen| screen.get_by_label(&format!("Hide {name}")).rect().top();
+        let before = top(&screen);
+        let about_beside = format!("About {}", beside.view().name());
+        screen.get_by_label(&format!("Enlarge {name}")).click();
+        screen.run_steps(2);
+        assert!(screen.query_by_label(&about_beside).is_none(), "{name} is not alone");
+        screen.get_by_label(&format!("Enlarge {name}")).click();
+        screen.run_steps(2);
+        assert!(screen.query_by_label(&about_beside).is_some() && top(&screen) == before);
+        screen.get_by_label(&format!("Hide {name}")).click();
+        screen.run_steps(2);
+        assert!(screen.query_by_label(&format!("About {name}")).is_none());
+        let help = view.view().help();
+        assert!(help.iter().all(|line| line.len() > 30 && line.ends_with('.')), "{name}");
+    }
+}
+
+#[test]
+fn filters_can_be_added_duplicated_renamed_and_removed() {
+    let mut screen = workbench();
+    let names = |screen: &Screen| scenario(screen).filters.iter().map(|f| f.name.clone()).collect::<Vec<_>>();
+    let click = |screen: &mut Screen, label: &str| {
+        screen.get_by_label(label).click();
+        screen.run_steps(3);
+    };
+    click(&mut screen, "Add a filter");
+    assert_eq!(names(&screen), ["EKF", "UKF", "EKF 2"]);
+    click(&mut screen, "Duplicate EKF");
+    assert_eq!(names(&screen), ["EKF", "EKF 3", "UKF", "EKF 2"]);
+    assert_eq!(screen.state().session().run().estimates().len(), 4);
+    let field = screen.get_by_label("Name of EKF");
+    field.focus();
+    field.type_text(" of old");
+    screen.run_steps(3);
+    assert_eq!(names(&screen)[0], "EKF of old");
+    click(&mut screen, "Remove EKF of old");
+    assert_eq!(names(&screen), ["EKF 3", "UKF", "EKF 2"]);
+    assert_eq!(screen.state().session().problem(), None);
+}
+
+#[test]
+fn the_options_of_a_filter_reach_the_scenario() {
+    let mut screen = workbench();
+    let first = |screen: &Screen| scenario(screen).filters[0].clone();
+    screen.get_all_by_label("Options").next().unwrap().click();
+    screen.run_steps(12);
+    choose(&mut screen, "EKF plant", "Duffing oscillator");
+    assert_eq!(first(&screen).plant, Some(PlantKind::Duffing));
+    choose(&mut screen, "EKF steps", "Euler");
+    assert_eq!(first(&screen).propagation, kalmanscope_core::Propagation::Euler);
+    for text in ["logarithms of positive parameters", "learn R from the innovations", "learn Q from the innovations"] {
+        let before = first(&screen);
+        screen.get_by_label(&format!("EKF: {text}")).click();
+        screen.run_steps(3);
+        assert_ne!(first(&screen), before, "{text}");
+    }
+    assert_eq!(screen.state().session().problem(), None);
+}
+
+#[test]
+fn a_change_can_be_undone_and_made_again() {
+    let mut screen = workbench();
+    screen.run_steps(8);
+    let before = scenario(&screen).clone();
+    set(&mut screen, "EKF fading factor, value", 1.02);
+    let after = scenario(&screen).clone();
+    assert_ne!(before, after);
+    screen.run_steps(20);
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen), &before);
+    screen.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen), &after);
+}
+
+#[test]
+fn troubles_are_told() {
+    let mut screen = workbench();
+    let mut wound_up = kalmanscope::library::ENTRIES[8].scenario().unwrap();
+    assert_eq!(wound_up.force, Force::None);
+    wound_up.filters[0].fading = 1.02;
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    screen.state_mut().session_mut().set_scenario(wound_up);
+    screen.run_steps(3);
+    assert!(screen.query_by_label_contains("the covariance winds up").is_some());
+    let mut runaway = Scenario::default();
+    runaway.set_plant(PlantKind::Duffing);
+    runaway.plant.cubic_stiffness = Signal::Constant(-300.0);
+    runaway.plant.initial.displacement = 0.5;
+    screen.state_mut().session_mut().set_scenario(runaway);
+    screen.run_steps(3);
+    assert!(screen.query_by_label_contains("the plant has run away").is_some());
+}
