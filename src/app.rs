@@ -153,9 +153,12 @@ impl App {
             }
             Command::GoToStep(step) => self.go_to_step(step),
             Command::ChangeLesson => {
-                if let Some(Err(_)) = tutor.as_mut().map(|tutor| tutor.change(session)) {
+                if let Some(lesson) = tutor
+                    && lesson.change(session).is_err()
+                {
                     // What the change is about is gone: begin the step again as it should be.
-                    self.go_to_step(0);
+                    let step = lesson.step();
+                    self.go_to_step(step);
                 }
             }
             Command::LeaveLesson => *tutor = None,

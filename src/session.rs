@@ -89,7 +89,7 @@ impl Session {
     }
 
     /// What the run's sensors measure.
-    pub fn scenario_sensors(&self) -> Vec<Quantity> {
+    pub fn sensors(&self) -> Vec<Quantity> {
         self.run.record().sensors().to_vec()
     }
 
@@ -208,7 +208,7 @@ impl Session {
             Mode::Live => self.run.advance_to(self.position() + 1),
             Mode::Whole => self.run.finish(),
         }
-        let Self { scenario, run, diagnostics, bounds, with_bounds, .. } = self;
+        let Self { scenario, run, diagnostics, bounds, with_bounds, problem, .. } = self;
         let record = run.record();
         if diagnostics.len() == run.estimates().len() {
             for (diagnostics, estimates) in diagnostics.iter_mut().zip(run.estimates()) {
@@ -217,7 +217,8 @@ impl Session {
         } else {
             *diagnostics = run.estimates().iter().map(|e| Diagnostics::new(e, record)).collect();
         }
-        if *with_bounds {
+        // The run of an impossible scenario is that of the last possible one, which has no bounds to be made from.
+        if *with_bounds && problem.is_none() {
             if bounds.len() != run.estimates().len() {
                 let of = |place| CramerRao::new(scenario, place, record.dt());
                 *bounds = (0..run.estimates().len()).filter_map(of).collect();

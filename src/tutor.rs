@@ -21,9 +21,9 @@ impl Tutor {
         Self { lesson, step: 0, changed: false }
     }
 
-    /// The lesson's title.
-    pub fn title(&self) -> &str {
-        &self.lesson.title
+    /// The number of the step, from 0 on.
+    pub fn step(&self) -> usize {
+        self.step
     }
 
     fn current(&self) -> Option<&Step> {

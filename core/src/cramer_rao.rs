@@ -34,14 +34,13 @@ impl CramerRao {
     /// The bound for the filter at `place` with `dt` \[s\] between samples, before the first one. None if there is no such
     /// filter.
     pub fn new(scenario: &Scenario, place: usize, dt: f64) -> Option<Self> {
-        let told = scenario.true_noise();
         let settings = FilterSettings {
             plant: None,
             log_parameters: false,
             propagation: Propagation::LocalLinearisation,
             adaptation: Adaptation::default(),
             fading: 1.0,
-            sensor_std: told.0,
+            sensor_std: scenario.true_sensor_std(),
             ..scenario.filters.get(place)?.clone()
         };
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();

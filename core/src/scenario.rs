@@ -212,7 +212,7 @@ impl Scenario {
     /// The noise that a filter would be told by someone who knows the truth: the sensors' own standard deviations, what
     /// the disturbance adds in a step, and the root mean square change of the parameters per step.
     pub fn true_noise(&self) -> (Vec<f64>, PerChannel) {
-        let sensor_std = self.sensors.iter().map(|s| usable_std(s.noise_std)).collect();
+        let sensor_std = self.true_sensor_std();
         let d = self.plant.disturbance_std;
         let mut process_std = PerChannel::ZERO;
         for &channel in self.plant.kind.channels() {
@@ -224,6 +224,11 @@ impl Scenario {
             }
         }
         (sensor_std, process_std)
+    }
+
+    /// The sensors' own standard deviations, as a filter can use them.
+    pub fn true_sensor_std(&self) -> Vec<f64> {
+        self.sensors.iter().map(|s| usable_std(s.noise_std)).collect()
     }
 
     /// The root mean square change of a signal from one sample to the next.

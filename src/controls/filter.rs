@@ -72,7 +72,7 @@ pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let room = scenario.filters.len() < MOST_FILTERS;
     if ui.add_enabled(room, egui::Button::new("Add a filter")).clicked() {
         let kind = FilterKind::Ekf;
-        let (sensor_std, _) = scenario.true_noise();
+        let sensor_std = scenario.true_sensor_std();
         let name = free_name(scenario, kind.name());
         scenario.filters.push(FilterSettings { name, kind, sensor_std, ..FilterSettings::default() });
     }

@@ -25,7 +25,7 @@ impl View for Autocorrelation {
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
         let ViewContext { session, palette, shown, .. } = *context;
-        let sensors = session.scenario_sensors();
+        let sensors = session.sensors();
         if sensors.is_empty() {
             ui.weak("Nothing is measured.");
         }

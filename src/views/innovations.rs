@@ -25,7 +25,7 @@ impl View for Innovations {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
-        let sensors: Vec<Quantity> = context.session.scenario_sensors();
+        let sensors: Vec<Quantity> = context.session.sensors();
         if sensors.is_empty() {
             ui.weak("Nothing is measured.");
         }

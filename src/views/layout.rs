@@ -97,7 +97,14 @@ impl Layout {
         }
         let tile = tree.tiles.insert_pane(view);
         match tree.root() {
-            Some(root) => tree.move_tile_to_container(tile, root, usize::MAX, true),
+            Some(root) if tree.tiles.get_container(root).is_some() => {
+                tree.move_tile_to_container(tile, root, usize::MAX, true);
+            }
+            // A single view is alone, without a container.
+            Some(root) => {
+                let both = tree.tiles.insert_vertical_tile(vec![root, tile]);
+                *tree = Tree::new(Id::unique("views"), both, std::mem::take(&mut tree.tiles));
+            }
             None => *tree = Tree::new(Id::unique("views"), tile, std::mem::take(&mut tree.tiles)),
         }
     }
@@ -126,6 +133,8 @@ impl Layout {
                     panes.show(&mut child, view);
                 }
             });
+        } else if self.tree.is_empty() {
+            ui.weak("No view is shown: choose some in the menu above.");
         } else {
             self.tree.ui(&mut panes, ui);
         }

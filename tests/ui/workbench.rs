@@ -142,3 +142,41 @@ fn troubles_are_told() {
     screen.run_steps(3);
     assert!(screen.query_by_label_contains("the plant has run away").is_some());
 }
+
+#[test]
+fn views_come_back_one_by_one_when_all_have_been_hidden() {
+    let mut screen = workbench();
+    for view in ViewKind::ALL {
+        if screen.state_mut().layout_mut().shown().contains(&view) {
+            screen.state_mut().layout_mut().toggle(view);
+            screen.run_steps(3);
+        }
+    }
+    assert!(screen.query_by_label_contains("No view is shown").is_some());
+    for (i, view) in ViewKind::ALL.into_iter().enumerate() {
+        screen.state_mut().layout_mut().toggle(view);
+        screen.run_steps(3);
+        let seen = ViewKind::ALL
+            .into_iter()
+            .filter(|v| screen.query_by_label(&format!("About {}", v.view().name())).is_some());
+        assert_eq!(seen.count(), i + 1, "{view:?} is not seen");
+    }
+}
+
+#[test]
+fn a_lesson_whose_filter_is_gone_begins_its_step_again() {
+    let mut screen = workbench();
+    let lesson = kalmanscope_lessons::lessons().remove(9).unwrap();
+    for label in ["Lessons", &lesson.title, "Next"] {
+        screen.get_by_label(label).click();
+        screen.run_steps(3);
+    }
+    let mut without = scenario(&screen).clone();
+    without.filters.clear();
+    screen.state_mut().session_mut().set_scenario(without);
+    screen.run_steps(3);
+    screen.get_by_label(&lesson.steps[1].change.as_ref().unwrap().label).click();
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen), &lesson.scenario_at(0).unwrap());
+    assert!(screen.query_by_label(&lesson.steps[1].look).is_some());
+}
