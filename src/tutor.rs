@@ -126,6 +126,8 @@ impl Tutor {
                 commands.push(Command::LeaveLesson);
             }
         });
+        // A panel is as high as what is in it.
+        ui.allocate_space(ui.available_size());
     }
 }
 

@@ -180,3 +180,18 @@ fn a_lesson_whose_filter_is_gone_begins_its_step_again() {
     assert_eq!(scenario(&screen), &lesson.scenario_at(0).unwrap());
     assert!(screen.query_by_label(&lesson.steps[1].look).is_some());
 }
+
+#[test]
+fn a_lesson_on_a_phone_leaves_room_for_the_views_and_stays_where_it_is() {
+    let mut screen = screen(PHONE, Theme::Light);
+    for label in ["Lessons", "Noise reduction"] {
+        screen.get_by_label(label).click();
+        screen.run_steps(5);
+    }
+    let top = |screen: &Screen| screen.get_by_label("Leave the lesson").rect().top();
+    let before = top(&screen);
+    screen.run_steps(60);
+    assert_eq!(top(&screen), before);
+    assert!(before > 0.5 * PHONE.y, "the lesson begins at {before} of {}", PHONE.y);
+    assert!(screen.get_by_label("Next").rect().bottom() <= PHONE.y);
+}
