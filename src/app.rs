@@ -1,23 +1,26 @@
 //! The app: one session, its controls and its views.
 
 use egui::util::undoer::Undoer;
-use egui::{CentralPanel, Frame, Margin, Panel, RichText, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::Lesson;
 use serde::{Deserialize, Serialize};
 
+use crate::bar::Bar;
 use crate::command::Command;
-use crate::controls::controls_ui;
-use crate::library;
+use crate::controls::{controls_ui, number};
+use crate::keys;
 use crate::session::{Mode, Session};
 use crate::summary::Summary;
 use crate::theme::{self, Palette};
-use crate::transport;
-use crate::tutor::{self, Tutor};
-use crate::views::{Arrangement, Layout, Shown, TimeAxis, ViewContext, ViewKind, legend};
+use crate::tutor::Tutor;
+use crate::views::{Layout, Shown, TimeAxis, ViewContext, ViewKind, legend};
 
-/// Below this width the controls and the plots take turns \[points\].
+/// Below this width the settings are a drawer under the plots \[points\].
 const NARROW: f32 = 720.0;
+
+/// How much larger everything is in presenter mode.
+const LARGE: f32 = 1.4;
 
 /// What survives a restart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,11 +30,12 @@ struct Settings {
     scenario: String,
     mode: Mode,
     speed: f64,
+    presenting: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { scenario: String::new(), mode: Mode::default(), speed: Session::DEFAULT_SPEED }
+        Self { scenario: String::new(), mode: Mode::default(), speed: Session::DEFAULT_SPEED, presenting: false }
     }
 }
 
@@ -44,7 +48,12 @@ pub struct App {
     lessons: Vec<Lesson>,
     tutor: Option<Tutor>,
     history: Undoer<Scenario>,
+    /// Whether the settings are shown, once someone has decided about it.
     controls_open: Option<bool>,
+    presenting: bool,
+    keys_open: bool,
+    /// Whether the window was narrow in the last frame.
+    narrow: bool,
     commands: Vec<Command>,
 }
 
@@ -64,11 +73,12 @@ impl App {
     /// # Errors
     /// [`RunError`] where not even the default scenario can be run.
     pub fn restored(storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
-        let Settings { scenario, mode, speed } =
+        let Settings { scenario, mode, speed, presenting } =
             storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
         let mut app = Self::with_scenario(Scenario::from_toml(&scenario).unwrap_or_default())?;
         app.session.set_mode(mode);
         app.session.set_speed(speed);
+        app.presenting = presenting;
         Ok(app)
     }
 
@@ -86,6 +96,9 @@ impl App {
             tutor: None,
             history: Undoer::default(),
             controls_open: None,
+            presenting: false,
+            keys_open: false,
+            narrow: false,
             commands: Vec::new(),
         })
     }
@@ -115,26 +128,28 @@ impl App {
         Summary::new(&self.session, ctx)
     }
 
-    fn apply(&mut self, command: Command) {
-        let Self { session, axis, layout, lessons, tutor, history, .. } = self;
+    fn apply(&mut self, command: Command, ctx: &egui::Context) {
+        let Self { session, axis, shown, layout, lessons, tutor, history, .. } = self;
         match command {
             Command::TogglePlay => session.toggle_play(),
             Command::Step => session.step(),
+            Command::StepBack => session.step_back(),
             Command::Restart => {
                 session.seek(0.0);
-                axis.follows = true;
+                *axis = TimeAxis::default();
             }
             Command::Seek(time) => session.seek(time),
             Command::SetMode(mode) => {
                 session.set_mode(mode);
-                axis.follows = true;
+                *axis = TimeAxis::default();
             }
             Command::SetSpeed(speed) => session.set_speed(speed),
             Command::Open(entry) => {
                 if let Ok(scenario) = entry.scenario() {
                     session.set_scenario(scenario);
                     session.play_from_start();
-                    axis.follows = true;
+                    *axis = TimeAxis::default();
+                    number::begin_anew(ctx);
                 }
             }
             Command::Undo => {
@@ -150,8 +165,12 @@ impl App {
             Command::StartLesson(place) => {
                 *tutor = lessons.get(place).cloned().map(Tutor::new);
                 self.go_to_step(0);
+                number::begin_anew(ctx);
             }
-            Command::GoToStep(step) => self.go_to_step(step),
+            Command::GoToStep(step) => {
+                self.go_to_step(step);
+                number::begin_anew(ctx);
+            }
             Command::ChangeLesson => {
                 if let Some(lesson) = tutor
                     && lesson.change(session).is_err()
@@ -161,9 +180,27 @@ impl App {
                     self.go_to_step(step);
                 }
             }
-            Command::LeaveLesson => *tutor = None,
+            Command::LeaveLesson => {
+                *tutor = None;
+                axis.framed = None;
+            }
+            Command::ToggleFilter(place) => shown.toggle_filter(place),
+            Command::ToggleControls => self.controls_open = Some(!self.controls_open()),
+            Command::TogglePresenter => {
+                self.presenting = !self.presenting;
+                ctx.set_zoom_factor(ctx.zoom_factor() * if self.presenting { LARGE } else { 1.0 / LARGE });
+                self.controls_open = None;
+            }
+            Command::ToggleKeys => self.keys_open = !self.keys_open,
+            Command::Leave => {
+                if !std::mem::take(&mut self.keys_open) {
+                    layout.leave_enlarged();
+                }
+            }
             Command::ToggleView(view) => layout.toggle(view),
             Command::Arrange(arrangement) => *layout = Layout::of(arrangement),
+            // The first time back to what is of interest, then to all.
+            Command::Follow if axis.follows => axis.framed = None,
             Command::Follow => axis.follows = true,
             Command::Unfollow => axis.follows = false,
             Command::PointAt(time) => axis.pointed = time,
@@ -178,46 +215,36 @@ impl App {
             *tutor = None;
             return;
         }
-        axis.follows = true;
+        *axis = TimeAxis { framed: lesson.frame(session), ..TimeAxis::default() };
         let views = lesson.views();
         if !views.is_empty() {
             *layout = Layout::column(&views);
         }
     }
 
-    fn top_bar_ui(&mut self, ui: &mut Ui, narrow: bool) {
-        let Self { session, controls_open, commands, layout, lessons, .. } = self;
-        ui.horizontal_wrapped(|ui| {
-            let open = controls_open.unwrap_or(!narrow);
-            let toggle = ui.selectable_label(open, RichText::new("☰").size(16.0)).on_hover_text("Show the settings");
-            toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
-            if toggle.clicked() {
-                *controls_open = Some(!open);
-            }
-            if !narrow {
-                ui.label(RichText::new("Kalmanscope").family(theme::strong()).size(17.0));
-            }
-            scenario_menu_ui(ui, session, commands);
-            views_menu_ui(ui, layout, commands);
-            tutor::menu_ui(ui, lessons, commands);
-            theme_ui(ui);
-            ui.separator();
-            transport::transport_ui(ui, session, narrow, commands);
-        });
+    fn controls_open(&self) -> bool {
+        self.controls_open.unwrap_or(!self.narrow && !self.presenting)
+    }
+
+    fn keys_ui(&mut self, ctx: &egui::Context) {
+        if self.keys_open {
+            let window = egui::Window::new("Keys").collapsible(false).resizable(false).open(&mut self.keys_open);
+            window.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).show(ctx, keys::list_ui);
+        }
     }
 
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
         let Self { session, axis, shown, layout, commands, .. } = self;
         legend::legend_ui(ui, session, shown, palette);
-        layout.ui(ui, &ViewContext { session, palette, shown, axis }, commands, narrow);
+        layout.ui(ui, &ViewContext::new(session, palette, shown, axis), commands, narrow);
     }
 }
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        transport::keys(ctx, &mut self.commands);
+        keys::keys(ctx, &self.session, &mut self.commands);
         for command in std::mem::take(&mut self.commands) {
-            self.apply(command);
+            self.apply(command, ctx);
         }
         // What is dragged becomes one step of the history once it has come to rest.
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
@@ -231,41 +258,46 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
-        let palette = Palette::of(ui.ctx().theme());
+        let estimates = self.session.run().estimates();
+        let colors = estimates.iter().enumerate().map(|(place, estimates)| estimates.color(place));
+        let palette = Palette::of(ui.ctx().theme()).with_filters(colors);
         let narrow = ui.available_width() < NARROW;
-        let bar = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(10, 6));
-        Panel::top("transport").frame(bar).show(ui, |ui| self.top_bar_ui(ui, narrow));
-
-        let open = self.controls_open.unwrap_or(!narrow);
+        self.narrow = narrow;
+        let open = self.controls_open();
         let frame = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(10, 6));
+        let Self { session, layout, lessons, presenting, commands, .. } = self;
+        let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow };
+        Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, commands));
+
         let mut edited = None;
-        let mut controls = |ui: &mut Ui, session: &Session| {
-            let mut scenario = session.scenario().clone();
-            if controls_ui(ui, &mut scenario, &palette) {
-                edited = Some(scenario);
-            }
-        };
-        if open && !narrow {
-            let panel = Panel::left("controls").frame(frame).default_size(340.0).size_range(300.0..=460.0);
-            panel.show(ui, |ui| controls(ui, &self.session));
+        if open {
+            // A drawer leaves the plots in sight, so that one sees what one does.
+            let panel = if narrow {
+                Panel::bottom("drawer")
+                    .default_size(0.46 * ui.available_height())
+                    .size_range(120.0..=600.0)
+                    .resizable(true)
+            } else {
+                Panel::left("controls").default_size(340.0).size_range(300.0..=460.0)
+            };
+            panel.frame(frame).show(ui, |ui| {
+                let mut scenario = self.session.scenario().clone();
+                if controls_ui(ui, &mut scenario, &palette) {
+                    edited = Some(scenario);
+                }
+            });
         }
-        if let Some(tutor) = &self.tutor {
+        if let Some(tutor) = self.tutor.as_ref().filter(|_| !(open && narrow)) {
             let commands = &mut self.commands;
-            if narrow {
-                let panel = Panel::bottom("lesson").frame(frame).default_size(260.0);
-                panel.show(ui, |ui| tutor.ui(ui, &palette, commands));
+            let panel = if narrow {
+                Panel::bottom("lesson").default_size(260.0)
             } else {
-                let panel = Panel::right("lesson").frame(frame).default_size(290.0).size_range(240.0..=420.0);
-                panel.show(ui, |ui| tutor.ui(ui, &palette, commands));
-            }
+                Panel::right("lesson").default_size(290.0).size_range(240.0..=420.0)
+            };
+            panel.frame(frame).show(ui, |ui| tutor.ui(ui, &palette, commands));
         }
-        CentralPanel::default().frame(frame).show(ui, |ui| {
-            if open && narrow {
-                controls(ui, &self.session);
-            } else {
-                self.centre_ui(ui, &palette, narrow);
-            }
-        });
+        CentralPanel::default().frame(frame).show(ui, |ui| self.centre_ui(ui, &palette, narrow));
+        self.keys_ui(ui.ctx());
         if let Some(scenario) = edited {
             self.session.set_scenario(scenario);
         }
@@ -279,55 +311,8 @@ impl eframe::App for App {
             scenario: self.session.scenario().to_toml().unwrap_or_default(),
             mode: self.session.mode(),
             speed: self.session.speed(),
+            presenting: self.presenting,
         };
         eframe::set_value(storage, eframe::APP_KEY, &settings);
-    }
-}
-
-fn scenario_menu_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    ui.menu_button("Scenario", |ui| {
-        for entry in library::ENTRIES {
-            if ui.button(entry.name).on_hover_text(entry.description()).clicked() {
-                commands.push(Command::Open(entry));
-                ui.close();
-            }
-        }
-        ui.separator();
-        if ui.button("Copy as TOML").on_hover_text("For the command line, or to keep").clicked() {
-            if let Ok(toml) = session.scenario().to_toml() {
-                ui.ctx().copy_text(toml);
-            }
-            ui.close();
-        }
-    });
-}
-
-fn views_menu_ui(ui: &mut Ui, layout: &Layout, commands: &mut Vec<Command>) {
-    ui.menu_button("Views", |ui| {
-        for arrangement in Arrangement::ALL {
-            if ui.button(arrangement.name()).clicked() {
-                commands.push(Command::Arrange(arrangement));
-                ui.close();
-            }
-        }
-        ui.separator();
-        let shown = layout.shown();
-        for view in ViewKind::ALL {
-            let mut on = shown.contains(&view);
-            if ui.checkbox(&mut on, view.view().name()).changed() {
-                commands.push(Command::ToggleView(view));
-            }
-        }
-    });
-}
-
-fn theme_ui(ui: &mut Ui) {
-    let dark = ui.ctx().theme() == egui::Theme::Dark;
-    let (icon, name) = if dark { ("☀", "Light theme") } else { ("☾", "Dark theme") };
-    let button = ui.button(RichText::new(icon).size(15.0)).on_hover_text(name);
-    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
-    if button.clicked() {
-        let next = if dark { egui::Theme::Light } else { egui::Theme::Dark };
-        ui.ctx().set_theme(next);
     }
 }

@@ -11,6 +11,8 @@ pub enum Command {
     TogglePlay,
     /// One sample forward, paused.
     Step,
+    /// One sample back, paused.
+    StepBack,
     /// Back to the start, playing on if playing.
     Restart,
     /// Go to a time after the start \[s\].
@@ -33,6 +35,16 @@ pub enum Command {
     ChangeLesson,
     /// Leave the lesson, and everything as it is.
     LeaveLesson,
+    /// Show the filter at a place, or hide it.
+    ToggleFilter(usize),
+    /// Show the settings or hide them.
+    ToggleControls,
+    /// Large type, or back to normal.
+    TogglePresenter,
+    /// Show the list of keys or hide it.
+    ToggleKeys,
+    /// Leave the list of keys, or the enlarged view.
+    Leave,
     /// Show a view or hide it.
     ToggleView(ViewKind),
     /// Show the views of a ready-made arrangement.

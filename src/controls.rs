@@ -1,6 +1,7 @@
 //! The settings: the only code that writes to the scenario.
 
 mod belief;
+mod color;
 mod filter;
 mod force;
 mod general;

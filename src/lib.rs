@@ -4,8 +4,10 @@
 //! ask for a [`command::Command`], which is carried out after the frame.
 
 pub mod app;
+mod bar;
 pub mod command;
 pub mod controls;
+mod keys;
 pub mod library;
 pub mod series;
 pub mod session;

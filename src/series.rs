@@ -11,41 +11,50 @@ pub struct Column {
     pub low: f64,
     /// Largest value.
     pub high: f64,
-    /// Whether the smallest comes before the largest.
+    /// Whether it is drawn from the smallest to the largest: where it ends higher than it begins.
     pub rising: bool,
 }
 
 /// Reduces `value(k)` for the samples `k` in `range` to at most `columns` + 1 columns. Values that are not finite are left
 /// out. Columns begin at multiples of their width, so that they stay put while the range slides.
 pub fn reduce(range: Range<usize>, columns: usize, value: impl Fn(usize) -> f64) -> Vec<Column> {
+    reduce_between(range, columns, |k| {
+        let x = value(k);
+        (x, x)
+    })
+}
+
+/// The same of everything between two series: `edges(k)` has the lower first.
+pub fn reduce_between(range: Range<usize>, columns: usize, edges: impl Fn(usize) -> (f64, f64)) -> Vec<Column> {
     let width = stride(range.len(), columns);
     let mut reduced = Vec::with_capacity(range.len() / width + 2);
     let mut start = range.start;
     while start < range.end {
         let end = ((start / width + 1) * width).min(range.end);
-        let mut column: Option<Column> = None;
+        // Comparisons without branches: this loop sees every sample of every series.
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for k in start..end {
-            let x = value(k);
-            if !x.is_finite() {
-                continue;
-            }
-            match &mut column {
-                None => column = Some(Column { sample: start, low: x, high: x, rising: true }),
-                Some(column) if x < column.low => {
-                    column.low = x;
-                    column.rising = false;
-                }
-                Some(column) if x > column.high => {
-                    column.high = x;
-                    column.rising = true;
-                }
-                Some(_) => {}
-            }
+            let (l, h) = edges(k);
+            low = if l < low { l } else { low };
+            high = if h > high { h } else { high };
         }
-        reduced.extend(column);
+        if low.is_finite() && high.is_finite() {
+            let rising = edges(start).0 <= edges(end - 1).0;
+            reduced.push(Column { sample: start, low, high, rising });
+        } else {
+            reduced.extend(finite_column(start..end, &edges));
+        }
         start = end;
     }
     reduced
+}
+
+/// The column of the finite values among some samples, if there are any.
+fn finite_column(range: Range<usize>, edges: impl Fn(usize) -> (f64, f64)) -> Option<Column> {
+    let sample = range.start;
+    let finite = range.map(edges).filter(|(l, h)| l.is_finite() && h.is_finite());
+    let (low, high) = finite.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))?;
+    Some(Column { sample, low, high, rising: true })
 }
 
 /// Samples per pixel column.

@@ -1,6 +1,6 @@
 //! A scenario and its run, and where playback stands in it.
 
-use kalmanscope_core::{CramerRao, Diagnostics, Quantity, Run, RunError, Scenario};
+use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Quantity, Run, RunError, Scenario};
 use serde::{Deserialize, Serialize};
 
 /// What is shown of the record.
@@ -13,6 +13,14 @@ pub enum Mode {
     Whole,
 }
 
+/// A Cramér-Rao bound and the places of the filters that it is for.
+pub struct Bound {
+    /// The bound.
+    pub bound: CramerRao,
+    /// The filters' places in the scenario.
+    pub places: Vec<usize>,
+}
+
 /// The scenario on screen with everything that follows from it.
 ///
 /// The same engine serves both modes: live, the run is stepped to where playback stands; whole, to its end. A change of
@@ -22,12 +30,16 @@ pub struct Session {
     scenario: Scenario,
     run: Run,
     diagnostics: Vec<Diagnostics>,
-    bounds: Vec<CramerRao>,
+    /// Whether the diagnostics are still those of an earlier run.
+    fresh: bool,
+    bounds: Vec<Bound>,
     with_bounds: bool,
+    smoothed: Vec<(usize, Estimates)>,
     mode: Mode,
     playing: bool,
     speed: f64,
     clock: f64,
+    generation: u64,
     problem: Option<String>,
 }
 
@@ -46,13 +58,16 @@ impl Session {
         let mut session = Self {
             run: Run::new(&scenario)?,
             diagnostics: Vec::new(),
+            fresh: true,
             bounds: Vec::new(),
             with_bounds: false,
+            smoothed: Vec::new(),
             scenario,
             mode: Mode::Live,
             playing: true,
             speed: Self::DEFAULT_SPEED,
             clock: 0.0,
+            generation: 0,
             problem: None,
         };
         session.catch_up();
@@ -69,13 +84,18 @@ impl Session {
         &self.run
     }
 
+    /// A number that changes whenever samples that were there before have other values, or other numbers.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
     /// What the estimates are worth, one a filter.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         &self.diagnostics
     }
 
-    /// The Cramér-Rao bounds, one a filter, if they are wanted.
-    pub fn bounds(&self) -> &[CramerRao] {
+    /// The Cramér-Rao bounds, if they are wanted: filters that know as much at first share one.
+    pub fn bounds(&self) -> &[Bound] {
         &self.bounds
     }
 
@@ -86,6 +106,11 @@ impl Session {
             self.bounds.clear();
             self.catch_up();
         }
+    }
+
+    /// The estimates with hindsight of the whole record, with the places of their filters: of those that have a smoother.
+    pub fn smoothed(&self) -> &[(usize, Estimates)] {
+        &self.smoothed
     }
 
     /// What the run's sensors measure.
@@ -106,6 +131,13 @@ impl Session {
     /// Simulated seconds per second.
     pub fn speed(&self) -> f64 {
         self.speed
+    }
+
+    /// The next of [`Self::SPEEDS`] that is faster, or slower; the present one at the end of them.
+    pub fn next_speed(&self, faster: bool) -> f64 {
+        let mut speeds = Self::SPEEDS.into_iter();
+        let next = if faster { speeds.find(|s| *s > self.speed) } else { speeds.rfind(|s| *s < self.speed) };
+        next.unwrap_or(self.speed)
     }
 
     /// Why the scenario as edited cannot be run, if so; the last one that could stays on screen.
@@ -163,6 +195,13 @@ impl Session {
         self.seek(next);
     }
 
+    /// Pauses and goes one sample back.
+    pub fn step_back(&mut self) {
+        self.playing = false;
+        let before = self.position().saturating_sub(1) as f64 * self.run.record().dt();
+        self.seek(before);
+    }
+
     /// Goes to a time after the start \[s\].
     pub fn seek(&mut self, time: f64) {
         self.clock = time.clamp(0.0, self.end());
@@ -198,7 +237,9 @@ impl Session {
     }
 
     fn start_anew(&mut self) {
-        self.diagnostics.clear();
+        self.generation += 1;
+        self.fresh = true;
+        self.smoothed.clear();
         self.bounds.clear();
         self.problem = self.run.restart(&self.scenario).err().map(|error| error.to_string());
     }
@@ -208,26 +249,49 @@ impl Session {
             Mode::Live => self.run.advance_to(self.position() + 1),
             Mode::Whole => self.run.finish(),
         }
-        let Self { scenario, run, diagnostics, bounds, with_bounds, problem, .. } = self;
+        let Self { scenario, run, diagnostics, fresh, bounds, with_bounds, smoothed, mode, problem, .. } = self;
         let record = run.record();
-        if diagnostics.len() == run.estimates().len() {
+        if *fresh {
+            diagnostics.resize_with(run.estimates().len(), Diagnostics::default);
             for (diagnostics, estimates) in diagnostics.iter_mut().zip(run.estimates()) {
-                diagnostics.follow(estimates, record);
+                diagnostics.restart(estimates, record);
             }
-        } else {
-            *diagnostics = run.estimates().iter().map(|e| Diagnostics::new(e, record)).collect();
+            *fresh = false;
+        }
+        for (diagnostics, estimates) in diagnostics.iter_mut().zip(run.estimates()) {
+            diagnostics.follow(estimates, record);
+        }
+        match mode {
+            Mode::Live => smoothed.clear(),
+            Mode::Whole if smoothed.is_empty() && problem.is_none() => {
+                let with = scenario.filters.iter().enumerate().filter(|(_, filter)| filter.smoother);
+                *smoothed = with.map(|(place, _)| place).zip(run.smoothed()).collect();
+            }
+            Mode::Whole => {}
         }
         // The run of an impossible scenario is that of the last possible one, which has no bounds to be made from.
         if *with_bounds && problem.is_none() {
-            if bounds.len() != run.estimates().len() {
-                let of = |place| CramerRao::new(scenario, place, record.dt());
-                *bounds = (0..run.estimates().len()).filter_map(of).collect();
+            if bounds.is_empty() {
+                *bounds = bounds_of(scenario, record.dt());
             }
-            for bound in bounds {
+            for Bound { bound, .. } in bounds {
                 bound.follow(record);
             }
         }
     }
+}
+
+/// The bounds of a scenario's filters, before the first sample.
+fn bounds_of(scenario: &Scenario, dt: f64) -> Vec<Bound> {
+    let mut bounds: Vec<Bound> = Vec::new();
+    for place in 0..scenario.filters.len() {
+        if let Some(same) = bounds.iter_mut().find(|b| b.bound.is_for(scenario, place)) {
+            same.places.push(place);
+        } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
+            bounds.push(Bound { bound, places: vec![place] });
+        }
+    }
+    bounds
 }
 
 #[cfg(test)]

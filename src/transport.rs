@@ -1,6 +1,6 @@
 //! The bar at the top: play, pause, step, restart, speed, live or whole record, and the time.
 
-use egui::{Button, ComboBox, Key, Modifiers, RichText, Slider, Ui};
+use egui::{Button, ComboBox, RichText, Slider, Ui};
 
 use crate::command::Command;
 use crate::controls::number;
@@ -37,29 +37,6 @@ pub fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut
         ui.separator();
     }
     time_ui(ui, session, commands);
-}
-
-/// The keys that do the same, unless something is being typed.
-pub fn keys(ctx: &egui::Context, commands: &mut Vec<Command>) {
-    if ctx.memory(|memory| memory.focused().is_some()) {
-        return;
-    }
-    ctx.input_mut(|input| {
-        for (modifiers, command) in
-            [(Modifiers::COMMAND | Modifiers::SHIFT, Command::Redo), (Modifiers::COMMAND, Command::Undo)]
-        {
-            if input.consume_key(modifiers, Key::Z) {
-                commands.push(command);
-            }
-        }
-        for (key, command) in
-            [(Key::Space, Command::TogglePlay), (Key::ArrowRight, Command::Step), (Key::R, Command::Restart)]
-        {
-            if input.key_pressed(key) && input.modifiers.is_none() {
-                commands.push(command);
-            }
-        }
-    });
 }
 
 fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {

@@ -35,6 +35,13 @@ impl Tutor {
         self.current().map_or(vec![], |step| step.views.iter().filter_map(|view| kind(*view)).collect())
     }
 
+    /// The part of the whole record that the step is about, if not all of it \[s\].
+    pub fn frame(&self, session: &Session) -> Option<(f64, f64)> {
+        let step = self.current().filter(|step| step.mode == LessonMode::Whole)?;
+        let (from, to) = (step.from.unwrap_or(0.0), step.to.unwrap_or(session.end()).min(session.end()));
+        ((step.from.is_some() || step.to.is_some()) && from < to).then_some((from, to))
+    }
+
     /// Goes to a step, as the steps before it have left things, and shows its record.
     ///
     /// # Errors

@@ -8,6 +8,8 @@ mod consistency;
 mod errors;
 mod gain;
 mod innovations;
+mod kept;
+mod layer;
 pub mod layout;
 pub mod legend;
 mod matrices;
@@ -17,6 +19,8 @@ mod phase;
 mod plane;
 mod scores;
 mod ticks;
+
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use egui::{Rect, Ui, vec2};
 
@@ -39,6 +43,17 @@ pub struct ViewContext<'a> {
     pub shown: &'a Shown,
     /// The common time axis.
     pub axis: &'a TimeAxis,
+    /// A number that changes with everything that is drawn over time.
+    version: u64,
+}
+
+impl<'a> ViewContext<'a> {
+    /// What there is to read in this frame.
+    pub fn new(session: &'a Session, palette: &'a Palette, shown: &'a Shown, axis: &'a TimeAxis) -> Self {
+        let mut hasher = DefaultHasher::new();
+        (session.generation(), session.run().len(), session.bounds().len(), shown, palette).hash(&mut hasher);
+        Self { session, palette, shown, axis, version: hasher.finish() }
+    }
 }
 
 /// A way to look at a run.

@@ -52,6 +52,11 @@ const PALETTE: [RGBColor; 6] = [
     RGBColor(0xE6, 0x9F, 0x00),
     RGBColor(0x56, 0xB4, 0xE9),
 ];
+/// The estimates of every filter with its colour.
+fn colored(run: &Run) -> impl Iterator<Item = (&Estimates, RGBColor)> {
+    run.estimates().iter().enumerate().map(|(place, estimates)| (estimates, PALETTE[estimates.color(place) as usize]))
+}
+
 const TRUTH: RGBColor = RGBColor(0x3A, 0x3A, 0x3A);
 const MEASURED: RGBColor = RGBColor(0x80, 0x80, 0x80);
 const TEXT: RGBColor = RGBColor(0x22, 0x22, 0x22);
@@ -134,7 +139,7 @@ fn draw_channel(run: &Run, channel: Channel, area: &Area<'_>, with_time: bool) -
         chart.draw_series(series::thinned(record.len(), DOTS).filter(seen).map(dot))?;
     }
     let columns = COLUMNS.min(ALL_COLUMNS / run.estimates().len().max(1));
-    for (estimates, color) in run.estimates().iter().zip(PALETTE.iter().cycle()) {
+    for (estimates, color) in colored(run) {
         let Some(place) = estimates.place(channel) else { continue };
         let edges = |k| edges(record, estimates, place, k);
         let outline = series::band(estimates.len(), columns, range, edges);
@@ -144,7 +149,7 @@ fn draw_channel(run: &Run, channel: Channel, area: &Area<'_>, with_time: bool) -
         let line = series::line(record.len(), COLUMNS, |k| (record.time(k), values[k]));
         chart.draw_series(paths(&line, range, TRUTH.stroke_width(5 * SCALE / 2)))?;
     }
-    for (estimates, color) in run.estimates().iter().zip(PALETTE.iter().cycle()) {
+    for (estimates, color) in colored(run) {
         let Some(place) = estimates.place(channel) else { continue };
         let line = series::line(estimates.len(), columns, |k| (record.time(k), estimates.canonical_mean(k, place)));
         chart.draw_series(paths(&line, range, color.stroke_width(5 * SCALE / 4)))?;

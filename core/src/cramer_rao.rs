@@ -1,11 +1,11 @@
 //! The floor for ±σ: how well any filter could know the state at best.
 
 use crate::estimator::{Surroundings, build_filter, initial_belief};
-use crate::filter::{Belief, Correction, Filter, Linearised, Propagation};
+use crate::filter::{Belief, Correction, Filter, Linearised};
 use crate::gaussian::Vector;
 use crate::model::Model;
 use crate::plant::Visitor;
-use crate::{Adaptation, Channel, FilterError, FilterSettings, Quantity, Record, Scenario};
+use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, Scenario};
 
 /// The posterior Cramér-Rao bound for one filter of a scenario: no unbiased filter that begins with its initial belief and
 /// takes its process noise for true has smaller covariances. The sensors' noise is the true one, the plant the truth's, and
@@ -22,6 +22,7 @@ use crate::{Adaptation, Channel, FilterError, FilterSettings, Quantity, Record, 
 /// Source: Tichavský, Muravchik and Nehorai (1998), Posterior Cramér-Rao bounds for discrete-time nonlinear filtering,
 /// equations 21 and 34.
 pub struct CramerRao {
+    settings: FilterSettings,
     channels: &'static [Channel],
     recursion: Box<dyn Recursion>,
     std: Vec<f64>,
@@ -34,38 +35,29 @@ impl CramerRao {
     /// The bound for the filter at `place` with `dt` \[s\] between samples, before the first one. None if there is no such
     /// filter.
     pub fn new(scenario: &Scenario, place: usize, dt: f64) -> Option<Self> {
-        let settings = FilterSettings {
-            plant: None,
-            log_parameters: false,
-            propagation: Propagation::LocalLinearisation,
-            adaptation: Adaptation::default(),
-            fading: 1.0,
-            sensor_std: scenario.true_sensor_std(),
-            ..scenario.filters.get(place)?.clone()
-        };
+        let settings = told(scenario, place)?;
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
         let surroundings = Surroundings { plant, sensors: &sensors, dt, seed: scenario.seed, place };
         let recursion = plant.visit_log(settings.eta, false, Start { settings: &settings, surroundings });
-        Some(Self { channels: plant.channels(), recursion, std: Vec::new(), samples: 0, stopped: false })
+        Some(Self { settings, channels: plant.channels(), recursion, std: Vec::new(), samples: 0, stopped: false })
+    }
+
+    /// Whether this is the bound for the filter at `place`, too: it knows as much at first, and takes the same for chance.
+    /// The rest of the scenario must be the same.
+    pub fn is_for(&self, scenario: &Scenario, place: usize) -> bool {
+        told(scenario, place).is_some_and(|settings| settings == self.settings)
     }
 
     /// Takes in the samples that a record of this scenario has beyond those seen so far. Without the truth of every
     /// channel there is no bound.
     pub fn follow(&mut self, record: &Record) {
-        let Self { channels, recursion, std, samples, stopped } = self;
+        let Self { settings: _, channels, recursion, std, samples, stopped } = self;
         let truth: Option<Vec<&[f64]>> = channels.iter().map(|&c| record.truth(c)).collect();
-        let Some(truth) = truth else { return };
-        while *samples < record.len() && !*stopped {
-            let at = |k: usize| -> Vec<f64> { truth.iter().map(|values| values[k]).collect() };
-            let k = *samples;
-            let moved = if k == 0 { Ok(()) } else { recursion.step(&at(k - 1), &at(k), record, k) };
-            *stopped = moved.is_err();
-            if !*stopped {
-                recursion.append_std(std);
-                *samples += 1;
-            }
-        }
+        let Some(truth) = truth.filter(|_| !*stopped) else { return };
+        std.reserve((record.len() - *samples) * channels.len());
+        *stopped = recursion.follow(&truth, record, *samples, std).is_err();
+        *samples = std.len() / channels.len();
     }
 
     /// The channels of the bound: all of the truth's.
@@ -94,12 +86,27 @@ impl CramerRao {
     }
 }
 
+/// What of a filter's settings the bound takes over.
+fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
+    let FilterSettings { kind, initial_mean, initial_std, process_std, eta, .. } = scenario.filters.get(place)?.clone();
+    Some(FilterSettings {
+        name: String::new(),
+        kind: if kind == FilterKind::Kf { kind } else { FilterKind::Ekf },
+        initial_mean,
+        initial_std,
+        process_std,
+        eta,
+        sensor_std: scenario.true_sensor_std(),
+        ..FilterSettings::default()
+    })
+}
+
 /// The recursion with its size erased.
 trait Recursion: Send {
-    /// From one sample to the next, with the true states there.
-    fn step(&mut self, before: &[f64], after: &[f64], record: &Record, k: usize) -> Result<(), FilterError>;
-
-    fn append_std(&self, std: &mut Vec<f64>);
+    /// Goes through the samples of a record from number `from` on, with the truth of every channel, and appends the
+    /// standard deviations of each.
+    fn follow(&mut self, truth: &[&[f64]], record: &Record, from: usize, std: &mut Vec<f64>)
+    -> Result<(), FilterError>;
 }
 
 struct Start<'a> {
@@ -125,16 +132,31 @@ struct Told<P, const N: usize> {
 }
 
 impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
-    fn step(&mut self, before: &[f64], after: &[f64], record: &Record, k: usize) -> Result<(), FilterError> {
+    fn follow(
+        &mut self,
+        truth: &[&[f64]],
+        record: &Record,
+        from: usize,
+        std: &mut Vec<f64>,
+    ) -> Result<(), FilterError> {
         let Self { filter, sensors } = self;
-        filter.belief_mut().move_to(Vector::from_column_slice(before));
-        filter.predict(record.force()[k - 1])?;
-        filter.belief_mut().move_to(Vector::from_column_slice(after));
-        filter.update(record.force()[k], &record.sample(k, sensors), &mut Correction::NOTHING.clone())
-    }
-
-    fn append_std(&self, std: &mut Vec<f64>) {
-        let belief = Belief::<P, N>::gaussian(self.filter.belief());
-        std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
+        let truth = |k: usize| Vector::<N>::from_fn(|channel, _| truth[channel][k]);
+        let measured: Vec<Option<&[f64]>> = sensors.iter().map(|&q| record.measured_quantity(q)).collect();
+        let mut sample = vec![f64::NAN; measured.len()];
+        let mut correction = Correction::NOTHING.clone();
+        for k in from..record.len() {
+            if let Some(before) = k.checked_sub(1) {
+                filter.belief_mut().move_to(truth(before));
+                filter.predict(record.force()[before])?;
+                filter.belief_mut().move_to(truth(k));
+                for (value, column) in sample.iter_mut().zip(&measured) {
+                    *value = column.map_or(f64::NAN, |column| column[k]);
+                }
+                filter.update(record.force()[k], &sample, &mut correction)?;
+            }
+            let belief = Belief::<P, N>::gaussian(filter.belief());
+            std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
+        }
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use crate::filter::{Correction, Noise};
 use crate::gaussian::Gaussian;
 use crate::health::{Remark, Watch};
-use crate::{Channel, FilterError, FilterKind, FilterSettings, PlantKind, Quantity};
+use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, PlantKind, Quantity};
 
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,10 @@ pub struct Stop {
 pub struct Estimates {
     name: String,
     kind: FilterKind,
+    color: Option<FilterColor>,
     channels: Vec<Channel>,
+    /// The place of the channel whose sign decides about the canonical form.
+    frequency: Option<usize>,
     sensors: Vec<Quantity>,
     mean: Vec<f64>,
     cov: Vec<f64>,
@@ -42,7 +45,9 @@ impl Estimates {
         Self {
             name: settings.name.clone(),
             kind: settings.kind,
+            color: settings.color,
             channels: plant.channels().to_vec(),
+            frequency: plant.channels().iter().position(|&c| c == Channel::NaturalFrequency),
             watch: Watch::new(settings, plant, &sensors),
             sensors,
             mean: Vec::new(),
@@ -114,6 +119,11 @@ impl Estimates {
         self.kind
     }
 
+    /// The colour of the filter, which is at `place` among the filters.
+    pub fn color(&self, place: usize) -> FilterColor {
+        self.color.unwrap_or(FilterColor::at(place))
+    }
+
     /// The channels, in the order of every mean and covariance.
     pub fn channels(&self) -> &[Channel] {
         &self.channels
@@ -156,6 +166,7 @@ impl Estimates {
     }
 
     /// The mean at sample `k`, one number a channel.
+    #[inline]
     pub fn mean(&self, k: usize) -> &[f64] {
         chunk(&self.mean, k, self.channels.len())
     }
@@ -166,18 +177,21 @@ impl Estimates {
     /// ```text
     /// (-ωₙ, -ζ) and (ωₙ, ζ) have the same ωₙ² and 2ζωₙ: they are the same oscillator
     /// ```
+    #[inline]
     pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
         self.canonical_sign(k, channel) * self.mean(k)[channel]
     }
 
     /// What takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio where the
     /// estimated natural frequency is negative, else 1. A covariance takes the signs of both its channels.
+    #[inline]
     pub fn canonical_sign(&self, k: usize, channel: usize) -> f64 {
-        let negative = || self.place(Channel::NaturalFrequency).is_some_and(|place| self.mean(k)[place] < 0.0);
+        let negative = || self.frequency.is_some_and(|place| self.mean(k)[place] < 0.0);
         if self.channels[channel].is_mirrored() && negative() { -1.0 } else { 1.0 }
     }
 
     /// The standard deviation of one channel at sample `k`.
+    #[inline]
     pub fn std(&self, k: usize, channel: usize) -> f64 {
         let n = self.channels.len();
         self.cov[k * n * n + channel * (n + 1)].sqrt()
@@ -190,17 +204,20 @@ impl Estimates {
     }
 
     /// The innovations e at sample `k`, one a sensor.
+    #[inline]
     pub fn innovation(&self, k: usize) -> &[f64] {
         chunk(&self.innovation, k, self.sensors.len())
     }
 
     /// The innovations' covariance S at sample `k`, m × m.
+    #[inline]
     pub fn innovation_cov(&self, k: usize) -> &[f64] {
         let m = self.sensors.len();
         chunk(&self.innovation_cov, k, m * m)
     }
 
     /// The gain K at sample `k`: for each sensor in turn, n numbers.
+    #[inline]
     pub fn gain(&self, k: usize) -> &[f64] {
         chunk(&self.gain, k, self.channels.len() * self.sensors.len())
     }

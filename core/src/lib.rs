@@ -56,7 +56,7 @@ pub use health::{Remark, Trouble};
 pub use plant::PlantKind;
 pub use record::{Record, RecordError};
 pub use run::{Run, RunError};
-pub use scenario::{FilterKind, FilterSettings, PerChannel, Plant, Scenario, ScenarioError, Sensor};
+pub use scenario::{FilterColor, FilterKind, FilterSettings, PerChannel, Plant, Scenario, ScenarioError, Sensor};
 pub use sensor::Quantity;
 pub use signal::Signal;
 pub use simulate::{TruthError, TruthStop};

@@ -1,5 +1,6 @@
 //! The settings from which everything follows.
 
+mod color;
 mod filter_kind;
 mod per_channel;
 mod plant;
@@ -13,6 +14,7 @@ use thiserror::Error;
 use crate::filter::{Adaptation, Propagation};
 use crate::{Force, PlantKind, Quantity, Signal};
 
+pub use color::FilterColor;
 pub use filter_kind::FilterKind;
 pub use per_channel::PerChannel;
 pub use plant::{Motion, Plant};
@@ -58,6 +60,9 @@ pub struct FilterSettings {
     pub name: String,
     /// The kind of filter.
     pub kind: FilterKind,
+    /// The colour in which the filter is drawn; by its place among the filters if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<FilterColor>,
     /// The kind of plant that the filter takes the truth for; the truth's own if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plant: Option<PlantKind>,
@@ -114,6 +119,7 @@ impl Default for FilterSettings {
         Self {
             name: String::new(),
             kind: FilterKind::Ekf,
+            color: None,
             plant: None,
             log_parameters: false,
             propagation: Propagation::LocalLinearisation,

@@ -3,7 +3,7 @@
 use egui::{Grid, RichText, Ui, Vec2};
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PerChannel, PlantKind, Sensor};
 
-use super::number::field;
+use super::number::{field, spread};
 
 /// Width of the column of symbols \[points\].
 const SYMBOL_WIDTH: f32 = 22.0;
@@ -43,11 +43,11 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, 
             });
             let std = &mut initial_std[channel];
             cell(ui, uncertain, &mut |ui| {
-                field(ui, std, 0.0, scale, &title("initial std"), "How sure the filter is of its guess");
+                spread(ui, std, 0.0, 10.0 * scale, &title("initial std"), "How sure the filter is of its guess");
             });
             let process = &mut process_std[channel];
             cell(ui, uncertain, &mut |ui| {
-                field(ui, process, 0.0, 1e-3 * scale, &title("process std"), "0: the model is exact");
+                spread(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
             });
             ui.weak(channel.unit());
             ui.end_row();
@@ -61,7 +61,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, 
             });
             let title = format!("{name} sensor std of {}", quantity.key());
             cell(ui, true, &mut |ui| {
-                field(ui, std, 1e-9, 0.1, &title, "Standard deviation that the filter ascribes to the sensor");
+                spread(ui, std, 1e-9, 10.0, &title, "Standard deviation that the filter ascribes to the sensor");
             });
             ui.weak(quantity.unit());
             ui.end_row();

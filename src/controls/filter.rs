@@ -1,10 +1,11 @@
 //! One filter.
 
 use egui::collapsing_header::CollapsingState;
-use egui::{ComboBox, RichText, Sense, Ui, Vec2};
+use egui::{ComboBox, RichText, Ui};
 use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 
 use super::belief::belief_ui;
+use super::color::{color_ui, keep_colors};
 use super::number::Number;
 use super::options::options_ui;
 use crate::text::significant;
@@ -16,18 +17,18 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
     let (mut match_truth, mut duplicate, mut remove) = (false, false, false);
     let several = scenario.filters.len();
-    let Scenario { dt, plant, sensors, filters, .. } = scenario;
-    let others: Vec<String> =
-        filters.iter().enumerate().filter(|(i, _)| *i != place).map(|(_, f)| f.name.clone()).collect();
-    let filter = &mut filters[place];
+    let filters = scenario.filters.iter().enumerate();
+    let others: Vec<String> = filters.filter(|(i, _)| *i != place).map(|(_, f)| f.name.clone()).collect();
     state
         .show_header(ui, |ui| {
-            let (dot, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
-            ui.painter().circle_filled(dot.center(), 5.0, palette.filter(place));
+            color_ui(ui, scenario, place, palette);
+            let filter = &mut scenario.filters[place];
             ui.label(RichText::new(&filter.name).family(theme::strong()).size(14.5));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| kind_ui(ui, filter, place, &others));
         })
         .body_unindented(|ui| {
+            let Scenario { dt, plant, sensors, filters, .. } = scenario;
+            let filter = &mut filters[place];
             memory_ui(ui, filter, *dt);
             belief_ui(ui, filter, place, sensors, plant.kind);
             ui.add_space(2.0);
@@ -51,11 +52,13 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             ui.add_space(6.0);
         });
     if duplicate {
-        let mut copy = scenario.filters[place].clone();
+        let color = keep_colors(scenario);
+        let mut copy = FilterSettings { color, ..scenario.filters[place].clone() };
         copy.name = free_name(scenario, &copy.name);
         scenario.filters.insert(place + 1, copy);
     }
     if remove {
+        keep_colors(scenario);
         scenario.filters.remove(place);
         return;
     }
@@ -74,7 +77,8 @@ pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
         let kind = FilterKind::Ekf;
         let sensor_std = scenario.true_sensor_std();
         let name = free_name(scenario, kind.name());
-        scenario.filters.push(FilterSettings { name, kind, sensor_std, ..FilterSettings::default() });
+        let color = keep_colors(scenario);
+        scenario.filters.push(FilterSettings { name, kind, color, sensor_std, ..FilterSettings::default() });
     }
 }
 

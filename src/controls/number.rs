@@ -1,6 +1,6 @@
-//! One number: a label with symbol and unit, a slider and a field to type in.
+//! One number: a label with symbol and unit, a slider and a field to drag, scroll or type in.
 
-use egui::{DragValue, Id, Rect, Response, Slider, SliderClamping, Ui, Vec2, Widget as _};
+use egui::{DragValue, Id, PointerButton, Rect, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
 
 use crate::text::{parse, significant};
 
@@ -10,6 +10,9 @@ const LABEL_WIDTH: f32 = 112.0;
 const FIELD_WIDTH: f32 = 62.0;
 /// Width of the units \[points\].
 const UNIT_WIDTH: f32 = 36.0;
+
+/// Decades of the sliders of standard deviations.
+const DECADES: f64 = 5.0;
 
 /// What a number is and may be.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +37,7 @@ impl Number<'_> {
     /// Shows a row with the number.
     pub fn show(&self, ui: &mut Ui, value: &mut f64) {
         let Self { label, name, unit, range: (low, high), least, logarithmic, hint } = *self;
+        let initial = initial(ui, name, *value);
         ui.horizontal(|ui| {
             fixed_width(ui, LABEL_WIDTH, |ui| {
                 ui.add(egui::Label::new(label).truncate()).on_hover_text(hint);
@@ -47,26 +51,89 @@ impl Number<'_> {
                 .clamping(SliderClamping::Never)
                 .show_value(false)
                 .ui(ui)
-                .on_hover_text(hint);
+                .on_hover_text(format!("{hint}\nDouble click: back to {}", significant(initial, 5)));
             announce(&slider, name);
             remember(ui, name, slider.rect);
-            let field =
-                ui.add_sized(Vec2::new(FIELD_WIDTH, ui.spacing().interact_size.y), drag_value(value, low, high));
+            reset(&slider, value, initial);
+            let size = Vec2::new(FIELD_WIDTH, ui.spacing().interact_size.y);
+            let field = ui.add_sized(size, drag_value(value, low, high)).on_hover_text(usage(initial));
             announce(&field, &format!("{name}, value"));
+            scroll(ui, &field, value, step(*value, low, high));
+            reset(&field, value, initial);
             ui.weak(unit);
         });
         *value = value.max(least);
     }
 }
 
-/// A compact number in a table: only a field to drag or type in.
+/// A compact number in a table: only a field to drag, scroll or type in.
 pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) {
-    let width = ui.available_width();
-    let height = ui.spacing().interact_size.y;
-    let field = ui.add_sized(Vec2::new(width, height), drag_value(value, 0.0, scale)).on_hover_text(hint);
+    let initial = initial(ui, name, *value);
+    let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
+    let field = ui.add_sized(size, drag_value(value, 0.0, scale));
+    let field = field.on_hover_text(format!("{hint}\n{}", usage(initial)));
     announce(&field, name);
     remember(ui, name, field.rect);
+    scroll(ui, &field, value, step(*value, 0.0, scale));
+    reset(&field, value, initial);
     *value = value.max(least);
+}
+
+/// As [`field`], for a standard deviation: it is also a slider whose equal steps are equal factors, and shows where it
+/// stands on that slider, which ends at `scale`.
+pub fn spread(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) {
+    field(ui, value, least, scale, name, hint);
+    let Some(rect) = rect_of(ui.ctx(), name) else { return };
+    let share = 1.0 + (*value / scale).log10() / DECADES;
+    if share > 0.0 {
+        let rail = rect.x_range().shrink(3.0);
+        let end = lerp(rail.min..=rail.max, share.min(1.0) as f32);
+        let stroke =
+            Stroke::new(2.0, ui.visuals().selection.bg_fill.gamma_multiply(if ui.is_enabled() { 0.8 } else { 0.3 }));
+        ui.painter().hline(rail.min..=end, rect.bottom() - 2.0, stroke);
+    }
+}
+
+/// Lets a double click take every number back to what it is now.
+pub fn begin_anew(ctx: &egui::Context) {
+    ctx.data_mut(|data| *data.get_temp_mut_or_default::<u64>(Id::unique("numbers' beginning")) += 1);
+}
+
+/// The number's value when it was first shown since [`begin_anew`].
+fn initial(ui: &Ui, name: &str, value: f64) -> f64 {
+    ui.data_mut(|data| {
+        let beginning: u64 = data.get_temp(Id::unique("numbers' beginning")).unwrap_or_default();
+        *data.get_temp_mut_or_insert_with(Id::unique(("initial", beginning, name)), || value)
+    })
+}
+
+/// A double click takes the number back to what it was.
+fn reset(control: &Response, value: &mut f64, initial: f64) {
+    let twice = control.ctx.input(|input| input.pointer.button_double_clicked(PointerButton::Primary));
+    if twice && control.enabled() && control.contains_pointer() {
+        *value = initial;
+        control.surrender_focus();
+    }
+}
+
+/// The wheel turns the number that is being typed, and with Alt that under the pointer. Without either it moves the page,
+/// as it does everywhere else.
+fn scroll(ui: &Ui, field: &Response, value: &mut f64, step: f64) {
+    if !field.enabled() || !field.contains_pointer() {
+        return;
+    }
+    let typing = field.has_focus();
+    let turned = ui.input_mut(|input| {
+        let wanted = typing || input.modifiers.alt;
+        if wanted { std::mem::take(&mut input.smooth_scroll_delta).y } else { 0.0 }
+    });
+    if turned != 0.0 {
+        *value += f64::from(turned) * 0.2 * step;
+    }
+}
+
+fn usage(initial: f64) -> String {
+    format!("Drag, Alt and wheel, or click to type. Double click: back to {}", significant(initial, 5))
 }
 
 /// Where the control of this name was drawn in the last frame.
@@ -75,13 +142,17 @@ pub fn rect_of(ctx: &egui::Context, name: &str) -> Option<Rect> {
 }
 
 fn drag_value(value: &mut f64, low: f64, high: f64) -> DragValue<'_> {
-    // A drag moves small values finely and large ones coarsely.
-    let speed = 0.01 * value.abs().max(smallest(low, high));
+    let speed = step(*value, low, high);
     DragValue::new(value)
         .speed(speed)
         .custom_formatter(|x, _| significant(x, 5))
         .custom_parser(parse)
         .update_while_editing(false)
+}
+
+/// A point of dragging: small for small values and large for large ones, so that a long drag goes through the decades.
+fn step(value: f64, low: f64, high: f64) -> f64 {
+    0.01 * value.abs().max(smallest(low, high))
 }
 
 fn smallest(low: f64, high: f64) -> f64 {

@@ -13,7 +13,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize)
         if matches!(filter.kind, FilterKind::Kf | FilterKind::Ekf | FilterKind::Iekf) {
             propagation_ui(ui, filter, place);
         }
-        let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, .. } = filter;
+        let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, smoother, .. } = filter;
         if *kind == FilterKind::Iekf {
             let hint = "The most times that the sensors are linearised in one update";
             whole_ui(ui, "iterations", &format!("{name} iterations"), iterations, (1, 20), hint);
@@ -29,6 +29,12 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize)
         };
         let hint = "Estimate the logarithms of frequency, damping and stiffness, which then stay positive";
         check(ui, log_parameters, "logarithms of positive parameters", hint);
+        *smoother &= !kind.is_sampled();
+        if !kind.is_sampled() {
+            let hint = "In the whole record also show, dashed, what is known of each instant in the light of all that came \
+                        after it: Rauch, Tung and Striebel (1965)";
+            check(ui, smoother, "hindsight", hint);
+        }
         check(ui, &mut adaptation.sensor_noise, "learn R from the innovations", "Akhlaghi, Zhou and Huang (2017)");
         check(ui, &mut adaptation.process_noise, "learn Q from the innovations", "Akhlaghi, Zhou and Huang (2017)");
     });

@@ -1,11 +1,12 @@
 //! The colours.
 
 use egui::{Color32, Theme};
+use kalmanscope_core::FilterColor;
 
 /// Every colour of one theme.
 ///
 /// Filters have the colours of Okabe and Ito, which the colour-blind can tell apart, a little lighter on dark ground.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Hash)]
 pub struct Palette {
     /// Ground of panels.
     pub panel: Color32,
@@ -33,6 +34,8 @@ pub struct Palette {
     pub measured: Color32,
     /// The force.
     pub force: Color32,
+    shades: [Color32; 6],
+    /// Of the filters on screen, by place.
     filters: [Color32; 6],
 }
 
@@ -50,15 +53,18 @@ const LIGHT: Palette = Palette {
     truth: Color32::from_rgb(0x22, 0x28, 0x30),
     measured: Color32::from_rgba_premultiplied(0x38, 0x3e, 0x48, 0x90),
     force: Color32::from_rgb(0x80, 0x86, 0x90),
-    filters: [
-        Color32::from_rgb(0x00, 0x72, 0xb2),
-        Color32::from_rgb(0xd5, 0x5e, 0x00),
-        Color32::from_rgb(0x00, 0x9e, 0x73),
-        Color32::from_rgb(0xb8, 0x5c, 0x94),
-        Color32::from_rgb(0xc0, 0x88, 0x00),
-        Color32::from_rgb(0x3a, 0x9a, 0xd0),
-    ],
+    shades: LIGHT_SHADES,
+    filters: LIGHT_SHADES,
 };
+
+const LIGHT_SHADES: [Color32; 6] = [
+    Color32::from_rgb(0x00, 0x72, 0xb2),
+    Color32::from_rgb(0xd5, 0x5e, 0x00),
+    Color32::from_rgb(0x00, 0x9e, 0x73),
+    Color32::from_rgb(0xb8, 0x5c, 0x94),
+    Color32::from_rgb(0xc0, 0x88, 0x00),
+    Color32::from_rgb(0x3a, 0x9a, 0xd0),
+];
 
 const DARK: Palette = Palette {
     panel: Color32::from_rgb(0x1b, 0x1f, 0x26),
@@ -74,15 +80,18 @@ const DARK: Palette = Palette {
     truth: Color32::from_rgb(0xee, 0xf1, 0xf5),
     measured: Color32::from_rgba_premultiplied(0x60, 0x66, 0x70, 0x80),
     force: Color32::from_rgb(0x90, 0x98, 0xa4),
-    filters: [
-        Color32::from_rgb(0x4d, 0xa9, 0xe8),
-        Color32::from_rgb(0xf2, 0x82, 0x35),
-        Color32::from_rgb(0x2c, 0xc1, 0x95),
-        Color32::from_rgb(0xdd, 0x8f, 0xbd),
-        Color32::from_rgb(0xe6, 0xb0, 0x2e),
-        Color32::from_rgb(0x8f, 0xd0, 0xf5),
-    ],
+    shades: DARK_SHADES,
+    filters: DARK_SHADES,
 };
+
+const DARK_SHADES: [Color32; 6] = [
+    Color32::from_rgb(0x4d, 0xa9, 0xe8),
+    Color32::from_rgb(0xf2, 0x82, 0x35),
+    Color32::from_rgb(0x2c, 0xc1, 0x95),
+    Color32::from_rgb(0xdd, 0x8f, 0xbd),
+    Color32::from_rgb(0xe6, 0xb0, 0x2e),
+    Color32::from_rgb(0x8f, 0xd0, 0xf5),
+];
 
 impl Palette {
     /// The colours of a theme.
@@ -91,6 +100,20 @@ impl Palette {
             Theme::Light => LIGHT,
             Theme::Dark => DARK,
         }
+    }
+
+    /// With the colours of these filters, in the order of their places.
+    pub fn with_filters(mut self, colors: impl Iterator<Item = FilterColor>) -> Self {
+        let Self { shades, filters, .. } = &mut self;
+        for (filter, color) in filters.iter_mut().zip(colors) {
+            *filter = shades[color as usize];
+        }
+        self
+    }
+
+    /// What a colour is in this theme.
+    pub const fn shade(&self, color: FilterColor) -> Color32 {
+        self.shades[color as usize]
     }
 
     /// The colour of a filter, by its place in the scenario.

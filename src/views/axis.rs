@@ -7,26 +7,31 @@ use crate::session::{Mode, Session};
 pub struct TimeAxis {
     /// Whether the axis follows the playback, or stays where the user has put it.
     pub follows: bool,
+    /// The part of the whole record that is of interest, if not all of it, `(from, to)` after its start \[s\].
+    pub framed: Option<(f64, f64)>,
     /// The time that the user points at \[s\].
     pub pointed: Option<f64>,
 }
 
 impl Default for TimeAxis {
     fn default() -> Self {
-        Self { follows: true, pointed: None }
+        Self { follows: true, framed: None, pointed: None }
     }
 }
 
 /// How much of the past is seen while the record grows: little at first, so that the bands are seen to close \[s\].
-const LIVE_SPAN: (f64, f64) = (5.0, 20.0);
+const LIVE_SPAN: (f64, f64) = (5.2, 20.0);
 
 impl TimeAxis {
     /// The part of the record that an axis that follows shows, `(from, to)` \[s\].
-    pub fn followed(session: &Session) -> (f64, f64) {
+    pub fn followed(&self, session: &Session) -> (f64, f64) {
         let start = session.run().record().time(0);
         match session.mode() {
-            // A little room, so that the last tick's text is not cut off.
-            Mode::Whole => (start, start + 1.02 * session.end()),
+            Mode::Whole => {
+                let (from, to) = self.framed.unwrap_or((0.0, session.end()));
+                // A little room, so that the last tick's text is not cut off.
+                (start + from, start + to + 0.02 * (to - from))
+            }
             Mode::Live => {
                 // A little room ahead, so that the newest estimate does not stick to the frame.
                 let ahead = session.time() - start + 0.6;

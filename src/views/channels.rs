@@ -3,7 +3,8 @@
 use egui::Ui;
 use kalmanscope_core::{Channel, Quantity};
 
-use super::chart::{Chart, Layer, Readout};
+use super::chart::{Chart, Readout};
+use super::layer::{Layer, Series};
 use super::{View, ViewContext, grid};
 use crate::command::Command;
 use crate::text::fixed;
@@ -74,23 +75,21 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> C
     let filters = || run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place));
     for (place, estimates) in filters().filter(|_| shown.bands) {
         let Some(at) = estimates.place(channel) else { continue };
-        let edge = move |sign: f64| move |k: usize| estimates.canonical_mean(k, at) + sign * 2.0 * estimates.std(k, at);
-        layers.push(Layer::Band {
-            low: Box::new(edge(-1.0)),
-            high: Box::new(edge(1.0)),
-            len: estimates.len(),
-            color: palette.filter(place),
-        });
+        let edges = move |k: usize| {
+            let (mean, half) = (estimates.canonical_mean(k, at), 2.0 * estimates.std(k, at));
+            (mean - half, mean + half)
+        };
+        let series = Series::between(estimates.len(), edges);
+        layers.push(Layer::Band { series, color: palette.filter(place) });
     }
     let quantity = Quantity::ALL.into_iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(q)).filter(|_| shown.measured) {
-        layers.push(Layer::Dots { value: Box::new(|k| z[k]), len: run.len(), color: palette.measured });
+        layers.push(Layer::Dots { series: Series::new(run.len(), |k| z[k]), color: palette.measured });
     }
     // Where all agree, each line still shows beside the narrower one above it.
     if let Some(truth) = record.truth(channel).filter(|_| shown.truth) {
         layers.push(Layer::Line {
-            value: Box::new(|k| truth[k]),
-            len: run.len(),
+            series: Series::new(run.len(), |k| truth[k]),
             color: palette.truth,
             width: 3.4,
             dashed: false,
@@ -100,11 +99,20 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> C
     for (place, estimates) in filters() {
         let Some(at) = estimates.place(channel) else { continue };
         layers.push(Layer::Line {
-            value: Box::new(move |k| estimates.canonical_mean(k, at)),
-            len: estimates.len(),
+            series: Series::new(estimates.len(), move |k| estimates.canonical_mean(k, at)),
             color: palette.filter(place),
             width: (2.8 - 1.2 * place as f32).max(1.2),
             dashed: false,
+            bounds: false,
+        });
+    }
+    for (place, estimates) in session.smoothed().iter().filter(|(place, _)| shown.filter(*place)) {
+        let Some(at) = estimates.place(channel) else { continue };
+        layers.push(Layer::Line {
+            series: Series::new(estimates.len(), move |k| estimates.canonical_mean(k, at)),
+            color: palette.filter(*place),
+            width: 1.4,
+            dashed: true,
             bounds: false,
         });
     }
@@ -123,7 +131,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> C
 
 /// Truth and estimates at the cursor, or at playback.
 fn readouts(channel: Channel, context: &ViewContext<'_>) -> Vec<Readout> {
-    let ViewContext { session, palette, shown, axis } = *context;
+    let ViewContext { session, palette, shown, axis, .. } = *context;
     let k = axis.readout(session);
     let decimals = decimals(channel);
     let truth = session.run().record().truth(channel).and_then(|truth| truth.get(k)).map(|truth| Readout {

@@ -3,7 +3,8 @@
 use egui::Ui;
 use kalmanscope_core::diagnostics::{Diagnostics, Total, chi_squared};
 
-use super::chart::{Chart, Layer, Readout};
+use super::chart::{Chart, Readout};
+use super::layer::{Layer, Series};
 use super::{View, ViewContext, grid};
 use crate::command::Command;
 use crate::text::significant;
@@ -48,7 +49,7 @@ fn chart<'a>(
     names_time: bool,
     within: fn(&Diagnostics, std::ops::Range<usize>) -> Total,
 ) -> Chart<'a> {
-    let ViewContext { session, palette, shown, axis } = *context;
+    let ViewContext { session, palette, shown, axis, .. } = *context;
     let window = (WINDOW / session.run().record().dt()).ceil().max(1.0) as usize;
     let ratio = move |diagnostics: &Diagnostics, k: usize| {
         within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree()
@@ -69,8 +70,7 @@ fn chart<'a>(
     }
     for (place, diagnostics) in filters() {
         layers.push(Layer::Line {
-            value: Box::new(move |k| ratio(diagnostics, k).log10()),
-            len: diagnostics.len(),
+            series: Series::new(diagnostics.len(), move |k| ratio(diagnostics, k)).through(f64::log10),
             color: palette.filter(place),
             width: 1.4,
             dashed: false,

@@ -4,9 +4,11 @@ use egui::Ui;
 use kalmanscope_core::Channel;
 
 use super::channels::decimals;
-use super::chart::{Chart, Layer, Readout};
+use super::chart::{Chart, Readout};
+use super::layer::{Layer, Series};
 use super::{View, ViewContext, grid};
 use crate::command::Command;
+use crate::session::Bound;
 use crate::text::fixed;
 
 /// Estimate minus truth.
@@ -43,7 +45,7 @@ impl View for Errors {
 }
 
 fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
-    let ViewContext { session, palette, shown, axis } = *context;
+    let ViewContext { session, palette, shown, axis, .. } = *context;
     let run = session.run();
     let truth = run.record().truth(channel).unwrap_or_default();
     let k = axis.readout(session);
@@ -54,12 +56,12 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> C
     for (place, estimates) in filters() {
         let Some(at) = estimates.place(channel) else { continue };
         if shown.bands {
-            layers.push(Layer::Band {
-                low: Box::new(move |k| -2.0 * estimates.std(k, at)),
-                high: Box::new(move |k| 2.0 * estimates.std(k, at)),
-                len: estimates.len(),
-                color: palette.filter(place),
-            });
+            let edges = move |k: usize| {
+                let half = 2.0 * estimates.std(k, at);
+                (-half, half)
+            };
+            let series = Series::between(estimates.len(), edges);
+            layers.push(Layer::Band { series, color: palette.filter(place) });
         }
         if k < estimates.len() {
             let error = estimates.canonical_mean(k, at) - truth[k];
@@ -74,20 +76,19 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> C
     for (place, estimates) in filters() {
         let Some(at) = estimates.place(channel) else { continue };
         layers.push(Layer::Line {
-            value: Box::new(move |k| estimates.canonical_mean(k, at) - truth[k]),
-            len: estimates.len(),
+            series: Series::new(estimates.len(), move |k| estimates.canonical_mean(k, at) - truth[k]),
             color: palette.filter(place),
             width: 1.4,
             dashed: false,
             bounds: false,
         });
     }
-    for (place, bound) in session.bounds().iter().enumerate().filter(|&(place, _)| shown.filter(place)) {
+    for Bound { bound, places } in session.bounds() {
+        let Some(&place) = places.iter().find(|&&place| shown.filter(place)) else { continue };
         let Some(at) = bound.place(channel) else { continue };
         for sign in [-2.0, 2.0] {
             layers.push(Layer::Line {
-                value: Box::new(move |k| sign * bound.std(k, at)),
-                len: bound.len(),
+                series: Series::new(bound.len(), move |k| sign * bound.std(k, at)),
                 color: palette.filter(place),
                 width: 1.0,
                 dashed: true,

@@ -1,9 +1,10 @@
 //! The Kalman gain over time.
 
-use egui::Ui;
-use kalmanscope_core::Channel;
+use egui::{Id, Ui};
+use kalmanscope_core::{Channel, Quantity};
 
-use super::chart::{Chart, Layer, Readout};
+use super::chart::{Chart, Readout};
+use super::layer::{Layer, Series};
 use super::{View, ViewContext, grid};
 use crate::command::Command;
 use crate::text::significant;
@@ -18,7 +19,7 @@ impl View for Gain {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "How far each channel moves for an innovation of one standard deviation: K times √S, for the first sensor.",
+            "How far each channel moves for an innovation of one standard deviation: K times √S, for one sensor.",
             "Large at first, when the filter knows little; then it settles where new evidence balances process noise and fading.",
             "A gain that goes to zero is a filter that no longer listens.",
         ]
@@ -32,25 +33,43 @@ impl View for Gain {
             ui.weak("Nothing is measured.");
             return None;
         }
+        let sensor = sensor_ui(ui, &context.session.sensors());
         let mut pointed = None;
         grid(ui, channels.len(), |ui, i, last_row| {
-            pointed = chart(channels[i], context, last_row).show(ui, context, commands).or(pointed);
+            pointed = chart(channels[i], sensor, context, last_row).show(ui, context, commands).or(pointed);
         });
         pointed
     }
 }
 
-fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
-    let ViewContext { session, palette, shown, axis } = *context;
+/// Lets the user choose a sensor, if there is a choice.
+fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
+    let id = Id::unique("sensor of the gain");
+    let mut chosen = ui.data(|data| data.get_temp(id)).unwrap_or(0).min(sensors.len() - 1);
+    if sensors.len() > 1 {
+        ui.horizontal(|ui| {
+            for (sensor, quantity) in sensors.iter().enumerate() {
+                let hint = format!("What the {} sensor moves", quantity.key());
+                ui.selectable_value(&mut chosen, sensor, format!("from e({})", quantity.symbol())).on_hover_text(hint);
+            }
+        });
+        ui.data_mut(|data| data.insert_temp(id, chosen));
+    }
+    chosen
+}
+
+fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
+    let ViewContext { session, palette, shown, axis, .. } = *context;
     let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak }];
     let mut readouts = Vec::new();
     for (place, estimates) in session.run().estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place)) {
         let Some(at) = estimates.place(channel) else { continue };
-        let value = move |k: usize| estimates.gain(k)[at] * estimates.innovation_cov(k)[0].sqrt();
+        let (n, m) = (estimates.channels().len(), estimates.sensors().len());
+        let std = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
+        let value = move |k: usize| estimates.gain(k)[sensor * n + at] * std(k);
         layers.push(Layer::Line {
-            value: Box::new(value),
-            len: estimates.len(),
+            series: Series::new(estimates.len(), value),
             color: palette.filter(place),
             width: 1.2,
             dashed: false,
@@ -65,7 +84,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> C
         }
     }
     Chart {
-        key: format!("gain of {}", channel.key()),
+        key: format!("gain of {} from {sensor}", channel.key()),
         title: format!("gain of the {}", channel.name()),
         symbol: format!("K√S → {}", channel.symbol()),
         name: channel.name().to_owned(),

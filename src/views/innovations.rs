@@ -3,7 +3,8 @@
 use egui::Ui;
 use kalmanscope_core::Quantity;
 
-use super::chart::{Chart, Layer, Readout};
+use super::chart::{Chart, Readout};
+use super::layer::{Layer, Series};
 use super::{View, ViewContext, grid};
 use crate::command::Command;
 use crate::text::significant;
@@ -38,7 +39,7 @@ impl View for Innovations {
 }
 
 fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
-    let ViewContext { session, palette, shown, axis } = *context;
+    let ViewContext { session, palette, shown, axis, .. } = *context;
     let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = Vec::new();
     let mut readouts = Vec::new();
@@ -47,12 +48,8 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, names
         let m = estimates.sensors().len();
         let std = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
         if shown.bands {
-            layers.push(Layer::Band {
-                low: Box::new(move |k| -2.0 * std(k)),
-                high: Box::new(move |k| 2.0 * std(k)),
-                len: estimates.len(),
-                color: palette.filter(place),
-            });
+            let series = Series::between(estimates.len(), move |k| (-2.0 * std(k), 2.0 * std(k)));
+            layers.push(Layer::Band { series, color: palette.filter(place) });
         }
         if k < estimates.len() {
             let [innovation, std] = [estimates.innovation(k)[sensor], std(k)].map(|x| significant(x, 2));
@@ -66,8 +63,7 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, names
     layers.push(Layer::Level { value: 0.0, color: palette.weak });
     for (place, estimates) in filters() {
         layers.push(Layer::Line {
-            value: Box::new(move |k| estimates.innovation(k)[sensor]),
-            len: estimates.len(),
+            series: Series::new(estimates.len(), move |k| estimates.innovation(k)[sensor]),
             color: palette.filter(place).gamma_multiply(0.8),
             width: 0.8,
             dashed: false,

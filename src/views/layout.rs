@@ -87,6 +87,11 @@ impl Layout {
         ViewKind::ALL.into_iter().filter(|view| shown.contains(view)).collect()
     }
 
+    /// Leaves the enlarged view. Returns whether there was one.
+    pub fn leave_enlarged(&mut self) -> bool {
+        self.enlarged.take().is_some()
+    }
+
     /// Shows a view or hides it.
     pub fn toggle(&mut self, view: ViewKind) {
         let Self { tree, enlarged } = self;

@@ -6,7 +6,7 @@ use crate::session::Session;
 use crate::theme::Palette;
 
 /// What is drawn.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Hash)]
 pub struct Shown {
     /// The truth.
     pub truth: bool,
@@ -29,7 +29,8 @@ impl Shown {
         !self.hidden_filters.contains(&place)
     }
 
-    fn toggle_filter(&mut self, place: usize) {
+    /// Shows the filter at `place`, or hides it.
+    pub fn toggle_filter(&mut self, place: usize) {
         if self.filter(place) {
             self.hidden_filters.push(place);
         } else {

@@ -25,7 +25,7 @@ impl View for Matrices {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
-        let ViewContext { session, palette, shown, axis } = *context;
+        let ViewContext { session, palette, shown, axis, .. } = *context;
         let k = axis.readout(session);
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
             for (place, estimates) in session.run().estimates().iter().enumerate() {

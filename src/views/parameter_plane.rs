@@ -30,7 +30,7 @@ impl View for ParameterPlane {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
-        let ViewContext { session, palette, shown, axis } = *context;
+        let ViewContext { session, palette, shown, axis, .. } = *context;
         let run = session.run();
         let parameters: Vec<Channel> = run.channels().into_iter().filter(|c| c.is_parameter()).collect();
         let [x, y, ..] = parameters[..] else {

@@ -28,7 +28,7 @@ impl View for Phase {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
-        let ViewContext { session, palette, shown, axis } = *context;
+        let ViewContext { session, palette, shown, axis, .. } = *context;
         let run = session.run();
         let record = run.record();
         let last = axis.readout(session);

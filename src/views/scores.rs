@@ -1,6 +1,6 @@
 //! Filters side by side: verdict and scores.
 
-use egui::{Grid, RichText, ScrollArea, Ui};
+use egui::{Grid, Id, RichText, ScrollArea, Ui};
 use kalmanscope_core::diagnostics::{Summary, VerdictKind};
 
 use super::{View, ViewContext};
@@ -18,7 +18,7 @@ impl View for Scores {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "What each filter has made of the record so far; the best of each row is marked.",
+            "What each filter has made of the record so far; the best of each row is marked; a click on its name sorts.",
             "RMSE is how far it was off on average; the verdict is whether it knew how far.",
             "A small error with a wrong verdict is luck: do not build on it.",
         ]
@@ -27,20 +27,28 @@ impl View for Scores {
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
         let ViewContext { session, palette, .. } = *context;
         let (estimates, record) = (session.run().estimates(), session.run().record());
-        let summaries: Vec<Summary> =
-            session.diagnostics().iter().zip(estimates).map(|(d, e)| Summary::of(d, e, record)).collect();
+        let of = |(d, e)| Summary::of(d, e, record);
+        let mut summaries: Vec<(usize, Summary)> =
+            session.diagnostics().iter().zip(estimates).map(of).enumerate().collect();
+        let sorting = Id::unique("scores are sorted by");
+        let mut sorted_by = ui.data(|data| data.get_temp::<Option<String>>(sorting)).flatten();
+        if let Some(row) = rows(&summaries).into_iter().find(|row| Some(&row.name) == sorted_by.as_ref()) {
+            let distances: Vec<f64> =
+                row.values.iter().map(|value| value.map_or(f64::INFINITY, |x| row.distance(x))).collect();
+            summaries.sort_by(|(a, _), (b, _)| distances[*a].total_cmp(&distances[*b]));
+        }
         let rows = rows(&summaries);
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
             Grid::new("scores").striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
                 if ui.small_button("Copy").on_hover_text("Copy the table as text").clicked() {
                     ui.ctx().copy_text(as_text(&summaries, &rows));
                 }
-                for (place, summary) in summaries.iter().enumerate() {
-                    ui.label(RichText::new(&summary.name).family(theme::strong()).color(palette.filter(place)));
+                for (place, summary) in &summaries {
+                    ui.label(RichText::new(&summary.name).family(theme::strong()).color(palette.filter(*place)));
                 }
                 ui.end_row();
                 ui.weak("verdict");
-                for summary in &summaries {
+                for (_, summary) in &summaries {
                     let Some(verdict) = &summary.verdict else {
                         ui.weak("too few samples");
                         continue;
@@ -50,7 +58,10 @@ impl View for Scores {
                 }
                 ui.end_row();
                 for row in &rows {
-                    ui.weak(&row.name).on_hover_text(row.hint);
+                    let sorts = sorted_by.as_ref() == Some(&row.name);
+                    if row_name_ui(ui, row, sorts) {
+                        sorted_by = (!sorts).then(|| row.name.clone());
+                    }
                     let best = row.best();
                     for value in &row.values {
                         let text = RichText::new(value.map_or("–".to_owned(), |x| significant(x, 3))).monospace();
@@ -60,6 +71,7 @@ impl View for Scores {
                 }
             });
         });
+        ui.data_mut(|data| data.insert_temp(sorting, sorted_by));
         None
     }
 }
@@ -74,22 +86,34 @@ struct Row {
 }
 
 impl Row {
+    /// How far from the best a value is.
+    fn distance(&self, value: f64) -> f64 {
+        if self.ideal == f64::INFINITY { -value } else { (value - self.ideal).abs() }
+    }
+
     fn best(&self) -> Option<f64> {
-        let distance = |x: f64| if self.ideal == f64::INFINITY { -x } else { (x - self.ideal).abs() };
         let values = self.values.iter().flatten().copied().filter(|x| x.is_finite());
-        values.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).filter(|_| self.values.len() > 1)
+        values.min_by(|a, b| self.distance(*a).total_cmp(&self.distance(*b))).filter(|_| self.values.len() > 1)
     }
 }
 
-fn rows(summaries: &[Summary]) -> Vec<Row> {
+/// Returns whether the user wants the filters in another order.
+fn row_name_ui(ui: &mut Ui, row: &Row, sorts: bool) -> bool {
+    let text =
+        if sorts { RichText::new(format!("{} ▸", row.name)).strong() } else { RichText::new(&row.name).weak() };
+    let name = ui.add(egui::Label::new(text).selectable(false).sense(egui::Sense::click()));
+    name.on_hover_text(format!("{}. Click to put the best first", row.hint)).clicked()
+}
+
+fn rows(summaries: &[(usize, Summary)]) -> Vec<Row> {
     let row = |name: &str, hint, ideal, of: &dyn Fn(&Summary) -> Option<f64>| Row {
         name: name.to_owned(),
         hint,
         ideal,
-        values: summaries.iter().map(of).collect(),
+        values: summaries.iter().map(|(_, summary)| of(summary)).collect(),
     };
     let mut channels: Vec<kalmanscope_core::Channel> = Vec::new();
-    for channel in summaries.iter().flat_map(|s| s.finals.iter().map(|f| f.channel)) {
+    for channel in summaries.iter().flat_map(|(_, s)| s.finals.iter().map(|f| f.channel)) {
         if !channels.contains(&channel) {
             channels.push(channel);
         }
@@ -119,10 +143,11 @@ fn rows(summaries: &[Summary]) -> Vec<Row> {
     rows
 }
 
-fn as_text(summaries: &[Summary], rows: &[Row]) -> String {
-    let names: Vec<&str> = summaries.iter().map(|s| s.name.as_str()).collect();
+fn as_text(summaries: &[(usize, Summary)], rows: &[Row]) -> String {
+    let names: Vec<&str> = summaries.iter().map(|(_, s)| s.name.as_str()).collect();
     let mut text = format!("\t{}\n", names.join("\t"));
-    let verdicts = summaries.iter().map(|s| s.verdict.as_ref().map_or(String::new(), |v| v.kind.name().to_owned()));
+    let verdicts =
+        summaries.iter().map(|(_, s)| s.verdict.as_ref().map_or(String::new(), |v| v.kind.name().to_owned()));
     text += &format!("verdict\t{}\n", verdicts.collect::<Vec<_>>().join("\t"));
     for row in rows {
         let values = row.values.iter().map(|x| x.map_or(String::new(), |x| x.to_string()));

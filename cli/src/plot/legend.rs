@@ -4,7 +4,7 @@ use kalmanscope_core::{Channel, Run};
 use plotters::prelude::*;
 
 use super::{
-    Area, BAND_OPACITY, DOT_OPACITY, DOT_RADIUS, MEASURED, PALETTE, PlotError, SCALE, TRUTH, WIDTH, font, measurements,
+    Area, BAND_OPACITY, DOT_OPACITY, DOT_RADIUS, MEASURED, PlotError, SCALE, TRUTH, WIDTH, colored, font, measurements,
 };
 use crate::number::plain;
 use crate::table::heading;
@@ -35,7 +35,7 @@ fn entries(run: &Run) -> Vec<(Swatch, String)> {
     if Channel::ALL.into_iter().any(|c| measurements(record, c).is_some()) {
         entries.push((Swatch::Dots, "measurement".to_owned()));
     }
-    for (estimates, &color) in run.estimates().iter().zip(PALETTE.iter().cycle()) {
+    for (estimates, color) in colored(run) {
         let end = match estimates.stop() {
             Some(stop) => format!(", stopped at {} s", plain(record.time(stop.sample))),
             None => " ±2σ".to_owned(),

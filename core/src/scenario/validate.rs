@@ -104,6 +104,7 @@ impl FilterSettings {
         let Self {
             name: _,
             kind,
+            color: _,
             plant,
             log_parameters,
             propagation: _,

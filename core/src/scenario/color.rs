@@ -1,0 +1,46 @@
+//! The colours by which filters are told apart.
+
+use serde::{Deserialize, Serialize};
+
+/// A colour of the palette of Okabe and Ito, which the colour-blind can tell apart. What shade of it is used is up to
+/// whoever draws.
+///
+/// Source: Okabe and Ito (2008), Color Universal Design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FilterColor {
+    /// Blue.
+    Blue,
+    /// Vermilion, a red that leans to orange.
+    Vermilion,
+    /// Bluish green.
+    Green,
+    /// Reddish purple.
+    Purple,
+    /// Orange.
+    Orange,
+    /// Sky blue.
+    Sky,
+}
+
+impl FilterColor {
+    /// Every colour, in the order in which filters get them.
+    pub const ALL: [Self; 6] = [Self::Blue, Self::Vermilion, Self::Green, Self::Purple, Self::Orange, Self::Sky];
+
+    /// The colour of the filter at `place` in a scenario, unless it has one of its own.
+    pub const fn at(place: usize) -> Self {
+        Self::ALL[place % Self::ALL.len()]
+    }
+
+    /// The name in running text.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Blue => "blue",
+            Self::Vermilion => "vermilion",
+            Self::Green => "green",
+            Self::Purple => "purple",
+            Self::Orange => "orange",
+            Self::Sky => "sky",
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! What was computed for the last frame and still holds in this one.
+
+use std::any::Any;
+use std::hash::{DefaultHasher, Hash, Hasher as _};
+use std::sync::Arc;
+
+use egui::{Context, Id};
+
+/// What `make` makes, made anew only when `depends_on` has changed since the last frame.
+pub(super) fn kept<T: Any + Send + Sync>(
+    ctx: &Context,
+    id: Id,
+    depends_on: impl Hash,
+    make: impl FnOnce() -> T,
+) -> Arc<T> {
+    let mut hasher = DefaultHasher::new();
+    depends_on.hash(&mut hasher);
+    let version = hasher.finish();
+    let last: Option<(u64, Arc<T>)> = ctx.data(|data| data.get_temp(id));
+    if let Some((_, value)) = last.filter(|(of, _)| *of == version) {
+        return value;
+    }
+    let value = Arc::new(make());
+    ctx.data_mut(|data| data.insert_temp(id, (version, Arc::clone(&value))));
+    value
+}

@@ -1,0 +1,189 @@
+//! What a chart shows, from every sample down to what one frame draws of it.
+
+use std::ops::Range;
+
+use egui::{Color32, Stroke};
+use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotPoint, PlotUi, Points};
+use kalmanscope_core::Record;
+
+use crate::series::{Column, central_range, reduce, reduce_between};
+
+/// Share of the columns at either end that the vertical axis does not bend to: the first instants of a wide guess.
+const OUTLIERS: f64 = 0.006;
+
+/// A quantity at every sample, NaN where there is none.
+pub(super) struct Series<'a> {
+    len: usize,
+    reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<Column> + 'a>,
+}
+
+impl<'a> Series<'a> {
+    /// `value(k)` for the samples up to `len`.
+    pub(super) fn new(len: usize, value: impl Fn(usize) -> f64 + 'a) -> Self {
+        Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &value)) }
+    }
+
+    /// What is between the two numbers that `edges(k)` gives, the lower first.
+    pub(super) fn between(len: usize, edges: impl Fn(usize) -> (f64, f64) + 'a) -> Self {
+        Self { len, reduce: Box::new(move |range, columns| reduce_between(range, columns, &edges)) }
+    }
+
+    /// The series through a function that preserves order, which then is asked for the extremes only.
+    pub(super) fn through(self, function: fn(f64) -> f64) -> Self {
+        let Self { len, reduce } = self;
+        let through = move |column: Column| {
+            let (low, high) = (function(column.low), function(column.high));
+            (low.is_finite() && high.is_finite()).then_some(Column { low, high, ..column })
+        };
+        let reduce = move |range, columns| reduce(range, columns).into_iter().filter_map(through).collect();
+        Self { len, reduce: Box::new(reduce) }
+    }
+
+    fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
+        (self.reduce)(samples_in(record, window, self.len), columns)
+    }
+}
+
+/// One thing that a chart shows; the first are the lowest.
+pub(super) enum Layer<'a> {
+    /// What is between the edges of a series.
+    Band { series: Series<'a>, color: Color32 },
+    /// Single values.
+    Dots { series: Series<'a>, color: Color32 },
+    /// A line. `bounds` says whether the vertical axis must hold all of it, outliers too.
+    Line { series: Series<'a>, color: Color32, width: f32, dashed: bool, bounds: bool },
+    /// The same value at all times.
+    Level { value: f64, color: Color32 },
+}
+
+/// A chart's layers, reduced to the pixel columns of a window.
+pub(super) struct Drawn {
+    layers: Vec<DrawnLayer>,
+    /// What the vertical axis should show.
+    pub(super) range: Option<(f64, f64)>,
+}
+
+enum DrawnLayer {
+    Band { times: Vec<f64>, low: Vec<f64>, high: Vec<f64>, color: Color32 },
+    Dots { points: Vec<PlotPoint>, color: Color32 },
+    Line { points: Vec<PlotPoint>, color: Color32, width: f32, dashed: bool, bounds: bool },
+    Level { value: f64, color: Color32 },
+}
+
+impl Drawn {
+    /// Reduces `layers` to what a plot of so many pixel columns shows of the record between two times \[s\]. `least` is the
+    /// least that the vertical axis shows.
+    pub(super) fn new(
+        layers: &[Layer<'_>],
+        record: &Record,
+        window: (f64, f64),
+        columns: usize,
+        least: Option<(f64, f64)>,
+    ) -> Self {
+        let layers: Vec<DrawnLayer> =
+            layers.iter().map(|layer| DrawnLayer::new(layer, record, window, columns)).collect();
+        Self { range: vertical_range(&layers, least), layers }
+    }
+
+    /// Adds the layers to a plot.
+    pub(super) fn show<'a>(&'a self, plot: &mut PlotUi<'a>) {
+        for layer in &self.layers {
+            layer.show(plot);
+        }
+    }
+}
+
+impl DrawnLayer {
+    fn new(layer: &Layer<'_>, record: &Record, window: (f64, f64), columns: usize) -> Self {
+        match layer {
+            Layer::Band { series, color } => {
+                // Half the columns do for the smooth edges of a band.
+                let columns = series.columns(record, window, columns / 2);
+                Self::Band {
+                    times: columns.iter().map(|c| record.time(c.sample)).collect(),
+                    low: columns.iter().map(|c| c.low).collect(),
+                    high: columns.iter().map(|c| c.high).collect(),
+                    color: *color,
+                }
+            }
+            Layer::Dots { series, color } => {
+                let columns = series.columns(record, window, columns / 2);
+                let both = |c: &Column| [c.low, c.high].map(|value| PlotPoint::new(record.time(c.sample), value));
+                Self::Dots { points: columns.iter().flat_map(both).collect(), color: *color }
+            }
+            Layer::Line { series, color, width, dashed, bounds } => Self::Line {
+                points: line(record, &series.columns(record, window, columns)),
+                color: *color,
+                width: *width,
+                dashed: *dashed,
+                bounds: *bounds,
+            },
+            Layer::Level { value, color } => Self::Level { value: *value, color: *color },
+        }
+    }
+
+    fn show<'a>(&'a self, plot: &mut PlotUi<'a>) {
+        match self {
+            Self::Band { times, low, high, color } => {
+                if !times.is_empty() {
+                    let edge = Stroke::new(0.7, color.gamma_multiply(0.6));
+                    let band = FilledArea::new("band", times, low, high);
+                    plot.add(band.fill_color(color.gamma_multiply(0.22)).stroke(edge).allow_hover(false));
+                }
+            }
+            Self::Dots { points, color } => {
+                plot.points(Points::new("dots", &points[..]).radius(1.3).color(*color).allow_hover(false));
+            }
+            Self::Line { points, color, width, dashed, .. } => {
+                let style = if *dashed { LineStyle::dashed_dense() } else { LineStyle::Solid };
+                plot.line(Line::new("line", &points[..]).color(*color).width(*width).style(style).allow_hover(false));
+            }
+            Self::Level { value, color } => {
+                let style = LineStyle::dashed_dense();
+                plot.hline(HLine::new("level", *value).color(*color).width(1.0).style(style).allow_hover(false));
+            }
+        }
+    }
+}
+
+/// All of the lines that count, and the rest but for its outermost columns; dots only where there is nothing else.
+fn vertical_range(layers: &[DrawnLayer], least: Option<(f64, f64)>) -> Option<(f64, f64)> {
+    let (mut whole, mut robust, mut dots) = (Vec::new(), Vec::new(), Vec::new());
+    for layer in layers {
+        match layer {
+            DrawnLayer::Band { low, high, .. } => robust.extend(low.iter().chain(high)),
+            DrawnLayer::Line { points, bounds: true, .. } => whole.extend(points.iter().map(|p| p.y)),
+            DrawnLayer::Line { points, .. } => robust.extend(points.iter().map(|p| p.y)),
+            DrawnLayer::Dots { points, .. } => dots.extend(points.iter().map(|p| p.y)),
+            DrawnLayer::Level { .. } => {}
+        }
+    }
+    let robust = central_range(robust.into_iter().filter(|x| x.is_finite()).collect(), OUTLIERS);
+    let all = whole.into_iter().filter(|x| x.is_finite()).map(|x| (x, x)).chain(robust).chain(least);
+    let (low, high) =
+        all.reduce(|(low, high), (l, h)| (low.min(l), high.max(h))).or_else(|| central_range(dots, OUTLIERS))?;
+    let margin = 0.06 * (high - low).max(1e-9 + 0.02 * high.abs());
+    Some((low - margin, high + margin))
+}
+
+/// The samples that the window shows, one more at either side, as far as there are any.
+fn samples_in(record: &Record, (from, to): (f64, f64), len: usize) -> Range<usize> {
+    let index = |time: f64| ((time - record.time(0)) / record.dt()).clamp(0.0, len as f64);
+    let first = index(from).floor() as usize;
+    let last = (index(to).ceil() as usize + 1).min(len);
+    first.saturating_sub(1).min(last)..last
+}
+
+/// A line through the extremes of each column, in the order in which they come.
+fn line(record: &Record, columns: &[Column]) -> Vec<PlotPoint> {
+    let mut points = Vec::with_capacity(2 * columns.len());
+    for column in columns {
+        let x = record.time(column.sample);
+        let (first, second) = if column.rising { (column.low, column.high) } else { (column.high, column.low) };
+        points.push(PlotPoint::new(x, first));
+        if first != second {
+            points.push(PlotPoint::new(x, second));
+        }
+    }
+    points
+}
