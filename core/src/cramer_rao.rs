@@ -25,8 +25,10 @@ pub struct CramerRao {
     channels: &'static [Channel],
     recursion: Box<dyn Recursion>,
     std: Vec<f64>,
+    /// The number of samples taken in, and of those forgotten since.
     samples: usize,
-    /// Whether the recursion has met a number that is none.
+    forgotten: usize,
+    /// Whether the recursion has met a number that is none, or lacks a sample.
     stopped: bool,
 }
 
@@ -47,20 +49,26 @@ impl CramerRao {
         let plant = scenario.plant.kind;
         let surroundings = Surroundings { plant, sensors: &sensors, dt, seed: scenario.seed, place };
         let recursion = plant.visit_log(settings.eta, false, Start { settings: &settings, surroundings });
-        Some(Self { channels: plant.channels(), recursion, std: Vec::new(), samples: 0, stopped: false })
+        Some(Self { channels: plant.channels(), recursion, std: Vec::new(), samples: 0, forgotten: 0, stopped: false })
     }
 
-    /// Takes in the samples that a record of this scenario has beyond those seen so far. Without the truth of every
-    /// channel there is no bound.
+    /// Takes in the samples that a record of this scenario has beyond those seen so far, and forgets those that the record
+    /// has forgotten. Without the truth of every channel there is no bound, and none from a sample on that the record has
+    /// forgotten before it was seen here.
     pub fn follow(&mut self, record: &Record) {
-        let Self { channels, recursion, std, samples, stopped } = self;
+        let Self { channels, recursion, std, samples, forgotten, stopped } = self;
+        let gone = (record.forgotten() - *forgotten) * channels.len();
+        std.drain(..gone.min(std.len()));
+        *forgotten = record.forgotten();
         let truth: Option<Vec<&[f64]>> = channels.iter().map(|&c| record.truth(c)).collect();
         let Some(truth) = truth else { return };
-        while *samples < record.len() && !*stopped {
+        while *samples < *forgotten + record.len() && !*stopped {
             let at = |k: usize| -> Vec<f64> { truth.iter().map(|values| values[k]).collect() };
-            let k = *samples;
-            let moved = if k == 0 { Ok(()) } else { recursion.step(&at(k - 1), &at(k), record, k) };
-            *stopped = moved.is_err();
+            *stopped = match samples.checked_sub(*forgotten) {
+                Some(0) if *samples == 0 => false,
+                Some(k @ 1..) => recursion.step(&at(k - 1), &at(k), record, k).is_err(),
+                _ => true,
+            };
             if !*stopped {
                 recursion.append_std(std);
                 *samples += 1;
@@ -78,7 +86,7 @@ impl CramerRao {
         self.channels.iter().position(|&c| c == channel)
     }
 
-    /// The number of samples with a bound.
+    /// The number of samples with a bound that are kept.
     pub fn len(&self) -> usize {
         self.std.len() / self.channels.len()
     }
@@ -88,7 +96,7 @@ impl CramerRao {
         self.std.is_empty()
     }
 
-    /// The least standard deviation of a channel at sample `k`, in the channel's unit.
+    /// The least standard deviation of a channel at sample `k` of those that the record keeps, in the channel's unit.
     pub fn std(&self, k: usize, place: usize) -> f64 {
         self.std[k * self.channels.len() + place]
     }
