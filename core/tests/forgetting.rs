@@ -1,5 +1,4 @@
 //! A run that forgets its first samples goes on as if it had not, in the same memory.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 
