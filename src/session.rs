@@ -1,5 +1,8 @@
 //! A scenario and its run, and where playback stands in it.
 
+#[cfg(test)]
+mod tests;
+
 use kalmanscope_core::{CramerRao, Diagnostics, Quantity, Run, RunError, Scenario};
 use serde::{Deserialize, Serialize};
 
@@ -18,18 +21,26 @@ pub enum Mode {
 /// The same engine serves both modes: live, the run is stepped to where playback stands; whole, to its end. A change of
 /// the scenario starts the run anew and takes it to the same place, so that what is shown always follows from the
 /// scenario alone.
+///
+/// Live, a record may be of any length: no more than [`Self::KEPT`] samples are kept, and which ones follows from where the
+/// run stands. Samples are counted from the start, but for [`Self::index`] and all indices of the run's record.
 pub struct Session {
     scenario: Scenario,
     run: Run,
     diagnostics: Vec<Diagnostics>,
     bounds: Vec<CramerRao>,
     with_bounds: bool,
-    mode: Mode,
+    wanted: Mode,
+    can_be_whole: bool,
     playing: bool,
     speed: f64,
     clock: f64,
+    generation: u64,
     problem: Option<String>,
 }
+
+/// The most samples that the run takes at once, so that a frame does not freeze.
+const PORTION: usize = 20_000;
 
 impl Session {
     /// Simulated seconds per second that playback can have.
@@ -38,21 +49,31 @@ impl Session {
     /// The speed at first: brisk enough to see a change half-way through a minute without waiting for it.
     pub const DEFAULT_SPEED: f64 = 2.0;
 
+    /// The most samples that live mode keeps; then it forgets the first half of so many.
+    pub const KEPT: usize = 100_000;
+
+    /// The most times dt that a whole record is long: what a browser recomputes in the blink of an eye, and keeps in 60 MB
+    /// a filter.
+    pub const LONGEST_WHOLE: usize = 200_000;
+
     /// A session at the start of the scenario, playing.
     ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible.
     pub fn new(scenario: Scenario) -> Result<Self, RunError> {
+        let run = Run::new(&scenario)?;
         let mut session = Self {
-            run: Run::new(&scenario)?,
+            can_be_whole: run.samples() <= Self::LONGEST_WHOLE + 1,
+            run,
             diagnostics: Vec::new(),
             bounds: Vec::new(),
             with_bounds: false,
             scenario,
-            mode: Mode::Live,
+            wanted: Mode::Live,
             playing: true,
             speed: Self::DEFAULT_SPEED,
             clock: 0.0,
+            generation: 0,
             problem: None,
         };
         session.catch_up();
@@ -64,12 +85,12 @@ impl Session {
         &self.scenario
     }
 
-    /// Its run, as far as it is shown.
+    /// Its run, as far as it is shown and kept.
     pub fn run(&self) -> &Run {
         &self.run
     }
 
-    /// What the estimates are worth, one a filter.
+    /// What the estimates that are kept are worth, one a filter.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         &self.diagnostics
     }
@@ -84,8 +105,20 @@ impl Session {
         if self.with_bounds != wanted {
             self.with_bounds = wanted;
             self.bounds.clear();
-            self.catch_up();
+            if wanted && self.run.record().forgotten() > 0 {
+                // They begin where the filters began.
+                self.start_anew();
+                self.catch_up();
+            } else {
+                self.follow();
+            }
         }
+    }
+
+    /// A number that changes whenever the sample at an index becomes another one: with a new run, and when samples have been
+    /// forgotten. What has been computed from samples before is worth nothing then.
+    pub fn generation(&self) -> u64 {
+        self.generation
     }
 
     /// What the run's sensors measure.
@@ -93,9 +126,14 @@ impl Session {
         self.run.record().sensors().to_vec()
     }
 
-    /// What is shown of the record.
+    /// What is shown of the record. One that is too long to be shown as a whole is live, whatever is wanted.
     pub fn mode(&self) -> Mode {
-        self.mode
+        if self.can_be_whole { self.wanted } else { Mode::Live }
+    }
+
+    /// Whether the record is short enough to be shown as a whole.
+    pub fn can_be_whole(&self) -> bool {
+        self.can_be_whole
     }
 
     /// Whether time goes on.
@@ -115,23 +153,38 @@ impl Session {
 
     /// The last sample's time after the start \[s\].
     pub fn end(&self) -> f64 {
-        (self.run.samples() - 1) as f64 * self.run.record().dt()
+        self.run.samples().saturating_sub(1) as f64 * self.run.record().dt()
     }
 
-    /// The sample at which playback stands.
+    /// The sample at which playback stands, counted from the start.
     pub fn position(&self) -> usize {
         // A clock that has been set to k dt must give k, whatever the rounding.
-        ((self.clock / self.run.record().dt() + 1e-6) as usize).min(self.run.samples() - 1)
+        ((self.clock / self.run.record().dt() + 1e-6) as usize).min(self.run.samples().saturating_sub(1))
     }
 
     /// The time of [`Self::position`] \[s\].
     pub fn time(&self) -> f64 {
-        self.run.record().time(self.position())
+        self.run.record().time_of(self.position())
+    }
+
+    /// The index, among the samples that are kept, of that at which playback stands, or of the last one where the run is
+    /// behind.
+    pub fn index(&self) -> usize {
+        let index = self.position().saturating_sub(self.run.record().forgotten());
+        index.min(self.run.len().saturating_sub(1))
+    }
+
+    /// Whether the run has yet to come to where playback stands. Playback waits for it, and every [`Self::advance`] brings
+    /// it nearer.
+    pub fn behind(&self) -> bool {
+        self.run.done() < (self.position() + 1).min(self.run.samples())
     }
 
     /// Lets `elapsed` seconds of real time pass.
     pub fn advance(&mut self, elapsed: f64) {
-        if self.playing {
+        if self.behind() {
+            self.catch_up();
+        } else if self.playing {
             self.clock += elapsed * self.speed;
             if self.clock >= self.end() {
                 self.clock = self.end();
@@ -166,18 +219,14 @@ impl Session {
     /// Goes to a time after the start \[s\].
     pub fn seek(&mut self, time: f64) {
         self.clock = time.clamp(0.0, self.end());
-        if self.mode == Mode::Live && self.run.len() > self.position() + 1 {
-            self.start_anew();
-        }
+        self.go_back();
         self.catch_up();
     }
 
-    /// Shows the record as it grows, or all of it.
+    /// Shows the record as it grows, or all of it, as soon as it is short enough for that.
     pub fn set_mode(&mut self, mode: Mode) {
-        self.mode = mode;
-        if mode == Mode::Live && self.run.len() > self.position() + 1 {
-            self.start_anew();
-        }
+        self.wanted = mode;
+        self.go_back();
         self.catch_up();
     }
 
@@ -200,14 +249,40 @@ impl Session {
     fn start_anew(&mut self) {
         self.diagnostics.clear();
         self.bounds.clear();
+        self.generation += 1;
         self.problem = self.run.restart(&self.scenario).err().map(|error| error.to_string());
+        if self.problem.is_none() {
+            self.can_be_whole = self.run.samples() <= Self::LONGEST_WHOLE + 1;
+        }
+    }
+
+    /// Starts anew where the run has samples that are not to be shown, or has forgotten some that are.
+    fn go_back(&mut self) {
+        let back = match self.mode() {
+            Mode::Live => self.run.done() > self.position() + 1,
+            Mode::Whole => self.run.record().forgotten() > 0,
+        };
+        if back {
+            self.start_anew();
+        }
     }
 
     fn catch_up(&mut self) {
-        match self.mode {
-            Mode::Live => self.run.advance_to(self.position() + 1),
+        match self.mode() {
+            Mode::Live => {
+                let goal = (self.position() + 1).min(self.run.done() + PORTION);
+                while goal > self.run.record().forgotten() + Self::KEPT && self.run.forget(Self::KEPT / 2) {
+                    self.generation += 1;
+                }
+                self.run.advance_to(goal);
+            }
             Mode::Whole => self.run.finish(),
         }
+        self.follow();
+    }
+
+    /// Takes in what is new of the run, before any of it is forgotten.
+    fn follow(&mut self) {
         let Self { scenario, run, diagnostics, bounds, with_bounds, problem, .. } = self;
         let record = run.record();
         if diagnostics.len() == run.estimates().len() {
@@ -227,73 +302,5 @@ impl Session {
                 bound.follow(record);
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn session() -> Session {
-        Session::new(Scenario { duration: 4.0, ..Scenario::default() }).unwrap()
-    }
-
-    #[test]
-    fn live_mode_shows_as_much_as_has_been_played() {
-        let mut session = session();
-        assert_eq!(session.run().len(), 1);
-        session.advance(0.5);
-        assert_eq!((session.position(), session.run().len()), (100, 101));
-        session.advance(99.0);
-        assert!(!session.playing());
-        assert_eq!(session.run().len(), session.run().samples());
-    }
-
-    #[test]
-    fn every_way_to_a_sample_shows_the_same() {
-        let mut played = session();
-        (0..40).for_each(|_| played.advance(0.025));
-        let mut sought = session();
-        sought.seek(3.0);
-        sought.seek(2.0);
-        let mut switched = session();
-        switched.set_mode(Mode::Whole);
-        switched.seek(2.0);
-        switched.set_mode(Mode::Live);
-        let mut stepped = session();
-        (0..200).for_each(|_| stepped.step());
-        for other in [sought, switched, stepped] {
-            assert_eq!(other.position(), played.position());
-            assert_eq!(other.run().checksum(), played.run().checksum());
-        }
-    }
-
-    #[test]
-    fn an_edit_takes_effect_at_once_and_an_impossible_one_does_no_harm() {
-        let mut session = session();
-        session.set_mode(Mode::Whole);
-        let before = session.run().checksum();
-        let mut edited = session.scenario().clone();
-        edited.filters[0].fading = 1.02;
-        session.set_scenario(edited.clone());
-        let after = session.run().checksum();
-        assert_ne!(before, after);
-        edited.dt = -1.0;
-        session.set_scenario(edited);
-        assert!(session.problem().unwrap().contains("`dt`"));
-        assert_eq!(session.run().checksum(), after);
-        session.set_scenario(Scenario { duration: 2.0, ..Scenario::default() });
-        assert_eq!((session.problem(), session.run().samples()), (None, 201));
-    }
-
-    #[test]
-    fn play_at_the_end_begins_again() {
-        let mut session = session();
-        session.seek(99.0);
-        session.advance(0.1);
-        assert!(!session.playing());
-        session.toggle_play();
-        assert!(session.playing());
-        assert_eq!(session.position(), 0);
     }
 }

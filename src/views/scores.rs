@@ -18,7 +18,7 @@ impl View for Scores {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "What each filter has made of the record so far; the best of each row is marked.",
+            "What each filter has made of the record so far, or of what is kept of a long one; the best of each row is marked.",
             "RMSE is how far it was off on average; the verdict is whether it knew how far.",
             "A small error with a wrong verdict is luck: do not build on it.",
         ]
