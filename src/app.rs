@@ -252,7 +252,7 @@ impl eframe::App for App {
         // A frame that took long (a hidden tab, a breakpoint) must not swallow the story.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         self.session.advance(elapsed);
-        if self.session.playing() {
+        if self.session.playing() || self.session.behind() {
             ctx.request_repaint();
         }
     }

@@ -1,7 +1,14 @@
 //! A scenario and its run, and where playback stands in it.
 
-use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Quantity, Run, RunError, Scenario};
+mod analysis;
+#[cfg(test)]
+mod tests;
+
+use kalmanscope_core::{Diagnostics, Estimates, Quantity, Run, RunError, Scenario};
 use serde::{Deserialize, Serialize};
+
+use analysis::Analysis;
+pub use analysis::Bound;
 
 /// What is shown of the record.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -13,35 +20,29 @@ pub enum Mode {
     Whole,
 }
 
-/// A Cramér-Rao bound and the places of the filters that it is for.
-pub struct Bound {
-    /// The bound.
-    pub bound: CramerRao,
-    /// The filters' places in the scenario.
-    pub places: Vec<usize>,
-}
-
 /// The scenario on screen with everything that follows from it.
 ///
 /// The same engine serves both modes: live, the run is stepped to where playback stands; whole, to its end. A change of
 /// the scenario starts the run anew and takes it to the same place, so that what is shown always follows from the
 /// scenario alone.
+///
+/// Live, a record may be of any length: no more than [`Self::KEPT`] samples are kept, and which ones follows from where the
+/// run stands. Samples are counted from the start, but for [`Self::index`] and all indices of the run's record.
 pub struct Session {
     scenario: Scenario,
     run: Run,
-    diagnostics: Vec<Diagnostics>,
-    /// Whether the diagnostics are still those of an earlier run.
-    fresh: bool,
-    bounds: Vec<Bound>,
-    with_bounds: bool,
-    smoothed: Vec<(usize, Estimates)>,
-    mode: Mode,
+    analysis: Analysis,
+    wanted: Mode,
+    can_be_whole: bool,
     playing: bool,
     speed: f64,
     clock: f64,
     generation: u64,
     problem: Option<String>,
 }
+
+/// The most samples that the run takes at once, so that a frame does not freeze.
+const PORTION: usize = 20_000;
 
 impl Session {
     /// Simulated seconds per second that playback can have.
@@ -50,20 +51,25 @@ impl Session {
     /// The speed at first: brisk enough to see a change half-way through a minute without waiting for it.
     pub const DEFAULT_SPEED: f64 = 2.0;
 
+    /// The most samples that live mode keeps; then it forgets the first half of so many.
+    pub const KEPT: usize = 100_000;
+
+    /// The most times dt that a whole record is long: what a browser recomputes in the blink of an eye, and keeps in 60 MB
+    /// a filter.
+    pub const LONGEST_WHOLE: usize = 200_000;
+
     /// A session at the start of the scenario, playing.
     ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible.
     pub fn new(scenario: Scenario) -> Result<Self, RunError> {
+        let run = Run::new(&scenario)?;
         let mut session = Self {
-            run: Run::new(&scenario)?,
-            diagnostics: Vec::new(),
-            fresh: true,
-            bounds: Vec::new(),
-            with_bounds: false,
-            smoothed: Vec::new(),
+            can_be_whole: run.samples() <= Self::LONGEST_WHOLE + 1,
+            run,
+            analysis: Analysis::default(),
             scenario,
-            mode: Mode::Live,
+            wanted: Mode::Live,
             playing: true,
             speed: Self::DEFAULT_SPEED,
             clock: 0.0,
@@ -79,38 +85,43 @@ impl Session {
         &self.scenario
     }
 
-    /// Its run, as far as it is shown.
+    /// Its run, as far as it is shown and kept.
     pub fn run(&self) -> &Run {
         &self.run
     }
 
-    /// A number that changes whenever samples that were there before have other values, or other numbers.
+    /// A number that changes whenever the sample at an index becomes another one: with a new run, and when samples have been
+    /// forgotten. What has been computed from samples before is worth nothing then.
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
-    /// What the estimates are worth, one a filter.
+    /// What the estimates that are kept are worth, one a filter.
     pub fn diagnostics(&self) -> &[Diagnostics] {
-        &self.diagnostics
+        self.analysis.diagnostics()
     }
 
     /// The Cramér-Rao bounds, if they are wanted: filters that know as much at first share one.
     pub fn bounds(&self) -> &[Bound] {
-        &self.bounds
+        self.analysis.bounds()
     }
 
     /// Whether the Cramér-Rao bounds are to be computed: they cost as much as a filter.
     pub fn want_bounds(&mut self, wanted: bool) {
-        if self.with_bounds != wanted {
-            self.with_bounds = wanted;
-            self.bounds.clear();
-            self.catch_up();
+        if self.analysis.want_bounds(wanted) {
+            if wanted && self.run.record().forgotten() > 0 {
+                // They begin where the filters began.
+                self.start_anew();
+                self.catch_up();
+            } else {
+                self.follow();
+            }
         }
     }
 
     /// The estimates with hindsight of the whole record, with the places of their filters: of those that have a smoother.
     pub fn smoothed(&self) -> &[(usize, Estimates)] {
-        &self.smoothed
+        self.analysis.smoothed()
     }
 
     /// What the run's sensors measure.
@@ -118,9 +129,14 @@ impl Session {
         self.run.record().sensors().to_vec()
     }
 
-    /// What is shown of the record.
+    /// What is shown of the record. One that is too long to be shown as a whole is live, whatever is wanted.
     pub fn mode(&self) -> Mode {
-        self.mode
+        if self.can_be_whole { self.wanted } else { Mode::Live }
+    }
+
+    /// Whether the record is short enough to be shown as a whole.
+    pub fn can_be_whole(&self) -> bool {
+        self.can_be_whole
     }
 
     /// Whether time goes on.
@@ -147,23 +163,38 @@ impl Session {
 
     /// The last sample's time after the start \[s\].
     pub fn end(&self) -> f64 {
-        (self.run.samples() - 1) as f64 * self.run.record().dt()
+        self.run.samples().saturating_sub(1) as f64 * self.run.record().dt()
     }
 
-    /// The sample at which playback stands.
+    /// The sample at which playback stands, counted from the start.
     pub fn position(&self) -> usize {
         // A clock that has been set to k dt must give k, whatever the rounding.
-        ((self.clock / self.run.record().dt() + 1e-6) as usize).min(self.run.samples() - 1)
+        ((self.clock / self.run.record().dt() + 1e-6) as usize).min(self.run.samples().saturating_sub(1))
     }
 
     /// The time of [`Self::position`] \[s\].
     pub fn time(&self) -> f64 {
-        self.run.record().time(self.position())
+        self.run.record().time_of(self.position())
+    }
+
+    /// The index, among the samples that are kept, of that at which playback stands, or of the last one where the run is
+    /// behind.
+    pub fn index(&self) -> usize {
+        let index = self.position().saturating_sub(self.run.record().forgotten());
+        index.min(self.run.len().saturating_sub(1))
+    }
+
+    /// Whether the run has yet to come to where playback stands. Playback waits for it, and every [`Self::advance`] brings
+    /// it nearer.
+    pub fn behind(&self) -> bool {
+        self.run.done() < (self.position() + 1).min(self.run.samples())
     }
 
     /// Lets `elapsed` seconds of real time pass.
     pub fn advance(&mut self, elapsed: f64) {
-        if self.playing {
+        if self.behind() {
+            self.catch_up();
+        } else if self.playing {
             self.clock += elapsed * self.speed;
             if self.clock >= self.end() {
                 self.clock = self.end();
@@ -205,18 +236,14 @@ impl Session {
     /// Goes to a time after the start \[s\].
     pub fn seek(&mut self, time: f64) {
         self.clock = time.clamp(0.0, self.end());
-        if self.mode == Mode::Live && self.run.len() > self.position() + 1 {
-            self.start_anew();
-        }
+        self.go_back();
         self.catch_up();
     }
 
-    /// Shows the record as it grows, or all of it.
+    /// Shows the record as it grows, or all of it, as soon as it is short enough for that.
     pub fn set_mode(&mut self, mode: Mode) {
-        self.mode = mode;
-        if mode == Mode::Live && self.run.len() > self.position() + 1 {
-            self.start_anew();
-        }
+        self.wanted = mode;
+        self.go_back();
         self.catch_up();
     }
 
@@ -238,126 +265,43 @@ impl Session {
 
     fn start_anew(&mut self) {
         self.generation += 1;
-        self.fresh = true;
-        self.smoothed.clear();
-        self.bounds.clear();
+        self.analysis.begin_anew();
         self.problem = self.run.restart(&self.scenario).err().map(|error| error.to_string());
+        if self.problem.is_none() {
+            self.can_be_whole = self.run.samples() <= Self::LONGEST_WHOLE + 1;
+        }
+    }
+
+    /// Starts anew where the run has samples that are not to be shown, or has forgotten some that are.
+    fn go_back(&mut self) {
+        let back = match self.mode() {
+            Mode::Live => self.run.done() > self.position() + 1,
+            Mode::Whole => self.run.record().forgotten() > 0,
+        };
+        if back {
+            self.start_anew();
+        }
     }
 
     fn catch_up(&mut self) {
-        match self.mode {
-            Mode::Live => self.run.advance_to(self.position() + 1),
+        match self.mode() {
+            Mode::Live => {
+                let goal = (self.position() + 1).min(self.run.done() + PORTION);
+                while goal > self.run.record().forgotten() + Self::KEPT && self.run.forget(Self::KEPT / 2) {
+                    self.generation += 1;
+                }
+                self.run.advance_to(goal);
+            }
             Mode::Whole => self.run.finish(),
         }
-        let Self { scenario, run, diagnostics, fresh, bounds, with_bounds, smoothed, mode, problem, .. } = self;
-        let record = run.record();
-        if *fresh {
-            diagnostics.resize_with(run.estimates().len(), Diagnostics::default);
-            for (diagnostics, estimates) in diagnostics.iter_mut().zip(run.estimates()) {
-                diagnostics.restart(estimates, record);
-            }
-            *fresh = false;
-        }
-        for (diagnostics, estimates) in diagnostics.iter_mut().zip(run.estimates()) {
-            diagnostics.follow(estimates, record);
-        }
-        match mode {
-            Mode::Live => smoothed.clear(),
-            Mode::Whole if smoothed.is_empty() && problem.is_none() => {
-                let with = scenario.filters.iter().enumerate().filter(|(_, filter)| filter.smoother);
-                *smoothed = with.map(|(place, _)| place).zip(run.smoothed()).collect();
-            }
-            Mode::Whole => {}
-        }
-        // The run of an impossible scenario is that of the last possible one, which has no bounds to be made from.
-        if *with_bounds && problem.is_none() {
-            if bounds.is_empty() {
-                *bounds = bounds_of(scenario, record.dt());
-            }
-            for Bound { bound, .. } in bounds {
-                bound.follow(record);
-            }
-        }
-    }
-}
-
-/// The bounds of a scenario's filters, before the first sample.
-fn bounds_of(scenario: &Scenario, dt: f64) -> Vec<Bound> {
-    let mut bounds: Vec<Bound> = Vec::new();
-    for place in 0..scenario.filters.len() {
-        if let Some(same) = bounds.iter_mut().find(|b| b.bound.is_for(scenario, place)) {
-            same.places.push(place);
-        } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
-            bounds.push(Bound { bound, places: vec![place] });
-        }
-    }
-    bounds
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn session() -> Session {
-        Session::new(Scenario { duration: 4.0, ..Scenario::default() }).unwrap()
+        self.follow();
     }
 
-    #[test]
-    fn live_mode_shows_as_much_as_has_been_played() {
-        let mut session = session();
-        assert_eq!(session.run().len(), 1);
-        session.advance(0.5);
-        assert_eq!((session.position(), session.run().len()), (100, 101));
-        session.advance(99.0);
-        assert!(!session.playing());
-        assert_eq!(session.run().len(), session.run().samples());
-    }
-
-    #[test]
-    fn every_way_to_a_sample_shows_the_same() {
-        let mut played = session();
-        (0..40).for_each(|_| played.advance(0.025));
-        let mut sought = session();
-        sought.seek(3.0);
-        sought.seek(2.0);
-        let mut switched = session();
-        switched.set_mode(Mode::Whole);
-        switched.seek(2.0);
-        switched.set_mode(Mode::Live);
-        let mut stepped = session();
-        (0..200).for_each(|_| stepped.step());
-        for other in [sought, switched, stepped] {
-            assert_eq!(other.position(), played.position());
-            assert_eq!(other.run().checksum(), played.run().checksum());
-        }
-    }
-
-    #[test]
-    fn an_edit_takes_effect_at_once_and_an_impossible_one_does_no_harm() {
-        let mut session = session();
-        session.set_mode(Mode::Whole);
-        let before = session.run().checksum();
-        let mut edited = session.scenario().clone();
-        edited.filters[0].fading = 1.02;
-        session.set_scenario(edited.clone());
-        let after = session.run().checksum();
-        assert_ne!(before, after);
-        edited.dt = -1.0;
-        session.set_scenario(edited);
-        assert!(session.problem().unwrap().contains("`dt`"));
-        assert_eq!(session.run().checksum(), after);
-        session.set_scenario(Scenario { duration: 2.0, ..Scenario::default() });
-        assert_eq!((session.problem(), session.run().samples()), (None, 201));
-    }
-
-    #[test]
-    fn play_at_the_end_begins_again() {
-        let mut session = session();
-        session.seek(99.0);
-        session.advance(0.1);
-        assert!(!session.playing());
-        session.toggle_play();
-        assert!(session.playing());
-        assert_eq!(session.position(), 0);
+    /// Takes in what is new of the run, before any of it is forgotten.
+    fn follow(&mut self) {
+        let whole = self.mode() == Mode::Whole;
+        let Self { scenario, run, analysis, problem, .. } = self;
+        // The run of an impossible scenario is that of the last possible one, whose settings are gone.
+        analysis.follow(Some(&*scenario).filter(|_| problem.is_none()), run, whole);
     }
 }

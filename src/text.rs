@@ -36,6 +36,22 @@ pub fn parse(text: &str) -> Option<f64> {
     text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
 }
 
+/// A time \[s\] in hours, minutes and whole seconds, `h:mm:ss`.
+pub fn clock(time: f64) -> String {
+    let seconds = time.abs().floor() as u64;
+    let sign = if time < 0.0 && seconds > 0 { "−" } else { "" };
+    format!("{sign}{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
+}
+
+/// Reads what [`clock`] writes, and `m:ss` and plain seconds \[s\].
+pub fn parse_clock(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let (sign, digits) = text.strip_prefix(['-', '−']).map_or((1.0, text), |rest| (-1.0, rest));
+    let mut parts = digits.split(':').map(|part| parse(part).filter(|x| *x >= 0.0));
+    let time = parts.by_ref().take(3).try_fold(0.0, |time, part| Some(60.0 * time + part?))?;
+    parts.next().is_none().then_some(sign * time)
+}
+
 fn trimmed(text: &str) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text.to_owned() }
 }
@@ -62,6 +78,18 @@ mod tests {
             assert_eq!(significant(x, 4), text);
         }
         assert_eq!(fixed(-1.5, 3), "−1.500");
+    }
+
+    #[test]
+    fn times_are_hours_minutes_and_seconds() {
+        for (time, text) in [(0.0, "0:00:00"), (3725.99, "1:02:05"), (86_400.0, "24:00:00"), (-61.0, "−0:01:01")] {
+            assert_eq!(clock(time), text);
+            assert_eq!(parse_clock(text), Some(time.trunc()));
+        }
+        for (text, time) in [("90", Some(90.0)), (" 1:30.5 ", Some(90.5)), ("1:2:3:4", None), ("1:x", None), ("", None)]
+        {
+            assert_eq!(parse_clock(text), time, "{text}");
+        }
     }
 
     #[test]

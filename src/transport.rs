@@ -1,11 +1,11 @@
 //! The bar at the top: play, pause, step, restart, speed, live or whole record, and the time.
 
-use egui::{Button, ComboBox, RichText, Slider, Ui};
+use egui::{Button, ComboBox, DragValue, RichText, Slider, Ui};
 
 use crate::command::Command;
 use crate::controls::number;
 use crate::session::{Mode, Session};
-use crate::text::significant;
+use crate::text::{clock, parse_clock, significant};
 
 /// Shows the playback's buttons; where it is narrow the time has a row of its own.
 pub fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {
@@ -27,7 +27,10 @@ pub fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut
         (Mode::Live, "Live", "The filters run as time goes on"),
         (Mode::Whole, "Whole record", "All of the record, recomputed at once when anything changes"),
     ] {
-        if ui.selectable_label(session.mode() == mode, text).on_hover_text(hint).clicked() {
+        let button = Button::selectable(session.mode() == mode, text);
+        let possible = mode == Mode::Live || session.can_be_whole();
+        let too_long = format!("Too long to be recomputed at once: more than {} times Δt", Session::LONGEST_WHOLE);
+        if ui.add_enabled(possible, button).on_hover_text(hint).on_disabled_hover_text(too_long).clicked() {
             commands.push(Command::SetMode(mode));
         }
     }
@@ -59,14 +62,34 @@ fn speed_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 fn time_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let start = session.run().record().time(0);
+    let start = session.run().record().time_of(0);
     let mut time = session.time() - start;
-    ui.spacing_mut().slider_width = (ui.available_width() - 130.0).clamp(60.0, 260.0);
+    let end = start + session.end();
+    let text_width = if end > LONG { 170.0 } else { 130.0 };
+    ui.spacing_mut().slider_width = (ui.available_width() - text_width).clamp(60.0, 260.0);
     let slider = ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false));
     slider.ctx.accesskit_node_builder(slider.id, |node| node.set_label("Time"));
     number::remember(ui, "Time", slider.rect);
     if slider.changed() {
         commands.push(Command::Seek(time));
     }
-    ui.label(format!("{:6.2} / {} s", session.time(), significant(start + session.end(), 4)));
+    if session.behind() {
+        let share = 100 * session.run().done() / (session.position() + 1);
+        ui.weak(format!("computing, {share} %")).on_hover_text("The filters are on their way to this time");
+    } else if end > LONG {
+        // A pixel of the slider is minutes of a day: a time can be typed, too.
+        let field = DragValue::new(&mut time).range(0.0..=session.end()).speed(1.0).update_while_editing(false);
+        let field = field.custom_formatter(|time, _| clock(start + time));
+        let field = ui.add(field.custom_parser(|text| parse_clock(text).map(|time| time - start)));
+        field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Time, value"));
+        if field.changed() {
+            commands.push(Command::Seek(time));
+        }
+        ui.label(format!("/ {}", clock(end)));
+    } else {
+        ui.label(format!("{:6.2} / {} s", session.time(), significant(end, 4)));
+    }
 }
+
+/// From here on times are told in hours, minutes and seconds \[s\].
+const LONG: f64 = 600.0;

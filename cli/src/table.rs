@@ -62,11 +62,11 @@ fn write_table(text: &mut String, run: &Run, bounds: &[Option<CramerRao>], step_
             writeln!(text, "  time per step   {time:.0} ns")?;
         }
         for remark in filter.into_iter().flat_map(Estimates::remarks) {
-            let [from, to] = [remark.sample, remark.last].map(|k| plain(record.time(k)));
+            let [from, to] = [remark.sample, remark.last].map(|number| plain(record.time_of(number)));
             writeln!(text, "  from {from} s to {to} s: {}", remark.what)?;
         }
         if let Some(stop) = summary.stop {
-            let time = plain(record.time(stop.sample));
+            let time = plain(record.time_of(stop.sample));
             writeln!(text, "  stopped at sample {} (t = {time} s): {}", stop.sample, stop.reason)?;
         }
     }

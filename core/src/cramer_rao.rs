@@ -26,8 +26,9 @@ pub struct CramerRao {
     channels: &'static [Channel],
     recursion: Box<dyn Recursion>,
     std: Vec<f64>,
-    samples: usize,
-    /// Whether the recursion has met a number that is none.
+    /// How many samples the record had forgotten when it was last followed.
+    forgotten: usize,
+    /// Whether the recursion has met a number that is none, or lacks a sample.
     stopped: bool,
 }
 
@@ -40,7 +41,7 @@ impl CramerRao {
         let plant = scenario.plant.kind;
         let surroundings = Surroundings { plant, sensors: &sensors, dt, seed: scenario.seed, place };
         let recursion = plant.visit_log(settings.eta, false, Start { settings: &settings, surroundings });
-        Some(Self { settings, channels: plant.channels(), recursion, std: Vec::new(), samples: 0, stopped: false })
+        Some(Self { settings, channels: plant.channels(), recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }
 
     /// Whether this is the bound for the filter at `place`, too: it knows as much at first, and takes the same for chance.
@@ -49,15 +50,19 @@ impl CramerRao {
         told(scenario, place).is_some_and(|settings| settings == self.settings)
     }
 
-    /// Takes in the samples that a record of this scenario has beyond those seen so far. Without the truth of every
-    /// channel there is no bound.
+    /// Takes in the samples that a record of this scenario has beyond those seen so far, and forgets those that the record
+    /// has forgotten. Without the truth of every channel there is no bound, and none from a sample on that the record has
+    /// forgotten before it was seen here.
     pub fn follow(&mut self, record: &Record) {
-        let Self { settings: _, channels, recursion, std, samples, stopped } = self;
+        let Self { settings: _, channels, recursion, std, forgotten, stopped } = self;
+        let gone = (record.forgotten() - *forgotten) * channels.len();
+        std.drain(..gone.min(std.len()));
+        *forgotten = record.forgotten();
         let truth: Option<Vec<&[f64]>> = channels.iter().map(|&c| record.truth(c)).collect();
         let Some(truth) = truth.filter(|_| !*stopped) else { return };
-        std.reserve((record.len() - *samples) * channels.len());
-        *stopped = recursion.follow(&truth, record, *samples, std).is_err();
-        *samples = std.len() / channels.len();
+        // The sample before the first new one must still be there, unless there never was one.
+        let seen = std.len() / channels.len();
+        *stopped = (seen == 0 && *forgotten > 0) || recursion.follow(&truth, record, seen, std).is_err();
     }
 
     /// The channels of the bound: all of the truth's.
@@ -70,7 +75,7 @@ impl CramerRao {
         self.channels.iter().position(|&c| c == channel)
     }
 
-    /// The number of samples with a bound.
+    /// The number of samples with a bound that are kept.
     pub fn len(&self) -> usize {
         self.std.len() / self.channels.len()
     }
@@ -80,7 +85,7 @@ impl CramerRao {
         self.std.is_empty()
     }
 
-    /// The least standard deviation of a channel at sample `k`, in the channel's unit.
+    /// The least standard deviation of a channel at sample `k` of those that the record keeps, in the channel's unit.
     pub fn std(&self, k: usize, place: usize) -> f64 {
         self.std[k * self.channels.len() + place]
     }

@@ -26,9 +26,13 @@ pub use whiteness::{LAGS, LjungBox, Whiteness};
 ///
 /// Errors are those of the canonical form ([`Estimates::canonical_mean`]). In whatever portions the samples come, the
 /// numbers are the same to the last bit.
+///
+/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), they speak of those that are kept, and count
+/// from the first of these. What they still know of the others is from when on an estimate has settled.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
     samples: usize,
+    forgotten: usize,
     accuracy: Accuracy,
     nees: Nees,
     nis: Totals,
@@ -47,8 +51,9 @@ impl Diagnostics {
 
     /// Begins anew with other estimates, as [`Self::new`] does, in the memory of these diagnostics.
     pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
-        let Self { samples, accuracy, nees, nis, whiteness, log_likelihood, stop } = self;
+        let Self { samples, forgotten, accuracy, nees, nis, whiteness, log_likelihood, stop } = self;
         *samples = 0;
+        *forgotten = estimates.forgotten();
         accuracy.restart(estimates, record);
         nees.restart(accuracy.known().iter().map(|known| known.place));
         nis.clear();
@@ -60,8 +65,18 @@ impl Diagnostics {
     }
 
     /// Takes in what has been estimated since: each sample in a time that does not depend on how many there are. Both
-    /// must be those that the diagnostics began with, grown longer.
+    /// must be those that the diagnostics began with, grown longer. Where samples have been forgotten since, begins anew with
+    /// those that are kept.
     pub fn follow(&mut self, estimates: &Estimates, record: &Record) {
+        if estimates.forgotten() != self.forgotten {
+            let seen_all = self.forgotten + self.samples >= estimates.forgotten();
+            let before = self.accuracy.clone_known();
+            self.restart(estimates, record);
+            if seen_all {
+                self.accuracy.remember(&before);
+            }
+            return;
+        }
         for k in self.samples..estimates.len() {
             self.push(estimates, record, k);
         }
@@ -71,7 +86,7 @@ impl Diagnostics {
 
     #[inline]
     fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) {
-        let Self { samples: _, accuracy, nees, nis, whiteness, log_likelihood, stop: _ } = self;
+        let Self { samples: _, forgotten: _, accuracy, nees, nis, whiteness, log_likelihood, stop: _ } = self;
         let errors = accuracy.push(estimates, record, k);
         nees.push(errors, estimates.cov(k), estimates.channels().len());
 
@@ -124,8 +139,8 @@ impl Diagnostics {
         (2 * self.samples).div_ceil(3)..self.samples
     }
 
-    /// The sample from which on a channel's estimate has been within 5 % of the truth until the last; `None` where the
-    /// last is not, or the truth is not known.
+    /// The sample from which on a channel's estimate has been within 5 % of the truth until the last, by its number from the
+    /// run's beginning ([`Record::time_of`]); `None` where the last is not, or the truth is not known.
     pub fn settled(&self, channel: Channel) -> Option<usize> {
         self.accuracy.settled(self.accuracy.place(channel)?)
     }

@@ -5,10 +5,13 @@ use crate::gaussian::Gaussian;
 use crate::health::{Remark, Watch};
 use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, PlantKind, Quantity};
 
+/// For so many samples memory is set aside at once; that of longer runs grows as they do.
+const ROOM: usize = 1 << 17;
+
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stop {
-    /// The first sample without an estimate.
+    /// The number, from the run's beginning, of the first sample without an estimate.
     pub sample: usize,
     /// What went wrong there.
     pub reason: FilterError,
@@ -16,8 +19,11 @@ pub struct Stop {
 
 /// The estimates of one filter: everything that it computed at each sample, from k = 0 on.
 ///
+/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), `k` counts from the first one that is kept, as
+/// it does in the [`Record`](crate::Record). [`Stop`]s and [`Remark`]s tell a sample by its number from the run's beginning.
+///
 /// With n channels and m sensors a sample has n means, an n × n covariance, m innovations, their m × m covariance and an
-/// n × m gain. At k = 0 and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
+/// n × m gain. At the run's first sample and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
 #[derive(Clone, Debug)]
 pub struct Estimates {
     name: String,
@@ -27,6 +33,8 @@ pub struct Estimates {
     /// The place of the channel whose sign decides about the canonical form.
     frequency: Option<usize>,
     sensors: Vec<Quantity>,
+    forgotten: usize,
+    initial_std: Vec<f64>,
     mean: Vec<f64>,
     cov: Vec<f64>,
     innovation: Vec<f64>,
@@ -50,6 +58,8 @@ impl Estimates {
             frequency: plant.channels().iter().position(|&c| c == Channel::NaturalFrequency),
             watch: Watch::new(settings, plant, &sensors),
             sensors,
+            forgotten: 0,
+            initial_std: Vec::new(),
             mean: Vec::new(),
             cov: Vec::new(),
             innovation: Vec::new(),
@@ -62,8 +72,8 @@ impl Estimates {
         }
     }
 
-    /// Takes over the memory of estimates that are no longer needed, with room for `samples`: to be given fresh pages by
-    /// the system costs more than to fill them.
+    /// Takes over the memory of estimates that are no longer needed, with room for `samples`, or as many as are kept of a
+    /// long run: to be given fresh pages by the system costs more than to fill them.
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
         let mut old = old.unwrap_or_else(|| self.clone());
@@ -79,11 +89,34 @@ impl Estimates {
         ] {
             *new = std::mem::take(old);
             new.clear();
-            new.reserve(samples * per_sample);
+            new.reserve(samples.min(ROOM) * per_sample);
         }
     }
 
+    /// Forgets the first `samples` or, if the filter has stopped before that, all; in place.
+    pub(crate) fn forget(&mut self, samples: usize) {
+        let (n, m) = (self.channels.len(), self.sensors.len());
+        let Self { mean, cov, innovation, innovation_cov, gain, nis, log_likelihood, effective_samples, .. } = self;
+        for (values, per_sample) in [
+            (mean, n),
+            (cov, n * n),
+            (innovation, m),
+            (innovation_cov, m * m),
+            (gain, n * m),
+            (nis, 1),
+            (log_likelihood, 1),
+            (effective_samples, 1),
+        ] {
+            values.drain(..(samples * per_sample).min(values.len()));
+        }
+        self.forgotten += samples;
+        self.watch.forget_before(self.forgotten);
+    }
+
     pub(crate) fn push<const N: usize>(&mut self, belief: &Gaussian<N>, correction: &Correction<N>) {
+        if self.initial_std.is_empty() {
+            self.initial_std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
+        }
         let m = self.sensors.len();
         self.mean.extend_from_slice(belief.mean.as_slice());
         self.cov.extend_from_slice(belief.cov.as_slice());
@@ -97,16 +130,16 @@ impl Estimates {
         if self.kind == FilterKind::Pf {
             self.effective_samples.push(correction.effective_samples);
         }
-        self.watch.look(self.nis.len() - 1, belief, correction);
+        self.watch.look(self.forgotten + self.nis.len() - 1, belief, correction);
     }
 
     /// Takes note of the noise that an adaptive filter assumes by the last sample.
     pub(crate) fn note_noise<const N: usize>(&mut self, noise: &Noise<N>) {
-        self.watch.look_at_noise(self.nis.len() - 1, noise);
+        self.watch.look_at_noise(self.forgotten + self.nis.len() - 1, noise);
     }
 
     pub(crate) fn stop_at(&mut self, reason: FilterError) {
-        self.stop = Some(Stop { sample: self.len(), reason });
+        self.stop = Some(Stop { sample: self.forgotten + self.len(), reason });
     }
 
     /// The filter's name.
@@ -139,14 +172,24 @@ impl Estimates {
         &self.sensors
     }
 
-    /// The number of samples with an estimate.
+    /// The number of samples with an estimate that are kept.
     pub fn len(&self) -> usize {
         self.nis.len()
     }
 
-    /// Whether there is no estimate yet.
+    /// Whether there is no estimate.
     pub fn is_empty(&self) -> bool {
         self.nis.is_empty()
+    }
+
+    /// How many samples have been forgotten: the number of the first one that is kept, as in the record.
+    pub fn forgotten(&self) -> usize {
+        self.forgotten
+    }
+
+    /// The standard deviation of one channel at the run's first sample, kept or not; NaN before it.
+    pub fn initial_std(&self, channel: usize) -> f64 {
+        self.initial_std.get(channel).copied().unwrap_or(f64::NAN)
     }
 
     /// Where the filter stopped, if it could not go on.
@@ -154,15 +197,16 @@ impl Estimates {
         self.stop
     }
 
-    /// What else there is to know, in the order in which it was noticed: troubles that the filter survived.
+    /// What else there is to know, in the order in which it was noticed: troubles that the filter survived. Those of which
+    /// no sample is kept are forgotten.
     pub fn remarks(&self) -> &[Remark] {
         self.watch.remarks()
     }
 
-    /// The number of samples, the first not counted, in which a sensor told this filter nothing.
+    /// The number of samples, the run's first not counted, in which a sensor told this filter nothing.
     pub fn missing(&self, sensor: usize) -> usize {
         let m = self.sensors.len();
-        (1..self.len()).filter(|k| self.innovation[k * m + sensor].is_nan()).count()
+        (usize::from(self.forgotten == 0)..self.len()).filter(|k| self.innovation[k * m + sensor].is_nan()).count()
     }
 
     /// The mean at sample `k`, one number a channel.
@@ -237,7 +281,7 @@ impl Estimates {
         &self.effective_samples
     }
 
-    /// A number that changes whenever a bit of any mean or covariance does (64-bit FNV-1a), to compare platforms with.
+    /// A number that changes whenever a bit of any mean or covariance that is kept does (64-bit FNV-1a), to compare platforms with.
     pub fn checksum(&self) -> u64 {
         self.mean
             .iter()

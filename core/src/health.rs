@@ -47,7 +47,7 @@ pub enum Trouble {
 pub struct Remark {
     /// The trouble.
     pub what: Trouble,
-    /// The first sample that has it.
+    /// The first sample that has it, by its number from the run's beginning.
     pub sample: usize,
     /// The last sample that has it, as far as the filter has come.
     pub last: usize,
@@ -122,7 +122,12 @@ impl Watch {
         &self.remarks
     }
 
-    /// Looks at sample `k`.
+    /// Drops the remarks of occasions that are over before sample `first`, and that none after it belongs to.
+    pub(crate) fn forget_before(&mut self, first: usize) {
+        self.remarks.retain(|remark| remark.last + PAUSE >= first);
+    }
+
+    /// Looks at sample number `k`.
     #[inline]
     pub(crate) fn look<const N: usize>(&mut self, k: usize, belief: &Gaussian<N>, correction: &Correction<N>) {
         let cov = &belief.cov;

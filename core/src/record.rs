@@ -7,10 +7,14 @@ pub use csv_file::RecordError;
 use crate::{Channel, Quantity};
 
 /// Equally spaced samples of force, measurements and, where it is known, the truth.
+///
+/// A run can forget its first samples ([`Run::forget`](crate::Run::forget)). Samples are told by their index among those
+/// that are kept; by their number, counted from the run's beginning, only where it says so ([`Self::time_of`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     dt: f64,
     start: f64,
+    forgotten: usize,
     force: Vec<f64>,
     sensors: Vec<Quantity>,
     measured: Vec<Vec<f64>>,
@@ -23,11 +27,21 @@ impl Record {
         Self {
             dt,
             start: 0.0,
+            forgotten: 0,
             force: Vec::new(),
             measured: vec![Vec::new(); sensors.len()],
             sensors,
             truth: vec![Vec::new(); truth_channels.len()],
             truth_channels,
+        }
+    }
+
+    /// Forgets the first `samples`, in place.
+    pub(crate) fn forget(&mut self, samples: usize) {
+        let Self { dt: _, start: _, forgotten, force, sensors: _, measured, truth_channels: _, truth } = self;
+        *forgotten += samples;
+        for column in std::iter::once(force).chain(measured).chain(truth) {
+            column.drain(..samples);
         }
     }
 
@@ -51,12 +65,22 @@ impl Record {
         self.dt
     }
 
-    /// Time of sample `k` \[s\].
+    /// Time of sample `k` of those that are kept \[s\].
     pub fn time(&self, k: usize) -> f64 {
-        self.start + k as f64 * self.dt
+        self.time_of(self.forgotten + k)
     }
 
-    /// The number of samples.
+    /// Time of the sample with this number from the run's beginning \[s\], kept or not, and also beyond the last.
+    pub fn time_of(&self, number: usize) -> f64 {
+        self.start + number as f64 * self.dt
+    }
+
+    /// How many samples have been forgotten: the number of the first one that is kept.
+    pub fn forgotten(&self) -> usize {
+        self.forgotten
+    }
+
+    /// The number of samples that are kept.
     pub fn len(&self) -> usize {
         self.force.len()
     }

@@ -21,10 +21,14 @@ pub enum RunError {
 }
 
 /// A scenario in progress.
+///
+/// A simulated run may forget its first samples ([`Self::forget`]), and can then go on for ever in the same memory. Counts
+/// of all samples, [`Self::done`] and [`Self::samples`], are from the run's beginning; [`Self::len`] and every index into
+/// [`Self::record`] and [`Self::estimates`] are of those that are kept.
 pub struct Run {
     source: Source,
     samples: usize,
-    step: usize,
+    done: usize,
     /// The place of each of the scenario's sensors in the record.
     sensors: Vec<usize>,
     measured: Vec<f64>,
@@ -113,7 +117,7 @@ impl Run {
             settings,
             source,
             samples,
-            step: 0,
+            done: 0,
             sensors,
         })
     }
@@ -123,23 +127,23 @@ impl Run {
     /// on. Returns whether there was a sample left; a truth that runs away ends the record early and says why in
     /// [`Self::truth_stop`].
     pub fn step(&mut self) -> bool {
-        let Self { source, samples, step, sensors, measured, estimators, estimates, settings: _ } = self;
-        if *step >= *samples {
+        let Self { source, samples, done, sensors, measured, estimators, estimates, settings: _ } = self;
+        if *done >= *samples {
             return false;
         }
         if let Source::Simulated { simulator, record } = source
             && !simulator.step(record)
         {
-            *samples = *step;
+            *samples = *done;
             return false;
         }
-        let k = *step;
         let record = source.record();
+        let k = *done - record.forgotten();
         for (value, &sensor) in measured.iter_mut().zip(sensors.iter()) {
             *value = record.measured(sensor)[k];
         }
         for (estimator, estimates) in estimators.iter_mut().zip(estimates) {
-            if k == 0 {
+            if *done == 0 {
                 estimator.begin(estimates);
             } else if estimates.stop().is_none()
                 && let Err(reason) = estimator.step(record.force()[k - 1], record.force()[k], measured, estimates)
@@ -147,13 +151,26 @@ impl Run {
                 estimates.stop_at(reason);
             }
         }
-        *step += 1;
+        *done += 1;
         true
     }
 
-    /// Steps until `samples` samples are done or there are none left.
+    /// Steps until `samples` samples, from the run's beginning, are done or there are none left.
     pub fn advance_to(&mut self, samples: usize) {
-        while self.step < samples && self.step() {}
+        while self.done < samples && self.step() {}
+    }
+
+    /// Forgets the first `samples` of those that are kept, or all but the last, and whatever has been told of them, without
+    /// giving memory back. What comes after is the same to the last bit. Only a simulated record can be forgotten; returns
+    /// whether it is one.
+    pub fn forget(&mut self, samples: usize) -> bool {
+        let samples = samples.min(self.len().saturating_sub(1));
+        let Source::Simulated { record, .. } = &mut self.source else { return false };
+        record.forget(samples);
+        for estimates in &mut self.estimates {
+            estimates.forget(samples);
+        }
+        true
     }
 
     /// Steps to the end of the record.
@@ -161,17 +178,22 @@ impl Run {
         self.advance_to(self.samples);
     }
 
-    /// The number of samples done.
+    /// The number of samples done, from the run's beginning.
+    pub fn done(&self) -> usize {
+        self.done
+    }
+
+    /// The number of samples done that are kept: all, unless some have been forgotten.
     pub fn len(&self) -> usize {
-        self.step
+        self.done - self.record().forgotten()
     }
 
     /// Whether no sample is done yet.
     pub fn is_empty(&self) -> bool {
-        self.step == 0
+        self.done == 0
     }
 
-    /// The number of samples of the whole record.
+    /// The number of samples of the whole record, from the run's beginning, kept or not.
     pub fn samples(&self) -> usize {
         self.samples
     }
@@ -184,26 +206,29 @@ impl Run {
         }
     }
 
-    /// The record: as far as it is simulated, or all of a measured one.
+    /// The record: as far as it is simulated and kept, or all of a measured one.
     pub fn record(&self) -> &Record {
         self.source.record()
     }
 
-    /// The estimates so far, one a filter.
+    /// The estimates so far, as far as they are kept, one a filter.
     pub fn estimates(&self) -> &[Estimates] {
         &self.estimates
     }
 
     /// The estimates of every filter with a smoother in the light of all samples so far. They have means and
-    /// covariances, but no innovations.
+    /// covariances, but no innovations. A smoother begins where the filter did: a run that has forgotten samples has none.
     ///
     /// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems.
     pub fn smoothed(&self) -> Vec<Estimates> {
-        let Self { settings, source, step, .. } = self;
+        let Self { settings, source, done, .. } = self;
         let record = source.record();
+        if record.forgotten() > 0 {
+            return Vec::new();
+        }
         let of = |(place, filter): (usize, &FilterSettings)| {
             let mut smoothed = settings.smoothed(filter);
-            smooth(filter, settings.surroundings(record.dt(), place), record, *step, &mut smoothed);
+            smooth(filter, settings.surroundings(record.dt(), place), record, *done, &mut smoothed);
             smoothed
         };
         settings.filters.iter().enumerate().filter(|(_, f)| f.smoother).map(of).collect()
@@ -216,7 +241,7 @@ impl Run {
         Channel::ALL.into_iter().filter(known).collect()
     }
 
-    /// Checksum of all estimates, to compare platforms with.
+    /// Checksum of all estimates that are kept, to compare platforms with.
     pub fn checksum(&self) -> u64 {
         self.estimates.iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
     }

@@ -27,7 +27,7 @@ pub enum TruthError {
 /// Where a truth stopped, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TruthStop {
-    /// The first sample that the record lacks.
+    /// The number, from the run's beginning, of the first sample that the record lacks.
     pub sample: usize,
     /// What went wrong there.
     pub reason: TruthError,
@@ -77,7 +77,7 @@ impl Simulator {
         if self.stop.is_some() {
             return false;
         }
-        let sample = record.len();
+        let sample = record.forgotten() + record.len();
         self.stop = self.try_step(record).err().map(|reason| TruthStop { sample, reason });
         self.stop.is_none()
     }
@@ -85,7 +85,7 @@ impl Simulator {
     fn try_step(&mut self, record: &mut Record) -> Result<(), TruthError> {
         let Self { scenario, force_noise, disturbance_noise, sensor_noise, truth, stop: _ } = self;
         let dt = scenario.dt;
-        let k = record.len();
+        let k = record.forgotten() + record.len();
         let t = k as f64 * dt;
         truth.set_parameters(&|channel| scenario.plant.parameter(channel).map_or(0.0, |signal| signal.at(t)));
         let force = scenario.force.sample(k, dt, force_noise);

@@ -278,8 +278,8 @@ fn impossible_values_are_told_with_key_value_and_what_is_allowed() {
         ("dt = 0", "`dt` is 0", POSITIVE),
         ("dt = nan", "`dt` is NaN", POSITIVE),
         ("duration = -1", "`duration` is -1", POSITIVE),
-        ("duration = 1e9", "`duration` is 1000000000", "but must be from 1 to 1999999 times dt"),
-        ("duration = 1e-3", "`duration` is 0.001", "but must be from 1 to 1999999 times dt"),
+        ("duration = 1e9", "`duration` is 1000000000", "but must be from 1 to 99999999 times dt"),
+        ("duration = 1e-3", "`duration` is 0.001", "but must be from 1 to 99999999 times dt"),
         ("plant.natural_frequency = inf", "`plant.natural_frequency` is inf", FINITE),
         (
             "plant.natural_frequency = 0",

@@ -90,7 +90,7 @@ impl Check {
             }
             Measure::Gain => self.mean_gain(seen, range)?,
             Measure::Settled => {
-                let settled = diagnostics.settled(self.channel?).map_or(f64::INFINITY, |k| seen.record().time(k));
+                let settled = diagnostics.settled(self.channel?).map_or(f64::INFINITY, |n| seen.record().time_of(n));
                 (settled - times.from.unwrap_or(0.0)).max(0.0)
             }
             Measure::LogLikelihood => {

@@ -5,12 +5,15 @@ use kalmanscope_core::Scenario;
 
 use super::number::Number;
 
-/// Samples of the longest record: what a browser recomputes in the blink of an eye, and keeps in 60 MB a filter.
-const LONGEST: f64 = 200_000.0;
+/// The longest record \[s\]: a day.
+const LONGEST: f64 = 86_400.0;
+
+/// Lengths at the press of a button \[s\].
+const LENGTHS: [(&str, f64); 3] = [("1 min", 60.0), ("1 h", 3600.0), ("1 day", LONGEST)];
 
 pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let Scenario { seed, dt, duration, .. } = scenario;
-    let hint = "Length of the record";
+    let hint = "Length of the record, up to a day; a long one can only be seen live, and its beginning is forgotten";
     Number {
         label: "duration",
         name: "Duration",
@@ -21,6 +24,14 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
         hint,
     }
     .show(ui, duration);
+    ui.horizontal(|ui| {
+        ui.add_space(119.0);
+        for (name, length) in LENGTHS {
+            if ui.small_button(name).on_hover_text(hint).clicked() {
+                *duration = length;
+            }
+        }
+    });
     let hint = "Time between samples";
     Number {
         label: "Δt sampling",
@@ -33,7 +44,7 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     }
     .show(ui, dt);
     *dt = dt.min(*duration);
-    *duration = duration.min(LONGEST * *dt);
+    *duration = duration.min(LONGEST);
     ui.horizontal(|ui| {
         ui.label("seed").on_hover_text("The same seed gives the same noise, on every machine");
         let drag = ui.add(DragValue::new(seed).range(0..=i64::MAX as u64).speed(0.1));

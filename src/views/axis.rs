@@ -25,7 +25,8 @@ const LIVE_SPAN: (f64, f64) = (5.2, 20.0);
 impl TimeAxis {
     /// The part of the record that an axis that follows shows, `(from, to)` \[s\].
     pub fn followed(&self, session: &Session) -> (f64, f64) {
-        let start = session.run().record().time(0);
+        let record = session.run().record();
+        let start = record.time_of(0);
         match session.mode() {
             Mode::Whole => {
                 let (from, to) = self.framed.unwrap_or((0.0, session.end()));
@@ -34,7 +35,7 @@ impl TimeAxis {
             }
             Mode::Live => {
                 // A little room ahead, so that the newest estimate does not stick to the frame.
-                let ahead = session.time() - start + 0.6;
+                let ahead = record.time(session.index()) - start + 0.6;
                 let span = ahead.clamp(LIVE_SPAN.0, LIVE_SPAN.1).min(session.end() + 0.6);
                 let to = start + ahead.max(span);
                 (to - span, to)
@@ -42,13 +43,13 @@ impl TimeAxis {
         }
     }
 
-    /// The sample whose values are read out: the one pointed at, else where playback stands.
+    /// The index of the sample whose values are read out: the one pointed at, else where playback stands.
     pub fn readout(&self, session: &Session) -> usize {
         let record = session.run().record();
         let last = session.run().len().saturating_sub(1);
         match self.pointed {
             Some(time) => (((time - record.time(0)) / record.dt()).round().max(0.0) as usize).min(last),
-            None => session.position().min(last),
+            None => session.index(),
         }
     }
 }

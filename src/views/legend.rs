@@ -67,17 +67,17 @@ pub fn legend_ui(ui: &mut Ui, session: &Session, shown: &mut Shown, palette: &Pa
     });
     let record = session.run().record();
     if let Some(stop) = session.run().truth_stop() {
-        let time = record.time(stop.sample);
+        let time = record.time_of(stop.sample);
         ui.colored_label(palette.warning, format!("The record ends before {time:.2} s: {}.", stop.reason));
     }
     for estimates in session.run().estimates() {
         let name = estimates.name();
         if let Some(stop) = estimates.stop() {
-            let time = record.time(stop.sample);
+            let time = record.time_of(stop.sample);
             ui.colored_label(palette.warning, format!("{name} stopped at {time:.2} s: {}.", stop.reason));
         }
         if let Some(remark) = estimates.remarks().last() {
-            let time = record.time(remark.sample);
+            let time = record.time_of(remark.sample);
             ui.weak(format!("{name} from {time:.2} s: {}.", remark.what));
         }
     }

@@ -32,13 +32,17 @@ impl View for Matrices {
                 if !shown.filter(place) || k >= estimates.len() {
                     continue;
                 }
-                let title = format!("{}, sample {k}, t = {:.3} s", estimates.name(), session.run().record().time(k));
+                let record = session.run().record();
+                let number = record.forgotten() + k;
+                let title = format!("{}, sample {number}, t = {:.3} s", estimates.name(), record.time(k));
                 ui.label(RichText::new(title).family(theme::strong()).color(palette.filter(place)));
-                if k == 0 {
+                if number == 0 {
                     ui.weak("The initial belief: nothing has been predicted or measured yet.");
+                } else if k == 0 {
+                    ui.weak("The sample before is no longer kept.");
                 }
                 channels_ui(ui, estimates, k, place);
-                sensors_ui(ui, estimates, session.run().record(), k, place);
+                sensors_ui(ui, estimates, record, k, place);
                 ui.add_space(8.0);
             }
         });
@@ -92,7 +96,7 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, place: usize) {
 /// What each sensor said and what was expected of it.
 fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, place: usize) {
     let m = estimates.sensors().len();
-    if k == 0 || m == 0 {
+    if record.forgotten() + k == 0 || m == 0 {
         return;
     }
     Grid::new(("sensors", place)).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {

@@ -49,9 +49,9 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
     painter.rect_filled(rect, 6.0, palette.plot);
 
     let record = session.run().record();
-    let k = session.position().min(session.run().len().saturating_sub(1));
+    let k = session.index();
     let truth = record.truth(Channel::Displacement);
-    let stage = Stage::new(rect, truth.map_or(0.0, |x| reach(&x[..=k.min(x.len() - 1)])));
+    let stage = Stage::new(rect, truth.map_or(0.0, |x| reach(&x[..x.len().min(k + 1)])));
     stage.ground(&painter, palette.weak);
 
     for (place, estimates) in session.run().estimates().iter().enumerate() {
@@ -78,7 +78,7 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
     painter.text(corner, Align2::RIGHT_TOP, equation, font, palette.weak);
 }
 
-/// The largest displacement so far.
+/// The largest displacement so far, of what is kept.
 fn reach(displacement: &[f64]) -> f64 {
     displacement.iter().fold(0.0, |reach: f64, x| reach.max(x.abs()))
 }

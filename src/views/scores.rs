@@ -18,7 +18,7 @@ impl View for Scores {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "What each filter has made of the record so far; the best of each row is marked; a click on its name sorts.",
+            "What each filter has made of the record so far, or of what is kept of a long one; a click on a row's name sorts by it.",
             "RMSE is how far it was off on average; the verdict is whether it knew how far.",
             "A small error with a wrong verdict is luck: do not build on it.",
         ]

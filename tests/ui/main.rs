@@ -261,6 +261,46 @@ fn the_transport_does_what_it_says() {
     assert_eq!(screen.state().session().speed(), 10.0);
 }
 
+#[test]
+fn a_day_can_be_set_and_is_live_only() {
+    let mut screen = workbench();
+    screen.get_by_label("Whole record").click();
+    screen.run_steps(3);
+    assert_eq!(screen.state().session().mode(), Mode::Whole);
+    screen.get_by_label("1 day").click();
+    screen.run_steps(3);
+    assert_eq!((scenario(&screen).duration, screen.state().session().end()), (86_400.0, 86_400.0));
+    assert_eq!(screen.state().session().mode(), Mode::Live);
+    assert!(screen.get_by_label("Whole record").accesskit_node().is_disabled());
+    assert!(screen.query_by_label("/ 24:00:00").is_some());
+
+    let field = screen.get_by_label("Time, value");
+    field.focus();
+    screen.run_steps(2);
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    screen.get_by_label("Time, value").type_text("0:16:40");
+    screen.key_press(Key::Enter);
+    screen.run_steps(2);
+    let session = screen.state().session();
+    assert_eq!((session.time(), session.behind(), session.playing()), (1000.0, true, false));
+    assert!(screen.query_by_label_contains("computing, ").is_some());
+    screen.run_steps(8);
+    assert_eq!(screen.state().session().run().done(), 100_001);
+    assert!(screen.query_by_label_contains("computing, ").is_none());
+    for arrangement in Arrangement::ALL {
+        *screen.state_mut().layout_mut() = Layout::of(arrangement);
+        screen.run_steps(8);
+    }
+    screen.remove_cursor();
+    assert!(screen.try_run().is_ok(), "nothing moves, but frame after frame is drawn");
+
+    set(&mut screen, "Duration, value", 1e9);
+    assert_eq!(scenario(&screen).duration, 86_400.0);
+    screen.get_by_label("1 min").click();
+    screen.run_steps(3);
+    assert_eq!((screen.state().session().mode(), screen.state().session().run().len()), (Mode::Whole, 6001));
+}
+
 #[derive(Default)]
 struct Memory(HashMap<String, String>);
 

@@ -37,7 +37,7 @@ fn entries(run: &Run) -> Vec<(Swatch, String)> {
     }
     for (estimates, color) in colored(run) {
         let end = match estimates.stop() {
-            Some(stop) => format!(", stopped at {} s", plain(record.time(stop.sample))),
+            Some(stop) => format!(", stopped at {} s", plain(record.time_of(stop.sample))),
             None => " ±2σ".to_owned(),
         };
         let name = shortened(&heading(estimates.name(), estimates.kind()));

@@ -39,11 +39,12 @@ pub(super) struct Known {
     /// Its place in the record.
     truth: usize,
     total: Tally,
-    /// The first absolute error; 0 before it.
+    /// The first absolute error, kept or not; 0 before it.
     pub(super) first_error: f64,
-    /// The largest absolute truth so far.
+    /// The largest absolute truth so far, kept or not.
     pub(super) largest_truth: f64,
-    /// From which sample on the estimate has been within [`SETTLED`]; the next one if it is not.
+    /// The number, from the run's beginning, of the sample from which on the estimate has been within [`SETTLED`]; the next
+    /// one if it is not.
     settled: usize,
 }
 
@@ -51,6 +52,8 @@ pub(super) struct Known {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accuracy {
     known: Vec<Known>,
+    /// The number of the first sample.
+    first: usize,
     /// The place of the channel whose sign decides about the canonical form.
     frequency: Option<usize>,
     /// The tallies of all samples up to each: one a known channel and sample.
@@ -62,11 +65,12 @@ pub(super) struct Accuracy {
 
 impl Accuracy {
     pub(super) fn restart(&mut self, estimates: &Estimates, record: &Record) {
-        let Self { known, frequency, until, errors, sign } = self;
+        let Self { known, first, frequency, until, errors, sign } = self;
+        *first = estimates.forgotten();
         let of = |(place, &channel): (usize, &Channel)| {
             let truth = record.truth_place(channel)?;
             let total = Tally::default();
-            Some(Known { channel, place, truth, total, first_error: 0.0, largest_truth: 0.0, settled: 0 })
+            Some(Known { channel, place, truth, total, first_error: 0.0, largest_truth: 0.0, settled: *first })
         };
         known.clear();
         known.extend(estimates.channels().iter().enumerate().filter_map(of));
@@ -80,7 +84,8 @@ impl Accuracy {
     /// Takes in sample `k` and returns its errors in the filter's own form.
     #[inline]
     pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) -> &[f64] {
-        let Self { known, frequency, until, errors, sign } = self;
+        let Self { known, first, frequency, until, errors, sign } = self;
+        let number = *first + k;
         let (mean, cov) = (estimates.mean(k), estimates.cov(k));
         *sign = if frequency.is_some_and(|place| mean[place] < 0.0) { -1.0 } else { 1.0 };
         until.extend(known.iter_mut().zip(errors.iter_mut()).map(|(one, error)| {
@@ -89,7 +94,7 @@ impl Accuracy {
             *error = raw;
             let mut total = one.total;
             if raw.is_nan() {
-                one.settled += usize::from(one.settled == k);
+                one.settled += usize::from(one.settled == number);
             } else {
                 let square = raw * raw;
                 if total.known == 0 {
@@ -99,7 +104,7 @@ impl Accuracy {
                 total.known += 1;
                 total.inside += u32::from(square <= 4.0 * cov[one.place * (mean.len() + 1)]);
                 one.largest_truth = if truth.abs() > one.largest_truth { truth.abs() } else { one.largest_truth };
-                one.settled = if raw.abs() <= SETTLED * truth.abs() { one.settled } else { k + 1 };
+                one.settled = if raw.abs() <= SETTLED * truth.abs() { one.settled } else { number + 1 };
             }
             one.total = total;
             total
@@ -113,10 +118,26 @@ impl Accuracy {
         sign * self.errors[at]
     }
 
-    /// The sample from which on one of the known channels has settled.
+    /// The number of the sample from which on one of the known channels has settled.
     pub(super) fn settled(&self, at: usize) -> Option<usize> {
         let Known { settled, total, .. } = self.known[at];
-        (total.known > 0 && settled * self.known.len() < self.until.len()).then_some(settled)
+        let end = self.first + self.until.len() / self.known.len();
+        (total.known > 0 && settled < end).then_some(settled)
+    }
+
+    pub(super) fn clone_known(&self) -> Vec<Known> {
+        self.known.clone()
+    }
+
+    /// Takes over what was known `before` of samples that are no longer kept, after a new beginning with those that are.
+    pub(super) fn remember(&mut self, before: &[Known]) {
+        for (known, before) in self.known.iter_mut().zip(before).filter(|(_, before)| before.total.known > 0) {
+            known.first_error = before.first_error;
+            known.largest_truth = known.largest_truth.max(before.largest_truth);
+            if known.settled == self.first {
+                known.settled = known.settled.min(before.settled);
+            }
+        }
     }
 
     pub(super) fn known(&self) -> &[Known] {

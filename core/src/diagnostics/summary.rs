@@ -1,4 +1,4 @@
-//! What a filter made of a whole record, in numbers.
+//! What a filter made of a record, as far as it is kept, in numbers.
 
 use super::{Diagnostics, LjungBox, MeanSquare, Tally, Verdict, Whiteness};
 use crate::{Channel, Estimates, FilterKind, Quantity, Record, Stop};
@@ -10,7 +10,7 @@ pub struct Summary {
     pub name: String,
     /// The filter's kind.
     pub kind: FilterKind,
-    /// The number of samples with an estimate.
+    /// The number of samples with an estimate that are kept.
     pub samples: usize,
     /// Whether the filter is to be believed, if there are enough samples to tell.
     pub verdict: Option<Verdict>,
@@ -101,7 +101,7 @@ impl Score {
             rmse: all.rmse(),
             rmse_last_third: last_third.map_or(f64::NAN, Tally::rmse),
             share_inside: all.share_inside(),
-            settled: diagnostics.settled(channel).map(|k| record.time(k)),
+            settled: diagnostics.settled(channel).map(|number| record.time_of(number)),
         })
     }
 }

@@ -111,7 +111,7 @@ impl Diagnostics {
         let recent = self.len() * 4 / 5..self.len();
         self.accuracy.known().iter().enumerate().find_map(|(at, known)| {
             let rmse = self.accuracy.within(at, recent.clone()).rmse();
-            let (first, std) = (estimates.std(0, known.place), estimates.std(last, known.place));
+            let (first, std) = (estimates.initial_std(known.place), estimates.std(last, known.place));
             let bound = known.largest_truth.max(known.first_error).max(2.0 * first);
             (std > 0.0 && rmse > LOST * std && rmse > bound).then(|| {
                 let (name, unit) = (known.channel.name(), known.channel.unit());
@@ -126,7 +126,8 @@ impl Diagnostics {
         let last = self.len().checked_sub(1)?;
         let parameters = estimates.channels().iter().enumerate().filter(|(_, channel)| channel.is_parameter());
         let mut growths = parameters.map(|(place, channel)| {
-            let [first, before, now] = [0, self.last_third().start.min(last), last].map(|k| estimates.std(k, place));
+            let first = estimates.initial_std(place);
+            let [before, now] = [self.last_third().start.min(last), last].map(|k| estimates.std(k, place));
             let growth = if now > WIND_UP.1 * before && first > 0.0 { now / first } else { 0.0 };
             (growth, channel)
         });
@@ -187,7 +188,7 @@ impl Diagnostics {
         }
         let last = self.len() - 1;
         for (place, channel) in estimates.channels().iter().enumerate().filter(|(_, channel)| channel.is_parameter()) {
-            let (first, now) = (estimates.std(0, place), estimates.std(last, place));
+            let (first, now) = (estimates.initial_std(place), estimates.std(last, place));
             if first > 0.0 && now > UNLEARNT * first {
                 text += &format!("; σ of {} is still {} times that at first", channel.name(), short(now / first));
             }

@@ -8,8 +8,9 @@ use crate::force::Allowed;
 use crate::sensor::MAX_SENSORS;
 use crate::{Channel, PerChannel, PlantKind, Signal};
 
-/// The most samples of one record: at 100 Hz more than five hours, about a gigabyte of estimates a filter.
-pub(super) const MAX_SAMPLES: usize = 2_000_000;
+/// The most samples of one record: more than a day at 1 kHz. Who keeps all of so many needs tens of gigabytes a filter; a
+/// run that forgets ([`crate::Run::forget`]) does not.
+pub(super) const MAX_SAMPLES: usize = 100_000_000;
 
 /// The most filters of one scenario.
 pub(super) const MAX_FILTERS: usize = 16;

@@ -1,0 +1,162 @@
+//! Playback, edits and long records.
+
+use super::*;
+
+fn session() -> Session {
+    Session::new(Scenario { duration: 4.0, ..Scenario::default() }).unwrap()
+}
+
+#[test]
+fn live_mode_shows_as_much_as_has_been_played() {
+    let mut session = session();
+    assert_eq!(session.run().len(), 1);
+    session.advance(0.5);
+    assert_eq!((session.position(), session.run().len()), (100, 101));
+    session.advance(99.0);
+    assert!(!session.playing());
+    assert_eq!(session.run().len(), session.run().samples());
+}
+
+#[test]
+fn every_way_to_a_sample_shows_the_same() {
+    let mut played = session();
+    (0..40).for_each(|_| played.advance(0.025));
+    let mut sought = session();
+    sought.seek(3.0);
+    sought.seek(2.0);
+    let mut switched = session();
+    switched.set_mode(Mode::Whole);
+    switched.seek(2.0);
+    switched.set_mode(Mode::Live);
+    let mut stepped = session();
+    (0..200).for_each(|_| stepped.step());
+    for other in [sought, switched, stepped] {
+        assert_eq!(other.position(), played.position());
+        assert_eq!(other.run().checksum(), played.run().checksum());
+    }
+}
+
+#[test]
+fn an_edit_takes_effect_at_once_and_an_impossible_one_does_no_harm() {
+    let mut session = session();
+    session.set_mode(Mode::Whole);
+    let before = session.run().checksum();
+    let mut edited = session.scenario().clone();
+    edited.filters[0].fading = 1.02;
+    session.set_scenario(edited.clone());
+    let after = session.run().checksum();
+    assert_ne!(before, after);
+    edited.dt = -1.0;
+    session.set_scenario(edited);
+    assert!(session.problem().unwrap().contains("`dt`"));
+    assert_eq!(session.run().checksum(), after);
+    session.set_scenario(Scenario { duration: 2.0, ..Scenario::default() });
+    assert_eq!((session.problem(), session.run().samples()), (None, 201));
+}
+
+/// Of 300 001 samples, with a single filter.
+fn long() -> Session {
+    let mut scenario = Scenario { duration: 3000.0, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    Session::new(scenario).unwrap()
+}
+
+/// Lets frames pass until the run is there; returns how many it took.
+fn wait(session: &mut Session) -> usize {
+    (0..1000)
+        .position(|_| {
+            let there = !session.behind();
+            session.advance(0.0);
+            there
+        })
+        .unwrap()
+}
+
+#[test]
+fn far_away_times_are_computed_in_portions_while_playback_waits() {
+    let mut session = long();
+    session.seek(1000.0);
+    assert_eq!((session.run().done(), session.index(), session.behind()), (20_001, 20_000, true));
+    assert_eq!((session.position(), session.time()), (100_000, 1000.0));
+    session.advance(0.1);
+    assert_eq!((session.run().done(), session.time()), (40_001, 1000.0));
+    assert_eq!(wait(&mut session), 3);
+    assert_eq!((session.run().done(), session.run().len(), session.index()), (100_001, 50_001, 50_000));
+    session.advance(0.1);
+    assert_eq!((session.position(), session.index()), (100_020, 50_020));
+    let before = session.generation();
+    session.seek(999.0);
+    assert!(session.generation() > before && session.behind());
+    session.toggle_play();
+    assert_eq!(wait(&mut session), 4, "a pause does not hold it up");
+    assert_eq!((session.run().len(), session.run().record().forgotten(), session.time()), (99_901, 0, 999.0));
+}
+
+#[test]
+fn what_is_kept_follows_from_where_the_run_stands() {
+    let mut played = long();
+    played.set_speed(1770.0);
+    (0..13).for_each(|_| played.advance(0.1));
+    played.toggle_play();
+    played.seek(2345.67);
+    wait(&mut played);
+    let mut sought = long();
+    sought.seek(2900.0);
+    sought.seek(2345.67);
+    wait(&mut sought);
+    let mut bounded = long();
+    bounded.seek(2345.67);
+    wait(&mut bounded);
+    bounded.want_bounds(true);
+    assert!(bounded.behind(), "bounds begin at the start");
+    wait(&mut bounded);
+    assert_eq!(bounded.bounds()[0].bound.len(), bounded.run().len());
+    for session in [&sought, &bounded, &played] {
+        assert_eq!((session.run().done(), session.run().record().forgotten()), (234_568, 150_000));
+        assert_eq!((session.position(), session.index()), (234_567, 84_567));
+        assert_eq!(session.run().checksum(), sought.run().checksum());
+        let [one, other] = [session, &sought].map(|session| session.diagnostics()[0].log_likelihood());
+        assert_eq!(one.to_bits(), other.to_bits());
+        assert_eq!(session.diagnostics()[0].len(), session.run().len());
+    }
+}
+
+#[test]
+fn a_record_that_is_too_long_is_live_until_it_is_shorter() {
+    let mut session = session();
+    session.set_mode(Mode::Whole);
+    let long = Scenario { duration: 3000.0, ..session.scenario().clone() };
+    let short = std::mem::take(&mut session.scenario);
+    session.seek(3.0);
+    session.set_scenario(long);
+    assert!(!session.can_be_whole());
+    assert_eq!((session.mode(), session.position(), session.run().done()), (Mode::Live, 300, 301));
+    session.seek(1500.0);
+    wait(&mut session);
+    assert!(session.run().record().forgotten() > 0);
+    session.set_scenario(short);
+    assert_eq!((session.mode(), session.run().len(), session.position()), (Mode::Whole, 401, 400));
+}
+
+#[test]
+fn a_truth_without_a_first_sample_does_no_harm() {
+    let mut scenario = Scenario::default();
+    scenario.add_sensor(kalmanscope_core::Sensor { measures: Quantity::Acceleration, noise_std: 0.1 });
+    scenario.plant.initial.displacement = 1e308;
+    let mut session = Session::new(scenario).unwrap();
+    session.advance(1.0);
+    session.step();
+    assert_eq!((session.position(), session.index(), session.end()), (0, 0, 0.0));
+    assert!(session.run().truth_stop().is_some() && !session.behind());
+}
+
+#[test]
+fn play_at_the_end_begins_again() {
+    let mut session = session();
+    session.seek(99.0);
+    session.advance(0.1);
+    assert!(!session.playing());
+    session.toggle_play();
+    assert!(session.playing());
+    assert_eq!(session.position(), 0);
+}

@@ -1,0 +1,90 @@
+//! A simulated day, played in frames as the screen plays it: the memory that it takes does not grow.
+
+use std::collections::BTreeSet;
+
+use kalmanscope::session::{Mode, Session};
+use kalmanscope_core::diagnostics::VerdictKind;
+use kalmanscope_core::{Channel, Run, Scenario};
+
+/// A day at 100 Hz with an EKF: 8.64 million samples.
+fn day() -> Scenario {
+    let mut scenario = Scenario { duration: 86_400.0, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    assert_eq!((scenario.dt, scenario.samples()), (0.01, 8_640_001));
+    scenario
+}
+
+/// The most memory that this process has had so far \[bytes\], where the system tells.
+fn peak_memory() -> Option<usize> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(1024 * line.trim().strip_suffix(" kB")?.parse::<usize>().ok()?)
+}
+
+/// That nothing which has a value a sample has more than are kept.
+fn assert_bounded(session: &Session) {
+    let (run, record) = (session.run(), session.run().record());
+    let mut lengths = BTreeSet::from([run.len(), record.len(), record.force().len()]);
+    lengths.extend((0..record.sensors().len()).map(|sensor| record.measured(sensor).len()));
+    lengths.extend(Channel::ALL.into_iter().filter_map(|c| record.truth(c)).map(<[f64]>::len));
+    for estimates in run.estimates() {
+        lengths.extend([estimates.len(), estimates.nis().len(), estimates.log_likelihood().len()]);
+    }
+    lengths.extend(session.diagnostics().iter().flat_map(|d| [d.len(), d.nees().len()]));
+    lengths.extend(session.bounds().iter().map(|of| of.bound.len()));
+    assert_eq!(lengths.len(), 1, "not all are as long as the others: {lengths:?}");
+    assert!(run.len() <= Session::KEPT, "{} samples are kept", run.len());
+    assert!(run.estimates()[0].remarks().len() < 100);
+}
+
+#[test]
+fn a_day_passes_in_bounded_memory() {
+    let scenario = day();
+    let mut session = Session::new(scenario.clone()).unwrap();
+    assert!(!session.can_be_whole() && session.mode() == Mode::Live);
+    session.want_bounds(true);
+    // As much in a frame as is computed in one: 200 s.
+    session.set_speed(2000.0);
+    let (mut frames, mut forgotten, mut generation) = (0, 0, session.generation());
+    let mut early = None;
+    while session.playing() {
+        let (done, time) = (session.run().done(), session.time());
+        session.advance(0.1);
+        frames += 1;
+        assert!(!session.behind() && session.run().done() <= done + 20_000, "a frame takes too much at once");
+        assert!((session.time() - time - 200.0).abs() < 1e-6, "{} s after {time} s", session.time());
+        assert_bounded(&session);
+        let now = session.run().record().forgotten();
+        assert_eq!(now != forgotten, session.generation() != generation, "indices changed their meaning unannounced");
+        (forgotten, generation) = (now, session.generation());
+        if frames == 20 {
+            early = peak_memory();
+        }
+    }
+    assert_eq!(frames, 432);
+    if let (Some(early), Some(late)) = (early, peak_memory()) {
+        // All estimates of the day are 2.5 GB.
+        assert!(late < early + 10_000_000, "the memory has grown from {early} to {late} bytes");
+    }
+
+    let (run, last) = (session.run(), session.index());
+    assert_eq!((session.position(), run.done(), run.samples()), (8_640_000, 8_640_001, 8_640_001));
+    assert_eq!((session.time(), session.end(), run.record().time(last)), (86_400.0, 86_400.0, 86_400.0));
+    assert_eq!(forgotten + last, 8_640_000);
+    let ekf = &run.estimates()[0];
+    assert_eq!((ekf.stop(), ekf.len()), (None, last + 1));
+    let verdict = session.diagnostics()[0].verdict(ekf).unwrap();
+    assert!(verdict.kind == VerdictKind::Consistent && !verdict.reason.contains("at first"), "{verdict}");
+
+    // A run without a session, which keeps next to nothing.
+    let mut plain = Run::new(&scenario).unwrap();
+    while plain.done() < plain.samples() {
+        plain.forget(usize::MAX);
+        plain.advance_to(plain.done() + 1000);
+    }
+    let (other, end) = (&plain.estimates()[0], plain.len() - 1);
+    let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(ekf.mean(last)), bits(other.mean(end)));
+    assert_eq!(bits(ekf.cov(last)), bits(other.cov(end)));
+    assert_eq!(run.record().force()[last].to_bits(), plain.record().force()[end].to_bits());
+}
