@@ -1,0 +1,132 @@
+//! The largest motion and force so far, at a cost that does not grow with the record.
+
+use kalmanscope_core::Record;
+
+use super::{displacement, push};
+
+/// The largest of some samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Peak {
+    /// Displacement of any mass \[m\].
+    pub(super) reach: f64,
+    /// Stretch of any link \[m\].
+    pub(super) drift: f64,
+    /// Mean force over mass within [`push::SPELL`] \[m/s²\].
+    pub(super) force: f64,
+}
+
+/// About as many samples are looked at in one go.
+const BLOCK: usize = 512;
+
+/// The largest of all samples up to the end of each block of them, kept from frame to frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Peaks {
+    blocks: Vec<Block>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    peak: Peak,
+    /// What the last samples were: another record has others.
+    mark: Mark,
+}
+
+type Mark = (u64, u64, usize);
+
+impl Peaks {
+    /// The largest of the samples up to `k` of the true motion of `masses`. Looks at each block only once while the record
+    /// grows.
+    pub(super) fn up_to(&mut self, record: &Record, masses: usize, k: usize) -> Peak {
+        let Self { blocks } = self;
+        let window = push::window(record);
+        let size = window * BLOCK.div_ceil(window);
+        let mark = |end: usize| -> Mark {
+            let last = |values: Option<&[f64]>| values.and_then(|x| x.get(end - 1)).map_or(0, |x| x.to_bits());
+            (last(record.truth(displacement(masses - 1))), last(Some(record.force())), size)
+        };
+        blocks.truncate(record.len() / size);
+        if blocks.last().is_some_and(|block| block.mark != mark(blocks.len() * size)) {
+            blocks.clear();
+        }
+        let whole = (k + 1).min(record.len()) / size;
+        while blocks.len() < whole {
+            let from = blocks.len() * size;
+            let before = blocks.last().map_or(Peak::default(), |block| block.peak);
+            let peak = before.or(peak(record, masses, from, from + size, window));
+            blocks.push(Block { peak, mark: mark(from + size) });
+        }
+        let before = whole.checked_sub(1).map_or(Peak::default(), |last| blocks[last].peak);
+        before.or(peak(record, masses, whole * size, (k + 1).min(record.len()), window))
+    }
+}
+
+impl Peak {
+    fn or(self, other: Self) -> Self {
+        Self {
+            reach: self.reach.max(other.reach),
+            drift: self.drift.max(other.drift),
+            force: self.force.max(other.force),
+        }
+    }
+}
+
+/// The largest of the samples from `from` to before `to`.
+fn peak(record: &Record, masses: usize, from: usize, to: usize, window: usize) -> Peak {
+    let mut peak = Peak::default();
+    let mut before: Option<&[f64]> = None;
+    for mass in 0..masses {
+        let Some(x) = record.truth(displacement(mass)).and_then(|x| x.get(from..to)) else { break };
+        // `max` passes over what is not a number.
+        peak.reach = x.iter().fold(peak.reach, |reach, x| reach.max(x.abs()));
+        peak.drift = match before {
+            Some(before) => x.iter().zip(before).fold(peak.drift, |drift, (x, before)| drift.max((x - before).abs())),
+            None => peak.reach,
+        };
+        before = Some(x);
+    }
+    let force = record.force().get(from..to).unwrap_or_default().chunks_exact(window);
+    peak.force = force.map(|f| f.iter().sum::<f64>().abs() / window as f64).fold(0.0, f64::max);
+    peak
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kalmanscope_core::{PlantKind, Run, Scenario};
+
+    fn record(masses: usize, seed: u64) -> Record {
+        let mut scenario = Scenario { duration: 30.0, seed, ..Scenario::default() };
+        scenario.plant.kind = if masses == 3 { PlantKind::Shear3 } else { PlantKind::Sdof };
+        scenario.filters.clear();
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        run.record().clone()
+    }
+
+    fn whole(record: &Record, masses: usize, k: usize) -> (f64, f64) {
+        let mut all = (0.0, 0.0);
+        for j in 0..=k {
+            let mut before = 0.0;
+            for mass in 0..masses {
+                let x = record.truth(displacement(mass)).unwrap()[j];
+                all = (x.abs().max(all.0), (x - before).abs().max(all.1));
+                before = x;
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn they_are_those_of_all_samples_wherever_playback_goes() {
+        for masses in [1, 3] {
+            let mut peaks = Peaks::default();
+            for seed in [1, 2] {
+                let record = record(masses, seed);
+                for k in [0, 3, 511, 512, 2900, 700, 0, 1900, 3000] {
+                    let peak = peaks.up_to(&record, masses, k);
+                    assert_eq!((peak.reach, peak.drift), whole(&record, masses, k), "{masses} {seed} {k}");
+                }
+            }
+        }
+    }
+}

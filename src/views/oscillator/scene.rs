@@ -1,0 +1,168 @@
+//! What is on the stage at one moment.
+
+use egui::{Painter, Rect, Stroke, pos2, vec2};
+use kalmanscope_core::{Channel, Estimates, Quantity, Record};
+
+use super::body::{Belief, body, ghosts, name};
+use super::cloud::cloud;
+use super::ground::ground;
+use super::link::{Ink, Link, link};
+use super::stage::Stage;
+use super::trail::Trail;
+use super::{displacement, push};
+use crate::views::ViewContext;
+
+/// One moment, and where it is drawn.
+pub(super) struct Scene<'a> {
+    pub(super) stage: &'a Stage,
+    pub(super) painter: &'a Painter,
+    pub(super) context: &'a ViewContext<'a>,
+    /// The sample.
+    pub(super) k: usize,
+}
+
+impl<'a> Scene<'a> {
+    /// Draws ground and masses; the largest force so far has a long arrow \[m/s²\].
+    pub(super) fn masses(&self, largest_force: f64) {
+        let Self { stage, painter, context, k } = *self;
+        let ViewContext { palette, shown, .. } = *context;
+        ground(stage, painter, palette);
+        let record = self.record();
+        let force = push::recent(record, k);
+        let share = force / largest_force.max(force.abs()).max(1e-12);
+        let mut before = (stage.wall, 0.0);
+        for mass in 0..stage.masses() {
+            let beliefs: Vec<Belief> = self.filters(mass).filter_map(|filter| filter.belief(k)).collect();
+            let truth = self.truth(mass);
+            let known = truth.and_then(|x| x.get(k)).copied().filter(|x| x.is_finite());
+            // Without a truth the springs hold what the first filter believes in.
+            if let Some(x) = known.or(beliefs.first().map(|belief| belief.mean)) {
+                let line = if known.is_some() { palette.truth } else { palette.weak };
+                let mixed = |share| palette.plot.lerp_to_gamma(line, share);
+                let at = stage.body(mass, x);
+                let ink = Ink { line, back: mixed(0.45), fill: mixed(0.08) };
+                link(stage, painter, link_kind(record, x, k), before.0, at, x - before.1, ink);
+                let mast = [at.center_top(), pos2(at.center().x, stage.arrow)];
+                painter.line_segment(mast, Stroke::new(1.2 * stage.unit, line));
+                if known.is_some() {
+                    body(stage, painter, at, palette);
+                }
+                before = (at.right(), x);
+            }
+            ghosts(stage, painter, mass, &beliefs, shown.bands);
+            if known.is_some() && stage.masses() == 1 {
+                name(painter, stage.body(mass, before.1), beliefs.len(), palette);
+            }
+            if let Some(readings) = self.readings(mass) {
+                cloud(stage, painter, mass, readings, truth, k, palette.measured);
+            }
+            push::arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
+        }
+    }
+
+    /// Draws where the masses have been onto `paper`.
+    pub(super) fn trail(&self, paper: Rect) {
+        let Self { stage, painter, context, k } = *self;
+        let ViewContext { palette, shown, .. } = *context;
+        let lines = stage.masses() * (1 + self.filters(0).count());
+        let trail = Trail::new(stage, painter, paper, self.record(), k, lines);
+        trail.paper(palette);
+        for mass in 0..stage.masses() {
+            if let Some(readings) = self.readings(mass) {
+                trail.dots(mass, readings, palette.measured);
+            }
+            if let Some(truth) = self.truth(mass) {
+                trail.line(mass, 3.0, palette.truth, |k| truth.get(k).copied());
+            }
+            for filter in self.filters(mass) {
+                if shown.bands {
+                    let band = |k| filter.belief(k).map(|belief| (belief.mean, 2.0 * belief.std));
+                    trail.band(mass, filter.color.gamma_multiply(0.22), band);
+                }
+                trail.line(mass, 1.4, filter.color, |k| filter.belief(k).map(|belief| belief.mean));
+            }
+        }
+    }
+
+    fn record(&self) -> &'a Record {
+        self.context.session.run().record()
+    }
+
+    fn truth(&self, mass: usize) -> Option<&'a [f64]> {
+        self.record().truth(displacement(mass)).filter(|_| self.context.shown.truth)
+    }
+
+    fn readings(&self, mass: usize) -> Option<&'a [f64]> {
+        let sensor = Quantity::ALL.into_iter().find(|q| q.channel() == Some(displacement(mass)))?;
+        self.record().measured_quantity(sensor).filter(|_| self.context.shown.measured)
+    }
+
+    fn filters(&self, mass: usize) -> impl Iterator<Item = Filter<'a>> {
+        let ViewContext { session, palette, shown, .. } = *self.context;
+        session.run().estimates().iter().enumerate().filter(|(place, _)| shown.filter(*place)).filter_map(
+            move |(place, estimates)| {
+                Some(Filter { estimates, at: estimates.place(displacement(mass))?, color: palette.filter(place) })
+            },
+        )
+    }
+
+    /// Writes the equation and what is measured above the spring, where there is room. Tells whether there was for the
+    /// equation.
+    pub(super) fn captions(&self) -> bool {
+        let Self { stage, painter, context, .. } = *self;
+        let ViewContext { session, palette, shown, .. } = *context;
+        let corner = stage.rect.left_top() + vec2(10.0, 4.0 * stage.unit);
+        let far = pos2(stage.rest(0) - stage.travel - stage.body.x, stage.body(0, 0.0).top());
+        let room = Rect::from_min_max(corner, far);
+        let sensors = session.run().record().sensors();
+        let mut measured = sensors.iter().map(|q| q.symbol()).collect::<Vec<_>>().join(", ");
+        // Of what is measured, only a displacement has a rate of change that is a channel.
+        if !sensors.iter().any(|q| q.channel().and_then(Channel::rate).is_some()) {
+            measured += ", not x";
+        }
+        let equation = session.scenario().plant.kind.equation();
+        let mut y = room.top();
+        let mut write = |text: String| -> bool {
+            let galley = painter.layout_no_wrap(text, stage.font(), palette.weak);
+            let size = galley.size();
+            let fits = size.x <= room.width() && y + size.y <= room.bottom();
+            if fits {
+                painter.galley(pos2(room.left(), y), galley, palette.weak);
+                y += size.y;
+            }
+            fits
+        };
+        let told = write(equation.to_owned());
+        if shown.measured && !sensors.is_empty() {
+            write(format!("measured: {measured}"));
+        }
+        told
+    }
+}
+
+/// A filter's estimates of one displacement.
+struct Filter<'a> {
+    estimates: &'a Estimates,
+    at: usize,
+    color: egui::Color32,
+}
+
+impl Filter<'_> {
+    /// What it believes at sample `k`, if anything.
+    fn belief(&self, k: usize) -> Option<Belief> {
+        let Self { estimates, at, color } = *self;
+        let mean = (k < estimates.len()).then(|| estimates.mean(k)[at]).filter(|mean| mean.is_finite())?;
+        Some(Belief { mean, std: estimates.std(k, at), color })
+    }
+}
+
+/// What the true spring is like, with the mass at `x` \[m\].
+fn link_kind(record: &Record, x: f64, k: usize) -> Link {
+    if let Some(z) = record.truth(Channel::HystereticDisplacement).and_then(|z| z.get(k)).filter(|z| z.is_finite()) {
+        Link::Slipping(x - z)
+    } else if record.truth(Channel::CubicStiffness).is_some() {
+        Link::Hardening
+    } else {
+        Link::Linear
+    }
+}

@@ -1,0 +1,230 @@
+//! Where everything stands on screen.
+
+use egui::{Pos2, Rect, Vec2, pos2, vec2};
+
+use super::peaks::Peak;
+
+/// The most masses that a plant has.
+pub(super) const MAX_MASSES: usize = 4;
+
+/// How far the last mass of a chain goes, as a multiple of how far each link stretches, per mass before it.
+const REACH_PER_LINK: f32 = 0.55;
+
+/// The picture's measures \[points\], for masses that stand one beside the other on a ground, the first on the right of a wall.
+#[derive(Clone, Debug)]
+pub(super) struct Stage {
+    /// All of it.
+    pub(super) rect: Rect,
+    /// How many times as large as usual lines and text are.
+    pub(super) unit: f32,
+    /// The height of the ground.
+    pub(super) floor: f32,
+    /// The face of the wall.
+    pub(super) wall: f32,
+    /// Each mass.
+    pub(super) body: Vec2,
+    /// The height of the arrow of the force.
+    pub(super) arrow: f32,
+    /// The length of each link at rest.
+    pub(super) gap: f32,
+    /// How far each link is stretched or compressed.
+    pub(super) travel: f32,
+    /// Room between a damper's piston and the ends of its cylinder, and between the cylinder and the mass.
+    clearance: f32,
+    masses: usize,
+    /// Points per metre.
+    scale: f64,
+}
+
+/// How much a link must stretch for all of the motion to be on the stage, and no less than `least`, rounded up to a power of
+/// √2 so that the scale does not creep while the motion grows \[m\].
+pub(super) fn span(masses: usize, peak: Peak, least: f64) -> f64 {
+    let span = peak.drift.max(peak.reach / f64::from(reach_ratio(masses))).max(least).clamp(1e-4, 1e9);
+    2_f64.powf((span.log2() * 2.0).ceil() / 2.0)
+}
+
+fn reach_ratio(masses: usize) -> f32 {
+    1.0 + REACH_PER_LINK * (masses - 1) as f32
+}
+
+impl Stage {
+    /// A stage for `masses`, on which each link stretches by `span` \[m\].
+    pub(super) fn new(rect: Rect, masses: usize, span: f64) -> Self {
+        let (width, height) = (rect.width(), rect.height());
+        let unit = (height / 110.0).clamp(0.7, 2.0);
+        let floor = rect.bottom() - (17.0 * unit).max(14.0);
+        let side = 0.41 * height;
+        let body = if masses == 1 {
+            vec2((1.25 * side).min(0.17 * width), side)
+        } else {
+            vec2(side.min(0.3 * width / masses as f32), side)
+        };
+        let wall = rect.left() + 0.02 * width + 8.0 * unit;
+        let clearance = if masses == 1 { 6.0 } else { 4.0 } * unit.min(width / 90.0 / masses as f32).min(1.0);
+        // A cylinder is as long as the piston's way there and back, and the mass never reaches it:
+        // 0.95 gap = 3 travel + 3 clearances. What is left beside the masses is shared by the links and the last one's way.
+        let ratio = reach_ratio(masses);
+        let margin = 10.0 * unit + 0.35 * body.x;
+        let room = rect.right() - margin - wall - masses as f32 * body.x;
+        let gap = ((room + ratio * clearance) / (masses as f32 + ratio * 0.95 / 3.0)).max(1.0);
+        let travel = ((0.95 * gap - 3.0 * clearance) / 3.0).max(1.0);
+        // Where there is no room for a letter above the arrow, the cloud has it.
+        let arrow = rect.top() + if height < 80.0 { 0.13 } else { 0.17 } * height;
+        Self { rect, unit, floor, wall, body, arrow, gap, travel, clearance, masses, scale: f64::from(travel) / span }
+    }
+
+    /// How many masses there are.
+    pub(super) fn masses(&self) -> usize {
+        self.masses
+    }
+
+    /// Where the centre of a mass is at rest.
+    pub(super) fn rest(&self, mass: usize) -> f32 {
+        self.wall + (mass + 1) as f32 * self.gap + (mass as f32 + 0.5) * self.body.x
+    }
+
+    /// A length on screen \[points\] of one in reality \[m\].
+    pub(super) fn length(&self, metres: f64) -> f32 {
+        (metres * self.scale).clamp(-1e5, 1e5) as f32
+    }
+
+    /// A length in reality \[m\] of one on screen \[points\].
+    pub(super) fn metres(&self, length: f32) -> f64 {
+        f64::from(length) / self.scale
+    }
+
+    /// Where the centre of a mass is at the displacement `x` \[m\], on the stage or not.
+    pub(super) fn place(&self, mass: usize, x: f64) -> f32 {
+        self.rest(mass) + self.length(x)
+    }
+
+    /// A mass at the displacement `x` \[m\], kept on the stage.
+    pub(super) fn body(&self, mass: usize, x: f64) -> Rect {
+        let middle = self.place(mass, x).clamp(self.wall, self.rect.right());
+        Rect::from_center_size(pos2(middle, self.floor - 2.0 * self.wheel() - 0.5 * self.body.y), self.body)
+    }
+
+    /// The radius of the wheels.
+    pub(super) fn wheel(&self) -> f32 {
+        0.065 * self.body.y
+    }
+
+    /// A damper's cylinder from left to right, of a link that begins at `start`.
+    pub(super) fn cylinder(&self, start: f32) -> (f32, f32) {
+        let start = start + 0.05 * self.gap;
+        (start, start + 2.0 * (self.travel + self.clearance))
+    }
+
+    /// The longest arrow that a mass has room for.
+    pub(super) fn longest_arrow(&self) -> f32 {
+        0.85 * self.body.x
+    }
+
+    /// The size of text.
+    pub(super) fn font(&self) -> egui::FontId {
+        egui::FontId::proportional((11.5 * self.unit).clamp(9.5, 16.0))
+    }
+
+    /// The middle of the cloud of readings above a mass, and its height.
+    pub(super) fn cloud(&self, body: Rect) -> (Pos2, f32) {
+        let (low, high) = (body.top() - 2.0 * self.unit, self.arrow + 5.0 * self.unit);
+        (pos2(body.center().x, 0.5 * (low + high)), (low - high).max(2.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::views::oscillator::displacement;
+    use crate::views::oscillator::peaks::Peaks;
+    use kalmanscope_core::{PlantKind, Run, Scenario};
+
+    const SIZES: [Vec2; 6] = [
+        vec2(930.0, 104.0),
+        vec2(370.0, 62.0),
+        vec2(370.0, 111.0),
+        vec2(1580.0, 120.0),
+        vec2(1260.0, 378.0),
+        vec2(540.0, 162.0),
+    ];
+
+    /// Displacements of `masses` that stretch every link by `drift`, as far as `reach` allows.
+    fn leaning(masses: usize, drift: f64, reach: f64) -> Vec<f64> {
+        (1..=masses).map(|i| (i as f64 * drift).clamp(-reach.abs(), reach.abs())).collect()
+    }
+
+    #[test]
+    fn masses_stay_between_the_dampers_and_the_end_of_the_stage() {
+        for size in SIZES {
+            let rect = Rect::from_min_size(Pos2::ZERO, size);
+            for masses in 1..=MAX_MASSES {
+                for (drift, reach) in [(1e-3, 1e-3), (0.2, 0.3), (0.2167, 0.25), (7.0, 7.0)] {
+                    let peak = Peak { drift, reach, force: 0.0 };
+                    let stage = Stage::new(rect, masses, span(masses, peak, 0.0));
+                    for drift in [-drift, drift] {
+                        let mut start = stage.wall;
+                        for (mass, x) in leaning(masses, drift, reach).into_iter().enumerate() {
+                            let (_, cylinder) = stage.cylinder(start);
+                            let body = stage.body(mass, x);
+                            assert!(body.left() >= cylinder, "{size} {mass} of {masses}: {body} in {cylinder}");
+                            assert!(body.right() < rect.right(), "{size} {mass} of {masses}: {body}");
+                            start = body.right();
+                        }
+                    }
+                    // The more links, the less room for each.
+                    let least = if masses == 1 { 0.12 } else { 0.05 / masses as f32 };
+                    let seen = stage.length(2.0 * drift.max(reach)) / size.x;
+                    assert!(seen > least, "{size} {masses}: the motion can hardly be seen, {seen}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_motion_of_every_plant_stays_on_the_stage() {
+        for kind in PlantKind::ALL {
+            let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
+            scenario.plant.kind = kind;
+            scenario.filters.clear();
+            let mut run = Run::new(&scenario).unwrap();
+            run.finish();
+            let (record, masses) = (run.record(), crate::views::oscillator::masses(&run));
+            let peak = Peaks::default().up_to(record, masses, run.len() - 1);
+            for size in SIZES {
+                let stage = Stage::new(Rect::from_min_size(Pos2::ZERO, size), masses, span(masses, peak, 0.0));
+                for k in 0..run.len() {
+                    let mut start = stage.wall;
+                    for mass in 0..masses {
+                        let body = stage.body(mass, record.truth(displacement(mass)).unwrap()[k]);
+                        assert!(body.left() >= stage.cylinder(start).1, "{kind:?} {size} {k}: {mass} in its damper");
+                        start = body.right();
+                    }
+                    assert!(start < size.x, "{kind:?} {size} {k}: {start}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_stage_has_room_for_each_thing_above_the_other() {
+        for size in SIZES {
+            let stage = Stage::new(Rect::from_min_size(Pos2::ZERO, size), 1, 0.2);
+            let body = stage.body(0, 0.0);
+            let (middle, height) = stage.cloud(body);
+            assert!(stage.arrow > 6.0 && height >= 4.0, "{size}: {height}");
+            assert!(stage.arrow < middle.y - 0.5 * height && middle.y + 0.5 * height <= body.top(), "{size}");
+            assert!(body.bottom() < stage.floor && stage.floor < size.y);
+            assert!(
+                stage.body(0, 0.2).center().x + stage.longest_arrow() < size.x,
+                "{size}: the arrow leaves the stage"
+            );
+        }
+    }
+
+    #[test]
+    fn the_scale_does_not_creep() {
+        let of = |drift| span(1, Peak { drift, reach: drift, force: 0.0 }, 0.0);
+        assert_eq!(of(0.21), of(0.24));
+        assert!(of(0.24) >= 0.24 && of(0.24) < 0.24 * 1.42);
+    }
+}

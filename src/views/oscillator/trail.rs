@@ -1,0 +1,105 @@
+//! Where the masses have been, on a strip of paper that moves away below them: as a pen on each would have drawn it.
+
+use egui::epaint::Mesh;
+use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use kalmanscope_core::Record;
+
+use super::stage::Stage;
+use crate::theme::Palette;
+
+/// Paper that passes in a second \[points\].
+const SPEED: f32 = 64.0;
+
+/// About so many points make a line, and so many all of them where there are many lines.
+const POINTS: usize = 160;
+const ALL_POINTS: usize = 2000;
+
+/// The paper and the samples that are on it.
+pub(super) struct Trail<'a> {
+    stage: &'a Stage,
+    painter: Painter,
+    paper: Rect,
+    record: &'a Record,
+    now: usize,
+    first: usize,
+    stride: usize,
+}
+
+impl<'a> Trail<'a> {
+    /// The paper below `stage` up to sample `now`, for so many `lines`.
+    pub(super) fn new(
+        stage: &'a Stage,
+        painter: &Painter,
+        paper: Rect,
+        record: &'a Record,
+        now: usize,
+        lines: usize,
+    ) -> Self {
+        let samples = (f64::from(paper.height() / SPEED) / record.dt()).min(1e7) as usize;
+        let first = now.saturating_sub(samples);
+        let points = (ALL_POINTS / lines.max(1)).clamp(POINTS / 2, POINTS);
+        let stride = samples.div_ceil(points).max(1);
+        Self { stage, painter: painter.with_clip_rect(paper), paper, record, now, first, stride }
+    }
+
+    /// The samples that are drawn, the newest first. The others are the same ones as time goes on, so that lines do not
+    /// shimmer.
+    fn samples(&self) -> impl Iterator<Item = usize> {
+        let Self { now, first, stride, .. } = *self;
+        let older = (first / stride..now.div_ceil(stride)).rev().map(move |i| i * stride);
+        std::iter::once(now).chain(older)
+    }
+
+    fn at(&self, mass: usize, x: f64, k: usize) -> Pos2 {
+        let age = (self.record.time(self.now) - self.record.time(k)) as f32;
+        pos2(self.stage.place(mass, x), self.paper.top() + SPEED * age)
+    }
+
+    /// Draws the lines of the seconds.
+    pub(super) fn paper(&self, palette: &Palette) {
+        let now = self.record.time(self.now);
+        let Self { painter, paper, stage, .. } = self;
+        let grid = Stroke::new(1.0, palette.grid.gamma_multiply(0.35));
+        for mass in 0..stage.masses() {
+            painter.vline(stage.rest(mass), paper.y_range(), grid);
+        }
+        let mut second = now.floor();
+        while now - second <= f64::from(paper.height() / SPEED) && second >= self.record.time(0) {
+            let y = paper.top() + SPEED * (now - second) as f32;
+            painter.hline((stage.wall)..=(paper.right() - 8.0), y, grid);
+            let at = pos2(stage.wall, y) + vec2(2.0, -1.0);
+            painter.text(at, Align2::LEFT_BOTTOM, format!("{second} s"), stage.font(), palette.weak);
+            second -= 1.0;
+        }
+    }
+
+    /// Draws the path of a mass whose displacement at sample k is `x(k)` \[m\].
+    pub(super) fn line(&self, mass: usize, width: f32, color: Color32, x: impl Fn(usize) -> Option<f64>) {
+        let points = self.samples().filter_map(|k| Some(self.at(mass, x(k).filter(|x| x.is_finite())?, k))).collect();
+        self.painter.add(Shape::line(points, Stroke::new(width * self.stage.unit.min(1.5), color)));
+    }
+
+    /// Draws a band around a path, whose middle and half width at sample k are `x(k)` \[m\].
+    pub(super) fn band(&self, mass: usize, color: Color32, x: impl Fn(usize) -> Option<(f64, f64)>) {
+        let mut mesh = Mesh::default();
+        for (k, (middle, half)) in self.samples().filter_map(|k| Some((k, x(k)?))) {
+            let next = mesh.vertices.len() as u32;
+            mesh.colored_vertex(self.at(mass, middle - half, k), color);
+            mesh.colored_vertex(self.at(mass, middle + half, k), color);
+            if next > 0 {
+                mesh.add_triangle(next - 2, next - 1, next);
+                mesh.add_triangle(next - 1, next, next + 1);
+            }
+        }
+        self.painter.add(Shape::mesh(mesh));
+    }
+
+    /// Draws readings as dots.
+    pub(super) fn dots(&self, mass: usize, readings: &[f64], color: Color32) {
+        let dot = |k: usize| {
+            let x = readings.get(k).filter(|x| x.is_finite())?;
+            Some(Shape::circle_filled(self.at(mass, *x, k), 1.5, color))
+        };
+        self.painter.extend(self.samples().filter_map(dot));
+    }
+}
