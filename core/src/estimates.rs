@@ -22,6 +22,7 @@ pub struct Stop {
 pub struct Estimates {
     name: String,
     kind: FilterKind,
+    plant: PlantKind,
     channels: Vec<Channel>,
     sensors: Vec<Quantity>,
     mean: Vec<f64>,
@@ -42,6 +43,7 @@ impl Estimates {
         Self {
             name: settings.name.clone(),
             kind: settings.kind,
+            plant,
             channels: plant.channels().to_vec(),
             watch: Watch::new(settings, plant, &sensors),
             sensors,
@@ -112,6 +114,11 @@ impl Estimates {
     /// The filter's kind.
     pub fn kind(&self) -> FilterKind {
         self.kind
+    }
+
+    /// The kind of plant that the filter takes the truth for.
+    pub fn plant(&self) -> PlantKind {
+        self.plant
     }
 
     /// The channels, in the order of every mean and covariance.
