@@ -32,7 +32,7 @@ impl Tutor {
 
     /// The views that the step wants, the most telling first.
     pub fn views(&self) -> Vec<ViewKind> {
-        self.current().map_or(vec![], |step| step.views.iter().filter_map(|view| kind(*view)).collect())
+        self.current().map_or(vec![], |step| step.views.iter().map(|view| kind(*view)).collect())
     }
 
     /// The part of the whole record that the step is about, if not all of it \[s\].
@@ -144,9 +144,9 @@ fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
     ui.add_space(6.0);
 }
 
-/// The view that a lesson means, if there is one.
-fn kind(view: View) -> Option<ViewKind> {
-    Some(match view {
+/// The view that a lesson means.
+fn kind(view: View) -> ViewKind {
+    match view {
         View::States => ViewKind::States,
         View::Parameters => ViewKind::Parameters,
         View::Errors => ViewKind::Errors,
@@ -158,8 +158,8 @@ fn kind(view: View) -> Option<ViewKind> {
         View::ParameterPlane => ViewKind::ParameterPlane,
         View::Matrices => ViewKind::Matrices,
         View::Oscillator => ViewKind::Oscillator,
-        View::FrequencyResponse => return None,
-    })
+        View::FrequencyResponse => ViewKind::FrequencyResponse,
+    }
 }
 
 /// The menu of all lessons, by group.

@@ -6,6 +6,7 @@ mod channels;
 mod chart;
 mod consistency;
 mod errors;
+mod frequency_response;
 mod gain;
 mod innovations;
 mod kept;
@@ -91,6 +92,8 @@ pub enum ViewKind {
     Phase,
     /// Two parameters with their covariance.
     ParameterPlane,
+    /// Frequency response over the force's spectrum.
+    FrequencyResponse,
     /// Predict and update in numbers.
     Matrices,
     /// Filters side by side.
@@ -99,7 +102,7 @@ pub enum ViewKind {
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -110,6 +113,7 @@ impl ViewKind {
         Self::Gain,
         Self::Phase,
         Self::ParameterPlane,
+        Self::FrequencyResponse,
         Self::Matrices,
         Self::Scores,
     ];
@@ -127,6 +131,7 @@ impl ViewKind {
             Self::Gain => &gain::Gain,
             Self::Phase => &phase::Phase,
             Self::ParameterPlane => &parameter_plane::ParameterPlane,
+            Self::FrequencyResponse => &frequency_response::FrequencyResponse,
             Self::Matrices => &matrices::Matrices,
             Self::Scores => &scores::Scores,
         }

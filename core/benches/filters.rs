@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use kalmanscope_core::{Diagnostics, FilterKind, FilterSettings, Run, Scenario};
+use kalmanscope_core::{Diagnostics, FilterKind, FilterSettings, Run, Scenario, Spectrum, frequency_response};
 
 fn run(scenario: &Scenario) -> Run {
     Run::new(scenario).expect("the scenario is valid")
@@ -81,6 +81,17 @@ fn benchmarks(c: &mut Criterion) {
     });
     c.bench_function("verdict on a whole record", |b| {
         b.iter(|| black_box(diagnostics.verdict(&whole.estimates()[0])));
+    });
+    let frequencies: Vec<f64> = (0..384).map(|i| 1.0 + f64::from(i) / 8.0).collect();
+    c.bench_function("frequency response of a belief at 384 frequencies", |b| {
+        b.iter(|| black_box(frequency_response::believed(&whole.estimates()[0], 3000, &frequencies)));
+    });
+    c.bench_function("spectrum of a whole record at 192 frequencies", |b| {
+        b.iter(|| {
+            let mut spectrum = Spectrum::new(frequencies[..192].to_vec(), 0.01, 40.0);
+            spectrum.extend(whole.record().force());
+            black_box(spectrum.density())
+        });
     });
     c.bench_function("whole record, EKF and UKF", |b| {
         b.iter(|| {

@@ -29,6 +29,7 @@ pub struct Estimates {
     name: String,
     kind: FilterKind,
     color: Option<FilterColor>,
+    plant: PlantKind,
     channels: Vec<Channel>,
     /// The place of the channel whose sign decides about the canonical form.
     frequency: Option<usize>,
@@ -54,6 +55,7 @@ impl Estimates {
             name: settings.name.clone(),
             kind: settings.kind,
             color: settings.color,
+            plant,
             channels: plant.channels().to_vec(),
             frequency: plant.channels().iter().position(|&c| c == Channel::NaturalFrequency),
             watch: Watch::new(settings, plant, &sensors),
@@ -155,6 +157,11 @@ impl Estimates {
     /// The colour of the filter, which is at `place` among the filters.
     pub fn color(&self, place: usize) -> FilterColor {
         self.color.unwrap_or(FilterColor::at(place))
+    }
+
+    /// The kind of plant that the filter takes the truth for.
+    pub fn plant(&self) -> PlantKind {
+        self.plant
     }
 
     /// The channels, in the order of every mean and covariance.

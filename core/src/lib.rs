@@ -28,6 +28,7 @@ pub mod diagnostics;
 pub mod estimates;
 pub mod filter;
 pub mod force;
+pub mod frequency_response;
 pub mod gaussian;
 pub mod health;
 pub mod model;
@@ -40,6 +41,7 @@ pub mod scenario;
 pub mod sensor;
 pub mod signal;
 pub mod simulate;
+pub mod spectrum;
 
 mod estimator;
 mod random;
@@ -60,3 +62,4 @@ pub use scenario::{FilterColor, FilterKind, FilterSettings, PerChannel, Plant, S
 pub use sensor::Quantity;
 pub use signal::Signal;
 pub use simulate::{TruthError, TruthStop};
+pub use spectrum::Spectrum;

@@ -43,7 +43,7 @@ pub(super) struct Chart<'a> {
 impl Chart<'_> {
     /// Draws the chart with its heading into all of `ui`. Returns the time that the user points at \[s\].
     pub(super) fn show(self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
-        self.heading_ui(ui);
+        heading_ui(ui, &self.symbol, &self.name, self.unit, &self.readouts);
         let ViewContext { session, palette, axis, .. } = *context;
         let size = ui.available_size().max(Vec2::splat(1.0));
         let followed = axis.followed(session);
@@ -106,20 +106,20 @@ impl Chart<'_> {
         }
         pointed
     }
+}
 
-    /// Name and unit at the left, values at the cursor or at playback at the right.
-    fn heading_ui(&self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 10.0;
-            ui.label(RichText::new(&self.symbol).family(crate::theme::strong()).size(15.0));
-            let unit = if self.unit.is_empty() { String::new() } else { format!(" [{}]", self.unit) };
-            let named = ui.available_width() > 200.0 + 75.0 * self.readouts.len() as f32;
-            ui.weak(if named { format!("{}{unit}", self.name) } else { unit });
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                for Readout { text, color, hint } in self.readouts.iter().rev() {
-                    ui.label(RichText::new(text).small().color(*color)).on_hover_text(hint);
-                }
-            });
+/// Name and unit at the left, values at the cursor or at playback at the right.
+pub(super) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 10.0;
+        ui.label(RichText::new(symbol).family(crate::theme::strong()).size(15.0));
+        let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
+        let named = ui.available_width() > 200.0 + 75.0 * readouts.len() as f32;
+        ui.weak(if named { format!("{name}{unit}") } else { unit });
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            for Readout { text, color, hint } in readouts.iter().rev() {
+                ui.label(RichText::new(text).small().color(*color)).on_hover_text(hint);
+            }
         });
-    }
+    });
 }

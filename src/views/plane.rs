@@ -1,10 +1,21 @@
 //! Plots of one quantity over another: the frame that they share.
 
 use egui::{Ui, Vec2};
-use egui_plot::{AxisHints, Plot, PlotUi};
+use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
 
-use super::ticks::{tick, ticks};
+use super::ticks::{log_tick, log_ticks, tick, ticks};
 use crate::theme::Palette;
+
+/// Labels of a logarithmic axis are chosen with its ticks; only where none would fit do they fade \[points\].
+const LOG_TICKS_FADE: egui::Rangef = egui::Rangef { min: 6.0, max: 10.0 };
+
+/// How both axes of a plot are divided.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Scale {
+    Linear,
+    /// What is drawn are logarithms to the base of ten.
+    Logarithmic,
+}
 
 /// Draws a plot into all of `ui`. `range` is what it shows unless the user has zoomed, `[x, y]`, each low and high.
 pub(super) fn plane_ui(
@@ -15,34 +26,73 @@ pub(super) fn plane_ui(
     range: Option<[(f64, f64); 2]>,
     draw: impl FnOnce(&mut PlotUi<'_>),
 ) {
+    scaled_plane_ui(ui, key, labels, (palette, Scale::Linear), range, draw);
+}
+
+/// [`plane_ui`] of logarithms to the base of ten, range and all; the axes are labelled with the numbers themselves. Returns
+/// what `draw` does.
+pub(super) fn log_plane_ui<R>(
+    ui: &mut Ui,
+    key: &str,
+    labels: [&str; 2],
+    palette: &Palette,
+    range: Option<[(f64, f64); 2]>,
+    draw: impl FnOnce(&mut PlotUi<'_>) -> R,
+) -> R {
+    scaled_plane_ui(ui, key, labels, (palette, Scale::Logarithmic), range, draw)
+}
+
+fn scaled_plane_ui<R>(
+    ui: &mut Ui,
+    key: &str,
+    [x_label, y_label]: [&str; 2],
+    (palette, scale): (&Palette, Scale),
+    range: Option<[(f64, f64); 2]>,
+    draw: impl FnOnce(&mut PlotUi<'_>) -> R,
+) -> R {
     let size = ui.available_size().max(Vec2::splat(1.0));
-    let [x_label, y_label] = labels;
-    let plot = Plot::new(key)
+    let axis = |axis: AxisHints<'static>| match scale {
+        Scale::Linear => axis.formatter(|mark, _| tick(mark.value, mark.step_size)),
+        Scale::Logarithmic => axis.formatter(|mark, _| log_tick(mark)).label_spacing(LOG_TICKS_FADE),
+    };
+    let spacer = move |length: f32, apart: f32| {
+        move |input: GridInput| match scale {
+            Scale::Linear => ticks(input.bounds, length / apart),
+            Scale::Logarithmic => log_ticks(input.bounds, length, apart),
+        }
+    };
+    let mut plot = Plot::new(key)
         .width(size.x)
         .height(size.y)
         .show_x(false)
         .show_y(false)
-        .custom_x_axes(vec![AxisHints::new_x().label(x_label).formatter(|mark, _| tick(mark.value, mark.step_size))])
-        .custom_y_axes(vec![
-            AxisHints::new_y().label(y_label).formatter(|mark, _| tick(mark.value, mark.step_size)).min_thickness(44.0),
-        ])
-        .x_grid_spacer(move |input| ticks(input.bounds, size.x / 75.0))
-        .y_grid_spacer(move |input| ticks(input.bounds, size.y / 34.0))
+        .custom_x_axes(vec![axis(AxisHints::new_x().label(x_label.to_owned()))])
+        .custom_y_axes(vec![axis(AxisHints::new_y().label(y_label.to_owned()).min_thickness(44.0))])
+        .x_grid_spacer(spacer(size.x, 75.0))
+        .y_grid_spacer(spacer(size.y, 34.0))
         .grid_color(palette.grid)
         .allow_scroll(false)
         .label_formatter(|_| None);
+    if scale == Scale::Logarithmic
+        && let Some([x, y]) = range
+    {
+        plot = plot.default_x_bounds(x.0, x.1).default_y_bounds(y.0, y.1);
+    }
     let response = plot.show(ui, |plot| {
-        if plot.auto_bounds().any()
+        if scale == Scale::Linear
+            && plot.auto_bounds().any()
             && let Some([x, y]) = range
         {
             plot.set_plot_bounds_x(x.0..=x.1);
             plot.set_plot_bounds_y(y.0..=y.1);
             plot.set_auto_bounds(true);
         }
-        draw(plot);
+        draw(plot)
     });
+    let inner = response.inner;
     let response = response.response;
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {key}")));
+    inner
 }
 
 /// A range around some values, with a margin; none without values.

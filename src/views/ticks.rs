@@ -2,7 +2,7 @@
 
 use egui_plot::GridMark;
 
-use crate::text::fixed;
+use crate::text::{fixed, significant};
 
 /// Multiples of 1, 2 or 5 times a power of ten, about `count` of them.
 pub(super) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
@@ -20,6 +20,46 @@ pub(super) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
 pub(super) fn tick(value: f64, step: f64) -> String {
     let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
     fixed(if value.abs() < 1e-3 * step { 0.0 } else { value }, decimals)
+}
+
+/// Multiples of powers of ten along an axis `length` long that shows their logarithms: all where labels `apart` from each
+/// other fit at 1, 2 and 5, else the powers alone; round numbers of any kind where there is less than a decade to see
+/// \[points\].
+pub(super) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec<GridMark> {
+    let decade = f64::from(length / apart) / (high - low);
+    if !decade.is_finite() || decade <= 0.0 {
+        return Vec::new();
+    }
+    if high - low < LESS_THAN_A_DECADE {
+        let linear = ticks((10_f64.powf(low), 10_f64.powf(high)), length / apart);
+        return linear.iter().map(|mark| GridMark { value: mark.value.log10(), step_size: LABELLED }).collect();
+    }
+    // Where there is room for two labels in three tenths of a decade, between 1 and 2.
+    let labelled = |digit: i32| digit == 1 || (decade >= 1.8 && matches!(digit, 2 | 5));
+    let every = if decade < 0.5 { (0.5 / decade).ceil() as i32 } else { 1 };
+    let powers = (low.floor() as i32..=high.ceil() as i32).filter(|power| power % every == 0);
+    let mark = |power: i32, digit: i32| GridMark {
+        value: f64::from(power) + f64::from(digit).log10(),
+        step_size: match digit {
+            1 => 1.0,
+            _ if labelled(digit) => LABELLED,
+            _ => UNLABELLED,
+        },
+    };
+    let digits = if decade < 0.9 { 1..=1 } else { 1..=9 };
+    let marks = powers.flat_map(|power| digits.clone().map(move |digit| mark(power, digit)));
+    marks.filter(|mark| (low..=high).contains(&mark.value)).collect()
+}
+
+/// Up to here the multiples of a power of ten would be too few \[decades\].
+const LESS_THAN_A_DECADE: f64 = 0.7;
+/// The step of a tick of [`log_ticks`] that is no power of ten, with a label and without.
+const LABELLED: f64 = 0.3;
+const UNLABELLED: f64 = 0.05;
+
+/// The text of a tick of [`log_ticks`].
+pub(super) fn log_tick(mark: GridMark) -> String {
+    if mark.step_size >= LABELLED { significant(10_f64.powf(mark.value), 3) } else { String::new() }
 }
 
 #[cfg(test)]
@@ -47,5 +87,18 @@ mod tests {
             [tick(0.05, 0.01), tick(-2.0, 1.0), tick(1e-19, 0.5), tick(30.0, 10.0)],
             ["0.05", "−2", "0.0", "30"]
         );
+    }
+    #[test]
+    fn logarithmic_ticks_are_as_dense_as_there_is_room() {
+        let labels = |bounds, length| -> Vec<String> {
+            log_ticks(bounds, length, 75.0).into_iter().map(log_tick).filter(|label| !label.is_empty()).collect()
+        };
+        assert_eq!(labels((0.0, 1.7), 400.0), ["1", "2", "5", "10", "20", "50"]);
+        assert_eq!(labels((-2.1, 1.1), 300.0), ["0.01", "0.1", "1", "10"]);
+        assert_eq!(labels((-4.0, 4.0), 200.0), ["0.0001", "0.01", "1", "100", "10000"]);
+        assert_eq!(labels((0.74, 0.82), 400.0), ["5.5", "6", "6.5"]);
+        assert_eq!(log_ticks((0.0, 1.0), 400.0, 75.0).len(), 10);
+        assert!(log_ticks((1.0, 1.0), 400.0, 75.0).is_empty());
+        assert!(log_ticks((f64::NEG_INFINITY, f64::INFINITY), 400.0, 75.0).is_empty());
     }
 }

@@ -1,5 +1,6 @@
 //! The app without a screen: every control, every view, any size.
 
+mod frequency_response;
 mod workbench;
 
 use std::collections::HashMap;

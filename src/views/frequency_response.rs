@@ -1,0 +1,214 @@
+//! Frequency responses with their bands, over the spectrum of the force.
+
+mod curves;
+
+use std::sync::Arc;
+
+use egui::{Align2, RichText, Stroke, Ui, UiBuilder, vec2};
+use egui_plot::{FilledArea, Line, LineStyle, PlotPoint, PlotUi, Points, Text, VLine};
+use kalmanscope_core::frequency_response::Believed;
+
+use super::chart::{Readout, heading_ui};
+use super::plane::log_plane_ui;
+use super::{View, ViewContext};
+use crate::command::Command;
+use crate::text::significant;
+use curves::Curves;
+
+/// Height of the heading above the plot \[points\].
+const HEADING: f32 = 22.0;
+/// How much of the plot's height the spectrum has.
+const SPECTRUM: f64 = 0.22;
+/// The most that is shown of the magnitudes, and of the bands above the lines \[decades\].
+const MOST: (f64, f64) = (6.0, 0.3);
+
+/// The least distance of a line from the edges of the plot \[decades\].
+const HEADROOM: f64 = 0.08;
+/// The logarithm that stands for those of zero and infinity.
+const BOUNDLESS: f64 = 300.0;
+
+/// |H| of truth and filters.
+pub(super) struct FrequencyResponse;
+
+impl View for FrequencyResponse {
+    fn name(&self) -> &'static str {
+        "Frequency response"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "How far a force of each frequency moves the first mass: the truth thick, and each filter with the band that it gives 95 % to. A nonlinear plant is shown as it is near rest.",
+            "A peak in the wrong place is a wrong natural frequency, a peak too high or too low a wrong damping.",
+            "At the bottom, on a scale of its own, is the spectrum of the force so far: a frequency that nothing excites tells a filter nothing.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
+        let ViewContext { session, palette, shown, axis } = *context;
+        let k = axis.readout(session);
+        let curves = Curves::at(ui, session, k, |place| shown.filter(place));
+        let drawn = Drawn::new(&curves, context);
+        let (heading, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEADING), egui::Sense::hover());
+        let labels = ["angular frequency ω [rad/s]", "|H| [s²]"];
+        let pointed = log_plane_ui(ui, "frequency response", labels, palette, Some(drawn.range()), |plot| {
+            let pointed = plot.pointer_coordinate().filter(|_| plot.response().hovered());
+            let pointed = pointed.map(|point| curves.nearest(point.x));
+            drawn.draw(plot, context, pointed);
+            pointed
+        });
+        let mut heading = ui.new_child(UiBuilder::new().max_rect(heading));
+        if let Some(i) = pointed.or_else(|| drawn.peak()) {
+            heading_ui(&mut heading, "|H|", "displacement over force per mass", "s²", &readouts(&curves, i, context));
+        }
+        None
+    }
+}
+
+/// The frequency of a place and the magnitudes there.
+fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout> {
+    let ViewContext { session, palette, shown, .. } = *context;
+    let mut readouts = vec![Readout {
+        text: format!("at {} rad/s", significant(curves.frequencies[i], 3)),
+        color: palette.weak,
+        hint: "The frequency pointed at, else that of the peak".to_owned(),
+    }];
+    let truth = curves.truth.iter().filter(|_| shown.truth);
+    readouts.extend(truth.map(|truth| Readout {
+        text: significant(truth[i], 3),
+        color: palette.truth,
+        hint: "truth".to_owned(),
+    }));
+    for ((place, believed), estimates) in curves.filters.iter().enumerate().zip(session.run().estimates()) {
+        let Some(believed) = believed else { continue };
+        let name = estimates.name();
+        let hint = believed.band.as_ref().map_or_else(
+            || name.to_owned(),
+            |(low, high)| format!("{name}, 95 %: {} to {}", significant(low[i], 3), significant(high[i], 3)),
+        );
+        readouts.push(Readout { text: significant(believed.mean[i], 3), color: palette.filter(place), hint });
+    }
+    readouts
+}
+
+/// The curves as logarithms, and as far as they are shown.
+struct Drawn<'a> {
+    curves: &'a Curves,
+    frequencies: Vec<f64>,
+    truth: Option<Vec<f64>>,
+    filters: Vec<Filter>,
+}
+
+/// The curves of the filter at a place.
+struct Filter {
+    place: usize,
+    mean: Vec<f64>,
+    band: Option<[Vec<f64>; 2]>,
+}
+
+impl<'a> Drawn<'a> {
+    fn new(curves: &'a Curves, context: &ViewContext<'_>) -> Self {
+        let shown = context.shown;
+        let of_filter = |(place, believed): (usize, &Option<Arc<Believed>>)| {
+            let Believed { mean, band } = believed.as_deref()?;
+            let band = band.as_ref().filter(|_| shown.bands).map(|(low, high)| [logarithms(low), logarithms(high)]);
+            Some(Filter { place, mean: logarithms(mean), band })
+        };
+        Self {
+            curves,
+            frequencies: logarithms(&curves.frequencies),
+            truth: curves.truth.as_ref().filter(|_| shown.truth).map(|truth| logarithms(truth)),
+            filters: curves.filters.iter().enumerate().filter_map(of_filter).collect(),
+        }
+    }
+
+    /// The range of both axes: all of the lines and a little of bands beyond them. It moves in steps, so that it is still
+    /// most of the time.
+    fn range(&self) -> [(f64, f64); 2] {
+        let lines = self.truth.iter().chain(self.filters.iter().map(|filter| &filter.mean));
+        let extent = |values: &mut dyn Iterator<Item = f64>| {
+            values.filter(|y| y.abs() < BOUNDLESS).map(|y| (y, y)).reduce(|(l, h), (y, _)| (l.min(y), h.max(y)))
+        };
+        let (low, high) = extent(&mut lines.flatten().copied()).unwrap_or((-3.0, 0.0));
+        let bands = self.filters.iter().filter_map(|filter| filter.band.as_ref());
+        let beyond = extent(&mut bands.flat_map(|[_, high]| high).copied()).map_or(high, |(_, most)| most);
+        let high = (4.0 * (high.max(beyond.min(high + MOST.1)) + HEADROOM)).ceil() / 4.0;
+        let low = (4.0 * (low - HEADROOM)).floor() / 4.0;
+        let x = (self.frequencies.first().copied().unwrap_or(0.0), self.frequencies.last().copied().unwrap_or(1.0));
+        [x, (low.max(high - MOST.0), high)]
+    }
+
+    /// Where the truth, else the first filter has its peak.
+    fn peak(&self) -> Option<usize> {
+        let line = self.truth.as_ref().or_else(|| self.filters.first().map(|filter| &filter.mean))?;
+        (0..line.len()).filter(|&i| line[i].abs() < BOUNDLESS).max_by(|&i, &j| line[i].total_cmp(&line[j]))
+    }
+
+    fn draw(&self, plot: &mut PlotUi<'_>, context: &ViewContext<'_>, pointed: Option<usize>) {
+        let Self { curves: _, frequencies, truth, filters } = self;
+        let palette = context.palette;
+        self.draw_spectrum(plot, context);
+        for Filter { place, mean: _, band } in filters {
+            if let Some([low, high]) = band {
+                let edge = Stroke::new(0.7, palette.band(*place).gamma_multiply(0.8));
+                let area = FilledArea::new("band", frequencies, low, high).fill_color(palette.band(*place));
+                plot.add(area.stroke(edge).allow_hover(false));
+            }
+        }
+        let lines = truth.iter().map(|truth| (truth, palette.truth, 3.0));
+        let lines = lines.chain(filters.iter().map(|filter| (&filter.mean, palette.filter(filter.place), 1.6)));
+        for (line, color, width) in lines {
+            let points: Vec<[f64; 2]> = frequencies.iter().zip(line).map(|(&x, &y)| [x, y]).collect();
+            plot.line(Line::new("response", points).color(color).width(width).allow_hover(false));
+            if let Some(i) = pointed {
+                let point = Points::new("pointed", vec![[frequencies[i], line[i]]]).color(color);
+                plot.points(point.radius(1.5 + width).allow_hover(false));
+            }
+        }
+        if let Some(i) = pointed {
+            let line = VLine::new("pointed", frequencies[i]).color(palette.weak).width(1.0);
+            plot.vline(line.style(LineStyle::dashed_dense()).allow_hover(false));
+        }
+    }
+
+    /// The force's spectrum at the bottom of what is seen, however far one has zoomed in.
+    fn draw_spectrum(&self, plot: &mut PlotUi<'_>, context: &ViewContext<'_>) {
+        let palette = context.palette;
+        let [x, y] = if plot.auto_bounds().any() {
+            self.range()
+        } else {
+            let bounds = plot.plot_bounds();
+            [0, 1].map(|axis| (bounds.min()[axis], bounds.max()[axis]))
+        };
+        let height = SPECTRUM * (y.1 - y.0);
+        let (label, top) = if let Some(spectrum) = &self.curves.spectrum {
+            let (frequencies, top): (Vec<f64>, Vec<f64>) =
+                spectrum.iter().map(|&(w, amplitude)| (w.log10(), y.0 + height * amplitude)).unzip();
+            let area = FilledArea::new("spectrum", &frequencies, &vec![y.0; top.len()], &top);
+            let fill = palette.force.gamma_multiply(0.22);
+            let edge = Stroke::new(1.0, palette.force.gamma_multiply(0.5));
+            plot.add(area.fill_color(fill).stroke(edge).allow_hover(false));
+            ("spectrum of the force, own scale", SPECTRUM)
+        } else {
+            ("no force", 0.0)
+        };
+        let corner = PlotPoint::new(x.0 + 0.012 * (x.1 - x.0), y.0 + (top + 0.012) * (y.1 - y.0));
+        let text = Text::new("spectrum", corner, RichText::new(label).small()).color(palette.weak);
+        plot.text(text.anchor(Align2::LEFT_BOTTOM).allow_hover(false));
+    }
+}
+
+/// Logarithms to the base of ten, all finite so that they can be drawn.
+fn logarithms(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|x| x.log10().clamp(-BOUNDLESS, BOUNDLESS)).collect()
+}
+
+impl Curves {
+    /// The place of the frequency nearest to one given as a logarithm.
+    fn nearest(&self, logarithm: f64) -> usize {
+        let after = self.frequencies.partition_point(|w| w.log10() < logarithm);
+        let distance = |i: usize| (self.frequencies[i].log10() - logarithm).abs();
+        let last = self.frequencies.len().saturating_sub(1);
+        let (before, after) = (after.saturating_sub(1), after.min(last));
+        if distance(before) < distance(after) { before } else { after }
+    }
+}
