@@ -4,7 +4,7 @@ mod analysis;
 #[cfg(test)]
 mod tests;
 
-use kalmanscope_core::{Diagnostics, Estimates, Quantity, Run, RunError, Scenario};
+use kalmanscope_core::{Diagnostics, Estimates, Quantity, Run, RunError, Scenario, Update};
 use serde::{Deserialize, Serialize};
 
 use analysis::Analysis;
@@ -43,6 +43,9 @@ pub struct Session {
 
 /// The most samples that the run takes at once, so that a frame does not freeze.
 const PORTION: usize = 20_000;
+
+/// Samples that are analysed while the processor still has them at hand.
+const CACHED: usize = 512;
 
 impl Session {
     /// Simulated seconds per second that playback can have.
@@ -258,7 +261,14 @@ impl Session {
     /// stays that of the last possible one.
     pub fn set_scenario(&mut self, scenario: Scenario) {
         self.scenario = scenario;
-        self.start_anew();
+        self.generation += 1;
+        let result = self.run.update(&self.scenario);
+        match &result {
+            Ok(Update::Everything) => self.analysis.begin_anew(),
+            Ok(Update::Filters(places)) => self.analysis.begin_filters_anew(places),
+            Err(_) => {}
+        }
+        self.judge(result.err());
         self.clock = self.clock.min(self.end());
         self.catch_up();
     }
@@ -266,7 +276,13 @@ impl Session {
     fn start_anew(&mut self) {
         self.generation += 1;
         self.analysis.begin_anew();
-        self.problem = self.run.restart(&self.scenario).err().map(|error| error.to_string());
+        let result = self.run.restart(&self.scenario);
+        self.judge(result.err());
+    }
+
+    /// Takes note of what a new scenario has come to.
+    fn judge(&mut self, problem: Option<RunError>) {
+        self.problem = problem.map(|error| error.to_string());
         if self.problem.is_none() {
             self.can_be_whole = self.run.samples() <= Self::LONGEST_WHOLE + 1;
         }
@@ -284,22 +300,25 @@ impl Session {
     }
 
     fn catch_up(&mut self) {
-        match self.mode() {
+        let goal = match self.mode() {
             Mode::Live => {
                 let goal = (self.position() + 1).min(self.run.done() + PORTION);
                 while goal > self.run.record().forgotten() + Self::KEPT && self.run.forget(Self::KEPT / 2) {
                     self.generation += 1;
                 }
-                self.run.advance_to(goal);
+                goal
             }
-            Mode::Whole => self.run.finish(),
-        }
+            Mode::Whole => self.run.samples(),
+        };
         self.follow();
+        while self.run.advance_to(goal.min(self.run.done() + CACHED)) > 0 {
+            self.follow();
+        }
     }
 
     /// Takes in what is new of the run, before any of it is forgotten.
     fn follow(&mut self) {
-        let whole = self.mode() == Mode::Whole;
+        let whole = self.mode() == Mode::Whole && self.run.done() == self.run.samples();
         let Self { scenario, run, analysis, problem, .. } = self;
         // The run of an impossible scenario is that of the last possible one, whose settings are gone.
         analysis.follow(Some(&*scenario).filter(|_| problem.is_none()), run, whole);

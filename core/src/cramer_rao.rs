@@ -44,6 +44,14 @@ impl CramerRao {
         Some(Self { settings, channels: plant.channels(), recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }
 
+    /// Takes over the memory of a bound that is no longer needed, before the first sample.
+    pub fn recycle(&mut self, old: Self) {
+        if self.std.is_empty() {
+            self.std = old.std;
+            self.std.clear();
+        }
+    }
+
     /// Whether this is the bound for the filter at `place`, too: it knows as much at first, and takes the same for chance.
     /// The rest of the scenario must be the same.
     pub fn is_for(&self, scenario: &Scenario, place: usize) -> bool {

@@ -38,6 +38,8 @@ pub struct Estimates {
     initial_std: Vec<f64>,
     mean: Vec<f64>,
     cov: Vec<f64>,
+    /// The diagonals of the covariances, once more: what is drawn of every sample then is beside one another.
+    variance: Vec<f64>,
     innovation: Vec<f64>,
     innovation_cov: Vec<f64>,
     gain: Vec<f64>,
@@ -64,6 +66,7 @@ impl Estimates {
             initial_std: Vec::new(),
             mean: Vec::new(),
             cov: Vec::new(),
+            variance: Vec::new(),
             innovation: Vec::new(),
             innovation_cov: Vec::new(),
             gain: Vec::new(),
@@ -82,6 +85,7 @@ impl Estimates {
         for (new, old, per_sample) in [
             (&mut self.mean, &mut old.mean, n),
             (&mut self.cov, &mut old.cov, n * n),
+            (&mut self.variance, &mut old.variance, n),
             (&mut self.innovation, &mut old.innovation, m),
             (&mut self.innovation_cov, &mut old.innovation_cov, m * m),
             (&mut self.gain, &mut old.gain, n * m),
@@ -98,10 +102,13 @@ impl Estimates {
     /// Forgets the first `samples` or, if the filter has stopped before that, all; in place.
     pub(crate) fn forget(&mut self, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
-        let Self { mean, cov, innovation, innovation_cov, gain, nis, log_likelihood, effective_samples, .. } = self;
+        let Self {
+            mean, cov, variance, innovation, innovation_cov, gain, nis, log_likelihood, effective_samples, ..
+        } = self;
         for (values, per_sample) in [
             (mean, n),
             (cov, n * n),
+            (variance, n),
             (innovation, m),
             (innovation_cov, m * m),
             (gain, n * m),
@@ -122,6 +129,7 @@ impl Estimates {
         let m = self.sensors.len();
         self.mean.extend_from_slice(belief.mean.as_slice());
         self.cov.extend_from_slice(belief.cov.as_slice());
+        self.variance.extend_from_slice(&std::array::from_fn::<f64, N, _>(|i| belief.cov[(i, i)]));
         self.innovation.extend_from_slice(&correction.innovation[..m]);
         for sensor in 0..m {
             self.innovation_cov.extend_from_slice(&correction.innovation_cov[sensor][..m]);
@@ -244,8 +252,7 @@ impl Estimates {
     /// The standard deviation of one channel at sample `k`.
     #[inline]
     pub fn std(&self, k: usize, channel: usize) -> f64 {
-        let n = self.channels.len();
-        self.cov[k * n * n + channel * (n + 1)].sqrt()
+        self.variance[k * self.channels.len() + channel].sqrt()
     }
 
     /// The covariance at sample `k`, n × n.

@@ -57,7 +57,7 @@ pub use force::Force;
 pub use health::{Remark, Trouble};
 pub use plant::PlantKind;
 pub use record::{Record, RecordError};
-pub use run::{Run, RunError};
+pub use run::{Run, RunError, Update};
 pub use scenario::{FilterColor, FilterKind, FilterSettings, PerChannel, Plant, Scenario, ScenarioError, Sensor};
 pub use sensor::Quantity;
 pub use signal::Signal;

@@ -37,6 +37,16 @@ impl Record {
     }
 
     /// Forgets the first `samples`, in place.
+    /// Takes over the memory of a record that is no longer needed.
+    pub(crate) fn recycle(&mut self, old: Self) {
+        let new = std::iter::once(&mut self.force).chain(&mut self.measured).chain(&mut self.truth);
+        let old = std::iter::once(old.force).chain(old.measured).chain(old.truth);
+        for (new, mut old) in new.zip(old) {
+            old.clear();
+            *new = old;
+        }
+    }
+
     pub(crate) fn forget(&mut self, samples: usize) {
         let Self { dt: _, start: _, forgotten, force, sensors: _, measured, truth_channels: _, truth } = self;
         *forgotten += samples;

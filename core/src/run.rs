@@ -1,13 +1,19 @@
 //! The one engine: a truth or a measured record, and the filters that follow it sample by sample.
 
+mod settings;
+
+use std::ops::Range;
 use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::estimator::{Estimator, Surroundings, estimator};
+use settings::Settings;
+
+use crate::estimator::{Estimator, estimator};
+use crate::sensor::MAX_SENSORS;
 use crate::simulate::{Simulator, TruthStop};
 use crate::smoother::smooth;
-use crate::{Channel, Estimates, FilterSettings, PlantKind, Quantity, Record, Scenario, ScenarioError};
+use crate::{Channel, Estimates, FilterSettings, Quantity, Record, Scenario, ScenarioError};
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -31,18 +37,18 @@ pub struct Run {
     done: usize,
     /// The place of each of the scenario's sensors in the record.
     sensors: Vec<usize>,
-    measured: Vec<f64>,
     estimators: Vec<Box<dyn Estimator>>,
     estimates: Vec<Estimates>,
     settings: Settings,
 }
 
-/// What of the scenario is needed once more when the record is complete.
-struct Settings {
-    plant: PlantKind,
-    seed: u64,
-    quantities: Vec<Quantity>,
-    filters: Vec<FilterSettings>,
+/// What [`Run::update`] has computed again.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Update {
+    /// The truth and every filter.
+    Everything,
+    /// The filters at these places; the truth and all other filters are as they were, but for those at the end that are gone.
+    Filters(Vec<usize>),
 }
 
 enum Source {
@@ -78,7 +84,10 @@ impl Run {
     pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
         scenario.validate()?;
         let simulator = Box::new(Simulator::new(scenario));
-        let record = simulator.empty_record();
+        let mut record = simulator.empty_record();
+        if let Source::Simulated { record: old, .. } = &mut self.source {
+            record.recycle(std::mem::replace(old, simulator.empty_record()));
+        }
         let old = std::mem::take(&mut self.estimates);
         *self = Self::over(scenario, Source::Simulated { simulator, record }, scenario.samples(), old)?;
         Ok(())
@@ -101,8 +110,8 @@ impl Run {
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let sensors = quantities.iter().map(|&q| place(q)).collect::<Result<Vec<_>, _>>()?;
         let dt = record.dt();
-        let Scenario { plant, seed, filters, .. } = scenario;
-        let settings = Settings { plant: plant.kind, seed: *seed, filters: filters.clone(), quantities };
+        let filters = &scenario.filters;
+        let settings = Settings::new(scenario, quantities);
         let mut old = old.into_iter();
         let estimates = |filter: &FilterSettings| {
             let mut estimates = settings.estimates(filter);
@@ -111,7 +120,6 @@ impl Run {
         };
         let build = |(place, filter)| estimator(filter, settings.surroundings(dt, place));
         Ok(Self {
-            measured: vec![f64::NAN; sensors.len()],
             estimates: filters.iter().map(estimates).collect(),
             estimators: filters.iter().enumerate().map(build).collect(),
             settings,
@@ -122,42 +130,70 @@ impl Run {
         })
     }
 
+    /// Takes over another scenario as far as this run has come, as a new run of it would come there: with the same bits, but
+    /// a truth and filters whose settings have not changed are not computed again. A run that has forgotten samples, or is
+    /// over a given record, begins anew.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible; this run stays as it is then.
+    pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
+        let simulated = matches!(self.source, Source::Simulated { .. });
+        if !(simulated && self.record().forgotten() == 0 && self.settings.have_the_truth_of(scenario)) {
+            self.restart(scenario)?;
+            return Ok(Update::Everything);
+        }
+        scenario.validate()?;
+        let before = std::mem::replace(&mut self.settings.filters, scenario.filters.clone());
+        let Self { source, samples, done, sensors, estimators, estimates, settings } = self;
+        let record = source.record();
+        let mut old = std::mem::take(estimators).into_iter().zip(std::mem::take(estimates)).zip(before);
+        let mut changed = Vec::new();
+        for (place, filter) in settings.filters.iter().enumerate() {
+            let (followed, new) = match old.next() {
+                Some((same, settings)) if settings == *filter => same,
+                other => {
+                    changed.push(place);
+                    let mut followed = estimator(filter, settings.surroundings(record.dt(), place));
+                    let mut new = settings.estimates(filter);
+                    new.recycle(other.map(|((_, old), _)| old), *samples);
+                    follow(followed.as_mut(), &mut new, record, sensors, 0..*done);
+                    (followed, new)
+                }
+            };
+            estimators.push(followed);
+            estimates.push(new);
+        }
+        Ok(Update::Filters(changed))
+    }
+
     /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
     /// initial beliefs. A filter that fails keeps its estimates so far and says why in [`Estimates::stop`]; the others go
     /// on. Returns whether there was a sample left; a truth that runs away ends the record early and says why in
     /// [`Self::truth_stop`].
     pub fn step(&mut self) -> bool {
-        let Self { source, samples, done, sensors, measured, estimators, estimates, settings: _ } = self;
-        if *done >= *samples {
-            return false;
-        }
-        if let Source::Simulated { simulator, record } = source
-            && !simulator.step(record)
-        {
-            *samples = *done;
-            return false;
-        }
-        let record = source.record();
-        let k = *done - record.forgotten();
-        for (value, &sensor) in measured.iter_mut().zip(sensors.iter()) {
-            *value = record.measured(sensor)[k];
-        }
-        for (estimator, estimates) in estimators.iter_mut().zip(estimates) {
-            if *done == 0 {
-                estimator.begin(estimates);
-            } else if estimates.stop().is_none()
-                && let Err(reason) = estimator.step(record.force()[k - 1], record.force()[k], measured, estimates)
-            {
-                estimates.stop_at(reason);
-            }
-        }
-        *done += 1;
-        true
+        self.advance_to(self.done + 1) > 0
     }
 
-    /// Steps until `samples` samples, from the run's beginning, are done or there are none left.
-    pub fn advance_to(&mut self, samples: usize) {
-        while self.done < samples && self.step() {}
+    /// Steps until `samples` samples, from the run's beginning, are done or there are none left. Returns how many steps that
+    /// took.
+    pub fn advance_to(&mut self, samples: usize) -> usize {
+        let Self { source, samples: all, done, sensors, estimators, estimates, settings: _ } = self;
+        let begin = *done;
+        let goal = samples.min(*all);
+        if let Source::Simulated { simulator, record } = source {
+            for sample in begin..goal {
+                if !simulator.step(record) {
+                    *all = sample;
+                    break;
+                }
+            }
+        }
+        *done = goal.min(*all).max(begin);
+        // One filter after the other: each finds its own numbers in the cache.
+        for (estimator, estimates) in estimators.iter_mut().zip(estimates) {
+            follow(estimator.as_mut(), estimates, source.record(), sensors, begin..*done);
+        }
+        *done - begin
     }
 
     /// Forgets the first `samples` of those that are kept, or all but the last, and whatever has been told of them, without
@@ -247,19 +283,31 @@ impl Run {
     }
 }
 
-impl Settings {
-    fn surroundings(&self, dt: f64, place: usize) -> Surroundings<'_> {
-        Surroundings { plant: self.plant, sensors: &self.quantities, dt, seed: self.seed, place }
-    }
-
-    /// Empty estimates for a filter.
-    fn estimates(&self, filter: &FilterSettings) -> Estimates {
-        Estimates::new(filter, filter.plant.unwrap_or(self.plant), self.quantities.clone())
-    }
-
-    /// Empty estimates for what a filter's smoother knows. Sensors have told it nothing that they had not told the filter.
-    fn smoothed(&self, filter: &FilterSettings) -> Estimates {
-        let named = FilterSettings { name: format!("{}, smoothed", filter.name), ..filter.clone() };
-        Estimates::new(&named, filter.plant.unwrap_or(self.plant), Vec::new())
+/// Lets a filter go through the samples of a record that have these numbers, counted from the run's beginning. `sensors` are
+/// the places in the record of those that it has.
+fn follow(
+    estimator: &mut dyn Estimator,
+    estimates: &mut Estimates,
+    record: &Record,
+    sensors: &[usize],
+    samples: Range<usize>,
+) {
+    let mut measured = [f64::NAN; MAX_SENSORS];
+    let measured = &mut measured[..sensors.len()];
+    for sample in samples {
+        if sample == 0 {
+            estimator.begin(estimates);
+            continue;
+        }
+        if estimates.stop().is_some() {
+            return;
+        }
+        let k = sample - record.forgotten();
+        for (value, &sensor) in measured.iter_mut().zip(sensors) {
+            *value = record.measured(sensor)[k];
+        }
+        if let Err(reason) = estimator.step(record.force()[k - 1], record.force()[k], measured, estimates) {
+            estimates.stop_at(reason);
+        }
     }
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, PerChannel, Quantity, Record, Run, Scenario, Sensor, Signal,
+    Channel, Estimates, FilterKind, FilterSettings, PerChannel, Quantity, Record, Run, Scenario, Sensor, Signal, Update,
 };
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 
@@ -290,4 +290,53 @@ fn a_run_that_begins_anew_is_a_new_run() {
     let before = run.checksum();
     assert!(run.restart(&Scenario { dt: 0.0, ..first }).is_err());
     assert_eq!(run.checksum(), before, "an impossible scenario leaves the run as it is");
+}
+
+/// Whatever is edited, an updated run has the bits of a new one, and computes again only what it must.
+#[test]
+fn an_updated_run_is_a_new_run() {
+    let mut scenario = Scenario { duration: 3.0, ..Scenario::default() };
+    let more = FilterKind::ALL.map(|kind| FilterSettings {
+        name: kind.name().to_owned(),
+        kind,
+        sensor_std: scenario.true_sensor_std(),
+        ensemble_size: 40,
+        ..FilterSettings::default()
+    });
+    scenario.filters.extend(more);
+    let count = scenario.filters.len();
+    let mut run = Run::new(&scenario).unwrap();
+    run.advance_to(200);
+    type Edit = fn(&mut Scenario);
+    let edits: [(Edit, Update); 8] = [
+        (|_| {}, Update::Filters(vec![])),
+        (|s| s.filters[1].fading = 1.01, Update::Filters(vec![1])),
+        (|s| s.sensors[0].noise_std = 0.02, Update::Everything),
+        (|s| s.filters[3].sensor_std[1] = 0.2, Update::Filters(vec![3])),
+        (|s| drop(s.filters.remove(0)), Update::Filters((0..count - 1).collect())),
+        (|s| s.filters.truncate(4), Update::Filters(vec![])),
+        (|s| s.filters.push(FilterSettings { name: "new".into(), ..s.filters[0].clone() }), Update::Filters(vec![4])),
+        (|s| s.plant.disturbance_std = 0.5, Update::Everything),
+    ];
+    for (i, (edit, computed)) in edits.into_iter().enumerate() {
+        edit(&mut scenario);
+        assert_eq!(run.update(&scenario).unwrap(), computed, "edit {i}");
+        run.advance_to(200 + 10 * i);
+        let mut new = Run::new(&scenario).unwrap();
+        new.advance_to(200 + 10 * i);
+        assert_eq!((run.done(), run.checksum()), (new.done(), new.checksum()), "edit {i}");
+        assert_eq!(run.record(), new.record());
+    }
+    let before = run.checksum();
+    scenario.filters[0].fading = 0.5;
+    assert!(run.update(&scenario).is_err());
+    assert_eq!(run.checksum(), before);
+    run.finish();
+    scenario.filters[0].fading = 1.0;
+    run.update(&scenario).unwrap();
+    assert_eq!(run.checksum(), {
+        let mut new = Run::new(&scenario).unwrap();
+        new.finish();
+        new.checksum()
+    });
 }

@@ -14,11 +14,27 @@ pub struct Bound {
 #[derive(Default)]
 pub(super) struct Analysis {
     diagnostics: Vec<Diagnostics>,
-    /// Whether the diagnostics are those of this run, and not of an earlier one.
-    begun: bool,
+    /// The number of filters, from the first on, whose diagnostics are those of this run and not of an earlier one, and the
+    /// places of those in between of which that is not so.
+    begun: usize,
+    changed: Vec<usize>,
     bounds: Vec<Bound>,
     with_bounds: bool,
+    /// How much the bounds are still worth.
+    validity: Validity,
     smoothed: Vec<(usize, Estimates)>,
+}
+
+/// What has changed since bounds were computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+enum Validity {
+    /// The truth.
+    #[default]
+    None,
+    /// The filters.
+    Truth,
+    /// Nothing.
+    All,
 }
 
 impl Analysis {
@@ -40,30 +56,39 @@ impl Analysis {
         if new {
             self.with_bounds = wanted;
             self.bounds.clear();
+            self.validity = Validity::None;
         }
         new
     }
 
     /// Before another run.
     pub(super) fn begin_anew(&mut self) {
-        self.begun = false;
-        self.bounds.clear();
+        self.begun = 0;
+        self.validity = Validity::None;
+        self.smoothed.clear();
+    }
+
+    /// Before the same run with other filters at these places.
+    pub(super) fn begin_filters_anew(&mut self, places: &[usize]) {
+        self.changed.extend_from_slice(places);
+        self.validity = self.validity.min(Validity::Truth);
         self.smoothed.clear();
     }
 
     /// Takes in what is new of a run. Bounds and hindsight need the scenario that it is of, and hindsight all of it.
     pub(super) fn follow(&mut self, scenario: Option<&Scenario>, run: &Run, whole: bool) {
-        let Self { diagnostics, begun, bounds, with_bounds, smoothed } = self;
+        let Self { diagnostics, begun, changed, bounds, with_bounds, validity, smoothed } = self;
         let record = run.record();
         diagnostics.resize_with(run.estimates().len(), Diagnostics::default);
-        for (diagnostics, estimates) in diagnostics.iter_mut().zip(run.estimates()) {
-            if *begun {
+        for (place, (diagnostics, estimates)) in diagnostics.iter_mut().zip(run.estimates()).enumerate() {
+            if place < *begun && !changed.contains(&place) {
                 diagnostics.follow(estimates, record);
             } else {
                 diagnostics.restart(estimates, record);
             }
         }
-        *begun = true;
+        *begun = diagnostics.len();
+        changed.clear();
         if !whole {
             smoothed.clear();
         } else if let Some(scenario) = scenario.filter(|_| smoothed.is_empty()) {
@@ -71,8 +96,10 @@ impl Analysis {
             *smoothed = with.map(|(place, _)| place).zip(run.smoothed()).collect();
         }
         if let Some(scenario) = scenario.filter(|_| *with_bounds) {
-            if bounds.is_empty() {
-                *bounds = bounds_of(scenario, record.dt());
+            if *validity != Validity::All {
+                let old = std::mem::take(bounds);
+                *bounds = bounds_of(scenario, record.dt(), old, *validity == Validity::Truth);
+                *validity = Validity::All;
             }
             for Bound { bound, .. } in bounds {
                 bound.follow(record);
@@ -81,15 +108,23 @@ impl Analysis {
     }
 }
 
-/// The bounds of a scenario's filters, before the first sample.
-fn bounds_of(scenario: &Scenario, dt: f64) -> Vec<Bound> {
+/// The bounds of a scenario's filters: those of `old` that are for them, if these are of the same truth; the others are
+/// before their first sample, in the memory of what is left of `old`.
+fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, same_truth: bool) -> Vec<Bound> {
     let mut bounds: Vec<Bound> = Vec::new();
     for place in 0..scenario.filters.len() {
-        if let Some(same) = bounds.iter_mut().find(|b| b.bound.is_for(scenario, place)) {
+        let is_for = |b: &Bound| b.bound.is_for(scenario, place);
+        if let Some(same) = bounds.iter_mut().find(|b| is_for(b)) {
             same.places.push(place);
+        } else if let Some(same) = old.iter().position(|b| same_truth && is_for(b)) {
+            bounds.push(Bound { places: vec![place], ..old.swap_remove(same) });
         } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
             bounds.push(Bound { bound, places: vec![place] });
         }
+    }
+    for new in bounds.iter_mut().filter(|b| b.bound.is_empty()) {
+        let Some(old) = old.pop() else { break };
+        new.bound.recycle(old.bound);
     }
     bounds
 }

@@ -44,7 +44,7 @@ impl View for FrequencyResponse {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
-        let ViewContext { session, palette, shown, axis } = *context;
+        let ViewContext { session, palette, shown, axis, .. } = *context;
         let k = axis.readout(session);
         let curves = Curves::at(ui, session, k, |place| shown.filter(place));
         let drawn = Drawn::new(&curves, context);

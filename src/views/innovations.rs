@@ -48,7 +48,11 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, names
         let m = estimates.sensors().len();
         let std = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
         if shown.bands {
-            let series = Series::between(estimates.len(), move |k| (-2.0 * std(k), 2.0 * std(k)));
+            let edges = move |k: usize| {
+                let half = 2.0 * std(k);
+                (-half, half)
+            };
+            let series = Series::between(estimates.len(), edges);
             layers.push(Layer::Band { series, color: palette.filter(place) });
         }
         if k < estimates.len() {

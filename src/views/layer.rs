@@ -151,10 +151,10 @@ fn vertical_range(layers: &[DrawnLayer], least: Option<(f64, f64)>) -> Option<(f
     let (mut whole, mut robust, mut dots) = (Vec::new(), Vec::new(), Vec::new());
     for layer in layers {
         match layer {
-            DrawnLayer::Band { low, high, .. } => robust.extend(low.iter().chain(high)),
+            DrawnLayer::Band { low, high, .. } => robust.extend(some(low).chain(some(high))),
             DrawnLayer::Line { points, bounds: true, .. } => whole.extend(points.iter().map(|p| p.y)),
-            DrawnLayer::Line { points, .. } => robust.extend(points.iter().map(|p| p.y)),
-            DrawnLayer::Dots { points, .. } => dots.extend(points.iter().map(|p| p.y)),
+            DrawnLayer::Line { points, .. } => robust.extend(some(points).map(|p| p.y)),
+            DrawnLayer::Dots { points, .. } => dots.extend(some(points).map(|p| p.y)),
             DrawnLayer::Level { .. } => {}
         }
     }
@@ -164,6 +164,11 @@ fn vertical_range(layers: &[DrawnLayer], least: Option<(f64, f64)>) -> Option<(f
         all.reduce(|(low, high), (l, h)| (low.min(l), high.max(h))).or_else(|| central_range(dots, OUTLIERS))?;
     let margin = 0.06 * (high - low).max(1e-9 + 0.02 * high.abs());
     Some((low - margin, high + margin))
+}
+
+/// So many values, evenly spaced, as it takes to know where most are.
+fn some<T>(values: &[T]) -> impl Iterator<Item = &T> {
+    values.iter().step_by(values.len() / 200 + 1)
 }
 
 /// The samples that the window shows, one more at either side, as far as there are any.

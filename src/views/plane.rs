@@ -73,22 +73,10 @@ fn scaled_plane_ui<R>(
         .grid_color(palette.grid)
         .allow_scroll(false)
         .label_formatter(|_| None);
-    if scale == Scale::Logarithmic
-        && let Some([x, y]) = range
-    {
+    if let Some([x, y]) = range {
         plot = plot.default_x_bounds(x.0, x.1).default_y_bounds(y.0, y.1);
     }
-    let response = plot.show(ui, |plot| {
-        if scale == Scale::Linear
-            && plot.auto_bounds().any()
-            && let Some([x, y]) = range
-        {
-            plot.set_plot_bounds_x(x.0..=x.1);
-            plot.set_plot_bounds_y(y.0..=y.1);
-            plot.set_auto_bounds(true);
-        }
-        draw(plot)
-    });
+    let response = plot.show(ui, draw);
     let inner = response.inner;
     let response = response.response;
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {key}")));

@@ -1,0 +1,39 @@
+//! What a run keeps of its scenario.
+
+use crate::estimator::Surroundings;
+use crate::{Estimates, FilterSettings, Quantity, Scenario};
+
+/// What of the scenario is needed once more.
+pub(super) struct Settings {
+    /// All but the filters.
+    truth: Scenario,
+    quantities: Vec<Quantity>,
+    pub(super) filters: Vec<FilterSettings>,
+}
+
+impl Settings {
+    pub(super) fn new(scenario: &Scenario, quantities: Vec<Quantity>) -> Self {
+        let truth = Scenario { filters: Vec::new(), ..scenario.clone() };
+        Self { truth, quantities, filters: scenario.filters.clone() }
+    }
+
+    /// Whether these are the settings of a scenario with the same truth, seen by the same sensors.
+    pub(super) fn have_the_truth_of(&self, scenario: &Scenario) -> bool {
+        Scenario { filters: Vec::new(), ..scenario.clone() } == self.truth
+    }
+
+    pub(super) fn surroundings(&self, dt: f64, place: usize) -> Surroundings<'_> {
+        Surroundings { plant: self.truth.plant.kind, sensors: &self.quantities, dt, seed: self.truth.seed, place }
+    }
+
+    /// Empty estimates for a filter.
+    pub(super) fn estimates(&self, filter: &FilterSettings) -> Estimates {
+        Estimates::new(filter, filter.plant.unwrap_or(self.truth.plant.kind), self.quantities.clone())
+    }
+
+    /// Empty estimates for what a filter's smoother knows. Sensors have told it nothing that they had not told the filter.
+    pub(super) fn smoothed(&self, filter: &FilterSettings) -> Estimates {
+        let named = FilterSettings { name: format!("{}, smoothed", filter.name), ..filter.clone() };
+        Estimates::new(&named, filter.plant.unwrap_or(self.truth.plant.kind), Vec::new())
+    }
+}
