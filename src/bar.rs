@@ -38,7 +38,11 @@ impl Bar<'_> {
             views_menu_ui(ui, layout, commands);
             tutor::menu_ui(ui, lessons, commands);
             more_menu_ui(ui, presenting, commands);
-            ui.separator();
+            if narrow {
+                ui.end_row();
+            } else {
+                ui.separator();
+            }
             transport::transport_ui(ui, session, narrow, commands);
         });
     }

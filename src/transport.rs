@@ -66,7 +66,7 @@ fn time_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut time = session.time() - start;
     let end = start + session.end();
     let text_width = if end > LONG { 170.0 } else { 130.0 };
-    ui.spacing_mut().slider_width = (ui.available_width() - text_width).clamp(60.0, 260.0);
+    ui.spacing_mut().slider_width = (ui.available_size_before_wrap().x - text_width).clamp(60.0, 260.0);
     let slider = ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false));
     slider.ctx.accesskit_node_builder(slider.id, |node| node.set_label("Time"));
     number::remember(ui, "Time", slider.rect);

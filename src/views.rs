@@ -17,6 +17,7 @@ mod matrices;
 pub mod oscillator;
 mod parameter_plane;
 mod phase;
+mod picture;
 mod plane;
 mod scores;
 mod ticks;
@@ -139,7 +140,9 @@ impl ViewKind {
 }
 
 /// The least height of a plot where there are many: then they scroll \[points\].
-const LEAST_HEIGHT: f32 = 96.0;
+const LEAST_HEIGHT: f32 = 72.0;
+/// Height of the time axis, which the last row has \[points\].
+const AXIS: f32 = 18.0;
 /// Space between rows of plots \[points\].
 const GAP: f32 = 6.0;
 /// Space between columns of plots \[points\].
@@ -156,18 +159,19 @@ fn grid(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut Ui, usize, bool)
     let rows = count.div_ceil(columns);
     let gaps = GAP * (rows - 1) as f32;
     let least = if rows <= 2 { 1.0 } else { LEAST_HEIGHT };
-    let height = ((area.y - gaps) / rows as f32).max(least);
+    let height = ((area.y - gaps - AXIS) / rows as f32).max(least);
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let top = ui.max_rect().min;
         let width = ((ui.available_width() - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
         for i in 0..count {
             let (row, column) = (i / columns, i % columns);
             let offset = vec2(column as f32 * (width + GUTTER), row as f32 * (height + GAP));
-            let cell = Rect::from_min_size(top + offset, vec2(width, height));
+            let axis = if row + 1 == rows { AXIS } else { 0.0 };
+            let cell = Rect::from_min_size(top + offset, vec2(width, height + axis));
             let mut child = ui.new_child(egui::UiBuilder::new().id_salt(i).max_rect(cell));
             cell_ui(&mut child, i, row + 1 == rows);
         }
-        let all = vec2(ui.available_width(), rows as f32 * height + gaps);
+        let all = vec2(ui.available_width(), rows as f32 * height + gaps + AXIS);
         ui.allocate_rect(Rect::from_min_size(top, all), egui::Sense::hover());
     });
 }

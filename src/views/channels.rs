@@ -67,7 +67,7 @@ fn channels_ui(
 }
 
 /// One channel's chart: bands under measurements under truth under estimates.
-fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
+fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, shown, .. } = *context;
     let run = session.run();
     let record = run.record();
@@ -124,7 +124,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> C
         unit: channel.unit(),
         readouts: readouts(channel, context),
         layers,
-        names_time: names_time && !channel.is_parameter(),
+        last_row,
         least: None,
     }
 }

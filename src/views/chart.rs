@@ -34,8 +34,8 @@ pub(super) struct Chart<'a> {
     pub(super) unit: &'static str,
     pub(super) readouts: Vec<Readout>,
     pub(super) layers: Vec<Layer<'a>>,
-    /// Whether this chart names the axis for those above it.
-    pub(super) names_time: bool,
+    /// Whether no chart of the view is below this one: it has the time axis for those above it.
+    pub(super) last_row: bool,
     /// The least that the vertical axis shows.
     pub(super) least: Option<(f64, f64)>,
 }
@@ -50,12 +50,13 @@ impl Chart<'_> {
         let position = session.time();
         let show_position = session.mode() == Mode::Whole;
         let group = Id::unique("time");
-        let time_label = if self.names_time && size.y >= 130.0 { "time [s]" } else { "" };
+        let time_label = if self.last_row && size.y >= 150.0 { "time [s]" } else { "" };
         let plot = Plot::new(&self.key)
             .width(size.x)
             .height(size.y)
             .show_x(false)
             .show_y(false)
+            .show_axes([self.last_row, true])
             .link_axis(group, Vec2b::new(true, false))
             .link_cursor(group, Vec2b::new(true, false))
             .custom_x_axes(vec![AxisHints::new_x().label(time_label).label_spacing(TICKS_FADE)])

@@ -46,7 +46,7 @@ fn chart<'a>(
     symbol: &str,
     name: &str,
     context: &ViewContext<'a>,
-    names_time: bool,
+    last_row: bool,
     within: fn(&Diagnostics, std::ops::Range<usize>) -> Total,
 ) -> Chart<'a> {
     let ViewContext { session, palette, shown, axis, .. } = *context;
@@ -92,7 +92,7 @@ fn chart<'a>(
         unit: "",
         readouts,
         layers,
-        names_time,
+        last_row,
         least: Some((-0.5, 0.5)),
     }
 }

@@ -44,7 +44,7 @@ impl View for Errors {
     }
 }
 
-fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
+fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, shown, axis, .. } = *context;
     let run = session.run();
     let truth = run.record().truth(channel).unwrap_or_default();
@@ -104,7 +104,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, names_time: bool) -> C
         unit: channel.unit(),
         readouts,
         layers,
-        names_time,
+        last_row,
         least: None,
     }
 }

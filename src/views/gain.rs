@@ -58,7 +58,7 @@ fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
     chosen
 }
 
-fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
+fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, shown, axis, .. } = *context;
     let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak }];
@@ -91,7 +91,7 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, names_t
         unit: channel.unit(),
         readouts,
         layers,
-        names_time,
+        last_row,
         least: None,
     }
 }

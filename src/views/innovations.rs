@@ -38,7 +38,7 @@ impl View for Innovations {
     }
 }
 
-fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, names_time: bool) -> Chart<'a> {
+fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, shown, axis, .. } = *context;
     let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = Vec::new();
@@ -82,7 +82,7 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, names
         unit: quantity.unit(),
         readouts,
         layers,
-        names_time,
+        last_row,
         least: None,
     }
 }

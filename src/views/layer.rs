@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
-use egui::{Color32, Stroke};
-use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotPoint, PlotUi, Points};
+use egui::Color32;
+use egui_plot::{PlotPoint, PlotUi};
 use kalmanscope_core::Record;
 
+use super::picture::Picture;
 use crate::series::{Column, central_range, reduce, reduce_between};
 
 /// Share of the columns at either end that the vertical axis does not bend to: the first instants of a wide guess.
@@ -63,8 +64,9 @@ pub(super) struct Drawn {
     pub(super) range: Option<(f64, f64)>,
 }
 
-enum DrawnLayer {
-    Band { times: Vec<f64>, low: Vec<f64>, high: Vec<f64>, color: Color32 },
+/// A layer of it. The edges of a band are times with the lowest and the highest value there.
+pub(super) enum DrawnLayer {
+    Band { edges: Vec<[f64; 3]>, color: Color32 },
     Dots { points: Vec<PlotPoint>, color: Color32 },
     Line { points: Vec<PlotPoint>, color: Color32, width: f32, dashed: bool, bounds: bool },
     Level { value: f64, color: Color32 },
@@ -87,9 +89,7 @@ impl Drawn {
 
     /// Adds the layers to a plot.
     pub(super) fn show<'a>(&'a self, plot: &mut PlotUi<'a>) {
-        for layer in &self.layers {
-            layer.show(plot);
-        }
+        plot.add(Picture::new(&self.layers));
     }
 }
 
@@ -99,12 +99,8 @@ impl DrawnLayer {
             Layer::Band { series, color } => {
                 // Half the columns do for the smooth edges of a band.
                 let columns = series.columns(record, window, columns / 2);
-                Self::Band {
-                    times: columns.iter().map(|c| record.time(c.sample)).collect(),
-                    low: columns.iter().map(|c| c.low).collect(),
-                    high: columns.iter().map(|c| c.high).collect(),
-                    color: *color,
-                }
+                let edges = columns.iter().map(|c| [record.time(c.sample), c.low, c.high]).collect();
+                Self::Band { edges, color: *color }
             }
             Layer::Dots { series, color } => {
                 let columns = series.columns(record, window, columns / 2);
@@ -121,29 +117,6 @@ impl DrawnLayer {
             Layer::Level { value, color } => Self::Level { value: *value, color: *color },
         }
     }
-
-    fn show<'a>(&'a self, plot: &mut PlotUi<'a>) {
-        match self {
-            Self::Band { times, low, high, color } => {
-                if !times.is_empty() {
-                    let edge = Stroke::new(0.7, color.gamma_multiply(0.6));
-                    let band = FilledArea::new("band", times, low, high);
-                    plot.add(band.fill_color(color.gamma_multiply(0.22)).stroke(edge).allow_hover(false));
-                }
-            }
-            Self::Dots { points, color } => {
-                plot.points(Points::new("dots", &points[..]).radius(1.3).color(*color).allow_hover(false));
-            }
-            Self::Line { points, color, width, dashed, .. } => {
-                let style = if *dashed { LineStyle::dashed_dense() } else { LineStyle::Solid };
-                plot.line(Line::new("line", &points[..]).color(*color).width(*width).style(style).allow_hover(false));
-            }
-            Self::Level { value, color } => {
-                let style = LineStyle::dashed_dense();
-                plot.hline(HLine::new("level", *value).color(*color).width(1.0).style(style).allow_hover(false));
-            }
-        }
-    }
 }
 
 /// All of the lines that count, and the rest but for its outermost columns; dots only where there is nothing else.
@@ -151,7 +124,7 @@ fn vertical_range(layers: &[DrawnLayer], least: Option<(f64, f64)>) -> Option<(f
     let (mut whole, mut robust, mut dots) = (Vec::new(), Vec::new(), Vec::new());
     for layer in layers {
         match layer {
-            DrawnLayer::Band { low, high, .. } => robust.extend(some(low).chain(some(high))),
+            DrawnLayer::Band { edges, .. } => robust.extend(some(edges).flat_map(|[_, low, high]| [*low, *high])),
             DrawnLayer::Line { points, bounds: true, .. } => whole.extend(points.iter().map(|p| p.y)),
             DrawnLayer::Line { points, .. } => robust.extend(some(points).map(|p| p.y)),
             DrawnLayer::Dots { points, .. } => dots.extend(some(points).map(|p| p.y)),

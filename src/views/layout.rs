@@ -42,6 +42,10 @@ impl Arrangement {
     }
 }
 
+/// The height for each of several views, one below the other, from which on all are seen at once; else they scroll
+/// \[points\].
+const ENOUGH: f32 = 180.0;
+
 /// Rows of views, each with its share of the height.
 fn tree(rows: &[(f32, &[ViewKind])]) -> Tree<ViewKind> {
     let mut tiles = Tiles::default();
@@ -126,7 +130,7 @@ impl Layout {
             panes.show(ui, view);
         } else if narrow {
             let shown = self.shown();
-            let least = if shown.len() <= 3 { 1.0 } else { 300.0 };
+            let least = if area.y > ENOUGH * shown.len() as f32 { 1.0 } else { 300.0 };
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 let share = |view: &ViewKind| if *view == ViewKind::Oscillator { 0.3 } else { 1.0 };
                 let all: f32 = shown.iter().map(share).sum();

@@ -65,7 +65,7 @@ impl View for ParameterPlane {
         plane_ui(ui, "parameter plane", [&label(x), &label(y)], palette, range, |plot| {
             for (path, ellipse, color) in paths {
                 let now = path.first().copied();
-                plot.line(Line::new("path", path).color(color.gamma_multiply(0.55)).width(1.0).allow_hover(false));
+                plot.line(Line::new("path", path).color(color.gamma_multiply(0.7)).width(1.4).allow_hover(false));
                 if shown.bands {
                     plot.line(Line::new("ellipse", ellipse).color(color).width(2.0).allow_hover(false));
                 }

@@ -1,6 +1,7 @@
 //! The app without a screen: every control, every view, any size.
 
 mod frequency_response;
+mod habits;
 mod workbench;
 
 use std::collections::HashMap;

@@ -1,0 +1,157 @@
+//! Everything that a chart draws, as one item of the plot.
+
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+use egui::{Color32, Mesh, Pos2, Shape, Stroke, Ui, pos2};
+use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
+
+use super::layer::DrawnLayer;
+
+/// How far outside the plot things are drawn at most \[points\]: the plot cuts them off, but numbers that are too large would
+/// not survive on the way there.
+const OUTSIDE: f32 = 4000.0;
+
+/// Dash and gap \[points\].
+const DASH: (f32, f32) = (5.0, 3.0);
+
+/// Radius of a dot \[points\].
+const DOT: f32 = 1.3;
+
+/// A chart's layers in the plot. That a point is transformed once, and nothing searched for under the pointer, is what it has
+/// over an item for each.
+pub(super) struct Picture<'a> {
+    base: PlotItemBase,
+    layers: &'a [DrawnLayer],
+}
+
+impl<'a> Picture<'a> {
+    pub(super) fn new(layers: &'a [DrawnLayer]) -> Self {
+        Self { base: PlotItemBase::new("picture".to_owned()), layers }
+    }
+}
+
+impl PlotItem for Picture<'_> {
+    fn shapes(&self, _: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+        let stage = Stage::new(transform);
+        for layer in self.layers {
+            match layer {
+                DrawnLayer::Band { edges, color } => stage.band(edges, *color, shapes),
+                DrawnLayer::Dots { points, color } => {
+                    shapes.extend(
+                        points.iter().map(|point| Shape::circle_filled(stage.at(point.x, point.y), DOT, *color)),
+                    );
+                }
+                DrawnLayer::Line { points, color, width, dashed, .. } => {
+                    stage.line(points, Stroke::new(*width, *color), *dashed, shapes);
+                }
+                DrawnLayer::Level { value, color } => {
+                    let (frame, y) = (transform.frame(), stage.y(*value));
+                    if frame.y_range().contains(y) {
+                        let ends = [pos2(frame.left(), y), pos2(frame.right(), y)];
+                        shapes.extend(Shape::dashed_line(&ends, Stroke::new(1.0, *color), DASH.0, DASH.1));
+                    }
+                }
+            }
+        }
+    }
+
+    fn initialize(&mut self, _: RangeInclusive<f64>) {}
+
+    fn color(&self) -> Color32 {
+        Color32::TRANSPARENT
+    }
+
+    fn allow_hover(&self) -> bool {
+        false
+    }
+
+    fn geometry(&self) -> PlotGeometry<'_> {
+        PlotGeometry::None
+    }
+
+    /// The chart sets the plot's bounds.
+    fn bounds(&self) -> PlotBounds {
+        PlotBounds::NOTHING
+    }
+
+    fn base(&self) -> &PlotItemBase {
+        &self.base
+    }
+
+    fn base_mut(&mut self) -> &mut PlotItemBase {
+        &mut self.base
+    }
+}
+
+/// Where values stand on screen.
+struct Stage {
+    /// Screen position of the value at the middle of the plot, that value, and points per unit; for each axis.
+    x: [f64; 3],
+    y: [f64; 3],
+    /// What is kept of the vertical axis.
+    seen: (f32, f32),
+}
+
+impl Stage {
+    fn new(transform: &PlotTransform) -> Self {
+        let frame = transform.frame();
+        let [per_x, per_y] = transform.dpos_dvalue();
+        let middle = transform.bounds().center();
+        Self {
+            x: [f64::from(transform.position_from_point_x(middle.x)), middle.x, per_x],
+            y: [f64::from(transform.position_from_point_y(middle.y)), middle.y, per_y],
+            seen: (frame.top() - OUTSIDE, frame.bottom() + OUTSIDE),
+        }
+    }
+
+    fn x(&self, value: f64) -> f32 {
+        let [position, middle, per_unit] = self.x;
+        (position + (value - middle) * per_unit) as f32
+    }
+
+    fn y(&self, value: f64) -> f32 {
+        let [position, middle, per_unit] = self.y;
+        ((position + (value - middle) * per_unit) as f32).clamp(self.seen.0, self.seen.1)
+    }
+
+    fn at(&self, x: f64, y: f64) -> Pos2 {
+        pos2(self.x(x), self.y(y))
+    }
+
+    fn line(&self, points: &[PlotPoint], stroke: Stroke, dashed: bool, shapes: &mut Vec<Shape>) {
+        let path: Vec<Pos2> = points.iter().map(|point| self.at(point.x, point.y)).collect();
+        if dashed {
+            shapes.extend(Shape::dashed_line(&path, stroke, DASH.0, DASH.1));
+        } else if let [alone] = path[..] {
+            shapes.push(Shape::circle_filled(alone, 0.7 * stroke.width, stroke.color));
+        } else {
+            shapes.push(Shape::line(path, stroke));
+        }
+    }
+
+    /// `edges` are times with the lowest and the highest value there.
+    fn band(&self, edges: &[[f64; 3]], color: Color32, shapes: &mut Vec<Shape>) {
+        let mut mesh = Mesh::default();
+        mesh.reserve_vertices(2 * edges.len());
+        mesh.reserve_triangles(2 * edges.len());
+        let (mut lower, mut upper) = (Vec::with_capacity(edges.len()), Vec::with_capacity(edges.len()));
+        let fill = color.gamma_multiply(0.22);
+        for (i, &[time, low, high]) in edges.iter().enumerate() {
+            let x = self.x(time);
+            let ends = [pos2(x, self.y(low)), pos2(x, self.y(high))];
+            lower.push(ends[0]);
+            upper.push(ends[1]);
+            mesh.colored_vertex(ends[0], fill);
+            mesh.colored_vertex(ends[1], fill);
+            if let Some(before) = i.checked_sub(1) {
+                let first = 2 * before as u32;
+                mesh.add_triangle(first, first + 1, first + 2);
+                mesh.add_triangle(first + 1, first + 2, first + 3);
+            }
+        }
+        let edge = Stroke::new(0.7, color.gamma_multiply(0.6));
+        shapes.push(Shape::Mesh(Arc::new(mesh)));
+        shapes.extend([lower, upper].map(|path| Shape::line(path, edge)));
+    }
+}

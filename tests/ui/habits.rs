@@ -1,0 +1,227 @@
+//! What a person is used to: keys, wheels, double clicks, large type, a drawer on the phone.
+
+use egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase};
+
+use super::*;
+
+/// Presses twice on a control, fast.
+fn double_click(screen: &mut Screen, label: &str) {
+    let at = screen.get_by_label(label).rect().center();
+    screen.hover_at(at);
+    // Long enough after any click before.
+    screen.run_steps(60);
+    for _ in 0..2 {
+        screen.drag_at(at);
+        screen.step();
+        screen.drop_at(at);
+        screen.step();
+    }
+    screen.run_steps(3);
+}
+
+#[test]
+fn a_double_click_takes_a_number_back_to_what_it_was() {
+    let mut screen = workbench();
+    let numbers = |screen: &Screen| {
+        let filter = &scenario(screen).filters[0];
+        (filter.fading, filter.initial_std.natural_frequency, scenario(screen).sensors[0].noise_std)
+    };
+    let before = numbers(&screen);
+    for (control, double_clicked) in [
+        ("EKF fading factor", "EKF fading factor, value"),
+        ("EKF initial std of natural frequency", "EKF initial std of natural frequency"),
+        ("Noise of the displacement sensor", "Noise of the displacement sensor"),
+    ] {
+        set(&mut screen, control, 1.03);
+        assert_ne!(numbers(&screen), before, "{control}");
+        double_click(&mut screen, double_clicked);
+        assert_eq!(numbers(&screen), before, "{control}");
+    }
+    // Another scenario is another beginning.
+    screen.get_by_label("Scenario").click();
+    screen.run_steps(3);
+    screen.get_by_label(kalmanscope::library::ENTRIES[2].name).click();
+    screen.run_steps(3);
+    let opened = numbers(&screen);
+    set(&mut screen, "Noise of the displacement sensor", 0.2);
+    double_click(&mut screen, "Noise of the displacement sensor");
+    assert_eq!(numbers(&screen), opened);
+}
+
+#[test]
+fn the_wheel_turns_a_number_only_with_alt() {
+    let mut screen = workbench();
+    let fading = |screen: &Screen| scenario(screen).filters[0].fading;
+    let before = fading(&screen);
+    let at = screen.get_by_label("EKF fading factor, value").rect().center();
+    screen.hover_at(at);
+    screen.run_steps(2);
+    let turn = |screen: &mut Screen, modifiers: Modifiers| {
+        let (unit, phase, source) = (MouseWheelUnit::Point, TouchPhase::Move, MouseWheelSource::Unknown);
+        let delta = Vec2::new(0.0, 20.0);
+        screen.event(Event::ModifiersChanged(modifiers));
+        screen.event(Event::MouseWheel { unit, delta, phase, source, modifiers });
+        screen.run_steps(15);
+        screen.event(Event::ModifiersChanged(Modifiers::NONE));
+        screen.run_steps(2);
+    };
+    turn(&mut screen, Modifiers::NONE);
+    assert_eq!(fading(&screen), before);
+    turn(&mut screen, Modifiers::ALT);
+    assert!(fading(&screen) > before + 0.01, "{} after {before}", fading(&screen));
+}
+
+#[test]
+fn keys_do_what_their_list_says() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let press = |screen: &mut Screen, key| {
+        screen.key_press(key);
+        screen.run_steps(3);
+    };
+    let session = |screen: &Screen| {
+        let session = screen.state().session();
+        (session.playing(), session.mode(), session.speed())
+    };
+    press(&mut screen, Key::Space);
+    assert_eq!(session(&screen), (false, Mode::Live, 2.0));
+    press(&mut screen, Key::Plus);
+    press(&mut screen, Key::L);
+    assert_eq!(session(&screen), (false, Mode::Whole, 5.0));
+    for _ in 0..9 {
+        press(&mut screen, Key::Minus);
+    }
+    assert_eq!(session(&screen).2, 0.1);
+    screen.state_mut().session_mut().seek(10.0);
+    press(&mut screen, Key::ArrowLeft);
+    assert_eq!(screen.state().session().position(), 999);
+    press(&mut screen, Key::ArrowRight);
+    assert_eq!(screen.state().session().position(), 1000);
+    press(&mut screen, Key::R);
+    assert_eq!(screen.state().session().position(), 0);
+
+    let shown =
+        |screen: &Screen| screen.query_by_label("Duration").is_some() || screen.query_by_label("Record").is_some();
+    assert!(shown(&screen));
+    press(&mut screen, Key::S);
+    assert!(!shown(&screen));
+    press(&mut screen, Key::S);
+    assert!(shown(&screen));
+
+    press(&mut screen, Key::Questionmark);
+    for line in ["play or pause", "presenter mode: large type", "take back the last change of a setting"] {
+        assert!(screen.query_by_label(line).is_some(), "{line} is not in the list");
+    }
+    press(&mut screen, Key::Escape);
+    assert!(screen.query_by_label("play or pause").is_none());
+
+    let toggle = |screen: &Screen| screen.get_by_label("Show UKF").accesskit_node().toggled();
+    let before = toggle(&screen);
+    press(&mut screen, Key::Num2);
+    assert_ne!(toggle(&screen), before);
+}
+
+#[test]
+fn presenter_mode_is_large_and_leaves_the_room_to_the_plots() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let share = |screen: &Screen| {
+        let plot = screen.get_by_label("Plot of the displacement").rect();
+        plot.area() / screen.ctx.content_rect().area()
+    };
+    let before = (screen.ctx.zoom_factor(), share(&screen));
+    screen.get_by_label("Presenter mode").click();
+    screen.run_steps(5);
+    assert!(screen.ctx.zoom_factor() > 1.3 * before.0);
+    assert!(share(&screen) > before.1, "{} after {}", share(&screen), before.1);
+    assert!(screen.query_by_label("EKF fading factor").is_none());
+    screen.get_by_label("Settings").click();
+    screen.run_steps(20);
+    assert!(screen.query_by_label("EKF fading factor").is_some());
+    screen.get_by_label("Presenter mode").click();
+    screen.run_steps(5);
+    assert!((screen.ctx.zoom_factor() - before.0).abs() < 1e-6);
+}
+
+#[test]
+fn the_drawer_of_the_phone_leaves_the_plots_in_sight() {
+    let mut screen = screen(PHONE, Theme::Light);
+    assert!(screen.query_by_label("EKF fading factor").is_none());
+    screen.get_by_label("Settings").click();
+    screen.run_steps(20);
+    let drawer = screen.get_by_label("Truth").rect();
+    let plot = screen.get_by_label("Plot of the natural frequency").rect();
+    assert!(plot.height() > 40.0 && plot.bottom() < drawer.top(), "{plot} is behind the drawer at {drawer}");
+    assert!(drawer.top() < 0.75 * PHONE.y, "the drawer begins only at {}", drawer.top());
+}
+
+#[test]
+fn filters_keep_their_colours_when_others_go() {
+    let mut screen = workbench();
+    let colors = |screen: &Screen| {
+        let estimates = screen.state().session().run().estimates();
+        estimates.iter().enumerate().map(|(place, e)| (e.name().to_owned(), e.color(place))).collect::<HashMap<_, _>>()
+    };
+    let click = |screen: &mut Screen, label: &str| {
+        screen.get_by_label(label).click();
+        screen.run_steps(3);
+    };
+    click(&mut screen, "Duplicate EKF");
+    let before = colors(&screen);
+    assert_eq!(before.values().collect::<std::collections::HashSet<_>>().len(), 3, "{before:?}");
+    click(&mut screen, "Remove EKF");
+    let after = colors(&screen);
+    assert!(after.iter().all(|(name, color)| before[name] == *color), "{before:?}, then {after:?}");
+    click(&mut screen, "Colour of UKF");
+    click(&mut screen, "purple");
+    assert_eq!(colors(&screen)["UKF"], kalmanscope_core::FilterColor::Purple);
+}
+
+#[test]
+fn scores_are_sorted_by_the_row_that_is_clicked() {
+    let mut screen = workbench();
+    let mut bad = Scenario::default();
+    bad.filters[0].sensor_std = vec![0.5, 3.0];
+    let session = screen.state_mut().session_mut();
+    session.set_scenario(bad);
+    session.set_mode(Mode::Whole);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Scores]);
+    screen.run_steps(3);
+    let place = |screen: &Screen, name: &str| {
+        let nodes = screen.get_all_by_label(name).map(|node| node.rect());
+        nodes.filter(|rect| rect.left() > 360.0 && rect.top() > 70.0).map(|r| r.left()).fold(f32::NAN, f32::max)
+    };
+    assert!(place(&screen, "EKF") < place(&screen, "UKF"));
+    screen.get_by_label("NIS / expected").click();
+    screen.run_steps(3);
+    assert!(place(&screen, "EKF") > place(&screen, "UKF"), "the UKF is the better one");
+    screen.get_by_label("NIS / expected ▸").click();
+    screen.run_steps(3);
+    assert!(place(&screen, "EKF") < place(&screen, "UKF"));
+}
+
+#[test]
+fn a_lesson_shows_the_part_of_the_record_that_it_is_about() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    for label in ["Lessons", "Noise reduction"] {
+        screen.get_by_label(label).click();
+        screen.run_steps(3);
+    }
+    let (from, to) = screen.state().axis().framed.expect("the lesson is about two seconds");
+    assert_eq!((from, to), (20.0, 22.0));
+    screen.get_by_label("Leave the lesson").click();
+    screen.run_steps(3);
+    assert_eq!(screen.state().axis().framed, None);
+}
+
+#[test]
+fn hindsight_is_shown_of_the_whole_record() {
+    let mut screen = workbench();
+    screen.get_all_by_label("Options").next().expect("each filter has options").click();
+    screen.run_steps(12);
+    screen.get_by_label("EKF: hindsight").click();
+    screen.run_steps(3);
+    assert!(screen.state().session().smoothed().is_empty(), "there is none before the record is complete");
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    screen.run_steps(3);
+    let [(place, smoothed)] = screen.state().session().smoothed() else { panic!("one filter has hindsight") };
+    assert_eq!((*place, smoothed.len()), (0, 6001));
+}
