@@ -103,6 +103,15 @@ impl App {
         })
     }
 
+    /// For those who do not want things to move by themselves: begins paused with all of the record on screen, and nothing
+    /// glides into place.
+    pub fn reduce_motion(&mut self, ctx: &egui::Context) {
+        ctx.all_styles_mut(|style| style.animation_time = 0.0);
+        self.session.set_mode(Mode::Whole);
+        self.session.pause();
+        self.session.seek(self.session.end());
+    }
+
     /// The session on screen.
     pub fn session(&self) -> &Session {
         &self.session

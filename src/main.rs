@@ -141,6 +141,12 @@ mod web {
         });
     }
 
+    /// What the user has told the system about things that move by themselves.
+    fn wants_reduced_motion() -> bool {
+        let asked = web_sys::window().and_then(|window| window.match_media("(prefers-reduced-motion: reduce)").ok()?);
+        asked.is_some_and(|query| query.matches())
+    }
+
     async fn start() -> Result<(), String> {
         let document = web_sys::window().and_then(|window| window.document()).ok_or("there is no document")?;
         let canvas = document
@@ -149,7 +155,10 @@ mod web {
             .ok_or("the page has no canvas")?;
         let runner = eframe::WebRunner::new();
         let creator: eframe::AppCreator<'static> = Box::new(|creation| {
-            let app = kalmanscope::App::new(creation)?;
+            let mut app = kalmanscope::App::new(creation)?;
+            if wants_reduced_motion() {
+                app.reduce_motion(&creation.egui_ctx);
+            }
             RUNNER.with_borrow_mut(|runner| {
                 if let Some((_, ctx)) = runner {
                     *ctx = creation.egui_ctx.clone();

@@ -216,6 +216,11 @@ impl Session {
         }
     }
 
+    /// Lets time stand still.
+    pub fn pause(&mut self) {
+        self.playing = false;
+    }
+
     /// Plays from the first sample.
     pub fn play_from_start(&mut self) {
         self.seek(0.0);

@@ -8,6 +8,7 @@ mod consistency;
 mod errors;
 mod frequency_response;
 mod gain;
+mod heading;
 mod innovations;
 mod kept;
 mod layer;

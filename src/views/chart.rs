@@ -3,10 +3,11 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use egui::{Color32, Id, RichText, Ui, Vec2, Vec2b};
+use egui::{Id, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, LineStyle, Plot, VLine};
 
 use super::ViewContext;
+use super::heading::{Readout, heading_ui};
 use super::kept::kept;
 use super::layer::{Drawn, Layer};
 use super::ticks::{tick, ticks};
@@ -15,13 +16,6 @@ use crate::session::Mode;
 
 /// Ticks' labels are drawn in full from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
-
-/// A value in a chart's heading.
-pub(super) struct Readout {
-    pub(super) text: String,
-    pub(super) color: Color32,
-    pub(super) hint: String,
-}
 
 /// What one chart shows.
 pub(super) struct Chart<'a> {
@@ -107,20 +101,4 @@ impl Chart<'_> {
         }
         pointed
     }
-}
-
-/// Name and unit at the left, values at the cursor or at playback at the right.
-pub(super) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) {
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 10.0;
-        ui.label(RichText::new(symbol).family(crate::theme::strong()).size(15.0));
-        let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
-        let named = ui.available_width() > 200.0 + 75.0 * readouts.len() as f32;
-        ui.weak(if named { format!("{name}{unit}") } else { unit });
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            for Readout { text, color, hint } in readouts.iter().rev() {
-                ui.label(RichText::new(text).small().color(*color)).on_hover_text(hint);
-            }
-        });
-    });
 }

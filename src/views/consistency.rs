@@ -3,7 +3,8 @@
 use egui::Ui;
 use kalmanscope_core::diagnostics::{Diagnostics, Total, chi_squared};
 
-use super::chart::{Chart, Readout};
+use super::chart::Chart;
+use super::heading::Readout;
 use super::layer::{Layer, Series};
 use super::{View, ViewContext, grid};
 use crate::command::Command;

@@ -4,7 +4,8 @@ use egui::Ui;
 use kalmanscope_core::Channel;
 
 use super::channels::decimals;
-use super::chart::{Chart, Readout};
+use super::chart::Chart;
+use super::heading::Readout;
 use super::layer::{Layer, Series};
 use super::{View, ViewContext, grid};
 use crate::command::Command;

@@ -8,7 +8,7 @@ use egui::{Align2, RichText, Stroke, Ui, UiBuilder, vec2};
 use egui_plot::{FilledArea, Line, LineStyle, PlotPoint, PlotUi, Points, Text, VLine};
 use kalmanscope_core::frequency_response::Believed;
 
-use super::chart::{Readout, heading_ui};
+use super::heading::{Readout, heading_ui};
 use super::plane::log_plane_ui;
 use super::{View, ViewContext};
 use crate::command::Command;
