@@ -1,15 +1,17 @@
 //! The app: one session, its controls and its views.
 
+mod commands;
+
 use egui::util::undoer::Undoer;
-use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use egui::{CentralPanel, Frame, Margin, Panel, ThemePreference, Ui};
 use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::Lesson;
-use serde::{Deserialize, Serialize};
 
 use crate::bar::Bar;
 use crate::command::Command;
-use crate::controls::{controls_ui, number};
+use crate::controls::controls_ui;
 use crate::keys;
+use crate::saved::Saved;
 use crate::session::{Mode, Session};
 use crate::summary::Summary;
 use crate::theme::{self, Palette};
@@ -21,23 +23,6 @@ const NARROW: f32 = 720.0;
 
 /// How much larger everything is in presenter mode.
 const LARGE: f32 = 1.4;
-
-/// What survives a restart.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-struct Settings {
-    /// As a scenario file, which is checked when it is read.
-    scenario: String,
-    mode: Mode,
-    speed: f64,
-    presenting: bool,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self { scenario: String::new(), mode: Mode::default(), speed: Session::DEFAULT_SPEED, presenting: false }
-    }
-}
 
 /// The explorer.
 pub struct App {
@@ -52,8 +37,9 @@ pub struct App {
     controls_open: Option<bool>,
     presenting: bool,
     keys_open: bool,
-    /// Whether the window was narrow in the last frame.
+    /// Whether the window was narrow in the last frame, and the theme that was chosen then.
     narrow: bool,
+    theme: ThemePreference,
     commands: Vec<Command>,
 }
 
@@ -63,8 +49,14 @@ impl App {
     /// # Errors
     /// [`RunError`] where not even the default scenario can be run.
     pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
-        theme::install(&creation.egui_ctx);
-        Self::restored(creation.storage)
+        let ctx = &creation.egui_ctx;
+        theme::install(ctx);
+        let saved = Saved::load(creation.storage);
+        saved.apply_theme(ctx);
+        if saved.presenting {
+            ctx.set_zoom_factor(LARGE);
+        }
+        Self::from_saved(&saved)
     }
 
     /// The explorer as [`eframe::App::save`] left it in `storage`, without fonts and styles. What cannot be read or run any
@@ -73,12 +65,15 @@ impl App {
     /// # Errors
     /// [`RunError`] where not even the default scenario can be run.
     pub fn restored(storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
-        let Settings { scenario, mode, speed, presenting } =
-            storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
-        let mut app = Self::with_scenario(Scenario::from_toml(&scenario).unwrap_or_default())?;
-        app.session.set_mode(mode);
-        app.session.set_speed(speed);
-        app.presenting = presenting;
+        Self::from_saved(&Saved::load(storage))
+    }
+
+    fn from_saved(saved: &Saved) -> Result<Self, RunError> {
+        let mut app = Self::with_scenario(Scenario::from_toml(&saved.scenario).unwrap_or_default())?;
+        app.session.set_mode(saved.mode);
+        app.session.set_speed(saved.speed);
+        app.presenting = saved.presenting;
+        app.layout = saved.layout();
         Ok(app)
     }
 
@@ -99,6 +94,7 @@ impl App {
             presenting: false,
             keys_open: false,
             narrow: false,
+            theme: ThemePreference::System,
             commands: Vec::new(),
         })
     }
@@ -135,100 +131,6 @@ impl App {
     /// What is on screen, as data.
     pub fn summary(&self, ctx: &egui::Context) -> Summary {
         Summary::new(&self.session, ctx)
-    }
-
-    fn apply(&mut self, command: Command, ctx: &egui::Context) {
-        let Self { session, axis, shown, layout, lessons, tutor, history, .. } = self;
-        match command {
-            Command::TogglePlay => session.toggle_play(),
-            Command::Step => session.step(),
-            Command::StepBack => session.step_back(),
-            Command::Restart => {
-                session.seek(0.0);
-                *axis = TimeAxis::default();
-            }
-            Command::Seek(time) => session.seek(time),
-            Command::SetMode(mode) => {
-                session.set_mode(mode);
-                *axis = TimeAxis::default();
-            }
-            Command::SetSpeed(speed) => session.set_speed(speed),
-            Command::Open(entry) => {
-                if let Ok(scenario) = entry.scenario() {
-                    session.set_scenario(scenario);
-                    session.play_from_start();
-                    *axis = TimeAxis::default();
-                    number::begin_anew(ctx);
-                }
-            }
-            Command::Undo => {
-                if let Some(scenario) = history.undo(session.scenario()).cloned() {
-                    session.set_scenario(scenario);
-                }
-            }
-            Command::Redo => {
-                if let Some(scenario) = history.redo(session.scenario()).cloned() {
-                    session.set_scenario(scenario);
-                }
-            }
-            Command::StartLesson(place) => {
-                *tutor = lessons.get(place).cloned().map(Tutor::new);
-                self.go_to_step(0);
-                number::begin_anew(ctx);
-            }
-            Command::GoToStep(step) => {
-                self.go_to_step(step);
-                number::begin_anew(ctx);
-            }
-            Command::ChangeLesson => {
-                if let Some(lesson) = tutor
-                    && lesson.change(session).is_err()
-                {
-                    // What the change is about is gone: begin the step again as it should be.
-                    let step = lesson.step();
-                    self.go_to_step(step);
-                }
-            }
-            Command::LeaveLesson => {
-                *tutor = None;
-                axis.framed = None;
-            }
-            Command::ToggleFilter(place) => shown.toggle_filter(place),
-            Command::ToggleControls => self.controls_open = Some(!self.controls_open()),
-            Command::TogglePresenter => {
-                self.presenting = !self.presenting;
-                ctx.set_zoom_factor(ctx.zoom_factor() * if self.presenting { LARGE } else { 1.0 / LARGE });
-                self.controls_open = None;
-            }
-            Command::ToggleKeys => self.keys_open = !self.keys_open,
-            Command::Leave => {
-                if !std::mem::take(&mut self.keys_open) {
-                    layout.leave_enlarged();
-                }
-            }
-            Command::ToggleView(view) => layout.toggle(view),
-            Command::Arrange(arrangement) => *layout = Layout::of(arrangement),
-            // The first time back to what is of interest, then to all.
-            Command::Follow if axis.follows => axis.framed = None,
-            Command::Follow => axis.follows = true,
-            Command::Unfollow => axis.follows = false,
-            Command::PointAt(time) => axis.pointed = time,
-        }
-    }
-
-    /// Goes to a step of the lesson in progress; without one, or to one that cannot be taken, nowhere.
-    fn go_to_step(&mut self, step: usize) {
-        let Self { session, axis, layout, tutor, .. } = self;
-        let Some(lesson) = tutor else { return };
-        if lesson.go_to(step, session).is_err() {
-            *tutor = None;
-            return;
-        }
-        *axis = TimeAxis { framed: lesson.frame(session), ..TimeAxis::default() };
-        let views = lesson.views();
-        if !views.is_empty() {
-            *layout = Layout::column(&views);
-        }
     }
 
     fn controls_open(&self) -> bool {
@@ -272,6 +174,7 @@ impl eframe::App for App {
         let palette = Palette::of(ui.ctx().theme()).with_filters(colors);
         let narrow = ui.available_width() < NARROW;
         self.narrow = narrow;
+        self.theme = ui.ctx().options(|options| options.theme_preference);
         let open = self.controls_open();
         let frame = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(10, 6));
         let Self { session, layout, lessons, presenting, commands, .. } = self;
@@ -316,12 +219,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        let settings = Settings {
-            scenario: self.session.scenario().to_toml().unwrap_or_default(),
-            mode: self.session.mode(),
-            speed: self.session.speed(),
-            presenting: self.presenting,
-        };
-        eframe::set_value(storage, eframe::APP_KEY, &settings);
+        let Self { session, layout, presenting, theme, .. } = self;
+        Saved::new(session, layout, *presenting, *theme).save(storage);
     }
 }

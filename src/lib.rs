@@ -9,6 +9,7 @@ pub mod command;
 pub mod controls;
 mod keys;
 pub mod library;
+mod saved;
 pub mod series;
 pub mod session;
 pub mod summary;

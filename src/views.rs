@@ -26,6 +26,7 @@ mod ticks;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use egui::{Rect, Ui, vec2};
+use serde::{Deserialize, Serialize};
 
 use crate::command::Command;
 use crate::session::Session;
@@ -72,7 +73,7 @@ pub trait View: Sync {
 }
 
 /// The views.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ViewKind {
     /// The moving mass.
     Oscillator,

@@ -3,6 +3,8 @@
 use egui::{Button, Color32, Id, RichText, ScrollArea, Sense, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
 
+use serde::{Deserialize, Serialize};
+
 use super::{ViewContext, ViewKind};
 use crate::command::Command;
 
@@ -61,8 +63,10 @@ fn tree(rows: &[(f32, &[ViewKind])]) -> Tree<ViewKind> {
 }
 
 /// The views on screen.
+#[derive(Serialize, Deserialize)]
 pub struct Layout {
     tree: Tree<ViewKind>,
+    #[serde(skip)]
     enlarged: Option<ViewKind>,
 }
 

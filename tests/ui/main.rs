@@ -330,15 +330,18 @@ fn settings_survive_and_what_cannot_be_read_is_the_default() {
     let mut app = App::with_scenario(edited.clone()).expect("the scenario can be run");
     app.session_mut().set_mode(Mode::Whole);
     app.session_mut().set_speed(5.0);
+    app.layout_mut().toggle(ViewKind::Gain);
+    let shown = app.layout_mut().shown();
     let mut memory = Memory::default();
     app.save(&mut memory);
-    let restored = App::restored(Some(&memory)).expect("the default can be run");
+    let mut restored = App::restored(Some(&memory)).expect("the default can be run");
+    assert_eq!(restored.layout_mut().shown(), shown);
     let session = restored.session();
     assert_eq!((session.scenario(), session.mode(), session.speed()), (&edited, Mode::Whole, 5.0));
 
-    for broken in ["gibberish".to_owned(), memory.0[eframe::APP_KEY].replacen("dt = 0.01", "dt = -1.0", 1)] {
-        assert_ne!(broken, memory.0[eframe::APP_KEY]);
-        memory.set_string(eframe::APP_KEY, broken);
+    for broken in ["gibberish".to_owned(), memory.0["kalmanscope"].replacen("dt = 0.01", "dt = -1.0", 1)] {
+        assert_ne!(broken, memory.0["kalmanscope"]);
+        memory.set_string("kalmanscope", broken);
         let restored = App::restored(Some(&memory)).expect("the default can be run");
         assert_eq!(restored.session().scenario(), &Scenario::default());
     }
