@@ -65,6 +65,7 @@ const GESTURES: &[(&str, &str)] = &[
     ("Drag in a plot", "zoom in"),
     ("Right drag in a plot", "move it"),
     ("Double click in a plot", "all of it again"),
+    ("Click on a plot's symbol", "that plot alone, or all again"),
     ("Double click on a number", "back to what it was"),
     ("Alt and wheel on a number", "turn it"),
 ];

@@ -4,6 +4,7 @@ mod autocorrelation;
 pub mod axis;
 mod channels;
 mod chart;
+mod charts;
 mod consistency;
 mod errors;
 mod frequency_response;

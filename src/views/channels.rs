@@ -4,9 +4,10 @@ use egui::Ui;
 use kalmanscope_core::{Channel, Quantity};
 
 use super::chart::Chart;
+use super::charts::charts_ui;
 use super::heading::Readout;
 use super::layer::{Layer, Series};
-use super::{View, ViewContext, grid};
+use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::fixed;
 
@@ -59,12 +60,7 @@ fn channels_ui(
     wanted: impl Fn(Channel) -> bool,
 ) -> Option<f64> {
     let channels: Vec<Channel> = context.session.run().channels().into_iter().filter(|c| wanted(*c)).collect();
-    let mut pointed = None;
-    grid(ui, channels.len(), |ui, i, last_row| {
-        let chart = chart(channels[i], context, last_row);
-        pointed = chart.show(ui, context, commands).or(pointed);
-    });
-    pointed
+    charts_ui(ui, channels.len(), context, commands, |i, last_row| chart(channels[i], context, last_row))
 }
 
 /// One channel's chart: bands under measurements under truth under estimates.

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use egui::{Id, Ui, Vec2, Vec2b};
+use egui::{Id, Sense, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, LineStyle, Plot, VLine};
 
 use super::ViewContext;
@@ -34,10 +34,20 @@ pub(super) struct Chart<'a> {
     pub(super) least: Option<(f64, f64)>,
 }
 
+/// What the user does with a chart.
+pub(super) struct Seen {
+    /// The time that the user points at \[s\].
+    pub(super) pointed: Option<f64>,
+    /// Whether the user wants it to be alone, or with the others again.
+    pub(super) alone: bool,
+}
+
 impl Chart<'_> {
-    /// Draws the chart with its heading into all of `ui`. Returns the time that the user points at \[s\].
-    pub(super) fn show(self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
-        heading_ui(ui, &self.symbol, &self.name, self.unit, &self.readouts);
+    /// Draws the chart with its heading into all of `ui`.
+    pub(super) fn show(self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Seen {
+        let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &self.readouts);
+        let alone =
+            symbol.interact(Sense::click()).on_hover_text("Click: this plot alone, or all of them again").clicked();
         let ViewContext { session, palette, axis, .. } = *context;
         let size = ui.available_size().max(Vec2::splat(1.0));
         let followed = axis.followed(session);
@@ -99,6 +109,6 @@ impl Chart<'_> {
         } else if response.drag_started() || (response.hovered() && response.ctx.input(|i| i.zoom_delta() != 1.0)) {
             commands.push(Command::Unfollow);
         }
-        pointed
+        Seen { pointed, alone }
     }
 }

@@ -4,9 +4,10 @@ use egui::Ui;
 use kalmanscope_core::diagnostics::{Diagnostics, Total, chi_squared};
 
 use super::chart::Chart;
+use super::charts::charts_ui;
 use super::heading::Readout;
 use super::layer::{Layer, Series};
-use super::{View, ViewContext, grid};
+use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::significant;
 
@@ -30,16 +31,13 @@ impl View for Consistency {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
-        let mut pointed = None;
-        grid(ui, 2, |ui, i, last_row| {
-            let chart = if i == 0 {
+        charts_ui(ui, 2, context, commands, |i, last_row| {
+            if i == 0 {
                 chart("NIS", "normalised innovation squared", context, last_row, Diagnostics::nis_within)
             } else {
                 chart("NEES", "normalised estimation error squared", context, last_row, Diagnostics::nees_within)
-            };
-            pointed = chart.show(ui, context, commands).or(pointed);
-        });
-        pointed
+            }
+        })
     }
 }
 

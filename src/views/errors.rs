@@ -5,9 +5,10 @@ use kalmanscope_core::Channel;
 
 use super::channels::decimals;
 use super::chart::Chart;
+use super::charts::charts_ui;
 use super::heading::Readout;
 use super::layer::{Layer, Series};
-use super::{View, ViewContext, grid};
+use super::{View, ViewContext};
 use crate::command::Command;
 use crate::session::Bound;
 use crate::text::fixed;
@@ -37,11 +38,7 @@ impl View for Errors {
         if channels.is_empty() {
             ui.weak("The truth of this record is not known.");
         }
-        let mut pointed = None;
-        grid(ui, channels.len(), |ui, i, last_row| {
-            pointed = chart(channels[i], context, last_row).show(ui, context, commands).or(pointed);
-        });
-        pointed
+        charts_ui(ui, channels.len(), context, commands, |i, last_row| chart(channels[i], context, last_row))
     }
 }
 

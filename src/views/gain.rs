@@ -4,9 +4,10 @@ use egui::{Id, Ui};
 use kalmanscope_core::{Channel, Quantity};
 
 use super::chart::Chart;
+use super::charts::charts_ui;
 use super::heading::Readout;
 use super::layer::{Layer, Series};
-use super::{View, ViewContext, grid};
+use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::significant;
 
@@ -35,11 +36,7 @@ impl View for Gain {
             return None;
         }
         let sensor = sensor_ui(ui, &context.session.sensors());
-        let mut pointed = None;
-        grid(ui, channels.len(), |ui, i, last_row| {
-            pointed = chart(channels[i], sensor, context, last_row).show(ui, context, commands).or(pointed);
-        });
-        pointed
+        charts_ui(ui, channels.len(), context, commands, |i, last_row| chart(channels[i], sensor, context, last_row))
     }
 }
 

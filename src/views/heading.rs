@@ -1,6 +1,6 @@
 //! The line above a chart: what it shows, and the values at the cursor.
 
-use egui::{Align, Color32, FontSelection, Id, Layout, RichText, TextStyle, Ui, vec2};
+use egui::{Align, Color32, FontSelection, Id, Layout, Response, RichText, TextStyle, Ui, vec2};
 
 use crate::theme;
 
@@ -15,16 +15,18 @@ pub(super) struct Readout {
 /// Space between the parts of a heading \[points\].
 const GAP: f32 = 10.0;
 
-/// Name and unit at the left, values at the cursor or at playback at the right.
-pub(super) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) {
+/// Name and unit at the left, values at the cursor or at playback at the right. Returns the symbol, at the very left.
+pub(super) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) -> Response {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = GAP;
-        ui.label(RichText::new(symbol).family(theme::strong()).size(15.0));
+        let label = ui.label(RichText::new(symbol).family(theme::strong()).size(15.0));
         let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
         let named = ui.available_width() > 200.0 + 75.0 * readouts.len() as f32;
         ui.weak(if named { format!("{name}{unit}") } else { unit });
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| readouts_ui(ui, symbol, readouts));
-    });
+        label
+    })
+    .inner
 }
 
 /// As many values as there is room for, without their ±2σ where it is tight; where some are left out, the hint has all.

@@ -4,9 +4,10 @@ use egui::Ui;
 use kalmanscope_core::Quantity;
 
 use super::chart::Chart;
+use super::charts::charts_ui;
 use super::heading::Readout;
 use super::layer::{Layer, Series};
-use super::{View, ViewContext, grid};
+use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::significant;
 
@@ -31,11 +32,7 @@ impl View for Innovations {
         if sensors.is_empty() {
             ui.weak("Nothing is measured.");
         }
-        let mut pointed = None;
-        grid(ui, sensors.len(), |ui, i, last_row| {
-            pointed = chart(i, sensors[i], context, last_row).show(ui, context, commands).or(pointed);
-        });
-        pointed
+        charts_ui(ui, sensors.len(), context, commands, |i, last_row| chart(i, sensors[i], context, last_row))
     }
 }
 

@@ -225,3 +225,28 @@ fn hindsight_is_shown_of_the_whole_record() {
     let [(place, smoothed)] = screen.state().session().smoothed() else { panic!("one filter has hindsight") };
     assert_eq!((*place, smoothed.len()), (0, 6001));
 }
+
+#[test]
+fn a_plot_can_be_seen_alone() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let plots = |screen: &Screen| {
+        let shown = |name: &str| screen.query_by_label(&format!("Plot of the {name}")).map(|plot| plot.rect());
+        [shown("natural frequency"), shown("damping ratio"), shown("displacement")]
+    };
+    let click = |screen: &mut Screen| {
+        let beside_the_settings = |rect: egui::Rect| rect.left() > 340.0;
+        let symbol = screen.get_all_by_label("ζ").map(|node| node.rect()).find(|rect| beside_the_settings(*rect));
+        let at = symbol.expect("the plot of ζ has a heading").center();
+        screen.hover_at(at);
+        screen.drag_at(at);
+        screen.drop_at(at);
+        screen.run_steps(3);
+    };
+    let before = plots(&screen);
+    click(&mut screen);
+    let [frequency, damping, displacement] = plots(&screen);
+    assert!(frequency.is_none() && displacement == before[2]);
+    assert!(damping.expect("it is alone").width() > 1.9 * before[1].expect("it is there").width());
+    click(&mut screen);
+    assert_eq!(plots(&screen), before);
+}
