@@ -32,15 +32,12 @@ pub(super) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
 /// As many values as there is room for, without their ±2σ where it is tight; where some are left out, the hint has all.
 fn readouts_ui(ui: &mut Ui, symbol: &str, readouts: &[Readout]) {
     let room = ui.available_width();
-    let widths =
-        |ui: &Ui, of: fn(&Readout) -> &str| -> Vec<f32> { readouts.iter().map(|r| width(ui, of(r))).collect() };
     let total = |widths: &[f32]| widths.iter().map(|width| width + GAP).sum::<f32>();
-    let (full, short): (fn(&Readout) -> &str, fn(&Readout) -> &str) = (|r| &r.text, |r| value(&r.text));
-    let mut text = full;
-    let mut shown = widths(ui, full);
+    let mut texts: Vec<&str> = readouts.iter().map(|readout| readout.text.as_str()).collect();
+    let mut shown: Vec<f32> = texts.iter().map(|text| width(ui, text)).collect();
     if total(&shown) > room {
-        text = short;
-        shown = widths(ui, short);
+        texts.iter_mut().for_each(|text| *text = value(text));
+        shown = texts.iter().map(|text| width(ui, text)).collect();
     }
     let all = shown.len();
     while total(&shown) + width(ui, "…") > room && shown.pop().is_some() {}
@@ -48,12 +45,12 @@ fn readouts_ui(ui: &mut Ui, symbol: &str, readouts: &[Readout]) {
         let lines = readouts.iter().map(|r| format!("{}: {}", r.hint, r.text));
         ui.label(RichText::new("…").small()).on_hover_text(lines.collect::<Vec<_>>().join("\n"));
     }
-    for (readout, width) in readouts.iter().zip(shown).rev() {
+    for ((readout, text), width) in readouts.iter().zip(texts).zip(shown).rev() {
         // A value keeps the room that it once had: nothing jumps while it changes.
         let id = ui.scope_id().with((symbol, &readout.hint));
         let width = steady(ui, id, width);
         ui.allocate_ui_with_layout(vec2(width, ui.available_height()), Layout::right_to_left(Align::Center), |ui| {
-            let text = RichText::new(text(readout)).small().color(readout.color);
+            let text = RichText::new(text).small().color(readout.color);
             ui.label(text).on_hover_text(format!("{}: {}", readout.hint, readout.text));
         });
     }
