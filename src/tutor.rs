@@ -76,11 +76,17 @@ impl Tutor {
         match step.mode {
             LessonMode::Whole => {
                 session.set_mode(Mode::Whole);
+                pause(session);
                 session.seek(step.to.unwrap_or_else(|| session.end()));
             }
             LessonMode::Live => {
                 session.set_mode(Mode::Live);
                 session.play_from_start();
+                session.seek(step.from.unwrap_or(0.0));
+            }
+            LessonMode::Step => {
+                session.set_mode(Mode::Live);
+                pause(session);
                 session.seek(step.from.unwrap_or(0.0));
             }
         }
@@ -135,6 +141,13 @@ impl Tutor {
         });
         // A panel is as high as what is in it.
         ui.allocate_space(ui.available_size());
+    }
+}
+
+/// What is to be looked at stays as it is until the user goes on.
+fn pause(session: &mut Session) {
+    if session.playing() {
+        session.toggle_play();
     }
 }
 

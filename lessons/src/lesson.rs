@@ -55,7 +55,7 @@ pub struct Step {
     /// Whether the record is played or shown whole.
     #[serde(default)]
     pub mode: Mode,
-    /// The time that the record is played from \[s\], or that is shown from; its beginning if left out.
+    /// The time that the record is played or stepped through from \[s\], or that is shown from; its beginning if left out.
     pub from: Option<f64>,
     /// The time until which the record is shown \[s\]; its end if left out.
     pub to: Option<f64>,
@@ -98,8 +98,10 @@ pub enum View {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Mode {
-    /// Sample by sample.
+    /// Sample by sample as time goes on.
     Live,
+    /// Sample by sample, paused: the user goes on.
+    Step,
     /// All at once.
     #[default]
     Whole,
