@@ -3,18 +3,21 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use egui::{Color32, Id, RichText, Ui, Vec2, Vec2b};
+use egui::{Color32, Id, RichText, TextStyle, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, LineStyle, Plot, VLine};
 
 use super::ViewContext;
 use super::kept::kept;
 use super::layer::{Drawn, Layer};
-use super::ticks::{tick, ticks};
+use super::ticks::{Side, tick_inside, ticks};
 use crate::command::Command;
 use crate::session::Mode;
 
 /// Ticks' labels are drawn in full from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
+
+/// Least room at the left of a plot for the labels of its ticks \[points\].
+pub(super) const Y_AXIS: f32 = 44.0;
 
 /// A value in a chart's heading.
 pub(super) struct Readout {
@@ -59,11 +62,16 @@ impl Chart<'_> {
             .show_axes([self.last_row, true])
             .link_axis(group, Vec2b::new(true, false))
             .link_cursor(group, Vec2b::new(true, false))
-            .custom_x_axes(vec![AxisHints::new_x().label(time_label).label_spacing(TICKS_FADE)])
+            .custom_x_axes(vec![
+                AxisHints::new_x()
+                    .formatter(move |mark, range| tick_inside(mark, range, size.x - Y_AXIS, Side::Bottom))
+                    .label(time_label)
+                    .label_spacing(TICKS_FADE),
+            ])
             .custom_y_axes(vec![
                 AxisHints::new_y()
-                    .formatter(|mark, _| tick(mark.value, mark.step_size))
-                    .min_thickness(44.0)
+                    .formatter(move |mark, range| tick_inside(mark, range, size.y, Side::Left))
+                    .min_thickness(Y_AXIS)
                     .label_spacing(TICKS_FADE),
             ])
             .x_grid_spacer(move |input| ticks(input.bounds, size.x / 75.0))
@@ -109,16 +117,32 @@ impl Chart<'_> {
     }
 }
 
-/// Name and unit at the left, values at the cursor or at playback at the right.
+/// Space between the parts of a heading \[points\].
+const APART: f32 = 10.0;
+
+/// Name and unit at the left, values at the cursor or at playback at the right: as much of them as there is room for, the
+/// values first.
 pub(super) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) {
     ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = 10.0;
+        ui.spacing_mut().item_spacing.x = APART;
         ui.label(RichText::new(symbol).family(crate::theme::strong()).size(15.0));
-        let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
-        let named = ui.available_width() > 200.0 + 75.0 * readouts.len() as f32;
-        ui.weak(if named { format!("{name}{unit}") } else { unit });
+        let width = |text: &str, style: TextStyle| {
+            let font = style.resolve(ui.style());
+            ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER).size().x + APART
+        };
+        let mut room = ui.available_width();
+        let fitting = readouts.iter().take_while(|readout| {
+            room -= width(&readout.text, TextStyle::Small);
+            room >= -APART
+        });
+        let fitting: Vec<&Readout> = fitting.collect();
+        let unit = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
+        let named = format!("{name} {unit}");
+        if let Some(text) = [named.trim(), &unit].into_iter().find(|text| width(text, TextStyle::Body) <= room) {
+            ui.weak(text);
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            for Readout { text, color, hint } in readouts.iter().rev() {
+            for Readout { text, color, hint } in fitting.into_iter().rev() {
                 ui.label(RichText::new(text).small().color(*color)).on_hover_text(hint);
             }
         });
