@@ -1,6 +1,6 @@
 //! A lesson as it stands in its file.
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::{Channel, Scenario};
 use serde::Deserialize;
 use toml::Table;
 
@@ -52,6 +52,12 @@ pub struct Step {
     /// The views that show it, the most telling first.
     #[serde(default)]
     pub views: Vec<View>,
+    /// The channels that it is about, which the views then show alone; all if left out.
+    #[serde(default)]
+    pub channels: Vec<Channel>,
+    /// Whether the ±2σ bands are shown.
+    #[serde(default = "yes")]
+    pub bands: bool,
     /// Whether the record is played or shown whole.
     #[serde(default)]
     pub mode: Mode,
@@ -62,6 +68,10 @@ pub struct Step {
     /// What the text says, in numbers.
     #[serde(default)]
     pub checks: Vec<Check>,
+}
+
+const fn yes() -> bool {
+    true
 }
 
 /// What a step wants to be seen.
