@@ -21,6 +21,9 @@ use crate::views::{Layout, Shown, TimeAxis, ViewContext, ViewKind, legend};
 /// Below this width the settings are a drawer under the plots \[points\].
 const NARROW: f32 = 720.0;
 
+/// Below this width a lesson has the settings' room, unless someone wants to see them \[points\].
+const WIDE: f32 = 1500.0;
+
 /// How much larger everything is in presenter mode.
 const LARGE: f32 = 1.4;
 
@@ -37,8 +40,8 @@ pub struct App {
     controls_open: Option<bool>,
     presenting: bool,
     keys_open: bool,
-    /// Whether the window was narrow in the last frame, and the theme that was chosen then.
-    narrow: bool,
+    /// Width of the window in the last frame \[points\], and the theme that was chosen then.
+    width: f32,
     theme: ThemePreference,
     commands: Vec<Command>,
 }
@@ -93,7 +96,7 @@ impl App {
             controls_open: None,
             presenting: false,
             keys_open: false,
-            narrow: false,
+            width: WIDE,
             theme: ThemePreference::System,
             commands: Vec::new(),
         })
@@ -134,7 +137,8 @@ impl App {
     }
 
     fn controls_open(&self) -> bool {
-        self.controls_open.unwrap_or(!self.narrow && !self.presenting)
+        let room = if self.tutor.is_some() { WIDE } else { NARROW };
+        self.controls_open.unwrap_or(self.width >= room && !self.presenting)
     }
 
     fn keys_ui(&mut self, ctx: &egui::Context) {
@@ -172,8 +176,8 @@ impl eframe::App for App {
         let estimates = self.session.run().estimates();
         let colors = estimates.iter().enumerate().map(|(place, estimates)| estimates.color(place));
         let palette = Palette::of(ui.ctx().theme()).with_filters(colors);
-        let narrow = ui.available_width() < NARROW;
-        self.narrow = narrow;
+        self.width = ui.available_width();
+        let narrow = self.width < NARROW;
         self.theme = ui.ctx().options(|options| options.theme_preference);
         let open = self.controls_open();
         let frame = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(10, 6));

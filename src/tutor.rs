@@ -6,7 +6,7 @@ use kalmanscope_lessons::{Lesson, LessonError, Mode as LessonMode, Step, View};
 use crate::command::Command;
 use crate::session::{Mode, Session};
 use crate::theme::{self, Palette};
-use crate::views::ViewKind;
+use crate::views::{Shown, ViewKind};
 
 /// A lesson in progress.
 pub struct Tutor {
@@ -35,9 +35,17 @@ impl Tutor {
         self.current().map_or(vec![], |step| step.views.iter().map(|view| kind(*view)).collect())
     }
 
-    /// The part of the whole record that the step is about, if not all of it \[s\].
+    /// Shows what the step is about: some channels or all, with bands or without.
+    pub fn choose(&self, shown: &mut Shown) {
+        if let Some(step) = self.current() {
+            shown.only.clone_from(&step.channels);
+            shown.bands = step.bands;
+        }
+    }
+
+    /// The part of the record that the step is about, if not all of it \[s\].
     pub fn frame(&self, session: &Session) -> Option<(f64, f64)> {
-        let step = self.current().filter(|step| step.mode == LessonMode::Whole)?;
+        let step = self.current().filter(|step| step.mode != LessonMode::Live)?;
         let (from, to) = (step.from.unwrap_or(0.0), step.to.unwrap_or(session.end()).min(session.end()));
         ((step.from.is_some() || step.to.is_some()) && from < to).then_some((from, to))
     }
@@ -76,11 +84,17 @@ impl Tutor {
         match step.mode {
             LessonMode::Whole => {
                 session.set_mode(Mode::Whole);
+                pause(session);
                 session.seek(step.to.unwrap_or_else(|| session.end()));
             }
             LessonMode::Live => {
                 session.set_mode(Mode::Live);
                 session.play_from_start();
+                session.seek(step.from.unwrap_or(0.0));
+            }
+            LessonMode::Step => {
+                session.set_mode(Mode::Live);
+                pause(session);
                 session.seek(step.from.unwrap_or(0.0));
             }
         }
@@ -89,14 +103,14 @@ impl Tutor {
     /// The panel's contents.
     pub fn ui(&self, ui: &mut Ui, palette: &Palette, commands: &mut Vec<Command>) {
         let Self { lesson, step, changed } = self;
-        ui.horizontal(|ui| {
-            ui.label(RichText::new(&lesson.title).family(theme::strong()).size(15.0));
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
-                let close = ui.add(Button::new("×").frame(false)).on_hover_text("Leave the lesson");
-                close.ctx.accesskit_node_builder(close.id, |node| node.set_label("Leave the lesson"));
-                if close.clicked() {
-                    commands.push(Command::LeaveLesson);
-                }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
+            let close = ui.add(Button::new("×").frame(false)).on_hover_text("Leave the lesson");
+            close.ctx.accesskit_node_builder(close.id, |node| node.set_label("Leave the lesson"));
+            if close.clicked() {
+                commands.push(Command::LeaveLesson);
+            }
+            ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
+                ui.label(RichText::new(&lesson.title).family(theme::strong()).size(15.0));
             });
         });
         let Some(current) = self.current() else { return };
@@ -135,6 +149,13 @@ impl Tutor {
         });
         // A panel is as high as what is in it.
         ui.allocate_space(ui.available_size());
+    }
+}
+
+/// What is to be looked at stays as it is until the user goes on.
+fn pause(session: &mut Session) {
+    if session.playing() {
+        session.toggle_play();
     }
 }
 

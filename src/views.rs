@@ -27,6 +27,7 @@ mod ticks;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use egui::{Rect, Ui, vec2};
+use kalmanscope_core::Channel;
 use serde::{Deserialize, Serialize};
 
 use crate::command::Command;
@@ -58,6 +59,14 @@ impl<'a> ViewContext<'a> {
         let mut hasher = DefaultHasher::new();
         (session.generation(), session.run().len(), session.bounds().len(), shown, palette).hash(&mut hasher);
         Self { session, palette, shown, axis, version: hasher.finish() }
+    }
+
+    /// Whether any filter has a doubt about a channel, at first or in the end: of others there is nothing to be seen.
+    fn in_doubt(&self, channel: Channel) -> bool {
+        self.session.run().estimates().iter().any(|estimates| {
+            let std = |k: usize| estimates.place(channel).map_or(0.0, |at| estimates.std(k, at));
+            !estimates.is_empty() && (std(0) != 0.0 || std(estimates.len() - 1) != 0.0)
+        })
     }
 }
 
@@ -121,6 +130,11 @@ impl ViewKind {
         Self::Matrices,
         Self::Scores,
     ];
+
+    /// Whether it is one plot over something else than time, which is best about as high as wide.
+    fn is_plane(self) -> bool {
+        matches!(self, Self::Autocorrelation | Self::Phase | Self::ParameterPlane | Self::FrequencyResponse)
+    }
 
     /// The view itself.
     pub fn view(self) -> &'static dyn View {

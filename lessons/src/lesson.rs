@@ -1,6 +1,6 @@
 //! A lesson as it stands in its file.
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::{Channel, Scenario};
 use serde::Deserialize;
 use toml::Table;
 
@@ -52,16 +52,26 @@ pub struct Step {
     /// The views that show it, the most telling first.
     #[serde(default)]
     pub views: Vec<View>,
+    /// The channels that it is about, which the views then show alone; all if left out.
+    #[serde(default)]
+    pub channels: Vec<Channel>,
+    /// Whether the ±2σ bands are shown.
+    #[serde(default = "yes")]
+    pub bands: bool,
     /// Whether the record is played or shown whole.
     #[serde(default)]
     pub mode: Mode,
-    /// The time that the record is played from \[s\], or that is shown from; its beginning if left out.
+    /// The time that the record is played or stepped through from \[s\], or that is shown from; its beginning if left out.
     pub from: Option<f64>,
     /// The time until which the record is shown \[s\]; its end if left out.
     pub to: Option<f64>,
     /// What the text says, in numbers.
     #[serde(default)]
     pub checks: Vec<Check>,
+}
+
+const fn yes() -> bool {
+    true
 }
 
 /// What a step wants to be seen.
@@ -98,8 +108,10 @@ pub enum View {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Mode {
-    /// Sample by sample.
+    /// Sample by sample as time goes on.
     Live,
+    /// Sample by sample, paused: the user goes on.
+    Step,
     /// All at once.
     #[default]
     Whole,

@@ -4,7 +4,7 @@ use super::{App, LARGE};
 use crate::command::Command;
 use crate::controls::number;
 use crate::tutor::Tutor;
-use crate::views::{Layout, TimeAxis};
+use crate::views::{Layout, Shown, TimeAxis};
 
 impl App {
     /// Carries out what a view, a menu or a key has asked for.
@@ -44,6 +44,7 @@ impl App {
             }
             Command::StartLesson(place) => {
                 *tutor = lessons.get(place).cloned().map(Tutor::new);
+                *shown = Shown::default();
                 self.go_to_step(0);
                 number::begin_anew(ctx);
             }
@@ -58,11 +59,15 @@ impl App {
                     // What the change is about is gone: begin the step again as it should be.
                     let step = lesson.step();
                     self.go_to_step(step);
+                } else if let Some(lesson) = tutor {
+                    // The record may be longer now.
+                    axis.framed = lesson.frame(session);
                 }
             }
             Command::LeaveLesson => {
                 *tutor = None;
                 axis.framed = None;
+                *shown = Shown::default();
             }
             Command::ToggleFilter(place) => shown.toggle_filter(place),
             Command::ToggleControls => self.controls_open = Some(!self.controls_open()),
@@ -89,13 +94,14 @@ impl App {
 
     /// Goes to a step of the lesson in progress; without one, or to one that cannot be taken, nowhere.
     fn go_to_step(&mut self, step: usize) {
-        let Self { session, axis, layout, tutor, .. } = self;
+        let Self { session, axis, shown, layout, tutor, .. } = self;
         let Some(lesson) = tutor else { return };
         if lesson.go_to(step, session).is_err() {
             *tutor = None;
             return;
         }
         *axis = TimeAxis { framed: lesson.frame(session), ..TimeAxis::default() };
+        lesson.choose(shown);
         let views = lesson.views();
         if !views.is_empty() {
             *layout = Layout::column(&views);

@@ -31,9 +31,9 @@ impl View for Autocorrelation {
         }
         let filters: Vec<_> =
             session.diagnostics().iter().enumerate().filter(|&(place, _)| shown.filter(place)).collect();
-        grid(ui, sensors.len(), |ui, sensor, _| {
+        grid(ui, sensors.len(), |ui, sensor, last_row| {
             let mut band = 0.0_f64;
-            let mut least = 0.25_f64;
+            let mut least = 0.0_f64;
             let mut charts = Vec::new();
             let width = 0.8 / filters.len().max(1) as f64;
             for (i, (place, diagnostics)) in filters.iter().enumerate() {
@@ -46,11 +46,12 @@ impl View for Autocorrelation {
                 let bars: Vec<Bar> = correlations.iter().enumerate().filter(|(_, r)| r.is_finite()).map(bar).collect();
                 charts.push(BarChart::new("autocorrelation", bars).color(palette.filter(*place)).allow_hover(false));
             }
-            let reach = 1.1 * least.max(band);
+            let reach = [0.275, 0.55].into_iter().find(|reach| *reach >= 1.1 * least.max(band)).unwrap_or(1.1);
             let range = Some([(0.3, kalmanscope_core::diagnostics::LAGS as f64 + 0.7), (-reach, reach)]);
             let key = format!("autocorrelation of the {} innovations", sensors[sensor].key());
             let label = format!("r of e({})", sensors[sensor].symbol());
-            plane_ui(ui, &key, ["lag [samples]", &label], palette, range, |plot| {
+            let lag = if last_row { "lag [samples]" } else { "" };
+            plane_ui(ui, &key, [lag, &label], palette, range, |plot| {
                 for chart in charts {
                     plot.bar_chart(chart);
                 }

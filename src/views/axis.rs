@@ -7,7 +7,7 @@ use crate::session::{Mode, Session};
 pub struct TimeAxis {
     /// Whether the axis follows the playback, or stays where the user has put it.
     pub follows: bool,
-    /// The part of the whole record that is of interest, if not all of it, `(from, to)` after its start \[s\].
+    /// The part of the record that is of interest, if not all of it, `(from, to)` after its start \[s\].
     pub framed: Option<(f64, f64)>,
     /// The time that the user points at \[s\].
     pub pointed: Option<f64>,
@@ -27,15 +27,17 @@ impl TimeAxis {
     pub fn followed(&self, session: &Session) -> (f64, f64) {
         let record = session.run().record();
         let start = record.time_of(0);
-        match session.mode() {
-            Mode::Whole => {
-                let (from, to) = self.framed.unwrap_or((0.0, session.end()));
+        let now = record.time(session.index()) - start;
+        let framed = self.framed.filter(|(_, to)| session.mode() == Mode::Whole || now <= *to);
+        match (session.mode(), framed) {
+            (Mode::Whole, _) | (Mode::Live, Some(_)) => {
+                let (from, to) = framed.unwrap_or((0.0, session.end()));
                 // A little room, so that the last tick's text is not cut off.
-                (start + from, start + to + 0.02 * (to - from))
+                (start + from, start + to + 0.03 * (to - from))
             }
-            Mode::Live => {
+            (Mode::Live, None) => {
                 // A little room ahead, so that the newest estimate does not stick to the frame.
-                let ahead = record.time(session.index()) - start + 0.6;
+                let ahead = now + 0.6;
                 let span = ahead.clamp(LIVE_SPAN.0, LIVE_SPAN.1).min(session.end() + 0.6);
                 let to = start + ahead.max(span);
                 (to - span, to)

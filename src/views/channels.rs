@@ -6,7 +6,7 @@ use kalmanscope_core::{Channel, Quantity};
 use super::chart::Chart;
 use super::charts::charts_ui;
 use super::heading::Readout;
-use super::layer::{Layer, Series};
+use super::layer::{Layer, Series, line_width};
 use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::fixed;
@@ -60,6 +60,7 @@ fn channels_ui(
     wanted: impl Fn(Channel) -> bool,
 ) -> Option<f64> {
     let channels: Vec<Channel> = context.session.run().channels().into_iter().filter(|c| wanted(*c)).collect();
+    let channels = context.shown.channels(channels);
     charts_ui(ui, channels.len(), context, commands, |i, last_row| chart(channels[i], context, last_row))
 }
 
@@ -88,7 +89,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         layers.push(Layer::Line {
             series: Series::new(run.len(), |k| truth[k]),
             color: palette.truth,
-            width: 3.4,
+            width: 4.0,
             dashed: false,
             bounds: true,
         });
@@ -98,7 +99,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         layers.push(Layer::Line {
             series: Series::new(estimates.len(), move |k| estimates.canonical_mean(k, at)),
             color: palette.filter(place),
-            width: (2.8 - 1.2 * place as f32).max(1.2),
+            width: line_width(place, 2.4),
             dashed: false,
             bounds: false,
         });

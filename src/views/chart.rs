@@ -10,12 +10,15 @@ use super::ViewContext;
 use super::heading::{Readout, heading_ui};
 use super::kept::kept;
 use super::layer::{Drawn, Layer};
-use super::ticks::{tick, ticks};
+use super::ticks::{Side, tick_inside, ticks};
 use crate::command::Command;
 use crate::session::Mode;
 
 /// Ticks' labels are drawn in full from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
+
+/// Least room at the left of a plot for the labels of its ticks \[points\].
+pub(super) const Y_AXIS: f32 = 44.0;
 
 /// What one chart shows.
 pub(super) struct Chart<'a> {
@@ -63,11 +66,16 @@ impl Chart<'_> {
             .show_axes([self.last_row, true])
             .link_axis(group, Vec2b::new(true, false))
             .link_cursor(group, Vec2b::new(true, false))
-            .custom_x_axes(vec![AxisHints::new_x().label(time_label).label_spacing(TICKS_FADE)])
+            .custom_x_axes(vec![
+                AxisHints::new_x()
+                    .formatter(move |mark, range| tick_inside(mark, range, size.x - Y_AXIS, Side::Bottom))
+                    .label(time_label)
+                    .label_spacing(TICKS_FADE),
+            ])
             .custom_y_axes(vec![
                 AxisHints::new_y()
-                    .formatter(|mark, _| tick(mark.value, mark.step_size))
-                    .min_thickness(44.0)
+                    .formatter(move |mark, range| tick_inside(mark, range, size.y, Side::Left))
+                    .min_thickness(Y_AXIS)
                     .label_spacing(TICKS_FADE),
             ])
             .x_grid_spacer(move |input| ticks(input.bounds, size.x / 75.0))

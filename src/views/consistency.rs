@@ -6,7 +6,7 @@ use kalmanscope_core::diagnostics::{Diagnostics, Total, chi_squared};
 use super::chart::Chart;
 use super::charts::charts_ui;
 use super::heading::Readout;
-use super::layer::{Layer, Series};
+use super::layer::{Layer, Series, line_width};
 use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::significant;
@@ -71,7 +71,7 @@ fn chart<'a>(
         layers.push(Layer::Line {
             series: Series::new(diagnostics.len(), move |k| ratio(diagnostics, k)).through(f64::log10),
             color: palette.filter(place),
-            width: 1.4,
+            width: line_width(place, 2.0),
             dashed: false,
             bounds: false,
         });

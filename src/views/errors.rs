@@ -7,7 +7,7 @@ use super::channels::decimals;
 use super::chart::Chart;
 use super::charts::charts_ui;
 use super::heading::Readout;
-use super::layer::{Layer, Series};
+use super::layer::{Layer, Series, line_width};
 use super::{View, ViewContext};
 use crate::command::Command;
 use crate::session::Bound;
@@ -32,9 +32,11 @@ impl View for Errors {
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
         let record = context.session.run().record();
         let channels = context.session.run().channels();
-        let (parameters, states): (Vec<Channel>, Vec<Channel>) =
-            channels.into_iter().filter(|c| record.truth(*c).is_some()).partition(|c| c.is_parameter());
-        let channels = [parameters, states].concat();
+        let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels
+            .into_iter()
+            .filter(|c| record.truth(*c).is_some() && context.in_doubt(*c))
+            .partition(|c| c.is_parameter());
+        let channels = context.shown.channels([parameters, states].concat());
         if channels.is_empty() {
             ui.weak("The truth of this record is not known.");
         }
@@ -76,12 +78,12 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         layers.push(Layer::Line {
             series: Series::new(estimates.len(), move |k| estimates.canonical_mean(k, at) - truth[k]),
             color: palette.filter(place),
-            width: 1.4,
+            width: line_width(place, 2.0),
             dashed: false,
             bounds: false,
         });
     }
-    for Bound { bound, places } in session.bounds() {
+    for Bound { bound, places } in session.bounds().iter().filter(|_| shown.bands) {
         let Some(&place) = places.iter().find(|&&place| shown.filter(place)) else { continue };
         let Some(at) = bound.place(channel) else { continue };
         for sign in [-2.0, 2.0] {

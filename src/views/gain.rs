@@ -28,9 +28,9 @@ impl View for Gain {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
-        let channels: Vec<Channel> = context.session.run().channels();
-        let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels.into_iter().partition(|c| c.is_parameter());
-        let channels = [parameters, states].concat();
+        let channels = context.session.run().channels().into_iter().filter(|c| context.in_doubt(*c));
+        let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels.partition(|c| c.is_parameter());
+        let channels = context.shown.channels([parameters, states].concat());
         if context.session.scenario().sensors.is_empty() {
             ui.weak("Nothing is measured.");
             return None;

@@ -1,6 +1,6 @@
 //! The line above a chart: what it shows, and the values at the cursor.
 
-use egui::{Align, Color32, FontSelection, Id, Layout, Response, RichText, TextStyle, Ui, vec2};
+use egui::{Align, Color32, Id, Layout, Response, RichText, TextStyle, Ui, vec2};
 
 use crate::theme;
 
@@ -14,45 +14,71 @@ pub(super) struct Readout {
 
 /// Space between the parts of a heading \[points\].
 const GAP: f32 = 10.0;
+/// Room for the sign that values are left out \[points\].
+const ELLIPSIS: f32 = 20.0;
 
-/// Name and unit at the left, values at the cursor or at playback at the right. Returns the symbol, at the very left.
+/// Name and unit at the left, values at the cursor or at playback at the right: as much of them as there is room for, the
+/// values first. Returns the symbol, at the very left.
 pub(super) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) -> Response {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = GAP;
         let label = ui.label(RichText::new(symbol).family(theme::strong()).size(15.0));
-        let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
-        let named = ui.available_width() > 200.0 + 75.0 * readouts.len() as f32;
-        ui.weak(if named { format!("{name}{unit}") } else { unit });
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| readouts_ui(ui, symbol, readouts));
+        let room = ui.available_width();
+        let values = Values::new(ui, symbol, readouts, room);
+        let unit = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
+        let named = format!("{name} {unit}");
+        let fits = |text: &&str| width(ui, text, TextStyle::Body) + GAP <= room - values.total();
+        if let Some(text) = [named.trim(), &unit].into_iter().find(fits) {
+            ui.weak(text);
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| values.ui(ui));
         label
     })
     .inner
 }
 
-/// As many values as there is room for, without their ±2σ where it is tight; where some are left out, the hint has all.
-fn readouts_ui(ui: &mut Ui, symbol: &str, readouts: &[Readout]) {
-    let room = ui.available_width();
-    let total = |widths: &[f32]| widths.iter().map(|width| width + GAP).sum::<f32>();
-    let mut texts: Vec<&str> = readouts.iter().map(|readout| readout.text.as_str()).collect();
-    let mut shown: Vec<f32> = texts.iter().map(|text| width(ui, text)).collect();
-    if total(&shown) > room {
-        texts.iter_mut().for_each(|text| *text = value(text));
-        shown = texts.iter().map(|text| width(ui, text)).collect();
-    }
-    let all = shown.len();
-    while total(&shown) + width(ui, "…") > room && shown.pop().is_some() {}
-    if shown.len() < all {
-        let lines = readouts.iter().map(|r| format!("{}: {}", r.hint, r.text));
-        ui.label(RichText::new("…").small()).on_hover_text(lines.collect::<Vec<_>>().join("\n"));
-    }
-    for ((readout, text), width) in readouts.iter().zip(texts).zip(shown).rev() {
+/// As many values as there is room for, without their ±2σ where it is tight.
+struct Values<'a> {
+    all: &'a [Readout],
+    /// Text and width of those that are shown.
+    shown: Vec<(&'a str, f32)>,
+}
+
+impl<'a> Values<'a> {
+    fn new(ui: &Ui, symbol: &str, all: &'a [Readout], room: f32) -> Self {
         // A value keeps the room that it once had: nothing jumps while it changes.
-        let id = ui.scope_id().with((symbol, &readout.hint));
-        let width = steady(ui, id, width);
-        ui.allocate_ui_with_layout(vec2(width, ui.available_height()), Layout::right_to_left(Align::Center), |ui| {
-            let text = RichText::new(text).small().color(readout.color);
-            ui.label(text).on_hover_text(format!("{}: {}", readout.hint, readout.text));
-        });
+        let scope = ui.scope_id();
+        let sized = |(readout, text): (&Readout, &'a str)| {
+            (text, steady(ui, scope.with((symbol, &readout.hint)), width(ui, text, TextStyle::Small)))
+        };
+        let shown = all.iter().map(|r| (r, r.text.as_str())).map(sized).collect();
+        let mut values = Self { all, shown };
+        if values.total() > room {
+            values.shown = all.iter().map(|r| (r, value(&r.text))).map(|(r, text)| sized((r, text))).collect();
+        }
+        while values.total() > room && values.shown.pop().is_some() {}
+        values
+    }
+
+    fn total(&self) -> f32 {
+        let left_out = self.shown.len() < self.all.len();
+        self.shown.iter().map(|(_, width)| width + GAP).sum::<f32>() + if left_out { ELLIPSIS } else { 0.0 }
+    }
+
+    /// From the right; where some are left out, the hint has all.
+    fn ui(&self, ui: &mut Ui) {
+        let Self { all, shown } = self;
+        if shown.len() < all.len() {
+            let lines = all.iter().map(|r| format!("{}: {}", r.hint, r.text));
+            ui.label(RichText::new("…").small()).on_hover_text(lines.collect::<Vec<_>>().join("\n"));
+        }
+        for (readout, (text, width)) in all.iter().zip(shown).rev() {
+            let size = vec2(*width, ui.available_height());
+            ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
+                let text = RichText::new(*text).small().color(readout.color);
+                ui.label(text).on_hover_text(format!("{}: {}", readout.hint, readout.text));
+            });
+        }
     }
 }
 
@@ -61,8 +87,8 @@ fn value(text: &str) -> &str {
     text.split(' ').next().unwrap_or(text)
 }
 
-fn width(ui: &Ui, text: &str) -> f32 {
-    let font = FontSelection::Style(TextStyle::Small).resolve(ui.style());
+fn width(ui: &Ui, text: &str, style: TextStyle) -> f32 {
+    let font = style.resolve(ui.style());
     ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER).size().x
 }
 

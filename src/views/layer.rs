@@ -57,6 +57,12 @@ pub(super) enum Layer<'a> {
     Level { value: f64, color: Color32 },
 }
 
+/// The width of a filter's line, that of the `first` and then less from filter to filter: where all agree, each still shows
+/// beside the narrower one above it \[points\].
+pub(super) fn line_width(place: usize, first: f32) -> f32 {
+    (first - 0.6 * place as f32).max(1.0)
+}
+
 /// A chart's layers, reduced to the pixel columns of a window.
 pub(super) struct Drawn {
     layers: Vec<DrawnLayer>,

@@ -82,10 +82,15 @@ impl Layout {
         Self { tree: tree(arrangement.rows()), enlarged: None }
     }
 
-    /// Some views one below the other, the first with the most room.
+    /// Some views one below the other, the first with the most room; a plane is beside the view before it.
     pub fn column(views: &[ViewKind]) -> Self {
-        let share = |i: usize| if i == 0 { 1.3 } else { 1.0 };
-        let rows: Vec<(f32, &[ViewKind])> = views.chunks(1).enumerate().map(|(i, view)| (share(i), view)).collect();
+        let share = |i: usize, row: &[ViewKind]| match row {
+            [ViewKind::Oscillator] => 0.5,
+            _ if i == 0 => 1.3,
+            _ => 1.0,
+        };
+        let rows = views.chunk_by(|before, view| view.is_plane() && !before.is_plane()).enumerate();
+        let rows: Vec<(f32, &[ViewKind])> = rows.map(|(i, row)| (share(i, row), row)).collect();
         Self { tree: tree(&rows), enlarged: None }
     }
 

@@ -1,6 +1,8 @@
 //! The legend that all plots share; a click shows or hides.
 
-use egui::{Color32, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
+use egui::{Button, Color32, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
+
+use kalmanscope_core::Channel;
 
 use crate::session::Session;
 use crate::theme::Palette;
@@ -14,16 +16,24 @@ pub struct Shown {
     pub measured: bool,
     /// The ±2σ bands.
     pub bands: bool,
+    /// The channels that there are charts of, or none for all.
+    pub only: Vec<Channel>,
     hidden_filters: Vec<usize>,
 }
 
 impl Default for Shown {
     fn default() -> Self {
-        Self { truth: true, measured: true, bands: true, hidden_filters: Vec::new() }
+        Self { truth: true, measured: true, bands: true, only: Vec::new(), hidden_filters: Vec::new() }
     }
 }
 
 impl Shown {
+    /// Those of `channels` that are wanted; all where none is, since a view is not left empty.
+    pub fn channels(&self, channels: Vec<Channel>) -> Vec<Channel> {
+        let wanted: Vec<Channel> = channels.iter().copied().filter(|channel| self.only.contains(channel)).collect();
+        if wanted.is_empty() { channels } else { wanted }
+    }
+
     /// Whether the filter at `place` is drawn.
     pub fn filter(&self, place: usize) -> bool {
         !self.hidden_filters.contains(&place)
@@ -63,6 +73,13 @@ pub fn legend_ui(ui: &mut Ui, session: &Session, shown: &mut Shown, palette: &Pa
         }
         if entry(ui, "±2σ", Mark::Band, palette.weak, shown.bands) {
             shown.bands = !shown.bands;
+        }
+        if !shown.only.is_empty() {
+            let symbols: Vec<&str> = shown.only.iter().map(|channel| channel.symbol()).collect();
+            let all = Button::new(format!("only {} ×", symbols.join(", "))).small();
+            if ui.add(all).on_hover_text("Click to show all quantities").clicked() {
+                shown.only.clear();
+            }
         }
     });
     let record = session.run().record();

@@ -48,8 +48,15 @@ impl View for Phase {
                 paths.push((path.collect(), palette.filter(place), 1.4));
             }
         }
-        let all = || paths.iter().flat_map(|(path, ..)| path.iter());
-        let range = around(all().map(|p| p[0])).zip(around(all().map(|p| p[1]))).map(|(x, y)| [x, y]);
+        // All of the motion until now, so that the frame does not breathe with it.
+        let past = || (0..last + 1).step_by((last / 600).max(1));
+        let reach = |channel: Channel| match record.truth(channel) {
+            Some(truth) => around(past().map(|k| truth[k])),
+            None => {
+                around(paths.iter().flat_map(|(path, ..)| path).map(|p| p[usize::from(channel == Channel::Velocity)]))
+            }
+        };
+        let range = reach(Channel::Displacement).zip(reach(Channel::Velocity)).map(|(x, y)| [x, y]);
         plane_ui(ui, "phase portrait", ["displacement x [m]", "velocity v [m/s]"], palette, range, |plot| {
             for (path, color, width) in paths {
                 let now = path.first().copied();

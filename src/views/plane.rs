@@ -1,9 +1,10 @@
 //! Plots of one quantity over another: the frame that they share.
 
-use egui::{Ui, Vec2};
+use egui::{Id, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
 
-use super::ticks::{log_tick, log_ticks, tick, ticks};
+use super::chart::Y_AXIS;
+use super::ticks::{Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
 
 /// Labels of a logarithmic axis are chosen with its ticks; only where none would fit do they fade \[points\].
@@ -17,7 +18,8 @@ enum Scale {
     Logarithmic,
 }
 
-/// Draws a plot into all of `ui`. `range` is what it shows unless the user has zoomed, `[x, y]`, each low and high.
+/// Draws a plot into all of `ui`. `range` is what it shows unless the user has zoomed, `[x, y]`, each low and high; a double
+/// click goes back to it.
 pub(super) fn plane_ui(
     ui: &mut Ui,
     key: &str,
@@ -51,8 +53,8 @@ fn scaled_plane_ui<R>(
     draw: impl FnOnce(&mut PlotUi<'_>) -> R,
 ) -> R {
     let size = ui.available_size().max(Vec2::splat(1.0));
-    let axis = |axis: AxisHints<'static>| match scale {
-        Scale::Linear => axis.formatter(|mark, _| tick(mark.value, mark.step_size)),
+    let axis = |axis: AxisHints<'static>, length: f32, side: Side| match scale {
+        Scale::Linear => axis.formatter(move |mark, range| tick_inside(mark, range, length, side)),
         Scale::Logarithmic => axis.formatter(|mark, _| log_tick(mark)).label_spacing(LOG_TICKS_FADE),
     };
     let spacer = move |length: f32, apart: f32| {
@@ -61,24 +63,40 @@ fn scaled_plane_ui<R>(
             Scale::Logarithmic => log_ticks(input.bounds, length, apart),
         }
     };
-    let mut plot = Plot::new(key)
+    let plot = Plot::new(key)
         .width(size.x)
         .height(size.y)
         .show_x(false)
         .show_y(false)
-        .custom_x_axes(vec![axis(AxisHints::new_x().label(x_label.to_owned()))])
-        .custom_y_axes(vec![axis(AxisHints::new_y().label(y_label.to_owned()).min_thickness(44.0))])
+        .custom_x_axes(vec![axis(AxisHints::new_x().label(x_label.to_owned()), size.x - Y_AXIS, Side::Bottom)])
+        .custom_y_axes(vec![axis(
+            AxisHints::new_y().label(y_label.to_owned()).min_thickness(Y_AXIS),
+            size.y,
+            Side::Left,
+        )])
         .x_grid_spacer(spacer(size.x, 75.0))
         .y_grid_spacer(spacer(size.y, 34.0))
         .grid_color(palette.grid)
         .allow_scroll(false)
+        .allow_double_click_reset(false)
         .label_formatter(|_| None);
-    if let Some([x, y]) = range {
-        plot = plot.default_x_bounds(x.0, x.1).default_y_bounds(y.0, y.1);
-    }
-    let response = plot.show(ui, draw);
+    let id = Id::unique(("zoomed", key));
+    let mut zoomed = ui.data(|data| data.get_temp(id)).unwrap_or(false);
+    let response = plot.show(ui, |plot| {
+        if let Some([x, y]) = range.filter(|_| !zoomed) {
+            plot.set_plot_bounds_x(x.0..=x.1);
+            plot.set_plot_bounds_y(y.0..=y.1);
+        }
+        draw(plot)
+    });
     let inner = response.inner;
     let response = response.response;
+    if response.double_clicked() {
+        zoomed = false;
+    } else if response.drag_started() || (response.hovered() && response.ctx.input(|i| i.zoom_delta() != 1.0)) {
+        zoomed = true;
+    }
+    ui.data_mut(|data| data.insert_temp(id, zoomed));
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {key}")));
     inner
 }

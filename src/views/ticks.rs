@@ -1,23 +1,60 @@
 //! Round numbers along an axis.
 
+use std::ops::RangeInclusive;
+
 use egui_plot::GridMark;
 
 use crate::text::{fixed, significant};
 
-/// Multiples of 1, 2 or 5 times a power of ten, about `count` of them.
+/// Multiples of 1, 2 or 5 times a power of ten, about `count` of them, and two where they fit: one alone tells no scale.
 pub(super) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
     let rough = (high - low) / f64::from(count.max(2.0));
     if !rough.is_finite() || rough <= 0.0 {
         return Vec::new();
     }
     let decade = 10_f64.powf(rough.log10().floor());
-    let step_size = [1.0, 2.0, 5.0].map(|m| m * decade).into_iter().find(|s| *s >= rough).unwrap_or(10.0 * decade);
-    let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
-    (first..=last).map(|i| GridMark { value: i as f64 * step_size, step_size }).collect()
+    let steps = [10.0, 5.0, 2.0, 1.0, 0.5].map(|m| m * decade);
+    let marks = |step_size: f64| {
+        let (first, last) = ((low / step_size).ceil() as i64, (high / step_size).floor() as i64);
+        (first..=last).map(move |i| GridMark { value: i as f64 * step_size, step_size })
+    };
+    let chosen = steps.iter().rposition(|step| *step >= rough).unwrap_or(0);
+    let finer = steps.iter().skip(chosen + 1).map(|step| marks(*step));
+    let finer = finer.take_while(|marks| marks.clone().count() as f32 <= CROWDED * count);
+    let coarse = marks(steps[chosen]);
+    std::iter::once(coarse.clone()).chain(finer).find(|marks| marks.clone().count() > 1).unwrap_or(coarse).collect()
 }
+
+/// [`tick`], but for a mark whose text would be cut off at the right or run into the texts of the other axis at the bottom.
+pub(super) fn tick_inside(mark: GridMark, range: &RangeInclusive<f64>, length: f32, side: Side) -> String {
+    let text = tick(mark.value, mark.step_size);
+    let share = (mark.value - range.start()) / (range.end() - range.start());
+    let (room, least) = match side {
+        Side::Bottom => (1.0 - share, HALF_DIGIT * text.chars().count() as f32),
+        Side::Left => (share, HALF_LINE),
+    };
+    if room as f32 * length < least { String::new() } else { text }
+}
+
+/// Where an axis is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    Bottom,
+    Left,
+}
+
+/// About half the width and half the height of a tick's text \[points\].
+const HALF_DIGIT: f32 = 3.4;
+const HALF_LINE: f32 = 4.0;
+
+/// So many times as many ticks as asked for still have legible labels.
+const CROWDED: f32 = 2.2;
 
 /// A tick's text, with just the digits that tell it from its neighbours.
 pub(super) fn tick(value: f64, step: f64) -> String {
+    if step < 1e-4 && value.abs() < 100.0 * step {
+        return significant(if value.abs() < 1e-3 * step { 0.0 } else { value }, 3);
+    }
     let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
     fixed(if value.abs() < 1e-3 * step { 0.0 } else { value }, decimals)
 }
@@ -74,6 +111,7 @@ mod tests {
     fn ticks_are_round_and_about_as_many_as_asked_for() {
         assert_eq!(values((0.0, 20.0), 5.0), [0.0, 5.0, 10.0, 15.0, 20.0]);
         assert_eq!(values((4.71, 6.3), 4.0), [5.0, 5.5, 6.0]);
+        assert_eq!(values((-0.4, 1.3), 1.3), [0.0, 1.0]);
         for (count, span) in [(2.0, 0.013), (5.0, 7.7), (9.0, 41_000.0)] {
             let found = values((-0.3 * span, 0.7 * span), count).len() as f32;
             assert!(found <= count + 1.0 && found >= count / 2.5 - 1.0, "{found} ticks instead of {count}");
@@ -84,8 +122,8 @@ mod tests {
     #[test]
     fn a_tick_has_the_digits_that_it_needs() {
         assert_eq!(
-            [tick(0.05, 0.01), tick(-2.0, 1.0), tick(1e-19, 0.5), tick(30.0, 10.0)],
-            ["0.05", "−2", "0.0", "30"]
+            [tick(0.05, 0.01), tick(-2.0, 1.0), tick(1e-19, 0.5), tick(30.0, 10.0), tick(-4e-9, 2e-9)],
+            ["0.05", "−2", "0.0", "30", "−4e−9"]
         );
     }
     #[test]
