@@ -199,20 +199,6 @@ fn scores_are_sorted_by_the_row_that_is_clicked() {
 }
 
 #[test]
-fn a_lesson_shows_the_part_of_the_record_that_it_is_about() {
-    let mut screen = screen(DESKTOP, Theme::Light);
-    for label in ["Lessons", "Noise reduction"] {
-        screen.get_by_label(label).click();
-        screen.run_steps(3);
-    }
-    let (from, to) = screen.state().axis().framed.expect("the lesson is about two seconds");
-    assert_eq!((from, to), (20.0, 22.0));
-    screen.get_by_label("Leave the lesson").click();
-    screen.run_steps(3);
-    assert_eq!(screen.state().axis().framed, None);
-}
-
-#[test]
 fn hindsight_is_shown_of_the_whole_record() {
     let mut screen = workbench();
     screen.get_all_by_label("Options").next().expect("each filter has options").click();
