@@ -84,5 +84,6 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_
         layers,
         last_row,
         least: None,
+        logarithmic: false,
     }
 }
