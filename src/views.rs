@@ -164,6 +164,11 @@ const AXIS: f32 = 18.0;
 const GAP: f32 = 6.0;
 /// Space between columns of plots \[points\].
 const GUTTER: f32 = 16.0;
+/// The width from which on plots are in two columns, and the width from which on they are so that they do not become lower
+/// than [`LOW`] \[points\].
+const TWO_COLUMNS: [f32; 2] = [640.0, 480.0];
+/// The height of a plot below which two columns tell more than one \[points\].
+const LOW: f32 = 120.0;
 
 /// Fills `ui` with `count` cells in two columns, or one where it is narrow. Tells each cell its number and whether it is in
 /// the last row.
@@ -172,14 +177,16 @@ fn grid(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut Ui, usize, bool)
     if area.x < 1.0 || area.y < 1.0 || count == 0 {
         return;
     }
-    let columns = if area.x < 640.0 { 1 } else { 2.min(count) };
+    let low = area.y / (count as f32) < LOW;
+    let columns = if area.x < TWO_COLUMNS[usize::from(low)] { 1 } else { 2.min(count) };
     let rows = count.div_ceil(columns);
     let gaps = GAP * (rows - 1) as f32;
     let least = if rows <= 2 { 1.0 } else { LEAST_HEIGHT };
     let height = ((area.y - gaps - AXIS) / rows as f32).max(least);
     egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         let top = ui.max_rect().min;
-        let width = ((ui.available_width() - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
+        let bar = if height == least { ui.spacing().scroll.bar_width } else { 0.0 };
+        let width = ((ui.available_width() - bar - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
         for i in 0..count {
             let (row, column) = (i / columns, i % columns);
             let offset = vec2(column as f32 * (width + GUTTER), row as f32 * (height + GAP));

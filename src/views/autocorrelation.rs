@@ -33,21 +33,26 @@ impl View for Autocorrelation {
             session.diagnostics().iter().enumerate().filter(|&(place, _)| shown.filter(place)).collect();
         grid(ui, sensors.len(), |ui, sensor, last_row| {
             let mut band = 0.0_f64;
-            let mut least = 0.0_f64;
+            let (mut lowest, mut highest) = (0.0_f64, 0.0_f64);
             let mut charts = Vec::new();
             let width = 0.8 / filters.len().max(1) as f64;
             for (i, (place, diagnostics)) in filters.iter().enumerate() {
                 let Some(whiteness) = diagnostics.whiteness().get(sensor) else { continue };
                 let correlations = whiteness.autocorrelation();
-                least = correlations.iter().filter(|r| r.is_finite()).fold(least, |most, r| most.max(r.abs()));
+                for &r in correlations.iter().filter(|r| r.is_finite()) {
+                    (lowest, highest) = (lowest.min(r), highest.max(r));
+                }
                 band = band.max(whiteness.band()).min(1.0);
                 let offset = (i as f64 + 0.5) * width - 0.4;
                 let bar = |(lag, r): (usize, &f64)| Bar::new((lag + 1) as f64 + offset, *r).width(width);
                 let bars: Vec<Bar> = correlations.iter().enumerate().filter(|(_, r)| r.is_finite()).map(bar).collect();
                 charts.push(BarChart::new("autocorrelation", bars).color(palette.filter(*place)).allow_hover(false));
             }
-            let reach = [0.275, 0.55].into_iter().find(|reach| *reach >= 1.1 * least.max(band)).unwrap_or(1.1);
-            let range = Some([(0.3, kalmanscope_core::diagnostics::LAGS as f64 + 0.7), (-reach, reach)]);
+            let [low, high] = [-lowest, highest].map(|r| {
+                let enough = |reach: &f64| *reach >= 1.1 * r.max(band);
+                [0.108, 0.27, 0.54].into_iter().find(enough).unwrap_or(1.1)
+            });
+            let range = Some([(0.3, kalmanscope_core::diagnostics::LAGS as f64 + 0.7), (-low, high)]);
             let key = format!("autocorrelation of the {} innovations", sensors[sensor].key());
             let label = format!("r of e({})", sensors[sensor].symbol());
             let lag = if last_row { "lag [samples]" } else { "" };

@@ -124,6 +124,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         layers,
         last_row,
         least: None,
+        logarithmic: false,
     }
 }
 

@@ -10,7 +10,7 @@ use super::ViewContext;
 use super::heading::{Readout, heading_ui};
 use super::kept::kept;
 use super::layer::{Drawn, Layer};
-use super::ticks::{Side, tick_inside, ticks};
+use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::command::Command;
 use crate::session::Mode;
 
@@ -35,6 +35,8 @@ pub(super) struct Chart<'a> {
     pub(super) last_row: bool,
     /// The least that the vertical axis shows.
     pub(super) least: Option<(f64, f64)>,
+    /// Whether the values are logarithms to the base of ten, which the vertical axis labels with the numbers themselves.
+    pub(super) logarithmic: bool,
 }
 
 /// What the user does with a chart.
@@ -58,6 +60,14 @@ impl Chart<'_> {
         let show_position = session.mode() == Mode::Whole;
         let group = Id::unique("time");
         let time_label = if self.last_row && size.y >= 150.0 { "time [s]" } else { "" };
+        let logarithmic = self.logarithmic;
+        let values = AxisHints::new_y().min_thickness(Y_AXIS);
+        let values = if logarithmic {
+            values.formatter(|mark, _| log_tick(mark)).label_spacing(LOG_TICKS_FADE)
+        } else {
+            let inside = move |mark, range: &_| tick_inside(mark, range, size.y, Side::Left);
+            values.formatter(inside).label_spacing(TICKS_FADE)
+        };
         let plot = Plot::new(&self.key)
             .width(size.x)
             .height(size.y)
@@ -72,14 +82,12 @@ impl Chart<'_> {
                     .label(time_label)
                     .label_spacing(TICKS_FADE),
             ])
-            .custom_y_axes(vec![
-                AxisHints::new_y()
-                    .formatter(move |mark, range| tick_inside(mark, range, size.y, Side::Left))
-                    .min_thickness(Y_AXIS)
-                    .label_spacing(TICKS_FADE),
-            ])
+            .custom_y_axes(vec![values])
             .x_grid_spacer(move |input| ticks(input.bounds, size.x / 75.0))
-            .y_grid_spacer(move |input| ticks(input.bounds, size.y / 34.0))
+            .y_grid_spacer(move |input| match logarithmic {
+                true => log_ticks(input.bounds, size.y, 34.0),
+                false => ticks(input.bounds, size.y / 34.0),
+            })
             .grid_color(palette.grid)
             .boxed_zoom_pointer_button(egui::PointerButton::Primary)
             .pan_pointer_button(egui::PointerButton::Secondary)

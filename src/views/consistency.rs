@@ -25,7 +25,7 @@ impl View for Consistency {
     fn help(&self) -> [&'static str; 3] {
         [
             "Squares of innovations (NIS) and errors (NEES) over what the filter expects of them, as a moving mean, on a logarithmic axis.",
-            "At 1 (log 0) the filter is as sure as it may be. Above: overconfident. Below: too modest. Between the dashed lines chance explains it.",
+            "At 1 the filter is as sure as it may be. Above: overconfident. Below: too modest. Between the dashed lines chance explains it.",
             "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
         ]
     }
@@ -86,12 +86,13 @@ fn chart<'a>(
     Chart {
         key: symbol.to_owned(),
         title: name.to_owned(),
-        symbol: format!("log₁₀ {symbol}"),
+        symbol: symbol.to_owned(),
         name: format!("over expectation, mean of {WINDOW} s"),
         unit: "",
         readouts,
         layers,
         last_row,
         least: Some((-0.5, 0.5)),
+        logarithmic: true,
     }
 }

@@ -91,5 +91,6 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
         layers,
         last_row,
         least: None,
+        logarithmic: false,
     }
 }

@@ -82,5 +82,6 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_
         layers,
         last_row,
         least: None,
+        logarithmic: false,
     }
 }

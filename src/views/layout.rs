@@ -100,6 +100,20 @@ impl Layout {
         ViewKind::ALL.into_iter().filter(|view| shown.contains(view)).collect()
     }
 
+    /// The views that are shown, from top to bottom and left to right.
+    fn in_order(&self) -> Vec<ViewKind> {
+        let mut to_come: Vec<TileId> = self.tree.root().into_iter().collect();
+        let mut views = Vec::new();
+        while let Some(id) = to_come.pop() {
+            match self.tree.tiles.get(id) {
+                Some(Tile::Pane(view)) => views.push(*view),
+                Some(Tile::Container(container)) => to_come.extend(container.children_vec().into_iter().rev()),
+                None => {}
+            }
+        }
+        views
+    }
+
     /// Leaves the enlarged view. Returns whether there was one.
     pub fn leave_enlarged(&mut self) -> bool {
         self.enlarged.take().is_some()
@@ -138,15 +152,17 @@ impl Layout {
             panes.draggable = false;
             panes.show(ui, view);
         } else if narrow {
-            let shown = self.shown();
-            let least = if area.y > ENOUGH * shown.len() as f32 { 1.0 } else { 300.0 };
+            let shown = self.in_order();
+            let scrolls = area.y <= ENOUGH * shown.len() as f32;
+            let least = if scrolls { 300.0 } else { 1.0 };
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 let share = |view: &ViewKind| if *view == ViewKind::Oscillator { 0.3 } else { 1.0 };
                 let all: f32 = shown.iter().map(share).sum();
                 let gaps = ui.spacing().item_spacing.y * shown.len() as f32;
+                let width = ui.available_width() - if scrolls { ui.spacing().scroll.bar_width } else { 0.0 };
                 for view in shown {
                     let height = ((area.y - gaps) * share(&view) / all).max(least * share(&view));
-                    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+                    let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
                     let mut child = ui.new_child(egui::UiBuilder::new().id_salt(view.view().name()).max_rect(rect));
                     panes.show(&mut child, view);
                 }

@@ -1,12 +1,15 @@
 //! Predict and update of one sample, in numbers.
 
-use egui::{Grid, RichText, ScrollArea, Ui};
+use egui::{Align, Grid, Layout, RichText, ScrollArea, Ui};
 use kalmanscope_core::{Estimates, Record};
 
 use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::significant;
 use crate::theme;
+
+/// Width of a column, so that the table stands still while its numbers change \[points\].
+const COLUMN: f32 = 66.0;
 
 /// The algebra of the current sample.
 pub(super) struct Matrices;
@@ -52,7 +55,7 @@ impl View for Matrices {
 
 fn header(ui: &mut Ui, names: &[&str]) {
     for name in names {
-        ui.label(RichText::new(*name).small().weak());
+        at_right(ui, RichText::new(*name).small().weak());
     }
     ui.end_row();
 }
@@ -68,7 +71,7 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, place: usize) {
         let term = |a: usize, b: usize| gain[a * n + i] * s[a * m + b] * gain[b * n + i];
         (0..m).filter(delivered).flat_map(|a| (0..m).filter(delivered).map(move |b| term(a, b))).sum::<f64>()
     };
-    Grid::new(("predict and update", place)).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
+    Grid::new(("predict and update", place)).striped(true).min_col_width(COLUMN).spacing([10.0, 3.0]).show(ui, |ui| {
         let gains: Vec<String> = estimates.sensors().iter().map(|q| format!("K for e({})", q.symbol())).collect();
         let mut names = vec!["", "y before", "± σ", "y⁻ predicted", "± σ⁻", "+ K e", "y after", "± σ"];
         names.extend(gains.iter().map(String::as_str));
@@ -76,7 +79,7 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, place: usize) {
         for (i, channel) in estimates.channels().iter().enumerate() {
             let (mean, std) = (estimates.mean(k)[i], estimates.std(k, i));
             let predicted_std = (std * std + known(i)).sqrt();
-            ui.label(channel.symbol()).on_hover_text(channel.name());
+            name_ui(ui, channel.symbol(), channel.unit(), channel.name());
             let before = k.checked_sub(1);
             number(ui, before.map(|k| estimates.mean(k)[i]));
             number(ui, before.map(|k| estimates.std(k, i)));
@@ -99,13 +102,13 @@ fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, pla
     if record.forgotten() + k == 0 || m == 0 {
         return;
     }
-    Grid::new(("sensors", place)).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
+    Grid::new(("sensors", place)).striped(true).min_col_width(COLUMN).spacing([10.0, 3.0]).show(ui, |ui| {
         header(ui, &["", "z measured", "h(y⁻) expected", "e = z − h(y⁻)", "√S", "e / √S"]);
         for (sensor, quantity) in estimates.sensors().iter().enumerate() {
             let z = record.measured_quantity(*quantity).map(|z| z[k]);
             let e = estimates.innovation(k)[sensor];
             let std = estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
-            ui.label(quantity.symbol()).on_hover_text(quantity.key());
+            name_ui(ui, quantity.symbol(), quantity.unit(), quantity.key());
             for value in [z, z.map(|z| z - e), Some(e), Some(std), Some(e / std)] {
                 number(ui, value);
             }
@@ -117,6 +120,21 @@ fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, pla
 }
 
 fn number(ui: &mut Ui, value: Option<f64>) {
-    let text = value.map_or(String::new(), |x| significant(x, 5));
-    ui.label(RichText::new(text).monospace().size(12.0));
+    let text = value.map_or(String::new(), |x| significant(x, 4));
+    at_right(ui, RichText::new(text).monospace().size(12.0));
+}
+
+fn at_right(ui: &mut Ui, text: RichText) {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(text));
+}
+
+/// What a number stands for, with its unit.
+fn name_ui(ui: &mut Ui, symbol: &str, unit: &str, name: &str) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.label(symbol).on_hover_text(name);
+        if !unit.is_empty() {
+            ui.label(RichText::new(format!("[{unit}]")).small().weak());
+        }
+    });
 }

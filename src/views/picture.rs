@@ -15,8 +15,12 @@ const OUTSIDE: f32 = 4000.0;
 /// Dash and gap \[points\].
 const DASH: (f32, f32) = (5.0, 3.0);
 
-/// Radius of a dot \[points\].
+/// Radius of a dot, and of one among few \[points\].
 const DOT: f32 = 1.3;
+const LARGE_DOT: f32 = 2.2;
+
+/// Up to so many dots are few.
+const FEW: usize = 300;
 
 /// A chart's layers in the plot. That a point is transformed once, and nothing searched for under the pointer, is what it has
 /// over an item for each.
@@ -38,8 +42,9 @@ impl PlotItem for Picture<'_> {
             match layer {
                 DrawnLayer::Band { edges, color } => stage.band(edges, *color, shapes),
                 DrawnLayer::Dots { points, color } => {
+                    let radius = if points.len() > FEW { DOT } else { LARGE_DOT };
                     shapes.extend(
-                        points.iter().map(|point| Shape::circle_filled(stage.at(point.x, point.y), DOT, *color)),
+                        points.iter().map(|point| Shape::circle_filled(stage.at(point.x, point.y), radius, *color)),
                     );
                 }
                 DrawnLayer::Line { points, color, width, dashed, .. } => {

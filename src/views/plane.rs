@@ -4,11 +4,8 @@ use egui::{Id, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
 
 use super::chart::Y_AXIS;
-use super::ticks::{Side, log_tick, log_ticks, tick_inside, ticks};
+use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
-
-/// Labels of a logarithmic axis are chosen with its ticks; only where none would fit do they fade \[points\].
-const LOG_TICKS_FADE: egui::Rangef = egui::Rangef { min: 6.0, max: 10.0 };
 
 /// How both axes of a plot are divided.
 #[derive(Clone, Copy, PartialEq, Eq)]

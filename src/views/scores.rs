@@ -62,10 +62,12 @@ impl View for Scores {
                     if row_name_ui(ui, row, sorts) {
                         sorted_by = (!sorts).then(|| row.name.clone());
                     }
-                    let best = row.best();
+                    // What looks the same is as good.
+                    let best = row.best().map(|best| significant(best, 3));
                     for value in &row.values {
-                        let text = RichText::new(value.map_or("–".to_owned(), |x| significant(x, 3))).monospace();
-                        ui.label(if *value == best && best.is_some() { text.strong().underline() } else { text });
+                        let value = value.map_or("–".to_owned(), |x| significant(x, 3));
+                        let text = RichText::new(&value).monospace();
+                        ui.label(if best.as_ref() == Some(&value) { text.strong().underline() } else { text });
                     }
                     ui.end_row();
                 }

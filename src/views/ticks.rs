@@ -78,7 +78,7 @@ pub(super) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec
     let mark = |power: i32, digit: i32| GridMark {
         value: f64::from(power) + f64::from(digit).log10(),
         step_size: match digit {
-            1 => 1.0,
+            1 => f64::from(every),
             _ if labelled(digit) => LABELLED,
             _ => UNLABELLED,
         },
@@ -88,6 +88,8 @@ pub(super) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec
     marks.filter(|mark| (low..=high).contains(&mark.value)).collect()
 }
 
+/// Labels of a logarithmic axis are chosen with its ticks; only where none would fit do they fade \[points\].
+pub(super) const LOG_TICKS_FADE: egui::Rangef = egui::Rangef { min: 6.0, max: 10.0 };
 /// Up to here the multiples of a power of ten would be too few \[decades\].
 const LESS_THAN_A_DECADE: f64 = 0.7;
 /// The step of a tick of [`log_ticks`] that is no power of ten, with a label and without.

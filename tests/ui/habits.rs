@@ -199,22 +199,6 @@ fn scores_are_sorted_by_the_row_that_is_clicked() {
 }
 
 #[test]
-fn a_lesson_shows_the_part_of_the_record_that_it_is_about() {
-    let mut screen = screen(DESKTOP, Theme::Light);
-    for label in ["Lessons", "Noise reduction"] {
-        screen.get_by_label(label).click();
-        screen.run_steps(3);
-    }
-    let lesson = kalmanscope_lessons::lessons().into_iter().flatten().find(|lesson| lesson.title == "Noise reduction");
-    let step = lesson.expect("it is in the menu").steps.swap_remove(0);
-    assert!(step.from.is_some() && step.to.is_some());
-    assert_eq!(screen.state().axis().framed, step.from.zip(step.to));
-    screen.get_by_label("Leave the lesson").click();
-    screen.run_steps(3);
-    assert_eq!(screen.state().axis().framed, None);
-}
-
-#[test]
 fn hindsight_is_shown_of_the_whole_record() {
     let mut screen = workbench();
     screen.get_all_by_label("Options").next().expect("each filter has options").click();

@@ -2,6 +2,7 @@
 
 mod frequency_response;
 mod habits;
+mod lessons;
 mod workbench;
 
 use std::collections::HashMap;
