@@ -2,8 +2,9 @@
 
 use toml::{Table, Value};
 
-/// The only setting that a scenario leaves out where it has no value: the plant that a filter takes the truth for.
-const OPTIONAL: (&str, &str) = ("filters", "plant");
+/// The settings of a filter that a scenario leaves out where they have no value: its colour, and the plant that it takes the
+/// truth for.
+const OPTIONAL: [&str; 2] = ["color", "plant"];
 
 /// Puts a value where a path leads, instead of what is there. Returns whether the path exists.
 ///
@@ -11,7 +12,7 @@ const OPTIONAL: (&str, &str) = ("filters", "plant");
 /// from 0 on; `*` stands for all of them.
 pub(crate) fn set(file: &mut Table, path: &str, value: &Value) -> bool {
     let keys: Vec<&str> = path.split('.').collect();
-    let optional = keys.len() == 3 && (keys[0], keys[2]) == OPTIONAL;
+    let optional = keys.len() == 3 && keys[0] == "filters" && OPTIONAL.contains(&keys[2]);
     set_in_table(file, &keys, value, optional)
 }
 
