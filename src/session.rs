@@ -44,9 +44,6 @@ pub struct Session {
 /// The most samples that the run takes at once, so that a frame does not freeze.
 const PORTION: usize = 20_000;
 
-/// Samples that are analysed while the processor still has them at hand.
-const CACHED: usize = 512;
-
 impl Session {
     /// Simulated seconds per second that playback can have.
     pub const SPEEDS: [f64; 7] = [0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0];
@@ -305,20 +302,17 @@ impl Session {
     }
 
     fn catch_up(&mut self) {
-        let goal = match self.mode() {
+        match self.mode() {
             Mode::Live => {
                 let goal = (self.position() + 1).min(self.run.done() + PORTION);
                 while goal > self.run.record().forgotten() + Self::KEPT && self.run.forget(Self::KEPT / 2) {
                     self.generation += 1;
                 }
-                goal
+                self.run.advance_to(goal);
             }
-            Mode::Whole => self.run.samples(),
-        };
-        self.follow();
-        while self.run.advance_to(goal.min(self.run.done() + CACHED)) > 0 {
-            self.follow();
+            Mode::Whole => self.run.finish(),
         }
+        self.follow();
     }
 
     /// Takes in what is new of the run, before any of it is forgotten.
