@@ -1,7 +1,7 @@
 //! The app: one session, its controls and its views.
 
 use egui::util::undoer::Undoer;
-use egui::{CentralPanel, Frame, Margin, Panel, Ui};
+use egui::{CentralPanel, Color32, Frame, Margin, Panel, Ui};
 use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::Lesson;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use crate::keys;
 use crate::session::{Mode, Session};
 use crate::summary::Summary;
 use crate::theme::{self, Palette};
-use crate::tutor::Tutor;
+use crate::tutor::{self, Tutor};
 use crate::views::{Layout, Shown, TimeAxis, ViewContext, ViewKind, legend};
 
 /// Below this width the settings are a drawer under the plots \[points\].
@@ -54,6 +54,10 @@ pub struct App {
     keys_open: bool,
     /// Whether the window was narrow in the last frame.
     narrow: bool,
+    /// Whether the window is cleared in the panels' colour, so that no panel need fill itself.
+    cleared: bool,
+    /// Whether a newcomer is shown where to begin.
+    inviting: bool,
     commands: Vec<Command>,
 }
 
@@ -73,12 +77,14 @@ impl App {
     /// # Errors
     /// [`RunError`] where not even the default scenario can be run.
     pub fn restored(storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
-        let Settings { scenario, mode, speed, presenting } =
-            storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
+        let stored = storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY));
+        let inviting = stored.is_none();
+        let Settings { scenario, mode, speed, presenting } = stored.unwrap_or_default();
         let mut app = Self::with_scenario(Scenario::from_toml(&scenario).unwrap_or_default())?;
         app.session.set_mode(mode);
         app.session.set_speed(speed);
         app.presenting = presenting;
+        app.inviting = inviting;
         Ok(app)
     }
 
@@ -99,8 +105,17 @@ impl App {
             presenting: false,
             keys_open: false,
             narrow: false,
+            cleared: false,
+            inviting: false,
             commands: Vec::new(),
         })
+    }
+
+    /// Relies on the window being cleared in [`eframe::App::clear_color`]: where no graphics card draws, filling it once more
+    /// takes as long as all that is drawn upon it.
+    #[must_use]
+    pub fn on_cleared_window(self) -> Self {
+        Self { cleared: true, ..self }
     }
 
     /// The session on screen.
@@ -163,6 +178,7 @@ impl App {
                 }
             }
             Command::StartLesson(place) => {
+                self.inviting = false;
                 *tutor = lessons.get(place).cloned().map(Tutor::new);
                 self.go_to_step(0);
                 number::begin_anew(ctx);
@@ -234,8 +250,12 @@ impl App {
     }
 
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, shown, layout, commands, .. } = self;
-        legend::legend_ui(ui, session, shown, palette);
+        let Self { session, axis, shown, layout, commands, inviting, .. } = self;
+        legend::legend_ui(ui, session, shown, palette, |ui| {
+            if *inviting {
+                tutor::invitation_ui(ui, commands);
+            }
+        });
         layout.ui(ui, &ViewContext::new(session, palette, shown, axis), commands, narrow);
     }
 }
@@ -264,7 +284,8 @@ impl eframe::App for App {
         let narrow = ui.available_width() < NARROW;
         self.narrow = narrow;
         let open = self.controls_open();
-        let frame = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(10, 6));
+        let ground = if self.cleared { Color32::TRANSPARENT } else { palette.panel };
+        let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
         let Self { session, layout, lessons, presenting, commands, .. } = self;
         let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow };
         Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, commands));
@@ -304,6 +325,10 @@ impl eframe::App for App {
         if !self.commands.is_empty() {
             ui.ctx().request_repaint();
         }
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {

@@ -1,11 +1,14 @@
 //! What a chart shows, from every sample down to what one frame draws of it.
 
+use std::collections::BTreeSet;
+use std::hash::Hash;
 use std::ops::Range;
 
-use egui::{Color32, Stroke};
+use egui::{Color32, Stroke, Vec2};
 use egui_plot::{FilledArea, HLine, Line, LineStyle, PlotPoint, PlotUi, Points};
 use kalmanscope_core::Record;
 
+use crate::polyline::telling;
 use crate::series::{Column, central_range, reduce, reduce_between};
 
 /// Share of the columns at either end that the vertical axis does not bend to: the first instants of a wide guess.
@@ -44,6 +47,30 @@ impl<'a> Series<'a> {
     }
 }
 
+/// The part of the record that a plot shows.
+#[derive(Clone, Copy)]
+pub(super) struct Window {
+    /// From when to when \[s\].
+    pub(super) times: (f64, f64),
+    /// The vertical axis, where the user has chosen it.
+    pub(super) values: Option<(f64, f64)>,
+    /// The plot's size \[points\].
+    pub(super) size: Vec2,
+}
+
+impl Window {
+    /// The number of its columns, a point wide each.
+    fn columns(&self) -> usize {
+        (self.size.x as usize).max(16)
+    }
+
+    /// Everything that a picture depends on.
+    pub(super) fn key(&self) -> impl Hash + use<> {
+        let bits = |(low, high): (f64, f64)| [low.to_bits(), high.to_bits()];
+        (bits(self.times), self.values.map(bits), self.size.x.to_bits(), self.size.y.to_bits())
+    }
+}
+
 /// One thing that a chart shows; the first are the lowest.
 pub(super) enum Layer<'a> {
     /// What is between the edges of a series.
@@ -64,25 +91,45 @@ pub(super) struct Drawn {
 }
 
 enum DrawnLayer {
-    Band { times: Vec<f64>, low: Vec<f64>, high: Vec<f64>, color: Color32 },
-    Dots { points: Vec<PlotPoint>, color: Color32 },
-    Line { points: Vec<PlotPoint>, color: Color32, width: f32, dashed: bool, bounds: bool },
-    Level { value: f64, color: Color32 },
+    Band {
+        times: Vec<f64>,
+        low: Vec<f64>,
+        high: Vec<f64>,
+        color: Color32,
+    },
+    Dots {
+        points: Vec<PlotPoint>,
+        color: Color32,
+    },
+    /// `dense` says whether hardly any point can be left out, so that it is quicker to draw as a filled outline.
+    Line {
+        points: Vec<PlotPoint>,
+        color: Color32,
+        width: f32,
+        dashed: bool,
+        bounds: bool,
+        dense: bool,
+    },
+    Level {
+        value: f64,
+        color: Color32,
+    },
 }
 
 impl Drawn {
-    /// Reduces `layers` to what a plot of so many pixel columns shows of the record between two times \[s\]. `least` is the
-    /// least that the vertical axis shows.
-    pub(super) fn new(
-        layers: &[Layer<'_>],
-        record: &Record,
-        window: (f64, f64),
-        columns: usize,
-        least: Option<(f64, f64)>,
-    ) -> Self {
-        let layers: Vec<DrawnLayer> =
-            layers.iter().map(|layer| DrawnLayer::new(layer, record, window, columns)).collect();
-        Self { range: vertical_range(&layers, least), layers }
+    /// Reduces `layers` to what the window shows. `least` is the least that the vertical axis shows.
+    pub(super) fn new(layers: &[Layer<'_>], record: &Record, window: &Window, least: Option<(f64, f64)>) -> Self {
+        let mut layers: Vec<DrawnLayer> =
+            layers.iter().map(|layer| DrawnLayer::new(layer, record, window.times, window.columns())).collect();
+        let range = vertical_range(&layers, least);
+        if let Some(values) = window.values.or(range) {
+            let scale = |(low, high): (f64, f64), length: f32| f64::from(length) / (high - low);
+            let scale = (scale(window.times, window.size.x), scale(values, window.size.y));
+            for layer in &mut layers {
+                layer.simplify(scale);
+            }
+        }
+        Self { range, layers }
     }
 
     /// Adds the layers to a plot.
@@ -117,8 +164,32 @@ impl DrawnLayer {
                 width: *width,
                 dashed: *dashed,
                 bounds: *bounds,
+                dense: true,
             },
             Layer::Level { value, color } => Self::Level { value: *value, color: *color },
+        }
+    }
+
+    /// Leaves out points that make no difference at so many points of the screen a unit.
+    fn simplify(&mut self, (x, y): (f64, f64)) {
+        match self {
+            Self::Band { times, low, high, .. } => {
+                let edge = |values: &[f64]| {
+                    telling(&times.iter().zip(values).map(|(t, v)| (x * t, y * v)).collect::<Vec<_>>())
+                };
+                let kept: BTreeSet<usize> = edge(low).into_iter().chain(edge(high)).collect();
+                for values in [times, low, high] {
+                    *values = kept.iter().map(|&i| values[i]).collect();
+                }
+            }
+            Self::Line { points, dense, .. } => {
+                let kept = telling(&points.iter().map(|p| (x * p.x, y * p.y)).collect::<Vec<_>>());
+                *dense = 3 * kept.len() > points.len();
+                if !*dense {
+                    *points = kept.into_iter().map(|i| points[i]).collect();
+                }
+            }
+            Self::Dots { .. } | Self::Level { .. } => {}
         }
     }
 
@@ -134,9 +205,10 @@ impl DrawnLayer {
             Self::Dots { points, color } => {
                 plot.points(Points::new("dots", &points[..]).radius(1.3).color(*color).allow_hover(false));
             }
-            Self::Line { points, color, width, dashed, .. } => {
+            Self::Line { points, color, width, dashed, dense, .. } => {
                 let style = if *dashed { LineStyle::dashed_dense() } else { LineStyle::Solid };
-                plot.line(Line::new("line", &points[..]).color(*color).width(*width).style(style).allow_hover(false));
+                let line = Line::new("line", &points[..]).color(*color).width(*width).style(style);
+                plot.line(line.allow_band(*dense).allow_hover(false));
             }
             Self::Level { value, color } => {
                 let style = LineStyle::dashed_dense();

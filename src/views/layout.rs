@@ -126,7 +126,8 @@ impl Layout {
             panes.show(ui, view);
         } else if narrow {
             let shown = self.shown();
-            let least = if shown.len() <= 3 { 1.0 } else { 300.0 };
+            // Beside a lesson there is less room than three views take: they scroll rather than shrink to lines.
+            let least = if shown.len() <= 3 { 210.0 } else { 300.0 };
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 let share = |view: &ViewKind| if *view == ViewKind::Oscillator { 0.3 } else { 1.0 };
                 let all: f32 = shown.iter().map(share).sum();
