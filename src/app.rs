@@ -3,7 +3,7 @@
 mod commands;
 
 use egui::util::undoer::Undoer;
-use egui::{CentralPanel, Frame, Margin, Panel, ThemePreference, Ui};
+use egui::{CentralPanel, Color32, Frame, Margin, Panel, ThemePreference, Ui};
 use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::Lesson;
 
@@ -15,7 +15,7 @@ use crate::saved::Saved;
 use crate::session::{Mode, Session};
 use crate::summary::Summary;
 use crate::theme::{self, Palette};
-use crate::tutor::Tutor;
+use crate::tutor::{self, Tutor};
 use crate::views::{Layout, Shown, TimeAxis, ViewContext, ViewKind, legend};
 
 /// Below this width the settings are a drawer under the plots \[points\].
@@ -43,6 +43,10 @@ pub struct App {
     /// Width of the window in the last frame \[points\], and the theme that was chosen then.
     width: f32,
     theme: ThemePreference,
+    /// Whether the window is cleared in the panels' colour, so that no panel need fill itself.
+    cleared: bool,
+    /// Whether a newcomer is shown where to begin.
+    inviting: bool,
     commands: Vec<Command>,
 }
 
@@ -77,6 +81,7 @@ impl App {
         app.session.set_speed(saved.speed);
         app.presenting = saved.presenting;
         app.layout = saved.layout();
+        app.inviting = saved.new_here;
         Ok(app)
     }
 
@@ -98,6 +103,8 @@ impl App {
             keys_open: false,
             width: WIDE,
             theme: ThemePreference::System,
+            cleared: false,
+            inviting: false,
             commands: Vec::new(),
         })
     }
@@ -109,6 +116,13 @@ impl App {
         self.session.set_mode(Mode::Whole);
         self.session.pause();
         self.session.seek(self.session.end());
+    }
+
+    /// Relies on the window being cleared in [`eframe::App::clear_color`]: where no graphics card draws, filling it once more
+    /// takes as long as all that is drawn upon it.
+    #[must_use]
+    pub fn on_cleared_window(self) -> Self {
+        Self { cleared: true, ..self }
     }
 
     /// The session on screen.
@@ -149,8 +163,12 @@ impl App {
     }
 
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, shown, layout, commands, .. } = self;
-        legend::legend_ui(ui, session, shown, palette);
+        let Self { session, axis, shown, layout, commands, inviting, .. } = self;
+        legend::legend_ui(ui, session, shown, palette, |ui| {
+            if *inviting {
+                tutor::invitation_ui(ui, commands);
+            }
+        });
         layout.ui(ui, &ViewContext::new(session, palette, shown, axis), commands, narrow);
     }
 }
@@ -180,7 +198,8 @@ impl eframe::App for App {
         let narrow = self.width < NARROW;
         self.theme = ui.ctx().options(|options| options.theme_preference);
         let open = self.controls_open();
-        let frame = Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(10, 6));
+        let ground = if self.cleared { Color32::TRANSPARENT } else { palette.panel };
+        let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
         let Self { session, layout, lessons, presenting, commands, .. } = self;
         let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow };
         Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, commands));
@@ -220,6 +239,10 @@ impl eframe::App for App {
         if !self.commands.is_empty() {
             ui.ctx().request_repaint();
         }
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {

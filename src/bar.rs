@@ -5,6 +5,7 @@ use kalmanscope_lessons::Lesson;
 
 use crate::command::Command;
 use crate::library;
+use crate::places;
 use crate::session::Session;
 use crate::theme;
 use crate::transport;
@@ -28,6 +29,7 @@ impl Bar<'_> {
         ui.horizontal_wrapped(|ui| {
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
             toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
+            places::remember(ui.ctx(), "Settings", toggle.rect);
             if toggle.clicked() {
                 commands.push(Command::ToggleControls);
             }
@@ -67,7 +69,7 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>)
 }
 
 fn views_menu_ui(ui: &mut Ui, layout: &Layout, commands: &mut Vec<Command>) {
-    ui.menu_button("Views", |ui| {
+    let menu = ui.menu_button("Views", |ui| {
         for arrangement in Arrangement::ALL {
             if ui.button(arrangement.name()).clicked() {
                 commands.push(Command::Arrange(arrangement));
@@ -78,11 +80,14 @@ fn views_menu_ui(ui: &mut Ui, layout: &Layout, commands: &mut Vec<Command>) {
         let shown = layout.shown();
         for view in ViewKind::ALL {
             let mut on = shown.contains(&view);
-            if ui.checkbox(&mut on, view.view().name()).changed() {
+            let checkbox = ui.checkbox(&mut on, view.view().name());
+            places::remember(ui.ctx(), view.view().name(), checkbox.rect);
+            if checkbox.changed() {
                 commands.push(Command::ToggleView(view));
             }
         }
     });
+    places::remember(ui.ctx(), "Views", menu.response.rect);
 }
 
 /// How it looks, and help.

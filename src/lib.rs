@@ -9,6 +9,8 @@ pub mod command;
 pub mod controls;
 mod keys;
 pub mod library;
+mod places;
+pub mod polyline;
 mod saved;
 pub mod series;
 pub mod session;

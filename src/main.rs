@@ -111,6 +111,10 @@ mod web {
             self.0.ui(ui, frame);
         }
 
+        fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+            self.0.clear_color(visuals)
+        }
+
         fn save(&mut self, storage: &mut dyn eframe::Storage) {
             self.0.save(storage);
         }
@@ -155,7 +159,7 @@ mod web {
             .ok_or("the page has no canvas")?;
         let runner = eframe::WebRunner::new();
         let creator: eframe::AppCreator<'static> = Box::new(|creation| {
-            let mut app = kalmanscope::App::new(creation)?;
+            let mut app = kalmanscope::App::new(creation)?.on_cleared_window();
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }
@@ -167,8 +171,10 @@ mod web {
             Ok(Box::new(Page(app)))
         });
         RUNNER.set(Some((runner.clone(), egui::Context::default())));
+        // There are no gradients that dithering would smooth, and it is worked out for every pixel.
+        let options = eframe::WebOptions { dithering: false, ..eframe::WebOptions::default() };
         runner
-            .start(canvas, eframe::WebOptions::default(), creator)
+            .start(canvas, options, creator)
             .await
             .map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
         if let Some(loading) = document.get_element_by_id("loading") {

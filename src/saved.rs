@@ -22,19 +22,32 @@ pub(crate) struct Saved {
     dark: Option<bool>,
     /// The layout, as JSON of its own.
     layout: String,
+    /// Whether nothing had been kept.
+    #[serde(skip)]
+    pub(crate) new_here: bool,
 }
 
 impl Default for Saved {
     fn default() -> Self {
         let (scenario, layout) = (String::new(), String::new());
-        Self { scenario, mode: Mode::default(), speed: Session::DEFAULT_SPEED, presenting: false, dark: None, layout }
+        Self {
+            scenario,
+            mode: Mode::default(),
+            speed: Session::DEFAULT_SPEED,
+            presenting: false,
+            dark: None,
+            layout,
+            new_here: false,
+        }
     }
 }
 
 impl Saved {
     pub(crate) fn load(storage: Option<&dyn eframe::Storage>) -> Self {
-        let text = storage.and_then(|storage| storage.get_string(KEY));
-        text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
+        match storage.and_then(|storage| storage.get_string(KEY)) {
+            Some(text) => serde_json::from_str(&text).unwrap_or_default(),
+            None => Self { new_here: true, ..Self::default() },
+        }
     }
 
     pub(crate) fn save(&self, storage: &mut dyn eframe::Storage) {
@@ -55,6 +68,7 @@ impl Saved {
                 ThemePreference::System => None,
             },
             layout: serde_json::to_string(layout).unwrap_or_default(),
+            new_here: false,
         }
     }
 

@@ -3,7 +3,7 @@
 use kalmanscope_core::{Channel, Estimates};
 use serde::Serialize;
 
-use crate::controls::number::rect_of;
+use crate::places;
 use crate::session::{Mode, Session};
 
 /// The state of the screen.
@@ -19,7 +19,9 @@ pub struct Summary {
     pub filters: Vec<Latest>,
     /// Checksum of all estimates shown, as 16 hexadecimal digits.
     pub checksum: String,
-    /// Where some controls are.
+    /// Frames drawn since the start.
+    pub frames: u64,
+    /// Where the named controls are.
     pub controls: Vec<Control>,
 }
 
@@ -62,8 +64,6 @@ impl Summary {
     /// Sums up what is on screen.
     pub fn new(session: &Session, ctx: &egui::Context) -> Self {
         let estimates = session.run().estimates();
-        let fading = estimates.iter().map(|e| format!("{} fading factor", e.name()));
-        let names = fading.chain(["Time".to_owned(), "Noise of the displacement sensor".to_owned()]);
         Self {
             mode: match session.mode() {
                 Mode::Live => "live",
@@ -73,7 +73,8 @@ impl Summary {
             samples: session.run().len(),
             filters: estimates.iter().map(latest).collect(),
             checksum: format!("{:016x}", session.run().checksum()),
-            controls: names.filter_map(|name| control(ctx, name)).collect(),
+            frames: ctx.cumulative_frame_nr(),
+            controls: places::all(ctx).into_iter().map(control).collect(),
         }
     }
 }
@@ -89,7 +90,6 @@ fn latest(estimates: &Estimates) -> Latest {
     }
 }
 
-fn control(ctx: &egui::Context, name: String) -> Option<Control> {
-    let rect = rect_of(ctx, &name)?;
-    Some(Control { name, x: rect.left(), y: rect.top(), width: rect.width(), height: rect.height() })
+fn control((name, rect): (String, egui::Rect)) -> Control {
+    Control { name, x: rect.left(), y: rect.top(), width: rect.width(), height: rect.height() }
 }

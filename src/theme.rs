@@ -46,6 +46,7 @@ fn restyle(style: &mut egui::Style, theme: Theme) {
     visuals.selection.bg_fill = palette.accent;
     visuals.selection.stroke = Stroke::new(1.0, palette.on_accent);
     visuals.warn_fg_color = palette.warning;
+    visuals.hyperlink_color = palette.accent;
     visuals.slider_trailing_fill = true;
     visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, palette.separator);
     for widget in [

@@ -3,7 +3,7 @@
 use egui::{Button, ComboBox, DragValue, RichText, Slider, Ui};
 
 use crate::command::Command;
-use crate::controls::number;
+use crate::places;
 use crate::session::{Mode, Session};
 use crate::text::{clock, parse_clock, significant};
 
@@ -30,7 +30,9 @@ pub fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut
         let button = Button::selectable(session.mode() == mode, text);
         let possible = mode == Mode::Live || session.can_be_whole();
         let too_long = format!("Too long to be recomputed at once: more than {} times Δt", Session::LONGEST_WHOLE);
-        if ui.add_enabled(possible, button).on_hover_text(hint).on_disabled_hover_text(too_long).clicked() {
+        let button = ui.add_enabled(possible, button).on_hover_text(hint).on_disabled_hover_text(too_long);
+        places::remember(ui.ctx(), text, button.rect);
+        if button.clicked() {
             commands.push(Command::SetMode(mode));
         }
     }
@@ -46,6 +48,7 @@ fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
     let button = Button::new(RichText::new(icon).size(16.0)).min_size(egui::vec2(32.0, 26.0));
     let response = ui.add(button).on_hover_text(format!("{name} ({key})"));
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
+    places::remember(ui.ctx(), name, response.rect);
     response.clicked()
 }
 
@@ -69,7 +72,7 @@ fn time_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.spacing_mut().slider_width = (ui.available_size_before_wrap().x - text_width).clamp(60.0, 260.0);
     let slider = ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false));
     slider.ctx.accesskit_node_builder(slider.id, |node| node.set_label("Time"));
-    number::remember(ui, "Time", slider.rect);
+    places::remember(ui.ctx(), "Time", slider.rect);
     if slider.changed() {
         commands.push(Command::Seek(time));
     }

@@ -4,6 +4,7 @@ use egui::{Button, RichText, ScrollArea, Ui};
 use kalmanscope_lessons::{Lesson, LessonError, Mode as LessonMode, Step, View};
 
 use crate::command::Command;
+use crate::places;
 use crate::session::{Mode, Session};
 use crate::theme::{self, Palette};
 use crate::views::{Shown, ViewKind};
@@ -83,6 +84,9 @@ impl Tutor {
         let Some(step) = self.current() else { return };
         match step.mode {
             LessonMode::Whole => {
+                if session.playing() {
+                    session.toggle_play();
+                }
                 session.set_mode(Mode::Whole);
                 pause(session);
                 session.seek(step.to.unwrap_or_else(|| session.end()));
@@ -123,7 +127,9 @@ impl Tutor {
             part_ui(ui, "Look", &current.look);
             if let Some(change) = &current.change {
                 let button = Button::new(RichText::new(&change.label).color(palette.on_accent)).fill(palette.accent);
-                if ui.add_enabled(!changed, button.wrap()).clicked() {
+                let button = ui.add_enabled(!changed, button.wrap());
+                places::remember(ui.ctx(), "Change", button.rect);
+                if button.clicked() {
                     commands.push(Command::ChangeLesson);
                 }
                 ui.add_space(6.0);
@@ -140,11 +146,17 @@ impl Tutor {
             ui.weak(format!("{} of {}", step + 1, lesson.steps.len()));
             let ready = *changed || current.change.is_none();
             if step + 1 < lesson.steps.len() {
-                if ui.add_enabled(ready, Button::new("Next")).clicked() {
+                let next = ui.add_enabled(ready, Button::new("Next"));
+                places::remember(ui.ctx(), "Next", next.rect);
+                if next.clicked() {
                     commands.push(Command::GoToStep(step + 1));
                 }
-            } else if ui.add_enabled(ready, Button::new("Done")).clicked() {
-                commands.push(Command::LeaveLesson);
+            } else {
+                let done = ui.add_enabled(ready, Button::new("Done"));
+                places::remember(ui.ctx(), "Done", done.rect);
+                if done.clicked() {
+                    commands.push(Command::LeaveLesson);
+                }
             }
         });
         // A panel is as high as what is in it.
@@ -183,9 +195,18 @@ fn kind(view: View) -> ViewKind {
     }
 }
 
+/// Where to begin, for someone who is here for the first time.
+pub(crate) fn invitation_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let link = ui.link("New here? Begin with the first lesson");
+    places::remember(ui.ctx(), "First lesson", link.rect);
+    if link.clicked() {
+        commands.push(Command::StartLesson(0));
+    }
+}
+
 /// The menu of all lessons, by group.
 pub fn menu_ui(ui: &mut Ui, lessons: &[Lesson], commands: &mut Vec<Command>) {
-    ui.menu_button("Lessons", |ui| {
+    let menu = ui.menu_button("Lessons", |ui| {
         // All of them, as far as the window has room.
         let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
@@ -195,11 +216,14 @@ pub fn menu_ui(ui: &mut Ui, lessons: &[Lesson], commands: &mut Vec<Command>) {
                     group = &lesson.group;
                     ui.label(RichText::new(group).small().weak());
                 }
-                if ui.button(&lesson.title).on_hover_text(&lesson.summary).clicked() {
+                let button = ui.button(&lesson.title).on_hover_text(&lesson.summary);
+                places::remember(ui.ctx(), &lesson.title, button.rect);
+                if button.clicked() {
                     commands.push(Command::StartLesson(place));
                     ui.close();
                 }
             }
         });
     });
+    places::remember(ui.ctx(), "Lessons", menu.response.rect);
 }

@@ -2,6 +2,8 @@
 
 #[path = "browser/driver.rs"]
 mod driver;
+#[path = "browser/frames.rs"]
+mod frames;
 #[path = "browser/page.rs"]
 mod page;
 #[path = "browser/server.rs"]
@@ -24,16 +26,11 @@ const FAILURE: &str = "document.getElementById('failure').hidden ? '' : document
 
 #[test]
 fn the_page_works_in_a_browser() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let dist = folder.join("dist");
-    assert!(dist.join("index.html").is_file(), "there is no page in {}: run ./check, which builds it", dist.display());
-    let pictures = folder.join("target/browser");
+    let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");
     fs::create_dir_all(&pictures).unwrap();
-    let address = format!("http://{}/", server::serve(dist).unwrap());
-
+    let address = served();
     let driver = Driver::start();
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
-    runtime.block_on(async {
+    runtime().block_on(async {
         let page = driver.open().await;
         starts(&page, &address).await;
         draws(&page, &pictures.join("desktop.png")).await;
@@ -44,6 +41,50 @@ fn the_page_works_in_a_browser() {
         has_nothing_to_complain_about(&page, &address).await;
         failures_can_be_read(&page).await;
     });
+}
+
+/// `cargo test --test browser -- --ignored --nocapture`: frames a second over the whole record, and where the time goes.
+#[test]
+#[ignore = "a measurement, which wants the machine for itself"]
+fn frames_while_a_slider_is_dragged() {
+    let address = served();
+    let driver = Driver::start();
+    runtime().block_on(async {
+        let page = driver.open().await;
+        page.prepare(frames::STOPWATCH).await;
+        starts(&page, &address).await;
+        page.click("Whole record", 0.5).await;
+        println!("{:<50} {:>6} {:>9} {:>9}  processor [ms]", "", "1/s", "page [ms]", "most [ms]");
+        frames_of_each_slider(&page, driver.process(), "default views").await;
+        for view in ["Errors", "Innovations", "NIS and NEES"] {
+            page.click("Views", 0.5).await;
+            page.click(view, 0.5).await;
+        }
+        frames_of_each_slider(&page, driver.process(), "six views").await;
+    });
+}
+
+async fn frames_of_each_slider(page: &Page, browser: u32, views: &str) {
+    for (slider, between) in [("EKF fading factor", (0.05, 0.6)), ("Noise of the displacement sensor", (0.3, 0.7))] {
+        let frames = frames::drag(page, browser, slider, between, Duration::from_secs(5)).await;
+        let frames::Frames { per_second, page, longest, processes } = frames;
+        print!("{:<50} {per_second:>6.1} {page:>9.1} {longest:>9.1} ", format!("{views}, {slider}"));
+        for (kind, time) in processes.iter().filter(|(_, time)| *time >= 0.1) {
+            print!(" {kind} {time:.1}");
+        }
+        println!();
+    }
+}
+
+/// The address of the page that has been built.
+fn served() -> String {
+    let dist = Path::new(env!("CARGO_MANIFEST_DIR")).join("dist");
+    assert!(dist.join("index.html").is_file(), "there is no page in {}: run ./check, which builds it", dist.display());
+    format!("http://{}/", server::serve(dist).unwrap())
+}
+
+fn runtime() -> tokio::runtime::Runtime {
+    tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap()
 }
 
 async fn starts(page: &Page, address: &str) {

@@ -43,6 +43,7 @@ impl App {
                 }
             }
             Command::StartLesson(place) => {
+                self.inviting = false;
                 *tutor = lessons.get(place).cloned().map(Tutor::new);
                 *shown = Shown::default();
                 self.go_to_step(0);

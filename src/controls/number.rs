@@ -1,7 +1,8 @@
 //! One number: a label with symbol and unit, a slider and a field to drag, scroll or type in.
 
-use egui::{DragValue, Id, PointerButton, Rect, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
+use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
 
+use crate::places::{rect_of, remember};
 use crate::text::{parse, significant};
 
 /// Width of the labels, so that all sliders stand in one line \[points\].
@@ -53,7 +54,7 @@ impl Number<'_> {
                 .ui(ui)
                 .on_hover_text(format!("{hint}\nDouble click: back to {}", significant(initial, 5)));
             announce(&slider, name);
-            remember(ui, name, slider.rect);
+            remember(ui.ctx(), name, slider.rect);
             reset(&slider, value, initial);
             let size = Vec2::new(FIELD_WIDTH, ui.spacing().interact_size.y);
             let field = ui.add_sized(size, drag_value(value, low, high)).on_hover_text(usage(initial));
@@ -73,7 +74,7 @@ pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, h
     let field = ui.add_sized(size, drag_value(value, 0.0, scale));
     let field = field.on_hover_text(format!("{hint}\n{}", usage(initial)));
     announce(&field, name);
-    remember(ui, name, field.rect);
+    remember(ui.ctx(), name, field.rect);
     scroll(ui, &field, value, step(*value, 0.0, scale));
     reset(&field, value, initial);
     *value = value.max(least);
@@ -136,11 +137,6 @@ fn usage(initial: f64) -> String {
     format!("Drag, Alt and wheel, or click to type. Double click: back to {}", significant(initial, 5))
 }
 
-/// Where the control of this name was drawn in the last frame.
-pub fn rect_of(ctx: &egui::Context, name: &str) -> Option<Rect> {
-    ctx.data(|data| data.get_temp(rect_id(name)))
-}
-
 fn drag_value(value: &mut f64, low: f64, high: f64) -> DragValue<'_> {
     let speed = step(*value, low, high);
     DragValue::new(value)
@@ -169,12 +165,4 @@ fn fixed_width(ui: &mut Ui, width: f32, add_contents: impl FnOnce(&mut Ui)) {
 
 fn announce(response: &Response, name: &str) {
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
-}
-
-pub(crate) fn remember(ui: &Ui, name: &str, rect: Rect) {
-    ui.data_mut(|data| data.insert_temp(rect_id(name), rect));
-}
-
-fn rect_id(name: &str) -> Id {
-    Id::unique(("control", name))
 }

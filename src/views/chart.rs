@@ -9,7 +9,7 @@ use egui_plot::{AxisHints, LineStyle, Plot, VLine};
 use super::ViewContext;
 use super::heading::{Readout, heading_ui};
 use super::kept::kept;
-use super::layer::{Drawn, Layer};
+use super::layer::{Drawn, Layer, Window};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::command::Command;
 use crate::session::Mode;
@@ -94,18 +94,21 @@ impl Chart<'_> {
             .allow_scroll(false)
             .allow_double_click_reset(false)
             .label_formatter(|_| None);
-        let columns = (size.x as usize).max(16);
         let drawn: OnceCell<Arc<Drawn>> = OnceCell::new();
         let response = plot.show(ui, |plot| {
             let bounds = plot.plot_bounds();
-            let window = if axis.follows { followed } else { (bounds.min()[0], bounds.max()[0]) };
+            let [times, values] = [0, 1].map(|axis| (bounds.min()[axis], bounds.max()[axis]));
+            let window = if axis.follows {
+                Window { times: followed, values: None, size }
+            } else {
+                Window { times, values: Some(values), size }
+            };
             let record = session.run().record();
-            let depends_on = (context.version, window.0.to_bits(), window.1.to_bits(), columns);
             let id = Id::unique(("drawn", &self.key));
-            let make = || Drawn::new(&self.layers, record, window, columns, self.least);
-            let drawn = drawn.get_or_init(|| kept(plot.ctx(), id, depends_on, make));
+            let make = || Drawn::new(&self.layers, record, &window, self.least);
+            let drawn = drawn.get_or_init(|| kept(plot.ctx(), id, (context.version, window.key()), make));
             if axis.follows {
-                plot.set_plot_bounds_x(window.0..=window.1);
+                plot.set_plot_bounds_x(followed.0..=followed.1);
                 if let Some((low, high)) = drawn.range {
                     plot.set_plot_bounds_y(low..=high);
                 }

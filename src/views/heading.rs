@@ -27,7 +27,7 @@ pub(super) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
         let values = Values::new(ui, symbol, readouts, room);
         let unit = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
         let named = format!("{name} {unit}");
-        let fits = |text: &&str| width(ui, text, TextStyle::Body) + GAP <= room - values.total();
+        let fits = |text: &&str| width(ui, text, &TextStyle::Body) + GAP <= room - values.total();
         if let Some(text) = [named.trim(), &unit].into_iter().find(fits) {
             ui.weak(text);
         }
@@ -49,7 +49,7 @@ impl<'a> Values<'a> {
         // A value keeps the room that it once had: nothing jumps while it changes.
         let scope = ui.scope_id();
         let sized = |(readout, text): (&Readout, &'a str)| {
-            (text, steady(ui, scope.with((symbol, &readout.hint)), width(ui, text, TextStyle::Small)))
+            (text, steady(ui, scope.with((symbol, &readout.hint)), width(ui, text, &TextStyle::Small)))
         };
         let shown = all.iter().map(|r| (r, r.text.as_str())).map(sized).collect();
         let mut values = Self { all, shown };
@@ -87,7 +87,7 @@ fn value(text: &str) -> &str {
     text.split(' ').next().unwrap_or(text)
 }
 
-fn width(ui: &Ui, text: &str, style: TextStyle) -> f32 {
+fn width(ui: &Ui, text: &str, style: &TextStyle) -> f32 {
     let font = style.resolve(ui.style());
     ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER).size().x
 }

@@ -1,16 +1,22 @@
 //! What a chart shows, from every sample down to what one frame draws of it.
 
+use std::collections::BTreeSet;
+use std::hash::Hash;
 use std::ops::Range;
 
-use egui::Color32;
+use egui::{Color32, Vec2};
 use egui_plot::{PlotPoint, PlotUi};
 use kalmanscope_core::Record;
 
 use super::picture::Picture;
+use crate::polyline::telling;
 use crate::series::{Column, central_range, reduce, reduce_between};
 
 /// Share of the columns at either end that the vertical axis does not bend to: the first instants of a wide guess.
 const OUTLIERS: f64 = 0.006;
+
+/// A line that goes so many points up and down on its way of one point to the right is an area.
+const DENSE: f64 = 16.0;
 
 /// A quantity at every sample, NaN where there is none.
 pub(super) struct Series<'a> {
@@ -45,6 +51,30 @@ impl<'a> Series<'a> {
     }
 }
 
+/// The part of the record that a plot shows.
+#[derive(Clone, Copy)]
+pub(super) struct Window {
+    /// From when to when \[s\].
+    pub(super) times: (f64, f64),
+    /// The vertical axis, where the user has chosen it.
+    pub(super) values: Option<(f64, f64)>,
+    /// The plot's size \[points\].
+    pub(super) size: Vec2,
+}
+
+impl Window {
+    /// The number of its columns, a point wide each.
+    fn columns(&self) -> usize {
+        (self.size.x as usize).max(16)
+    }
+
+    /// Everything that a picture depends on.
+    pub(super) fn key(&self) -> impl Hash + use<> {
+        let bits = |(low, high): (f64, f64)| [low.to_bits(), high.to_bits()];
+        (bits(self.times), self.values.map(bits), self.size.x.to_bits(), self.size.y.to_bits())
+    }
+}
+
 /// One thing that a chart shows; the first are the lowest.
 pub(super) enum Layer<'a> {
     /// What is between the edges of a series.
@@ -72,25 +102,43 @@ pub(super) struct Drawn {
 
 /// A layer of it. The edges of a band are times with the lowest and the highest value there.
 pub(super) enum DrawnLayer {
-    Band { edges: Vec<[f64; 3]>, color: Color32 },
-    Dots { points: Vec<PlotPoint>, color: Color32 },
-    Line { points: Vec<PlotPoint>, color: Color32, width: f32, dashed: bool, bounds: bool },
-    Level { value: f64, color: Color32 },
+    Band {
+        edges: Vec<[f64; 3]>,
+        color: Color32,
+    },
+    Dots {
+        points: Vec<PlotPoint>,
+        color: Color32,
+    },
+    /// `dense` says whether it goes up and down so much that it is an area.
+    Line {
+        points: Vec<PlotPoint>,
+        color: Color32,
+        width: f32,
+        dashed: bool,
+        bounds: bool,
+        dense: bool,
+    },
+    Level {
+        value: f64,
+        color: Color32,
+    },
 }
 
 impl Drawn {
-    /// Reduces `layers` to what a plot of so many pixel columns shows of the record between two times \[s\]. `least` is the
-    /// least that the vertical axis shows.
-    pub(super) fn new(
-        layers: &[Layer<'_>],
-        record: &Record,
-        window: (f64, f64),
-        columns: usize,
-        least: Option<(f64, f64)>,
-    ) -> Self {
-        let layers: Vec<DrawnLayer> =
-            layers.iter().map(|layer| DrawnLayer::new(layer, record, window, columns)).collect();
-        Self { range: vertical_range(&layers, least), layers }
+    /// Reduces `layers` to what the window shows. `least` is the least that the vertical axis shows.
+    pub(super) fn new(layers: &[Layer<'_>], record: &Record, window: &Window, least: Option<(f64, f64)>) -> Self {
+        let mut layers: Vec<DrawnLayer> =
+            layers.iter().map(|layer| DrawnLayer::new(layer, record, window.times, window.columns())).collect();
+        let range = vertical_range(&layers, least);
+        if let Some(values) = window.values.or(range) {
+            let scale = |(low, high): (f64, f64), length: f32| f64::from(length) / (high - low);
+            let scale = (scale(window.times, window.size.x), scale(values, window.size.y));
+            for layer in &mut layers {
+                layer.simplify(scale);
+            }
+        }
+        Self { range, layers }
     }
 
     /// Adds the layers to a plot.
@@ -119,8 +167,32 @@ impl DrawnLayer {
                 width: *width,
                 dashed: *dashed,
                 bounds: *bounds,
+                dense: true,
             },
             Layer::Level { value, color } => Self::Level { value: *value, color: *color },
+        }
+    }
+
+    /// Leaves out points that make no difference at so many points of the screen a unit.
+    fn simplify(&mut self, (x, y): (f64, f64)) {
+        match self {
+            Self::Band { edges, .. } => {
+                let edge = |value: usize| {
+                    telling(&edges.iter().map(|edge| (x * edge[0], y * edge[value])).collect::<Vec<_>>())
+                };
+                let kept: BTreeSet<usize> = edge(1).into_iter().chain(edge(2)).collect();
+                *edges = kept.into_iter().map(|i| edges[i]).collect();
+            }
+            Self::Line { points, dense, .. } => {
+                let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
+                let way: f64 = points.windows(2).map(|pair| (pair[1].y - pair[0].y).abs()).sum();
+                *dense = y * way > DENSE * x * (last.x - first.x);
+                if !*dense {
+                    let kept = telling(&points.iter().map(|p| (x * p.x, y * p.y)).collect::<Vec<_>>());
+                    *points = kept.into_iter().map(|i| points[i]).collect();
+                }
+            }
+            Self::Dots { .. } | Self::Level { .. } => {}
         }
     }
 }

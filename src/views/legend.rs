@@ -56,8 +56,14 @@ enum Mark {
     Band,
 }
 
-/// One row of entries, and below it why a filter has stopped, or what else there is to know of it.
-pub fn legend_ui(ui: &mut Ui, session: &Session, shown: &mut Shown, palette: &Palette) {
+/// One row of entries with `add_contents` at its end, and below it why a filter has stopped, or what else there is to know of it.
+pub fn legend_ui(
+    ui: &mut Ui,
+    session: &Session,
+    shown: &mut Shown,
+    palette: &Palette,
+    add_contents: impl FnOnce(&mut Ui),
+) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 12.0;
         if entry(ui, "truth", Mark::Line, palette.truth, shown.truth) {
@@ -81,6 +87,7 @@ pub fn legend_ui(ui: &mut Ui, session: &Session, shown: &mut Shown, palette: &Pa
                 shown.only.clear();
             }
         }
+        add_contents(ui);
     });
     let record = session.run().record();
     if let Some(stop) = session.run().truth_stop() {

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use egui::{Color32, Mesh, Pos2, Shape, Stroke, Ui, pos2};
+use egui::{Color32, Mesh, Pos2, Rangef, Rect, Shape, Stroke, Ui, pos2};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
 
 use super::layer::DrawnLayer;
@@ -46,6 +46,9 @@ impl PlotItem for Picture<'_> {
                     shapes.extend(
                         points.iter().map(|point| Shape::circle_filled(stage.at(point.x, point.y), radius, *color)),
                     );
+                }
+                DrawnLayer::Line { points, color, width, dense: true, dashed: false, .. } => {
+                    shapes.push(stage.covered(points, Stroke::new(*width, *color)));
                 }
                 DrawnLayer::Line { points, color, width, dashed, .. } => {
                     stage.line(points, Stroke::new(*width, *color), *dashed, shapes);
@@ -133,6 +136,33 @@ impl Stage {
         } else {
             shapes.push(Shape::line(path, stroke));
         }
+    }
+
+    /// What a line covers that goes up and down in every pixel column.
+    fn covered(&self, points: &[PlotPoint], stroke: Stroke) -> Shape {
+        let mut columns: Vec<(f32, Rangef)> = Vec::with_capacity(points.len());
+        let mut before = points.first().map_or(0.0, |point| self.y(point.y));
+        for point in points {
+            let Pos2 { x, y } = self.at(point.x, point.y);
+            match columns.last_mut() {
+                Some((left, range)) if x < *left + 1.0 => *range = Rangef::new(range.min.min(y), range.max.max(y)),
+                _ => columns.push((x, Rangef::new(y.min(before), y.max(before)))),
+            }
+            before = y;
+        }
+        // What is under it is still seen.
+        let color = stroke.color.gamma_multiply(0.8);
+        // A steep line is as wide as a flat one is high.
+        let half = 0.5 * stroke.width;
+        let mut mesh = Mesh::default();
+        for (i, &(left, range)) in columns.iter().enumerate() {
+            let right = columns.get(i + 1).map_or(left + 1.0, |(next, _)| *next);
+            let near = |&&(other, _): &&(f32, Rangef)| (other - left).abs() < half;
+            let beside = columns[..i].iter().rev().take_while(near).chain(columns[i + 1..].iter().take_while(near));
+            let range = beside.fold(range, |all, (_, one)| Rangef::new(all.min.min(one.min), all.max.max(one.max)));
+            mesh.add_colored_rect(Rect::from_x_y_ranges(left..=right, range.expand(half)), color);
+        }
+        Shape::Mesh(Arc::new(mesh))
     }
 
     /// `edges` are times with the lowest and the highest value there.

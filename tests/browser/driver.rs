@@ -45,6 +45,11 @@ impl Driver {
         Self { child, port, profile }
     }
 
+    /// The number of the process whose descendants the browser's are.
+    pub(crate) fn process(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Opens a browser with an empty page.
     pub(crate) async fn open(&self) -> Page {
         let profile = format!("--user-data-dir={}", self.profile.display());

@@ -95,7 +95,15 @@ impl Page {
 
     /// Clicks a control at a fraction of its width.
     pub(crate) async fn click(&self, name: &str, fraction: f64) {
-        self.drag(name, fraction, fraction).await;
+        let (x, y) = self.bring_into_view(name).await.at(fraction);
+        let button = 0;
+        let actions = MouseActions::new("mouse".to_owned())
+            .then(PointerAction::MoveTo { duration: None, x, y })
+            .then(PointerAction::Pause { duration: Duration::from_millis(100) })
+            .then(PointerAction::Down { button })
+            .then(PointerAction::Up { button });
+        self.client.perform_actions(actions).await.expect("the pointer can be moved");
+        self.settle().await;
     }
 
     /// Presses at a fraction of a control's width, and lets go at another.
@@ -118,6 +126,36 @@ impl Page {
             .then(PointerAction::Up { button });
         self.client.perform_actions(actions).await.expect("the pointer can be moved");
         self.settle().await;
+    }
+
+    /// Drags a control to and fro between two fractions of its width, as fast as the page takes it.
+    pub(crate) async fn sweep(&self, name: &str, (from, to): (f64, f64), duration: Duration) {
+        const STEPS: usize = 60;
+        let rect = self.bring_into_view(name).await;
+        let go = |fraction: f64| {
+            let (x, y) = rect.at(fraction);
+            PointerAction::MoveTo { duration: Some(Duration::from_millis(8)), x, y }
+        };
+        let begun = Instant::now();
+        let press = MouseActions::new("mouse".to_owned()).then(go(from)).then(PointerAction::Down { button: 0 });
+        self.client.perform_actions(press).await.expect("the pointer can be moved");
+        while begun.elapsed() < duration {
+            let mut actions = MouseActions::new("mouse".to_owned());
+            for step in 1..=STEPS {
+                let way = 2.0 * step as f64 / STEPS as f64;
+                actions = actions.then(go(from + (to - from) * way.min(2.0 - way)));
+            }
+            self.client.perform_actions(actions).await.expect("the pointer can be moved");
+        }
+        let release = MouseActions::new("mouse".to_owned()).then(PointerAction::Up { button: 0 });
+        self.client.perform_actions(release).await.expect("the button can be released");
+        self.settle().await;
+    }
+
+    /// Runs a script before any of a page's own, on every page that is opened from now on.
+    pub(crate) async fn prepare(&self, script: &str) {
+        let body = json!({ "cmd": "Page.addScriptToEvaluateOnNewDocument", "params": { "source": script } });
+        self.post("goog/cdp/execute", body).await;
     }
 
     /// Scrolls the panel with a control until all of it can be seen. Returns where it then is.

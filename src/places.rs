@@ -1,0 +1,37 @@
+//! Where the named controls are, for tests that drive the app from outside.
+
+use std::collections::BTreeMap;
+
+use egui::{Context, Id, Rect};
+
+/// Each control's place \[points\] and the frame in which it was drawn.
+type Places = BTreeMap<String, (u64, Rect)>;
+
+fn id() -> Id {
+    Id::unique("places of the controls")
+}
+
+/// Takes note of where a control is drawn in this frame.
+pub(crate) fn remember(ctx: &Context, name: &str, rect: Rect) {
+    let frame = ctx.cumulative_frame_nr();
+    ctx.data_mut(|data| {
+        let places: &mut Places = data.get_temp_mut_or_default(id());
+        match places.get_mut(name) {
+            Some(place) => *place = (frame, rect),
+            None => _ = places.insert(name.to_owned(), (frame, rect)),
+        }
+    });
+}
+
+/// Where the control of this name was drawn last.
+pub(crate) fn rect_of(ctx: &Context, name: &str) -> Option<Rect> {
+    ctx.data_mut(|data| data.get_temp_mut_or_default::<Places>(id()).get(name).map(|(_, rect)| *rect))
+}
+
+/// The controls that the last frame drew, by name.
+pub(crate) fn all(ctx: &Context) -> Vec<(String, Rect)> {
+    // Between frames, the number is that of the frame to come.
+    let last = ctx.cumulative_frame_nr().saturating_sub(1);
+    let drawn = |(name, (frame, rect)): (&String, &(u64, Rect))| (*frame >= last).then(|| (name.clone(), *rect));
+    ctx.data_mut(|data| data.get_temp_mut_or_default::<Places>(id()).iter().filter_map(drawn).collect())
+}

@@ -1,0 +1,108 @@
+//! Polylines with no more points than their picture takes: every segment is triangles to fill.
+
+/// How far a point that is left out may be from the line in its place \[points of the screen\].
+const TOLERANCE: f64 = 0.25;
+
+/// The indices of the points that a polyline needs to look as it does, its ends among them. Coordinates in points of the
+/// screen.
+///
+/// From a point that is kept on, those are left out that a single line passes within the tolerance, as long as they lead
+/// away from it. Williams (1978), An efficient algorithm for the piecewise linear approximation of planar curves.
+pub fn telling(points: &[(f64, f64)]) -> Vec<usize> {
+    let Some(&first) = points.first() else { return Vec::new() };
+    let mut kept = vec![0];
+    let mut cone = Cone::at(first);
+    for (i, &point) in points.iter().enumerate().skip(1) {
+        if !cone.narrow(point) {
+            kept.push(i - 1);
+            cone = Cone::at(points[i - 1]);
+            cone.narrow(point);
+        }
+    }
+    if points.len() > 1 {
+        kept.push(points.len() - 1);
+    }
+    kept
+}
+
+/// The directions in which a line from a point may go.
+struct Cone {
+    apex: (f64, f64),
+    /// How far the points have led so far.
+    reach: f64,
+    /// Right and left edge; none while the points are too near to tell a direction.
+    edges: Option<[(f64, f64); 2]>,
+}
+
+impl Cone {
+    fn at(apex: (f64, f64)) -> Self {
+        Self { apex, reach: 0.0, edges: None }
+    }
+
+    /// Leaves the directions that pass a further point too. Returns whether the line may go to that point.
+    fn narrow(&mut self, point: (f64, f64)) -> bool {
+        let (x, y) = (point.0 - self.apex.0, point.1 - self.apex.1);
+        let distance = x.hypot(y);
+        if distance <= TOLERANCE && self.edges.is_none() {
+            return true;
+        }
+        // Where it turns back there is a peak.
+        if distance < self.reach {
+            return false;
+        }
+        let across = (-y * TOLERANCE / distance, x * TOLERANCE / distance);
+        let (mut right, mut left) = ((x - across.0, y - across.1), (x + across.0, y + across.1));
+        if let Some([least, most]) = self.edges {
+            if cross(least, (x, y)) < 0.0 || cross((x, y), most) < 0.0 {
+                return false;
+            }
+            right = if cross(least, right) > 0.0 { right } else { least };
+            left = if cross(left, most) > 0.0 { left } else { most };
+        }
+        self.reach = distance;
+        self.edges = Some([right, left]);
+        true
+    }
+}
+
+/// Positive where `b` is to the left of `a`.
+fn cross(a: (f64, f64), b: (f64, f64)) -> f64 {
+    a.0 * b.1 - a.1 * b.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn straight_lines_need_their_ends() {
+        let line: Vec<_> = (0..100).map(|i| (f64::from(i), 0.5 * f64::from(i))).collect();
+        assert_eq!(telling(&line), [0, 99]);
+        assert_eq!(telling(&line[..2]), [0, 1]);
+        assert_eq!(telling(&line[..1]), [0]);
+        assert!(telling(&[]).is_empty());
+    }
+
+    #[test]
+    fn peaks_and_corners_stay() {
+        let corner = [(0.0, 0.0), (5.0, 0.0), (10.0, 0.0), (10.0, 5.0), (10.0, 10.0)];
+        assert_eq!(telling(&corner), [0, 2, 4]);
+        let needle = [(0.0, 0.0), (1.0, 0.0), (1.0, 30.0), (1.0, 10.0), (1.0, 0.0), (9.0, 0.0)];
+        assert_eq!(telling(&needle), [0, 1, 2, 4, 5]);
+    }
+
+    #[test]
+    fn no_point_is_far_from_the_line() {
+        let wave: Vec<_> = (0..800).map(|i| (0.5 * f64::from(i), 40.0 * (0.05 * f64::from(i)).sin())).collect();
+        let kept = telling(&wave);
+        assert!(kept.len() < wave.len() / 3, "{} points are left", kept.len());
+        for ends in kept.windows(2) {
+            let (a, b) = (wave[ends[0]], wave[ends[1]]);
+            let along = (b.0 - a.0, b.1 - a.1);
+            for point in &wave[ends[0]..ends[1]] {
+                let off = cross(along, (point.0 - a.0, point.1 - a.1)).abs() / along.0.hypot(along.1);
+                assert!(off < 2.0 * TOLERANCE, "{off}");
+            }
+        }
+    }
+}
