@@ -12,6 +12,9 @@ use crate::transport;
 use crate::tutor;
 use crate::views::{Arrangement, Layout, ViewKind};
 
+/// The width from which on there is room for the program's name \[points\].
+const ROOMY: f32 = 1000.0;
+
 /// What the bar tells of.
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
@@ -33,7 +36,7 @@ impl Bar<'_> {
             if toggle.clicked() {
                 commands.push(Command::ToggleControls);
             }
-            if !narrow && !presenting {
+            if !presenting && ui.max_rect().width() > ROOMY {
                 ui.label(RichText::new("Kalmanscope").family(theme::strong()).size(17.0));
             }
             scenario_menu_ui(ui, session, commands);

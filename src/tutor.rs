@@ -1,6 +1,6 @@
 //! Lessons beside the views: what to look at, a button that changes it, what happens, why.
 
-use egui::{Button, RichText, ScrollArea, Ui};
+use egui::{Button, RichText, ScrollArea, TextWrapMode, Ui};
 use kalmanscope_lessons::{Lesson, LessonError, Mode as LessonMode, Step, View};
 
 use crate::command::Command;
@@ -197,7 +197,8 @@ fn kind(view: View) -> ViewKind {
 
 /// Where to begin, for someone who is here for the first time.
 pub(crate) fn invitation_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
-    let link = ui.link("New here? Begin with the first lesson");
+    let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
+    let link = ui.add(Button::new(text).frame(false).wrap_mode(TextWrapMode::Extend));
     places::remember(ui.ctx(), "First lesson", link.rect);
     if link.clicked() {
         commands.push(Command::StartLesson(0));
