@@ -118,8 +118,8 @@ impl App {
         self.session.seek(self.session.end());
     }
 
-    /// Relies on the window being cleared in [`eframe::App::clear_color`]: where no graphics card draws, filling it once more
-    /// takes as long as all that is drawn upon it.
+    /// Relies on the window being cleared in [`eframe::App::clear_color`], so that no pixel is filled twice with the panels'
+    /// colour: that takes its time where no graphics card draws.
     #[must_use]
     pub fn on_cleared_window(self) -> Self {
         Self { cleared: true, ..self }

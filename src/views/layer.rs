@@ -15,6 +15,9 @@ use crate::series::{Column, central_range, reduce, reduce_between};
 /// Share of the columns at either end that the vertical axis does not bend to: the first instants of a wide guess.
 const OUTLIERS: f64 = 0.006;
 
+/// How much a band's edge goes up and down on average where it is steep, as a multiple of its way across the screen.
+const STEEP: f64 = 6.0;
+
 /// A line that goes so many points up and down on its way of one point to the right is an area.
 const DENSE: f64 = 16.0;
 
@@ -102,9 +105,11 @@ pub(super) struct Drawn {
 
 /// A layer of it. The edges of a band are times with the lowest and the highest value there.
 pub(super) enum DrawnLayer {
+    /// `steep` says whether lines along its edges would be one blur.
     Band {
         edges: Vec<[f64; 3]>,
         color: Color32,
+        steep: bool,
     },
     Dots {
         points: Vec<PlotPoint>,
@@ -154,7 +159,7 @@ impl DrawnLayer {
                 // Half the columns do for the smooth edges of a band.
                 let columns = series.columns(record, window, columns / 2);
                 let edges = columns.iter().map(|c| [record.time(c.sample), c.low, c.high]).collect();
-                Self::Band { edges, color: *color }
+                Self::Band { edges, color: *color, steep: false }
             }
             Layer::Dots { series, color } => {
                 let columns = series.columns(record, window, columns / 2);
@@ -176,7 +181,10 @@ impl DrawnLayer {
     /// Leaves out points that make no difference at so many points of the screen a unit.
     fn simplify(&mut self, (x, y): (f64, f64)) {
         match self {
-            Self::Band { edges, .. } => {
+            Self::Band { edges, steep, .. } => {
+                let climbed: f64 = edges.windows(2).map(|pair| (pair[1][1] - pair[0][1]).abs()).sum();
+                let width = edges.last().zip(edges.first()).map_or(0.0, |(last, first)| last[0] - first[0]);
+                *steep = y * climbed > STEEP * x * width;
                 let edge = |value: usize| {
                     telling(&edges.iter().map(|edge| (x * edge[0], y * edge[value])).collect::<Vec<_>>())
                 };

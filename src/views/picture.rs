@@ -40,7 +40,7 @@ impl PlotItem for Picture<'_> {
         let stage = Stage::new(transform);
         for layer in self.layers {
             match layer {
-                DrawnLayer::Band { edges, color } => stage.band(edges, *color, shapes),
+                DrawnLayer::Band { edges, color, steep } => stage.band(edges, *color, !steep, shapes),
                 DrawnLayer::Dots { points, color } => {
                     let radius = if points.len() > FEW { DOT } else { LARGE_DOT };
                     shapes.extend(
@@ -166,7 +166,7 @@ impl Stage {
     }
 
     /// `edges` are times with the lowest and the highest value there.
-    fn band(&self, edges: &[[f64; 3]], color: Color32, shapes: &mut Vec<Shape>) {
+    fn band(&self, edges: &[[f64; 3]], color: Color32, outlined: bool, shapes: &mut Vec<Shape>) {
         let mut mesh = Mesh::default();
         mesh.reserve_vertices(2 * edges.len());
         mesh.reserve_triangles(2 * edges.len());
@@ -185,8 +185,10 @@ impl Stage {
                 mesh.add_triangle(first + 1, first + 2, first + 3);
             }
         }
-        let edge = Stroke::new(0.7, color.gamma_multiply(0.6));
         shapes.push(Shape::Mesh(Arc::new(mesh)));
-        shapes.extend([lower, upper].map(|path| Shape::line(path, edge)));
+        if outlined {
+            let edge = Stroke::new(0.7, color.gamma_multiply(0.6));
+            shapes.extend([lower, upper].map(|path| Shape::line(path, edge)));
+        }
     }
 }
