@@ -1,6 +1,7 @@
 //! The bar at the top: what to look at, and the transport.
 
-use egui::{Button, RichText, Ui};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Button, PopupCloseBehavior, RichText, Ui};
 use kalmanscope_lessons::Lesson;
 
 use crate::command::Command;
@@ -72,7 +73,9 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>)
 }
 
 fn views_menu_ui(ui: &mut Ui, layout: &Layout, commands: &mut Vec<Command>) {
-    let menu = ui.menu_button("Views", |ui| {
+    // One shows and hides several: the menu stays until something else is clicked.
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let (button, _) = MenuButton::new("Views").config(stays).ui(ui, |ui| {
         for arrangement in Arrangement::ALL {
             if ui.button(arrangement.name()).clicked() {
                 commands.push(Command::Arrange(arrangement));
@@ -90,7 +93,7 @@ fn views_menu_ui(ui: &mut Ui, layout: &Layout, commands: &mut Vec<Command>) {
             }
         }
     });
-    places::remember(ui.ctx(), "Views", menu.response.rect);
+    places::remember(ui.ctx(), "Views", button.rect);
 }
 
 /// How it looks, and help.

@@ -1,6 +1,6 @@
 //! Lessons beside the views: what to look at, a button that changes it, what happens, why.
 
-use egui::{Button, RichText, ScrollArea, TextWrapMode, Ui};
+use egui::{Button, RichText, ScrollArea, Sense, TextWrapMode, Ui};
 use kalmanscope_lessons::{Lesson, LessonError, Mode as LessonMode, Step, View};
 
 use crate::command::Command;
@@ -126,8 +126,13 @@ impl Tutor {
             }
             part_ui(ui, "Look", &current.look);
             if let Some(change) = &current.change {
-                let button = Button::new(RichText::new(&change.label).color(palette.on_accent)).fill(palette.accent);
-                let button = ui.add_enabled(!changed, button.wrap());
+                let button = if *changed {
+                    // Done: it stands there to be read, and asks for nothing any more.
+                    Button::new(RichText::new(&change.label).weak()).frame(false).sense(Sense::hover())
+                } else {
+                    Button::new(RichText::new(&change.label).color(palette.on_accent)).fill(palette.accent)
+                };
+                let button = ui.add(button.wrap());
                 places::remember(ui.ctx(), "Change", button.rect);
                 if button.clicked() {
                     commands.push(Command::ChangeLesson);

@@ -20,6 +20,11 @@ const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 /// Least room at the left of a plot for the labels of its ticks \[points\].
 pub(super) const Y_AXIS: f32 = 44.0;
 
+/// What a plot does with fingers and pointers: where there are fingers a drag scrolls the page, and two zoom.
+pub(super) fn touched(ui: &Ui) -> Sense {
+    if ui.input(egui::InputState::has_touch_screen) { Sense::click() } else { Sense::click_and_drag() }
+}
+
 /// What one chart shows.
 pub(super) struct Chart<'a> {
     /// Unique among all charts on screen.
@@ -74,6 +79,7 @@ impl Chart<'_> {
             .show_x(false)
             .show_y(false)
             .show_axes([self.last_row, true])
+            .sense(touched(ui))
             .link_axis(group, Vec2b::new(true, false))
             .link_cursor(group, Vec2b::new(true, false))
             .custom_x_axes(vec![

@@ -3,7 +3,7 @@
 use egui::{Id, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
 
-use super::chart::Y_AXIS;
+use super::chart::{Y_AXIS, touched};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
 
@@ -65,6 +65,7 @@ fn scaled_plane_ui<R>(
         .height(size.y)
         .show_x(false)
         .show_y(false)
+        .sense(touched(ui))
         .custom_x_axes(vec![axis(AxisHints::new_x().label(x_label.to_owned()), size.x - Y_AXIS, Side::Bottom)])
         .custom_y_axes(vec![axis(
             AxisHints::new_y().label(y_label.to_owned()).min_thickness(Y_AXIS),

@@ -236,3 +236,36 @@ fn a_plot_can_be_seen_alone() {
     click(&mut screen);
     assert_eq!(plots(&screen), before);
 }
+
+#[test]
+fn a_finger_on_a_plot_scrolls_and_does_not_zoom() {
+    let mut screen = screen(PHONE, Theme::Light);
+    let touch = |screen: &Screen, phase, pos| {
+        let (device_id, id, force) = (egui::TouchDeviceId(0), egui::TouchId(0), None);
+        screen.event(Event::Touch { device_id, id, phase, pos, force });
+    };
+    let plot = screen.get_by_label("Plot of the displacement").rect().center();
+    touch(&screen, TouchPhase::Start, plot);
+    touch(&screen, TouchPhase::End, plot);
+    screen.run_steps(3);
+    screen.hover_at(plot);
+    screen.drag_at(plot);
+    screen.run_steps(2);
+    screen.hover_at(plot - Vec2::new(40.0, 30.0));
+    screen.run_steps(2);
+    screen.drop_at(plot - Vec2::new(40.0, 30.0));
+    screen.run_steps(3);
+    assert!(screen.state().axis().follows);
+}
+
+#[test]
+fn the_views_menu_stays_open_while_views_are_chosen() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.get_by_label("Views").click();
+    screen.run_steps(3);
+    for view in [ViewKind::Gain, ViewKind::Phase] {
+        screen.get_by_label(view.view().name()).click();
+        screen.run_steps(3);
+        assert!(screen.state_mut().layout_mut().shown().contains(&view), "{view:?}");
+    }
+}
