@@ -1,6 +1,5 @@
 //! What a chart shows, from every sample down to what one frame draws of it.
 
-use std::collections::BTreeSet;
 use std::hash::Hash;
 use std::ops::Range;
 
@@ -185,10 +184,11 @@ impl DrawnLayer {
                 let climbed: f64 = edges.windows(2).map(|pair| (pair[1][1] - pair[0][1]).abs()).sum();
                 let width = edges.last().zip(edges.first()).map_or(0.0, |(last, first)| last[0] - first[0]);
                 *steep = y * climbed > STEEP * x * width;
-                let edge = |value: usize| {
-                    telling(&edges.iter().map(|edge| (x * edge[0], y * edge[value])).collect::<Vec<_>>())
-                };
-                let kept: BTreeSet<usize> = edge(1).into_iter().chain(edge(2)).collect();
+                let edge = |value: usize| telling(edges.iter().map(|edge| (x * edge[0], y * edge[value])));
+                let mut kept = edge(1);
+                kept.extend(edge(2));
+                kept.sort_unstable();
+                kept.dedup();
                 *edges = kept.into_iter().map(|i| edges[i]).collect();
             }
             Self::Line { points, dense, .. } => {
@@ -196,7 +196,7 @@ impl DrawnLayer {
                 let way: f64 = points.windows(2).map(|pair| (pair[1].y - pair[0].y).abs()).sum();
                 *dense = y * way > DENSE * x * (last.x - first.x);
                 if !*dense {
-                    let kept = telling(&points.iter().map(|p| (x * p.x, y * p.y)).collect::<Vec<_>>());
+                    let kept = telling(points.iter().map(|p| (x * p.x, y * p.y)));
                     *points = kept.into_iter().map(|i| points[i]).collect();
                 }
             }

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use egui::{Color32, Mesh, Pos2, Rangef, Rect, Shape, Stroke, Ui, pos2};
+use egui::{Color32, Mesh, Pos2, Rangef, Shape, Stroke, Ui, pos2};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
 
 use super::layer::DrawnLayer;
@@ -48,7 +48,7 @@ impl PlotItem for Picture<'_> {
                     );
                 }
                 DrawnLayer::Line { points, color, width, dense: true, dashed: false, .. } => {
-                    shapes.push(stage.covered(points, Stroke::new(*width, *color)));
+                    stage.covered(points, Stroke::new(*width, *color), shapes);
                 }
                 DrawnLayer::Line { points, color, width, dashed, .. } => {
                     stage.line(points, Stroke::new(*width, *color), *dashed, shapes);
@@ -139,7 +139,7 @@ impl Stage {
     }
 
     /// What a line covers that goes up and down in every pixel column.
-    fn covered(&self, points: &[PlotPoint], stroke: Stroke) -> Shape {
+    fn covered(&self, points: &[PlotPoint], stroke: Stroke, shapes: &mut Vec<Shape>) {
         let mut columns: Vec<(f32, Rangef)> = Vec::with_capacity(points.len());
         let mut before = points.first().map_or(0.0, |point| self.y(point.y));
         for point in points {
@@ -152,17 +152,18 @@ impl Stage {
         }
         // What is under it is still seen.
         let color = stroke.color.gamma_multiply(0.8);
-        // A steep line is as wide as a flat one is high.
-        let half = 0.5 * stroke.width;
         let mut mesh = Mesh::default();
-        for (i, &(left, range)) in columns.iter().enumerate() {
-            let right = columns.get(i + 1).map_or(left + 1.0, |(next, _)| *next);
-            let near = |&&(other, _): &&(f32, Rangef)| (other - left).abs() < half;
-            let beside = columns[..i].iter().rev().take_while(near).chain(columns[i + 1..].iter().take_while(near));
-            let range = beside.fold(range, |all, (_, one)| Rangef::new(all.min.min(one.min), all.max.max(one.max)));
-            mesh.add_colored_rect(Rect::from_x_y_ranges(left..=right, range.expand(half)), color);
+        let mut outline = [Vec::with_capacity(columns.len()), Vec::with_capacity(columns.len())];
+        for (i, &(x, range)) in columns.iter().enumerate() {
+            let ends = [pos2(x, range.min), pos2(x, range.max)];
+            for (path, end) in outline.iter_mut().zip(ends) {
+                path.push(end);
+                mesh.colored_vertex(end, color);
+            }
+            join(&mut mesh, i);
         }
-        Shape::Mesh(Arc::new(mesh))
+        shapes.push(Shape::Mesh(Arc::new(mesh)));
+        shapes.extend(outline.map(|path| Shape::line(path, stroke)));
     }
 
     /// `edges` are times with the lowest and the highest value there.
@@ -179,16 +180,21 @@ impl Stage {
             upper.push(ends[1]);
             mesh.colored_vertex(ends[0], fill);
             mesh.colored_vertex(ends[1], fill);
-            if let Some(before) = i.checked_sub(1) {
-                let first = 2 * before as u32;
-                mesh.add_triangle(first, first + 1, first + 2);
-                mesh.add_triangle(first + 1, first + 2, first + 3);
-            }
+            join(&mut mesh, i);
         }
         shapes.push(Shape::Mesh(Arc::new(mesh)));
         if outlined {
             let edge = Stroke::new(0.7, color.gamma_multiply(0.6));
             shapes.extend([lower, upper].map(|path| Shape::line(path, edge)));
         }
+    }
+}
+
+/// Fills what is between the two vertices of a column and those of the one before it.
+fn join(mesh: &mut Mesh, column: usize) {
+    if let Some(before) = column.checked_sub(1) {
+        let first = 2 * before as u32;
+        mesh.add_triangle(first, first + 1, first + 2);
+        mesh.add_triangle(first + 1, first + 2, first + 3);
     }
 }
