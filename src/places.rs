@@ -23,11 +23,6 @@ pub(crate) fn remember(ctx: &Context, name: &str, rect: Rect) {
     });
 }
 
-/// Where the control of this name was drawn last.
-pub(crate) fn rect_of(ctx: &Context, name: &str) -> Option<Rect> {
-    ctx.data_mut(|data| data.get_temp_mut_or_default::<Places>(id()).get(name).map(|(_, rect)| *rect))
-}
-
 /// The controls that the last frame drew, by name.
 pub(crate) fn all(ctx: &Context) -> Vec<(String, Rect)> {
     // Between frames, the number is that of the frame to come.

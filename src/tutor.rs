@@ -84,11 +84,8 @@ impl Tutor {
         let Some(step) = self.current() else { return };
         match step.mode {
             LessonMode::Whole => {
-                if session.playing() {
-                    session.toggle_play();
-                }
                 session.set_mode(Mode::Whole);
-                pause(session);
+                session.pause();
                 session.seek(step.to.unwrap_or_else(|| session.end()));
             }
             LessonMode::Live => {
@@ -98,7 +95,7 @@ impl Tutor {
             }
             LessonMode::Step => {
                 session.set_mode(Mode::Live);
-                pause(session);
+                session.pause();
                 session.seek(step.from.unwrap_or(0.0));
             }
         }
@@ -166,13 +163,6 @@ impl Tutor {
         });
         // A panel is as high as what is in it.
         ui.allocate_space(ui.available_size());
-    }
-}
-
-/// What is to be looked at stays as it is until the user goes on.
-fn pause(session: &mut Session) {
-    if session.playing() {
-        session.toggle_play();
     }
 }
 

@@ -2,7 +2,7 @@
 
 use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
 
-use crate::places::{rect_of, remember};
+use crate::places::remember;
 use crate::text::{parse, significant};
 
 /// Width of the labels, so that all sliders stand in one line \[points\].
@@ -68,7 +68,7 @@ impl Number<'_> {
 }
 
 /// A compact number in a table: only a field to drag, scroll or type in.
-pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) {
+pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) -> Response {
     let initial = initial(ui, name, *value);
     let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
     let field = ui.add_sized(size, drag_value(value, 0.0, scale));
@@ -78,13 +78,13 @@ pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, h
     scroll(ui, &field, value, step(*value, 0.0, scale));
     reset(&field, value, initial);
     *value = value.max(least);
+    field
 }
 
 /// As [`field`], for a standard deviation: it is also a slider whose equal steps are equal factors, and shows where it
 /// stands on that slider, which ends at `scale`.
 pub fn spread(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) {
-    field(ui, value, least, scale, name, hint);
-    let Some(rect) = rect_of(ui.ctx(), name) else { return };
+    let rect = field(ui, value, least, scale, name, hint).rect;
     let share = 1.0 + (*value / scale).log10() / DECADES;
     if share > 0.0 {
         let rail = rect.x_range().shrink(3.0);

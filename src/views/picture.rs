@@ -151,50 +151,46 @@ impl Stage {
             before = y;
         }
         // What is under it is still seen.
-        let color = stroke.color.gamma_multiply(0.8);
-        let mut mesh = Mesh::default();
-        let mut outline = [Vec::with_capacity(columns.len()), Vec::with_capacity(columns.len())];
-        for (i, &(x, range)) in columns.iter().enumerate() {
-            let ends = [pos2(x, range.min), pos2(x, range.max)];
-            for (path, end) in outline.iter_mut().zip(ends) {
-                path.push(end);
-                mesh.colored_vertex(end, color);
-            }
-            join(&mut mesh, i);
-        }
-        shapes.push(Shape::Mesh(Arc::new(mesh)));
-        shapes.extend(outline.map(|path| Shape::line(path, stroke)));
+        let fill = stroke.color.gamma_multiply(0.8);
+        area(columns.iter().map(|&(x, range)| [pos2(x, range.max), pos2(x, range.min)]), fill, Some(stroke), shapes);
     }
 
     /// `edges` are times with the lowest and the highest value there.
     fn band(&self, edges: &[[f64; 3]], color: Color32, outlined: bool, shapes: &mut Vec<Shape>) {
-        let mut mesh = Mesh::default();
-        mesh.reserve_vertices(2 * edges.len());
-        mesh.reserve_triangles(2 * edges.len());
-        let (mut lower, mut upper) = (Vec::with_capacity(edges.len()), Vec::with_capacity(edges.len()));
-        let fill = color.gamma_multiply(0.22);
-        for (i, &[time, low, high]) in edges.iter().enumerate() {
+        let columns = edges.iter().map(|&[time, low, high]| {
             let x = self.x(time);
-            let ends = [pos2(x, self.y(low)), pos2(x, self.y(high))];
-            lower.push(ends[0]);
-            upper.push(ends[1]);
-            mesh.colored_vertex(ends[0], fill);
-            mesh.colored_vertex(ends[1], fill);
-            join(&mut mesh, i);
-        }
-        shapes.push(Shape::Mesh(Arc::new(mesh)));
-        if outlined {
-            let edge = Stroke::new(0.7, color.gamma_multiply(0.6));
-            shapes.extend([lower, upper].map(|path| Shape::line(path, edge)));
-        }
+            [pos2(x, self.y(low)), pos2(x, self.y(high))]
+        });
+        let outline = Stroke::new(0.7, color.gamma_multiply(0.6));
+        area(columns, color.gamma_multiply(0.22), outlined.then_some(outline), shapes);
     }
 }
 
-/// Fills what is between the two vertices of a column and those of the one before it.
-fn join(mesh: &mut Mesh, column: usize) {
-    if let Some(before) = column.checked_sub(1) {
-        let first = 2 * before as u32;
-        mesh.add_triangle(first, first + 1, first + 2);
-        mesh.add_triangle(first + 1, first + 2, first + 3);
+/// What is between the lower and the upper end of columns, from left to right.
+fn area(
+    columns: impl ExactSizeIterator<Item = [Pos2; 2]>,
+    fill: Color32,
+    outline: Option<Stroke>,
+    shapes: &mut Vec<Shape>,
+) {
+    let count = columns.len();
+    let mut mesh = Mesh::default();
+    mesh.reserve_vertices(2 * count);
+    mesh.reserve_triangles(2 * count);
+    let mut paths = [Vec::with_capacity(count), Vec::with_capacity(count)];
+    for (i, ends) in columns.enumerate() {
+        for (path, end) in paths.iter_mut().zip(ends) {
+            path.push(end);
+            mesh.colored_vertex(end, fill);
+        }
+        if let Some(before) = i.checked_sub(1) {
+            let first = 2 * before as u32;
+            mesh.add_triangle(first, first + 1, first + 2);
+            mesh.add_triangle(first + 1, first + 2, first + 3);
+        }
+    }
+    shapes.push(Shape::Mesh(Arc::new(mesh)));
+    if let Some(stroke) = outline {
+        shapes.extend(paths.map(|path| Shape::line(path, stroke)));
     }
 }
