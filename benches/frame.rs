@@ -1,4 +1,4 @@
-//! What a frame costs without a screen: the median of 200, split into the app's `logic` and `ui`, and what the toolkit adds.
+//! What a frame costs without a screen: the median of 200, split into an edit before it and the app's `logic` and `ui`.
 //!
 //! Six views, four filters and 6,000 samples, which is the most that a lecture shows at once.
 
