@@ -2,17 +2,44 @@
 
 use std::ops::Range;
 
-/// The smallest and the largest value of one pixel column.
+/// What there is in one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
-    /// The first sample of the column.
-    pub sample: usize,
+    /// The first and the last sample of the column.
+    pub samples: (usize, usize),
     /// Smallest value.
     pub low: f64,
     /// Largest value.
     pub high: f64,
-    /// Whether it is drawn from the smallest to the largest: where it ends higher than it begins.
-    pub rising: bool,
+    /// The lower and the upper edge at the first and at the last sample.
+    pub ends: [(f64, f64); 2],
+    /// The largest distance between the edges.
+    pub widest: f64,
+}
+
+impl Column {
+    /// Whether it ends higher than it begins: then a line goes from the smallest to the largest value.
+    pub fn is_rising(&self) -> bool {
+        self.ends[0].0 <= self.ends[1].0
+    }
+
+    /// Whether nothing in it is lower or higher than at its ends.
+    pub fn is_held_by_its_ends(&self) -> bool {
+        let [first, last] = self.ends;
+        self.low == first.0.min(last.0) && self.high == first.1.max(last.1)
+    }
+
+    fn of_finite(samples: Range<usize>, edges: impl Fn(usize) -> (f64, f64)) -> Option<Self> {
+        let finite = samples.map(|k| (k, edges(k))).filter(|(_, (l, h))| l.is_finite() && h.is_finite());
+        let one = |(k, (low, high))| Self { samples: (k, k), low, high, ends: [(low, high); 2], widest: high - low };
+        finite.map(one).reduce(|before, new| Self {
+            samples: (before.samples.0, new.samples.1),
+            low: before.low.min(new.low),
+            high: before.high.max(new.high),
+            ends: [before.ends[0], new.ends[1]],
+            widest: before.widest.max(new.widest),
+        })
+    }
 }
 
 /// Reduces `value(k)` for the samples `k` in `range` to at most `columns` + 1 columns. Values that are not finite are left
@@ -32,29 +59,24 @@ pub fn reduce_between(range: Range<usize>, columns: usize, edges: impl Fn(usize)
     while start < range.end {
         let end = ((start / width + 1) * width).min(range.end);
         // Comparisons without branches: this loop sees every sample of every series.
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut low, mut high, mut widest) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
         for k in start..end {
             let (l, h) = edges(k);
+            let width = h - l;
+            widest = if width > widest { width } else { widest };
             low = if l < low { l } else { low };
             high = if h > high { h } else { high };
         }
-        if low.is_finite() && high.is_finite() {
-            let rising = edges(start).0 <= edges(end - 1).0;
-            reduced.push(Column { sample: start, low, high, rising });
+        // What is no number has lost every comparison.
+        let ends = [edges(start), edges(end - 1)];
+        if low.is_finite() && high.is_finite() && ends.iter().all(|(l, h)| (l + h).is_finite()) {
+            reduced.push(Column { samples: (start, end - 1), low, high, ends, widest });
         } else {
-            reduced.extend(finite_column(start..end, &edges));
+            reduced.extend(Column::of_finite(start..end, &edges));
         }
         start = end;
     }
     reduced
-}
-
-/// The column of the finite values among some samples, if there are any.
-fn finite_column(range: Range<usize>, edges: impl Fn(usize) -> (f64, f64)) -> Option<Column> {
-    let sample = range.start;
-    let finite = range.map(edges).filter(|(l, h)| l.is_finite() && h.is_finite());
-    let (low, high) = finite.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))?;
-    Some(Column { sample, low, high, rising: true })
 }
 
 /// Samples per pixel column.
@@ -83,8 +105,8 @@ mod tests {
     fn few_samples_stay_as_they_are() {
         let columns = reduce(3..6, 100, |k| k as f64);
         assert_eq!(
-            columns.iter().map(|c| (c.sample, c.low, c.high)).collect::<Vec<_>>(),
-            [(3, 3.0, 3.0), (4, 4.0, 4.0), (5, 5.0, 5.0)]
+            columns.iter().map(|c| (c.samples, c.low, c.high)).collect::<Vec<_>>(),
+            [((3, 3), 3.0, 3.0), ((4, 4), 4.0, 4.0), ((5, 5), 5.0, 5.0)]
         );
     }
 
@@ -95,14 +117,14 @@ mod tests {
             let columns = reduce(start..start + 4000, 100, value);
             assert!(columns.len() <= 101);
             assert!(columns.iter().any(|c| c.high == 50.0 && c.low > -1.1));
-            assert!(columns[1..].iter().all(|c| c.sample % 40 == 0));
+            assert!(columns[1..].iter().all(|c| c.samples.0 % 40 == 0));
         }
     }
 
     #[test]
     fn undefined_values_are_left_out() {
         let columns = reduce(0..10, 5, |k| if k < 4 { f64::NAN } else { 1.0 });
-        assert_eq!(columns.iter().map(|c| c.sample).collect::<Vec<_>>(), [4, 6, 8]);
+        assert_eq!(columns.iter().map(|c| c.samples).collect::<Vec<_>>(), [(4, 5), (6, 7), (8, 9)]);
         assert!(reduce(5..5, 10, |_| 1.0).is_empty());
         assert!(reduce(0..10, 0, |_| 1.0).len() == 1, "a plot of no width");
     }

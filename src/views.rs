@@ -18,11 +18,13 @@ pub mod legend;
 mod matrices;
 pub mod oscillator;
 mod parameter_plane;
+mod pen;
 mod phase;
 mod picture;
 mod plane;
 mod scores;
 mod ticks;
+mod vertical;
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 

@@ -11,6 +11,9 @@ use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::fixed;
 
+/// The width of the first filter's line \[points\].
+const ESTIMATE: f32 = 2.4;
+
 /// What moves.
 pub(super) struct States;
 
@@ -78,7 +81,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             (mean - half, mean + half)
         };
         let series = Series::between(estimates.len(), edges);
-        layers.push(Layer::Band { series, color: palette.filter(place) });
+        layers.push(Layer::Band { series, color: palette.filter(place), under: line_width(place, ESTIMATE) });
     }
     let quantity = Quantity::ALL.into_iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(q)).filter(|_| shown.measured) {
@@ -99,7 +102,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         layers.push(Layer::Line {
             series: Series::new(estimates.len(), move |k| estimates.canonical_mean(k, at)),
             color: palette.filter(place),
-            width: line_width(place, 2.4),
+            width: line_width(place, ESTIMATE),
             dashed: false,
             bounds: false,
         });

@@ -61,7 +61,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
                 (-half, half)
             };
             let series = Series::between(estimates.len(), edges);
-            layers.push(Layer::Band { series, color: palette.filter(place) });
+            layers.push(Layer::Band { series, color: palette.filter(place), under: 0.0 });
         }
         if k < estimates.len() {
             let error = estimates.canonical_mean(k, at) - truth[k];

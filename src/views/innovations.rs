@@ -51,7 +51,7 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_
                 (-half, half)
             };
             let series = Series::between(estimates.len(), edges);
-            layers.push(Layer::Band { series, color: palette.filter(place) });
+            layers.push(Layer::Band { series, color: palette.filter(place), under: 0.0 });
         }
         if k < estimates.len() {
             let [innovation, std] = [estimates.innovation(k)[sensor], std(k)].map(|x| significant(x, 2));

@@ -8,17 +8,16 @@ use egui_plot::{PlotPoint, PlotUi};
 use kalmanscope_core::Record;
 
 use super::picture::Picture;
+use super::vertical::vertical_range;
 use crate::polyline::telling;
-use crate::series::{Column, central_range, reduce, reduce_between};
-
-/// Share of the columns at either end that the vertical axis does not bend to: the first instants of a wide guess.
-const OUTLIERS: f64 = 0.006;
+use crate::series::{Column, reduce, reduce_between};
 
 /// How much a band's edge goes up and down on average where it is steep, as a multiple of its way across the screen.
 const STEEP: f64 = 6.0;
 
-/// A line that goes so many points up and down on its way of one point to the right is an area.
-const DENSE: f64 = 16.0;
+/// A line that goes so many points up and down, and turns so often, on its way of one point to the right is an area: noise is,
+/// waves are not.
+const DENSE: (f64, f64) = (16.0, 1.0);
 
 /// A quantity at every sample, NaN where there is none.
 pub(super) struct Series<'a> {
@@ -40,9 +39,10 @@ impl<'a> Series<'a> {
     /// The series through a function that preserves order, which then is asked for the extremes only.
     pub(super) fn through(self, function: fn(f64) -> f64) -> Self {
         let Self { len, reduce } = self;
-        let through = move |column: Column| {
-            let (low, high) = (function(column.low), function(column.high));
-            (low.is_finite() && high.is_finite()).then_some(Column { low, high, ..column })
+        let through = move |Column { samples, low, high, ends, widest: _ }: Column| {
+            let (low, high) = (function(low), function(high));
+            let ends = ends.map(|(low, high)| (function(low), function(high)));
+            (low.is_finite() && high.is_finite()).then_some(Column { samples, low, high, ends, widest: high - low })
         };
         let reduce = move |range, columns| reduce(range, columns).into_iter().filter_map(through).collect();
         Self { len, reduce: Box::new(reduce) }
@@ -79,8 +79,8 @@ impl Window {
 
 /// One thing that a chart shows; the first are the lowest.
 pub(super) enum Layer<'a> {
-    /// What is between the edges of a series.
-    Band { series: Series<'a>, color: Color32 },
+    /// What is between the edges of a series. A line as wide as `under`, if it is not zero, will hide the middle \[points\].
+    Band { series: Series<'a>, color: Color32, under: f32 },
     /// Single values.
     Dots { series: Series<'a>, color: Color32 },
     /// A line. `bounds` says whether the vertical axis must hold all of it, outliers too.
@@ -102,12 +102,23 @@ pub(super) struct Drawn {
     pub(super) range: Option<(f64, f64)>,
 }
 
-/// A layer of it. The edges of a band are times with the lowest and the highest value there.
+/// A band at one time.
+#[derive(Clone, Copy)]
+pub(super) struct Rung {
+    pub(super) time: f64,
+    pub(super) low: f64,
+    pub(super) high: f64,
+    /// How wide it is at most.
+    widest: f64,
+}
+
+/// A layer of it.
 pub(super) enum DrawnLayer {
-    /// `steep` says whether lines along its edges would be one blur.
+    /// Those parts of a band that no line hides. `steep` says whether lines along its edges would be one blur.
     Band {
-        edges: Vec<[f64; 3]>,
+        parts: Vec<Vec<Rung>>,
         color: Color32,
+        under: f32,
         steep: bool,
     },
     Dots {
@@ -154,15 +165,14 @@ impl Drawn {
 impl DrawnLayer {
     fn new(layer: &Layer<'_>, record: &Record, window: (f64, f64), columns: usize) -> Self {
         match layer {
-            Layer::Band { series, color } => {
+            Layer::Band { series, color, under } => {
                 // Half the columns do for the smooth edges of a band.
-                let columns = series.columns(record, window, columns / 2);
-                let edges = columns.iter().map(|c| [record.time(c.sample), c.low, c.high]).collect();
-                Self::Band { edges, color: *color, steep: false }
+                let rungs = rungs(record, &series.columns(record, window, columns / 2));
+                Self::Band { parts: vec![rungs], color: *color, under: *under, steep: false }
             }
             Layer::Dots { series, color } => {
                 let columns = series.columns(record, window, columns / 2);
-                let both = |c: &Column| [c.low, c.high].map(|value| PlotPoint::new(record.time(c.sample), value));
+                let both = |c: &Column| [c.low, c.high].map(|value| PlotPoint::new(record.time(c.samples.0), value));
                 Self::Dots { points: columns.iter().flat_map(both).collect(), color: *color }
             }
             Layer::Line { series, color, width, dashed, bounds } => Self::Line {
@@ -180,54 +190,32 @@ impl DrawnLayer {
     /// Leaves out points that make no difference at so many points of the screen a unit.
     fn simplify(&mut self, (x, y): (f64, f64)) {
         match self {
-            Self::Band { edges, steep, .. } => {
-                let climbed: f64 = edges.windows(2).map(|pair| (pair[1][1] - pair[0][1]).abs()).sum();
-                let width = edges.last().zip(edges.first()).map_or(0.0, |(last, first)| last[0] - first[0]);
-                *steep = y * climbed > STEEP * x * width;
-                let edge = |value: usize| telling(edges.iter().map(|edge| (x * edge[0], y * edge[value])));
-                let mut kept = edge(1);
-                kept.extend(edge(2));
-                kept.sort_unstable();
-                kept.dedup();
-                *edges = kept.into_iter().map(|i| edges[i]).collect();
+            Self::Band { parts, under, steep, .. } => {
+                let seen: Vec<&[Rung]> =
+                    parts.iter().flat_map(|rungs| unhidden(rungs, f64::from(*under) / y)).collect();
+                let climb = |two: &[Rung]| (two[1].low - two[0].low).abs();
+                let climbed: f64 = seen.iter().flat_map(|rungs| rungs.windows(2)).map(climb).sum();
+                let length: f64 = seen.iter().filter_map(|rungs| Some(rungs.last()?.time - rungs.first()?.time)).sum();
+                *steep = y * climbed > STEEP * x * length;
+                *parts = seen.into_iter().map(|rungs| telling_rungs(rungs, (x, y))).collect();
             }
             Self::Line { points, dense, .. } => {
                 let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
                 let way: f64 = points.windows(2).map(|pair| (pair[1].y - pair[0].y).abs()).sum();
-                *dense = y * way > DENSE * x * (last.x - first.x);
+                let length = x * (last.x - first.x);
+                let kept = telling(points.iter().map(|p| (x * p.x, y * p.y)));
+                let turns = kept.windows(3).filter(|three| {
+                    let [before, at, after] = [0, 1, 2].map(|i| points[three[i]].y);
+                    (at > before) != (after > at)
+                });
+                *dense = y * way > DENSE.0 * length && turns.count() as f64 > DENSE.1 * length;
                 if !*dense {
-                    let kept = telling(points.iter().map(|p| (x * p.x, y * p.y)));
                     *points = kept.into_iter().map(|i| points[i]).collect();
                 }
             }
             Self::Dots { .. } | Self::Level { .. } => {}
         }
     }
-}
-
-/// All of the lines that count, and the rest but for its outermost columns; dots only where there is nothing else.
-fn vertical_range(layers: &[DrawnLayer], least: Option<(f64, f64)>) -> Option<(f64, f64)> {
-    let (mut whole, mut robust, mut dots) = (Vec::new(), Vec::new(), Vec::new());
-    for layer in layers {
-        match layer {
-            DrawnLayer::Band { edges, .. } => robust.extend(some(edges).flat_map(|[_, low, high]| [*low, *high])),
-            DrawnLayer::Line { points, bounds: true, .. } => whole.extend(points.iter().map(|p| p.y)),
-            DrawnLayer::Line { points, .. } => robust.extend(some(points).map(|p| p.y)),
-            DrawnLayer::Dots { points, .. } => dots.extend(some(points).map(|p| p.y)),
-            DrawnLayer::Level { .. } => {}
-        }
-    }
-    let robust = central_range(robust.into_iter().filter(|x| x.is_finite()).collect(), OUTLIERS);
-    let all = whole.into_iter().filter(|x| x.is_finite()).map(|x| (x, x)).chain(robust).chain(least);
-    let (low, high) =
-        all.reduce(|(low, high), (l, h)| (low.min(l), high.max(h))).or_else(|| central_range(dots, OUTLIERS))?;
-    let margin = 0.06 * (high - low).max(1e-9 + 0.02 * high.abs());
-    Some((low - margin, high + margin))
-}
-
-/// So many values, evenly spaced, as it takes to know where most are.
-fn some<T>(values: &[T]) -> impl Iterator<Item = &T> {
-    values.iter().step_by(values.len() / 200 + 1)
 }
 
 /// The samples that the window shows, one more at either side, as far as there are any.
@@ -238,15 +226,47 @@ fn samples_in(record: &Record, (from, to): (f64, f64), len: usize) -> Range<usiz
     first.saturating_sub(1).min(last)..last
 }
 
-/// A line through the extremes of each column, in the order in which they come.
+/// A band at both ends of each column where they hold all of it; where they do not, its extremes.
+fn rungs(record: &Record, columns: &[Column]) -> Vec<Rung> {
+    let mut rungs = Vec::with_capacity(2 * columns.len());
+    for column in columns {
+        let (Column { samples: (first, last), low, high, ends, widest }, time) = (*column, |k| record.time(k));
+        if first < last && column.is_held_by_its_ends() {
+            let at = |(k, (low, high))| Rung { time: time(k), low, high, widest };
+            rungs.extend([first, last].into_iter().zip(ends).map(at));
+        } else {
+            rungs.push(Rung { time: time(first), low, high, widest });
+        }
+    }
+    rungs
+}
+
+/// The parts of a band that are wider than a line along its middle.
+fn unhidden(rungs: &[Rung], line: f64) -> impl Iterator<Item = &[Rung]> {
+    let runs = rungs.chunk_by(move |a, b| (a.widest > line) == (b.widest > line));
+    runs.filter(move |run| run[0].widest > line)
+}
+
+/// What a band needs to look as it does on a screen of this scale.
+fn telling_rungs(rungs: &[Rung], (x, y): (f64, f64)) -> Vec<Rung> {
+    let edge = |value: fn(&Rung) -> f64| telling(rungs.iter().map(|rung| (x * rung.time, y * value(rung))));
+    let mut kept = edge(|rung| rung.low);
+    kept.extend(edge(|rung| rung.high));
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|i| rungs[i]).collect()
+}
+
+/// A line through the extremes of each column, in the order in which they come: where it only rises or falls these are its
+/// ends, and a steep line is no staircase.
 fn line(record: &Record, columns: &[Column]) -> Vec<PlotPoint> {
     let mut points = Vec::with_capacity(2 * columns.len());
     for column in columns {
-        let x = record.time(column.sample);
-        let (first, second) = if column.rising { (column.low, column.high) } else { (column.high, column.low) };
-        points.push(PlotPoint::new(x, first));
+        let (low, high) = (column.low, column.high);
+        let (first, second) = if column.is_rising() { (low, high) } else { (high, low) };
+        points.push(PlotPoint::new(record.time(column.samples.0), first));
         if first != second {
-            points.push(PlotPoint::new(x, second));
+            points.push(PlotPoint::new(record.time(column.samples.1), second));
         }
     }
     points

@@ -1,12 +1,12 @@
 //! Everything that a chart draws, as one item of the plot.
 
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
-use egui::{Color32, Mesh, Pos2, Rangef, Shape, Stroke, Ui, pos2};
+use egui::{Color32, Pos2, Rangef, Shape, Stroke, Ui, pos2};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
 
-use super::layer::DrawnLayer;
+use super::layer::{DrawnLayer, Rung};
+use super::pen::Pen;
 
 /// How far outside the plot things are drawn at most \[points\]: the plot cuts them off, but numbers that are too large would
 /// not survive on the way there.
@@ -36,32 +36,37 @@ impl<'a> Picture<'a> {
 }
 
 impl PlotItem for Picture<'_> {
-    fn shapes(&self, _: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+    fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
         let stage = Stage::new(transform);
+        let mut pen = Pen::new(ui.ctx());
         for layer in self.layers {
             match layer {
-                DrawnLayer::Band { edges, color, steep } => stage.band(edges, *color, !steep, shapes),
+                DrawnLayer::Band { parts, color, steep, .. } => {
+                    parts.iter().for_each(|rungs| stage.band(rungs, *color, !steep, &mut pen));
+                }
                 DrawnLayer::Dots { points, color } => {
                     let radius = if points.len() > FEW { DOT } else { LARGE_DOT };
+                    shapes.push(std::mem::replace(&mut pen, Pen::new(ui.ctx())).into_shape());
                     shapes.extend(
                         points.iter().map(|point| Shape::circle_filled(stage.at(point.x, point.y), radius, *color)),
                     );
                 }
                 DrawnLayer::Line { points, color, width, dense: true, dashed: false, .. } => {
-                    stage.covered(points, Stroke::new(*width, *color), shapes);
+                    stage.covered(points, Stroke::new(*width, *color), &mut pen);
                 }
                 DrawnLayer::Line { points, color, width, dashed, .. } => {
-                    stage.line(points, Stroke::new(*width, *color), *dashed, shapes);
+                    stage.line(points, Stroke::new(*width, *color), *dashed, &mut pen);
                 }
                 DrawnLayer::Level { value, color } => {
                     let (frame, y) = (transform.frame(), stage.y(*value));
                     if frame.y_range().contains(y) {
                         let ends = [pos2(frame.left(), y), pos2(frame.right(), y)];
-                        shapes.extend(Shape::dashed_line(&ends, Stroke::new(1.0, *color), DASH.0, DASH.1));
+                        pen.dashed(&ends, Stroke::new(1.0, *color), DASH);
                     }
                 }
             }
         }
+        shapes.push(pen.into_shape());
     }
 
     fn initialize(&mut self, _: RangeInclusive<f64>) {}
@@ -127,19 +132,13 @@ impl Stage {
         pos2(self.x(x), self.y(y))
     }
 
-    fn line(&self, points: &[PlotPoint], stroke: Stroke, dashed: bool, shapes: &mut Vec<Shape>) {
+    fn line(&self, points: &[PlotPoint], stroke: Stroke, dashed: bool, pen: &mut Pen) {
         let path: Vec<Pos2> = points.iter().map(|point| self.at(point.x, point.y)).collect();
-        if dashed {
-            shapes.extend(Shape::dashed_line(&path, stroke, DASH.0, DASH.1));
-        } else if let [alone] = path[..] {
-            shapes.push(Shape::circle_filled(alone, 0.7 * stroke.width, stroke.color));
-        } else {
-            shapes.push(Shape::line(path, stroke));
-        }
+        if dashed { pen.dashed(&path, stroke, DASH) } else { pen.line(&path, stroke) }
     }
 
     /// What a line covers that goes up and down in every pixel column.
-    fn covered(&self, points: &[PlotPoint], stroke: Stroke, shapes: &mut Vec<Shape>) {
+    fn covered(&self, points: &[PlotPoint], stroke: Stroke, pen: &mut Pen) {
         let mut columns: Vec<(f32, Rangef)> = Vec::with_capacity(points.len());
         let mut before = points.first().map_or(0.0, |point| self.y(point.y));
         for point in points {
@@ -152,45 +151,28 @@ impl Stage {
         }
         // What is under it is still seen.
         let fill = stroke.color.gamma_multiply(0.8);
-        area(columns.iter().map(|&(x, range)| [pos2(x, range.max), pos2(x, range.min)]), fill, Some(stroke), shapes);
+        let columns: Vec<[Pos2; 2]> =
+            columns.iter().map(|&(x, range)| [pos2(x, range.max), pos2(x, range.min)]).collect();
+        outlined(&columns, fill, stroke, pen);
     }
 
-    /// `edges` are times with the lowest and the highest value there.
-    fn band(&self, edges: &[[f64; 3]], color: Color32, outlined: bool, shapes: &mut Vec<Shape>) {
-        let columns = edges.iter().map(|&[time, low, high]| {
-            let x = self.x(time);
-            [pos2(x, self.y(low)), pos2(x, self.y(high))]
-        });
-        let outline = Stroke::new(0.7, color.gamma_multiply(0.6));
-        area(columns, color.gamma_multiply(0.22), outlined.then_some(outline), shapes);
+    fn band(&self, rungs: &[Rung], color: Color32, with_outline: bool, pen: &mut Pen) {
+        let at = |rung: &Rung| [self.at(rung.time, rung.low), self.at(rung.time, rung.high)];
+        let columns: Vec<[Pos2; 2]> = rungs.iter().map(at).collect();
+        let fill = color.gamma_multiply(0.22);
+        if with_outline {
+            outlined(&columns, fill, Stroke::new(0.7, color.gamma_multiply(0.6)), pen);
+        } else {
+            pen.area(&columns, fill);
+        }
     }
 }
 
-/// What is between the lower and the upper end of columns, from left to right.
-fn area(
-    columns: impl ExactSizeIterator<Item = [Pos2; 2]>,
-    fill: Color32,
-    outline: Option<Stroke>,
-    shapes: &mut Vec<Shape>,
-) {
-    let count = columns.len();
-    let mut mesh = Mesh::default();
-    mesh.reserve_vertices(2 * count);
-    mesh.reserve_triangles(2 * count);
-    let mut paths = [Vec::with_capacity(count), Vec::with_capacity(count)];
-    for (i, ends) in columns.enumerate() {
-        for (path, end) in paths.iter_mut().zip(ends) {
-            path.push(end);
-            mesh.colored_vertex(end, fill);
-        }
-        if let Some(before) = i.checked_sub(1) {
-            let first = 2 * before as u32;
-            mesh.add_triangle(first, first + 1, first + 2);
-            mesh.add_triangle(first + 1, first + 2, first + 3);
-        }
-    }
-    shapes.push(Shape::Mesh(Arc::new(mesh)));
-    if let Some(stroke) = outline {
-        shapes.extend(paths.map(|path| Shape::line(path, stroke)));
+/// Fills what is between the ends of columns, and draws a line along both.
+fn outlined(columns: &[[Pos2; 2]], fill: Color32, outline: Stroke, pen: &mut Pen) {
+    pen.area(columns, fill);
+    for end in 0..2 {
+        let edge: Vec<Pos2> = columns.iter().map(|ends| ends[end]).collect();
+        pen.line(&edge, outline);
     }
 }

@@ -5,6 +5,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 
 use super::stage::Stage;
+use crate::views::pen::Pen;
 
 /// What a link is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,10 +100,16 @@ fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
     let (behind, before) = (half(-FRAC_PI_2), half(FRAC_PI_2));
     let back = Stroke::new(width, ink.back);
     let front = Stroke::new(1.15 * width, ink.line);
-    painter.extend((0..=coils).map(|turn| Shape::line(behind(turn), back)));
-    painter.extend((0..coils).map(|turn| Shape::line(before(turn), front)));
-    painter.line_segment([pos2(from, y), pos2(first, y)], front);
-    painter.line_segment([pos2(first + length, y), pos2(to, y)], front);
+    let mut pen = Pen::new(painter.ctx());
+    for turn in 0..=coils {
+        pen.line(&behind(turn), back);
+    }
+    for turn in 0..coils {
+        pen.line(&before(turn), front);
+    }
+    pen.line(&[pos2(from, y), pos2(first, y)], front);
+    pen.line(&[pos2(first + length, y), pos2(to, y)], front);
+    painter.add(pen.into_shape());
 }
 
 /// A piston in a cylinder; the rod ends at `end`.

@@ -1,11 +1,11 @@
 //! Where the masses have been, on a strip of paper that moves away below them: as a pen on each would have drawn it.
 
-use egui::epaint::Mesh;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 use kalmanscope_core::Record;
 
 use super::stage::Stage;
 use crate::theme::Palette;
+use crate::views::pen::Pen;
 
 /// Paper that passes in a second \[points\].
 const SPEED: f32 = 64.0;
@@ -75,23 +75,23 @@ impl<'a> Trail<'a> {
 
     /// Draws the path of a mass whose displacement at sample k is `x(k)` \[m\].
     pub(super) fn line(&self, mass: usize, width: f32, color: Color32, x: impl Fn(usize) -> Option<f64>) {
-        let points = self.samples().filter_map(|k| Some(self.at(mass, x(k).filter(|x| x.is_finite())?, k))).collect();
-        self.painter.add(Shape::line(points, Stroke::new(width * self.stage.unit.min(1.5), color)));
+        let at = |k| Some(self.at(mass, x(k).filter(|x| x.is_finite())?, k));
+        let points: Vec<Pos2> = self.samples().filter_map(at).collect();
+        let mut pen = Pen::new(self.painter.ctx());
+        pen.line(&points, Stroke::new(width * self.stage.unit.min(1.5), color));
+        self.painter.add(pen.into_shape());
     }
 
     /// Draws a band around a path, whose middle and half width at sample k are `x(k)` \[m\].
     pub(super) fn band(&self, mass: usize, color: Color32, x: impl Fn(usize) -> Option<(f64, f64)>) {
-        let mut mesh = Mesh::default();
-        for (k, (middle, half)) in self.samples().filter_map(|k| Some((k, x(k)?))) {
-            let next = mesh.vertices.len() as u32;
-            mesh.colored_vertex(self.at(mass, middle - half, k), color);
-            mesh.colored_vertex(self.at(mass, middle + half, k), color);
-            if next > 0 {
-                mesh.add_triangle(next - 2, next - 1, next);
-                mesh.add_triangle(next - 1, next, next + 1);
-            }
-        }
-        self.painter.add(Shape::mesh(mesh));
+        let at = |k| {
+            let (middle, half) = x(k)?;
+            Some([self.at(mass, middle - half, k), self.at(mass, middle + half, k)])
+        };
+        let edges: Vec<[Pos2; 2]> = self.samples().filter_map(at).collect();
+        let mut pen = Pen::new(self.painter.ctx());
+        pen.area(&edges, color);
+        self.painter.add(pen.into_shape());
     }
 
     /// Draws readings as dots.

@@ -1,0 +1,219 @@
+//! Lines with soft edges, in two triangles a segment: what is drawn of every frame anew is many lines.
+//!
+//! egui gives a line three strips of triangles, the outer ones fading to nothing. Here there is one strip, and a texture has
+//! the cross-sections of lines of all widths.
+
+use egui::epaint::Vertex;
+use egui::{
+    Color32, ColorImage, Context, Id, Mesh, Pos2, Shape, Stroke, TextureHandle, TextureOptions, Vec2, pos2, vec2,
+};
+
+/// Widths of which there is a cross-section: this and its multiples \[pixels\].
+const STEP: f32 = 0.25;
+
+/// The number of widths, and of texels across each.
+const ROWS: usize = 64;
+const COLUMNS: usize = 64;
+
+/// Collects lines and areas for one mesh.
+pub(super) struct Pen {
+    mesh: Mesh,
+    /// Size of a pixel \[points\].
+    pixel: f32,
+}
+
+impl Pen {
+    pub(super) fn new(ctx: &Context) -> Self {
+        Self { mesh: Mesh::with_texture(profiles(ctx).id()), pixel: 1.0 / ctx.pixels_per_point() }
+    }
+
+    /// Draws a line through points; a single one is a dot as wide.
+    pub(super) fn line(&mut self, points: &[Pos2], stroke: Stroke) {
+        if let &[alone] = points {
+            let half = vec2(0.5 * stroke.width, 0.0);
+            return self.line(&[alone - half, alone + half], stroke);
+        }
+        let Self { mesh, pixel } = self;
+        let brush = Brush::new(stroke, *pixel);
+        mesh.reserve_vertices(2 * points.len());
+        mesh.reserve_triangles(2 * points.len());
+        let strip = |joint: Joint| add_rung(mesh, brush.ends(joint.at, joint.normal), joint.goes_on);
+        joints(points, [0.5 * *pixel, 0.5 * brush.reach], strip);
+    }
+
+    /// Draws a dashed line.
+    pub(super) fn dashed(&mut self, points: &[Pos2], stroke: Stroke, (dash, gap): (f32, f32)) {
+        for dash in Shape::dashed_line(points, stroke, dash, gap) {
+            if let Shape::LineSegment { points, stroke } = dash {
+                self.line(&points, stroke);
+            }
+        }
+    }
+
+    /// Fills what is between the lower and the upper end of columns, from left to right.
+    pub(super) fn area(&mut self, columns: &[[Pos2; 2]], fill: Color32) {
+        let Self { mesh, pixel: _ } = self;
+        mesh.reserve_vertices(2 * columns.len());
+        mesh.reserve_triangles(2 * columns.len());
+        for (i, ends) in columns.iter().enumerate() {
+            // The middle of the widest line.
+            add_rung(mesh, ends.map(|pos| Vertex { pos, uv: pos2(0.5, 1.0), color: fill }), i > 0);
+        }
+    }
+
+    /// What has been drawn.
+    pub(super) fn into_shape(self) -> Shape {
+        Shape::mesh(self.mesh)
+    }
+}
+
+/// A line's cross-section.
+struct Brush {
+    color: Color32,
+    /// Half the width with the soft edge \[points\].
+    reach: f32,
+    /// The texture's row.
+    row: f32,
+}
+
+impl Brush {
+    fn new(stroke: Stroke, pixel: f32) -> Self {
+        // A line that is wider than any in the texture has edges a little too soft.
+        let widest = STEP * ROWS as f32;
+        let width = stroke.width / pixel;
+        let row = (width.clamp(STEP, widest) / STEP - 0.5) / ROWS as f32;
+        Self { color: stroke.color, reach: 0.5 * (width + (width / widest).max(1.0)) * pixel, row }
+    }
+
+    /// Both edges of the line at a point.
+    fn ends(&self, at: Pos2, normal: Vec2) -> [Vertex; 2] {
+        let Self { color, reach, row } = *self;
+        let edge = normal * reach;
+        [Vertex { pos: at + edge, uv: pos2(0.0, row), color }, Vertex { pos: at - edge, uv: pos2(1.0, row), color }]
+    }
+}
+
+/// Adds two vertices, with all that is between them and the last two if they go `on` from these.
+fn add_rung(mesh: &mut Mesh, ends: [Vertex; 2], on: bool) {
+    mesh.vertices.extend(ends);
+    if on {
+        let next = mesh.vertices.len() as u32;
+        mesh.add_triangle(next - 4, next - 3, next - 2);
+        mesh.add_triangle(next - 3, next - 2, next - 1);
+    }
+}
+
+/// Where a strip bends, begins or ends.
+#[derive(Clone, Copy, Debug)]
+struct Joint {
+    at: Pos2,
+    /// The way to the strip's left edge, for a width of two.
+    normal: Vec2,
+    /// Whether the strip goes on from the joint before.
+    goes_on: bool,
+}
+
+/// Goes along a line from point to point. A corner sharper than a right angle ends one strip and begins another. Strips begin
+/// and end a little beyond where the line does: so far at its own ends, and so far at corners.
+fn joints(points: &[Pos2], [beyond_end, beyond_corner]: [f32; 2], mut visit: impl FnMut(Joint)) {
+    let Some((&(mut at), others)) = points.split_first() else { return };
+    let begin = |at: Pos2, normal: Vec2, by: f32| Joint { at: at + by * normal.rot90(), normal, goes_on: false };
+    let end = |at: Pos2, normal: Vec2, by: f32| Joint { at: at - by * normal.rot90(), normal, goes_on: true };
+    let mut last: Option<Vec2> = None;
+    for &next in others {
+        let way = next - at;
+        let length = way.length();
+        if length.is_nan() || length == 0.0 {
+            continue;
+        }
+        let normal = way.rot90() / length;
+        if let Some(before) = last {
+            let middle = 0.5 * (before + normal);
+            let square = middle.length_sq();
+            if square < 0.5 {
+                visit(end(at, before, beyond_corner));
+                visit(begin(at, normal, beyond_corner));
+            } else {
+                visit(Joint { at, normal: middle / square, goes_on: true });
+            }
+        } else {
+            visit(begin(at, normal, beyond_end));
+        }
+        (at, last) = (next, Some(normal));
+    }
+    if let Some(normal) = last {
+        visit(end(at, normal, beyond_end));
+    }
+}
+
+/// The texture with the cross-sections, one a row: how much of a pixel is covered from one edge to the other.
+fn profiles(ctx: &Context) -> TextureHandle {
+    let id = Id::unique("cross-sections of lines");
+    if let Some(texture) = ctx.data(|data| data.get_temp(id)) {
+        return texture;
+    }
+    let texel = |row: usize, column: usize| {
+        let width = STEP * (row + 1) as f32;
+        let from_middle = ((column as f32 + 0.5) / COLUMNS as f32 - 0.5).abs() * (width + 1.0);
+        let covered = (0.5 * (width + 1.0) - from_middle).min(width).min(1.0);
+        Color32::from_white_alpha((255.0 * covered).round() as u8)
+    };
+    let texels = (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| texel(row, column))).collect();
+    let image = ColorImage::new([COLUMNS, ROWS], texels);
+    // Its texels are finer than pixels: nothing need be interpolated, which costs a software renderer much.
+    let texture = ctx.load_texture("cross-sections of lines", image, TextureOptions::NEAREST);
+    ctx.data_mut(|data| data.insert_temp(id, texture.clone()));
+    texture
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn along(points: &[(f32, f32)]) -> Vec<Joint> {
+        let points: Vec<Pos2> = points.iter().map(|&(x, y)| pos2(x, y)).collect();
+        let mut visited = Vec::new();
+        joints(&points, [0.5, 1.0], |joint| visited.push(joint));
+        visited
+    }
+
+    #[test]
+    fn a_line_is_as_wide_after_a_bend() {
+        let bent = along(&[(0.0, 0.0), (10.0, 0.0), (10.0, 0.0), (20.0, 10.0)]);
+        assert_eq!(bent.len(), 3, "a point that comes twice is one");
+        assert_eq!((bent[0].at, bent[1].at), (pos2(-0.5, 0.0), pos2(10.0, 0.0)));
+        for way in [vec2(1.0, 0.0), vec2(1.0, 1.0).normalized()] {
+            let across = way.rot90().dot(bent[1].normal);
+            assert!((across - 1.0).abs() < 1e-5, "{across}");
+        }
+    }
+
+    #[test]
+    fn sharp_corners_are_two_ends() {
+        for tip in [0.0, 1e-5, 0.5, 3.0] {
+            let peak = along(&[(0.0, 0.0), (0.0, 50.0), (tip, 0.0)]);
+            assert_eq!(peak.iter().map(|joint| joint.goes_on).collect::<Vec<_>>(), [false, true, false, true]);
+            assert!((peak[1].at - pos2(0.0, 51.0)).length() < 1e-3, "{peak:?}");
+            assert!(peak.iter().all(|joint| (joint.normal.length() - 1.0).abs() < 1e-5), "{peak:?}");
+        }
+    }
+
+    #[test]
+    fn what_goes_nowhere_is_nothing() {
+        assert!(along(&[]).is_empty());
+        assert!(along(&[(1.0, 1.0), (1.0, 1.0)]).is_empty());
+        assert_eq!(along(&[(0.0, 0.0), (f32::NAN, 1.0), (2.0, 0.0)]).len(), 2);
+    }
+
+    #[test]
+    fn a_pen_takes_two_triangles_a_segment() {
+        let ctx = Context::default();
+        let mut pen = Pen::new(&ctx);
+        let stroke = Stroke::new(2.0, Color32::RED);
+        pen.line(&[pos2(0.0, 0.0), pos2(10.0, 0.0), pos2(20.0, 5.0)], stroke);
+        pen.line(&[pos2(5.0, 5.0)], stroke);
+        pen.area(&[[pos2(0.0, 0.0), pos2(0.0, 1.0)], [pos2(1.0, 0.0), pos2(1.0, 1.0)]], Color32::BLUE);
+        assert_eq!(pen.mesh.indices.len(), 3 * 2 * (2 + 1 + 1));
+        assert!(pen.mesh.is_valid());
+    }
+}
