@@ -43,7 +43,7 @@ pub struct App {
     /// Width of the window in the last frame \[points\], and the theme that was chosen then.
     width: f32,
     theme: ThemePreference,
-    /// Whether the window is cleared in the panels' colour, so that no panel need fill itself.
+    /// Whether the window is cleared in the colour of the ground, so that no panel need fill itself.
     cleared: bool,
     /// Whether a newcomer is shown where to begin.
     inviting: bool,
@@ -118,8 +118,8 @@ impl App {
         self.session.seek(self.session.end());
     }
 
-    /// Relies on the window being cleared in [`eframe::App::clear_color`], so that no pixel is filled twice with the panels'
-    /// colour: that takes its time where no graphics card draws.
+    /// Relies on the window being cleared in [`eframe::App::clear_color`], so that no pixel is filled twice with the
+    /// ground's colour: that takes its time where no graphics card draws.
     #[must_use]
     pub fn on_cleared_window(self) -> Self {
         Self { cleared: true, ..self }
@@ -198,7 +198,7 @@ impl eframe::App for App {
         let narrow = self.width < NARROW;
         self.theme = ui.ctx().options(|options| options.theme_preference);
         let open = self.controls_open();
-        let ground = if self.cleared { Color32::TRANSPARENT } else { palette.panel };
+        let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
         let Self { session, layout, lessons, presenting, commands, .. } = self;
         let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow };

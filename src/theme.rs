@@ -38,9 +38,10 @@ fn restyle(style: &mut egui::Style, theme: Theme) {
     style.spacing.slider_rail_height = 4.0;
 
     let visuals = &mut style.visuals;
-    visuals.panel_fill = palette.panel;
-    visuals.window_fill = palette.panel;
-    visuals.extreme_bg_color = palette.plot;
+    visuals.panel_fill = palette.ground;
+    visuals.window_fill = palette.ground;
+    visuals.extreme_bg_color = palette.ground;
+    visuals.text_edit_bg_color = Some(palette.faint);
     visuals.faint_bg_color = palette.faint;
     visuals.weak_text_color = Some(palette.weak);
     visuals.selection.bg_fill = palette.accent;

@@ -8,10 +8,8 @@ use kalmanscope_core::FilterColor;
 /// Filters have the colours of Okabe and Ito, which the colour-blind can tell apart, a little lighter on dark ground.
 #[derive(Clone, Copy, Debug, Hash)]
 pub struct Palette {
-    /// Ground of panels.
-    pub panel: Color32,
-    /// Ground of plots and text fields.
-    pub plot: Color32,
+    /// Ground of everything, plots and panels alike: what has no ground of its own need not be painted.
+    pub ground: Color32,
     /// Ground of what stands out a little.
     pub faint: Color32,
     /// Lines between panels.
@@ -40,8 +38,7 @@ pub struct Palette {
 }
 
 const LIGHT: Palette = Palette {
-    panel: Color32::from_rgb(0xf6, 0xf7, 0xf9),
-    plot: Color32::WHITE,
+    ground: Color32::WHITE,
     faint: Color32::from_rgb(0xea, 0xed, 0xf1),
     separator: Color32::from_rgb(0xd8, 0xdc, 0xe2),
     grid: Color32::from_rgb(0xa6, 0xae, 0xba),
@@ -67,8 +64,7 @@ const LIGHT_SHADES: [Color32; 6] = [
 ];
 
 const DARK: Palette = Palette {
-    panel: Color32::from_rgb(0x1b, 0x1f, 0x26),
-    plot: Color32::from_rgb(0x12, 0x15, 0x1a),
+    ground: Color32::from_rgb(0x15, 0x19, 0x1f),
     faint: Color32::from_rgb(0x26, 0x2b, 0x34),
     separator: Color32::from_rgb(0x33, 0x3a, 0x45),
     grid: Color32::from_rgb(0x80, 0x88, 0x94),

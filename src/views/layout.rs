@@ -268,6 +268,6 @@ impl Behavior<ViewKind> for Panes<'_> {
     }
 
     fn tab_bar_color(&self, _: &egui::Visuals) -> Color32 {
-        self.context.palette.panel
+        self.context.palette.ground
     }
 }

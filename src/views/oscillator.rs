@@ -88,7 +88,6 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
         return;
     }
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 6.0, context.palette.plot);
 
     let session = context.session;
     let run = session.run();

@@ -3,7 +3,7 @@
 use egui::{Id, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
 
-use super::chart::{Y_AXIS, touched};
+use super::chart::{Y_AXIS, edges, touched};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
 
@@ -65,6 +65,7 @@ fn scaled_plane_ui<R>(
         .height(size.y)
         .show_x(false)
         .show_y(false)
+        .show_background(false)
         .sense(touched(ui))
         .custom_x_axes(vec![axis(AxisHints::new_x().label(x_label.to_owned()), size.x - Y_AXIS, Side::Bottom)])
         .custom_y_axes(vec![axis(
@@ -88,6 +89,7 @@ fn scaled_plane_ui<R>(
         draw(plot)
     });
     let inner = response.inner;
+    edges(ui, *response.transform.frame(), palette);
     let response = response.response;
     if response.double_clicked() {
         zoomed = false;

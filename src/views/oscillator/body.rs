@@ -8,14 +8,14 @@ use crate::theme::Palette;
 
 /// Draws a mass on its wheels.
 pub(super) fn body(stage: &Stage, painter: &Painter, body: Rect, palette: &Palette) {
-    let Palette { truth, plot, .. } = *palette;
+    let Palette { truth, ground, .. } = *palette;
     let wheel = stage.wheel();
     for share in [0.22, 0.78] {
         let hub = pos2(body.left() + share * body.width(), stage.floor - wheel);
-        painter.circle(hub, wheel, plot.lerp_to_gamma(truth, 0.3), Stroke::new(1.2 * stage.unit, truth));
+        painter.circle(hub, wheel, ground.lerp_to_gamma(truth, 0.3), Stroke::new(1.2 * stage.unit, truth));
     }
     let radius = 0.1 * body.height();
-    let (light, dark) = (plot.lerp_to_gamma(truth, 0.07), plot.lerp_to_gamma(truth, 0.24));
+    let (light, dark) = (ground.lerp_to_gamma(truth, 0.07), ground.lerp_to_gamma(truth, 0.24));
     painter.add(shaded(body, radius, light, dark));
     painter.rect_stroke(body, radius, Stroke::new(1.8 * stage.unit, truth), StrokeKind::Middle);
 }

@@ -38,7 +38,7 @@ impl<'a> Scene<'a> {
             // Without a truth the springs hold what the first filter believes in.
             if let Some(x) = known.or(beliefs.first().map(|belief| belief.mean)) {
                 let line = if known.is_some() { palette.truth } else { palette.weak };
-                let mixed = |share| palette.plot.lerp_to_gamma(line, share);
+                let mixed = |share| palette.ground.lerp_to_gamma(line, share);
                 let at = stage.body(mass, x);
                 let ink = Ink { line, back: mixed(0.45), fill: mixed(0.08) };
                 link(stage, painter, link_kind(record, x, k), before.0, at, x - before.1, ink);
