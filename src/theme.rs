@@ -2,6 +2,7 @@
 
 mod fonts;
 mod palette;
+mod texels;
 
 pub use palette::Palette;
 
@@ -10,6 +11,7 @@ use egui::{CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Theme, V
 /// Puts fonts and styles in place, for light and dark.
 pub fn install(ctx: &egui::Context) {
     ctx.set_fonts(fonts::definitions());
+    ctx.add_plugin(texels::Texels);
     for theme in [Theme::Light, Theme::Dark] {
         ctx.style_mut_of(theme, |style| restyle(style, theme));
     }
