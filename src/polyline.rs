@@ -53,8 +53,10 @@ impl Cone {
         if distance < self.reach {
             return false;
         }
-        let across = (-y * TOLERANCE / distance, x * TOLERANCE / distance);
-        let (mut right, mut left) = ((x - across.0, y - across.1), (x + across.0, y + across.1));
+        // The edges to either side of it, `distance` times as long: no division.
+        let (along, across) = ((x * distance, y * distance), (-y * TOLERANCE, x * TOLERANCE));
+        let mut right = (along.0 - across.0, along.1 - across.1);
+        let mut left = (along.0 + across.0, along.1 + across.1);
         if let Some([least, most]) = self.edges {
             if cross(least, (x, y)) < 0.0 || cross((x, y), most) < 0.0 {
                 return false;

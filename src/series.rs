@@ -45,35 +45,52 @@ impl Column {
 /// Reduces `value(k)` for the samples `k` in `range` to at most `columns` + 1 columns. Values that are not finite are left
 /// out. Columns begin at multiples of their width, so that they stay put while the range slides.
 pub fn reduce(range: Range<usize>, columns: usize, value: impl Fn(usize) -> f64) -> Vec<Column> {
-    reduce_between(range, columns, |k| {
-        let x = value(k);
-        (x, x)
+    by_column(range, columns, |samples| {
+        let (first, last) = (samples.start, samples.end - 1);
+        // Comparisons without branches, and no more of them than it takes: this loop sees every sample of every series.
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for k in samples.clone() {
+            let x = value(k);
+            low = if x < low { x } else { low };
+            high = if x > high { x } else { high };
+        }
+        let ends = [value(first), value(last)];
+        // What is no number has lost every comparison.
+        if low.is_finite() && high.is_finite() && (ends[0] + ends[1]).is_finite() {
+            return Some(Column { samples: (first, last), low, high, ends: ends.map(|x| (x, x)), widest: 0.0 });
+        }
+        Column::of_finite(samples, |k| (value(k), value(k)))
     })
 }
 
 /// The same of everything between two series: `edges(k)` has the lower first.
 pub fn reduce_between(range: Range<usize>, columns: usize, edges: impl Fn(usize) -> (f64, f64)) -> Vec<Column> {
-    let width = stride(range.len(), columns);
-    let mut reduced = Vec::with_capacity(range.len() / width + 2);
-    let mut start = range.start;
-    while start < range.end {
-        let end = ((start / width + 1) * width).min(range.end);
-        // Comparisons without branches: this loop sees every sample of every series.
+    by_column(range, columns, |samples| {
+        let (first, last) = (samples.start, samples.end - 1);
         let (mut low, mut high, mut widest) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-        for k in start..end {
+        for k in samples.clone() {
             let (l, h) = edges(k);
             let width = h - l;
             widest = if width > widest { width } else { widest };
             low = if l < low { l } else { low };
             high = if h > high { h } else { high };
         }
-        // What is no number has lost every comparison.
-        let ends = [edges(start), edges(end - 1)];
+        let ends = [edges(first), edges(last)];
         if low.is_finite() && high.is_finite() && ends.iter().all(|(l, h)| (l + h).is_finite()) {
-            reduced.push(Column { samples: (start, end - 1), low, high, ends, widest });
-        } else {
-            reduced.extend(Column::of_finite(start..end, &edges));
+            return Some(Column { samples: (first, last), low, high, ends, widest });
         }
+        Column::of_finite(samples, &edges)
+    })
+}
+
+/// What `column` makes of the samples of each column.
+fn by_column(range: Range<usize>, columns: usize, column: impl Fn(Range<usize>) -> Option<Column>) -> Vec<Column> {
+    let width = stride(range.len(), columns);
+    let mut reduced = Vec::with_capacity(range.len() / width + 2);
+    let mut start = range.start;
+    while start < range.end {
+        let end = ((start / width + 1) * width).min(range.end);
+        reduced.extend(column(start..end));
         start = end;
     }
     reduced

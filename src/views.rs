@@ -22,6 +22,7 @@ mod pen;
 mod phase;
 mod picture;
 mod plane;
+mod sampled;
 mod scores;
 mod ticks;
 mod vertical;

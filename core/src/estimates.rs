@@ -33,6 +33,8 @@ pub struct Estimates {
     channels: Vec<Channel>,
     /// The place of the channel whose sign decides about the canonical form.
     frequency: Option<usize>,
+    /// Whether it has ever been negative.
+    mirrored: bool,
     sensors: Vec<Quantity>,
     forgotten: usize,
     initial_std: Vec<f64>,
@@ -60,6 +62,7 @@ impl Estimates {
             plant,
             channels: plant.channels().to_vec(),
             frequency: plant.channels().iter().position(|&c| c == Channel::NaturalFrequency),
+            mirrored: false,
             watch: Watch::new(settings, plant, &sensors),
             sensors,
             forgotten: 0,
@@ -126,6 +129,7 @@ impl Estimates {
         if self.initial_std.is_empty() {
             self.initial_std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
         }
+        self.mirrored |= self.frequency.is_some_and(|place| belief.mean[place] < 0.0);
         let m = self.sensors.len();
         self.mean.extend_from_slice(belief.mean.as_slice());
         self.cov.extend_from_slice(belief.cov.as_slice());
@@ -238,7 +242,7 @@ impl Estimates {
     /// ```
     #[inline]
     pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
-        self.canonical_sign(k, channel) * self.mean(k)[channel]
+        self.canonical_sign(k, channel) * self.mean[k * self.channels.len() + channel]
     }
 
     /// What takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio where the
@@ -246,13 +250,19 @@ impl Estimates {
     #[inline]
     pub fn canonical_sign(&self, k: usize, channel: usize) -> f64 {
         let negative = || self.frequency.is_some_and(|place| self.mean(k)[place] < 0.0);
-        if self.channels[channel].is_mirrored() && negative() { -1.0 } else { 1.0 }
+        if self.mirrored && self.channels[channel].is_mirrored() && negative() { -1.0 } else { 1.0 }
     }
 
     /// The standard deviation of one channel at sample `k`.
     #[inline]
     pub fn std(&self, k: usize, channel: usize) -> f64 {
-        self.variance[k * self.channels.len() + channel].sqrt()
+        self.variance(k, channel).sqrt()
+    }
+
+    /// The variance of one channel at sample `k`.
+    #[inline]
+    pub fn variance(&self, k: usize, channel: usize) -> f64 {
+        self.variance[k * self.channels.len() + channel]
     }
 
     /// The covariance at sample `k`, n × n.

@@ -7,7 +7,8 @@ use super::channels::decimals;
 use super::chart::Chart;
 use super::charts::charts_ui;
 use super::heading::Readout;
-use super::layer::{Layer, Series, line_width};
+use super::layer::{Layer, line_width};
+use super::sampled::Series;
 use super::{View, ViewContext};
 use crate::command::Command;
 use crate::session::Bound;
@@ -56,11 +57,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     for (place, estimates) in filters() {
         let Some(at) = estimates.place(channel) else { continue };
         if shown.bands {
-            let edges = move |k: usize| {
-                let half = 2.0 * estimates.std(k, at);
-                (-half, half)
-            };
-            let series = Series::between(estimates.len(), edges);
+            let series = Series::two_sigma(estimates.len(), move |k| estimates.variance(k, at));
             layers.push(Layer::Band { series, color: palette.filter(place), under: 0.0 });
         }
         if k < estimates.len() {

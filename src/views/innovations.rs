@@ -6,7 +6,8 @@ use kalmanscope_core::Quantity;
 use super::chart::Chart;
 use super::charts::charts_ui;
 use super::heading::Readout;
-use super::layer::{Layer, Series};
+use super::layer::Layer;
+use super::sampled::Series;
 use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::significant;
@@ -44,17 +45,13 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_
     let filters = || session.run().estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place));
     for (place, estimates) in filters() {
         let m = estimates.sensors().len();
-        let std = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
+        let variance = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)];
         if shown.bands {
-            let edges = move |k: usize| {
-                let half = 2.0 * std(k);
-                (-half, half)
-            };
-            let series = Series::between(estimates.len(), edges);
+            let series = Series::two_sigma(estimates.len(), variance);
             layers.push(Layer::Band { series, color: palette.filter(place), under: 0.0 });
         }
         if k < estimates.len() {
-            let [innovation, std] = [estimates.innovation(k)[sensor], std(k)].map(|x| significant(x, 2));
+            let [innovation, std] = [estimates.innovation(k)[sensor], variance(k).sqrt()].map(|x| significant(x, 2));
             readouts.push(Readout {
                 text: format!("{innovation} (√S {std})"),
                 color: palette.filter(place),

@@ -1,16 +1,16 @@
 //! What a chart shows, from every sample down to what one frame draws of it.
 
 use std::hash::Hash;
-use std::ops::Range;
 
 use egui::{Color32, Vec2};
 use egui_plot::{PlotPoint, PlotUi};
 use kalmanscope_core::Record;
 
-use super::picture::Picture;
+use super::picture::{Painted, Picture};
+use super::sampled::Series;
 use super::vertical::vertical_range;
 use crate::polyline::telling;
-use crate::series::{Column, reduce, reduce_between};
+use crate::series::Column;
 
 /// How much a band's edge goes up and down on average where it is steep, as a multiple of its way across the screen.
 const STEEP: f64 = 6.0;
@@ -18,40 +18,6 @@ const STEEP: f64 = 6.0;
 /// A line that goes so many points up and down, and turns so often, on its way of one point to the right is an area: noise is,
 /// waves are not.
 const DENSE: (f64, f64) = (16.0, 1.0);
-
-/// A quantity at every sample, NaN where there is none.
-pub(super) struct Series<'a> {
-    len: usize,
-    reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<Column> + 'a>,
-}
-
-impl<'a> Series<'a> {
-    /// `value(k)` for the samples up to `len`.
-    pub(super) fn new(len: usize, value: impl Fn(usize) -> f64 + 'a) -> Self {
-        Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &value)) }
-    }
-
-    /// What is between the two numbers that `edges(k)` gives, the lower first.
-    pub(super) fn between(len: usize, edges: impl Fn(usize) -> (f64, f64) + 'a) -> Self {
-        Self { len, reduce: Box::new(move |range, columns| reduce_between(range, columns, &edges)) }
-    }
-
-    /// The series through a function that preserves order, which then is asked for the extremes only.
-    pub(super) fn through(self, function: fn(f64) -> f64) -> Self {
-        let Self { len, reduce } = self;
-        let through = move |Column { samples, low, high, ends, widest: _ }: Column| {
-            let (low, high) = (function(low), function(high));
-            let ends = ends.map(|(low, high)| (function(low), function(high)));
-            (low.is_finite() && high.is_finite()).then_some(Column { samples, low, high, ends, widest: high - low })
-        };
-        let reduce = move |range, columns| reduce(range, columns).into_iter().filter_map(through).collect();
-        Self { len, reduce: Box::new(reduce) }
-    }
-
-    fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
-        (self.reduce)(samples_in(record, window, self.len), columns)
-    }
-}
 
 /// The part of the record that a plot shows.
 #[derive(Clone, Copy)]
@@ -98,6 +64,7 @@ pub(super) fn line_width(place: usize, first: f32) -> f32 {
 /// A chart's layers, reduced to the pixel columns of a window.
 pub(super) struct Drawn {
     layers: Vec<DrawnLayer>,
+    painted: Painted,
     /// What the vertical axis should show.
     pub(super) range: Option<(f64, f64)>,
 }
@@ -153,12 +120,12 @@ impl Drawn {
                 layer.simplify(scale);
             }
         }
-        Self { range, layers }
+        Self { range, layers, painted: Painted::default() }
     }
 
     /// Adds the layers to a plot.
     pub(super) fn show<'a>(&'a self, plot: &mut PlotUi<'a>) {
-        plot.add(Picture::new(&self.layers));
+        plot.add(Picture::new(&self.layers, &self.painted));
     }
 }
 
@@ -218,14 +185,6 @@ impl DrawnLayer {
     }
 }
 
-/// The samples that the window shows, one more at either side, as far as there are any.
-fn samples_in(record: &Record, (from, to): (f64, f64), len: usize) -> Range<usize> {
-    let index = |time: f64| ((time - record.time(0)) / record.dt()).clamp(0.0, len as f64);
-    let first = index(from).floor() as usize;
-    let last = (index(to).ceil() as usize + 1).min(len);
-    first.saturating_sub(1).min(last)..last
-}
-
 /// A band at both ends of each column where they hold all of it; where they do not, its extremes.
 fn rungs(record: &Record, columns: &[Column]) -> Vec<Rung> {
     let mut rungs = Vec::with_capacity(2 * columns.len());
@@ -250,10 +209,13 @@ fn unhidden(rungs: &[Rung], line: f64) -> impl Iterator<Item = &[Rung]> {
 /// What a band needs to look as it does on a screen of this scale.
 fn telling_rungs(rungs: &[Rung], (x, y): (f64, f64)) -> Vec<Rung> {
     let edge = |value: fn(&Rung) -> f64| telling(rungs.iter().map(|rung| (x * rung.time, y * value(rung))));
-    let mut kept = edge(|rung| rung.low);
-    kept.extend(edge(|rung| rung.high));
-    kept.sort_unstable();
-    kept.dedup();
+    let mut kept = edge(|rung| rung.high);
+    // One edge tells all of a band around zero.
+    if rungs.iter().any(|rung| rung.low != -rung.high) {
+        kept.extend(edge(|rung| rung.low));
+        kept.sort_unstable();
+        kept.dedup();
+    }
     kept.into_iter().map(|i| rungs[i]).collect()
 }
 

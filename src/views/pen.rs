@@ -35,9 +35,8 @@ impl Pen {
         }
         let Self { mesh, pixel } = self;
         let brush = Brush::new(stroke, *pixel);
-        mesh.reserve_vertices(2 * points.len());
-        mesh.reserve_triangles(2 * points.len());
-        let strip = |joint: Joint| add_rung(mesh, brush.ends(joint.at, joint.normal), joint.goes_on);
+        reserve(mesh, points.len());
+        let strip = |joint: Joint| add_rung(mesh, &brush.ends(joint.at, joint.normal), joint.goes_on);
         joints(points, [0.5 * *pixel, 0.5 * brush.reach], strip);
     }
 
@@ -53,11 +52,10 @@ impl Pen {
     /// Fills what is between the lower and the upper end of columns, from left to right.
     pub(super) fn area(&mut self, columns: &[[Pos2; 2]], fill: Color32) {
         let Self { mesh, pixel: _ } = self;
-        mesh.reserve_vertices(2 * columns.len());
-        mesh.reserve_triangles(2 * columns.len());
+        reserve(mesh, columns.len());
         for (i, ends) in columns.iter().enumerate() {
             // The middle of the widest line.
-            add_rung(mesh, ends.map(|pos| Vertex { pos, uv: pos2(0.5, 1.0), color: fill }), i > 0);
+            add_rung(mesh, &ends.map(|pos| Vertex { pos, uv: pos2(0.5, 1.0), color: fill }), i > 0);
         }
     }
 
@@ -93,13 +91,18 @@ impl Brush {
     }
 }
 
+fn reserve(mesh: &mut Mesh, rungs: usize) {
+    mesh.reserve_vertices(2 * rungs);
+    mesh.reserve_triangles(2 * rungs);
+}
+
 /// Adds two vertices, with all that is between them and the last two if they go `on` from these.
-fn add_rung(mesh: &mut Mesh, ends: [Vertex; 2], on: bool) {
-    mesh.vertices.extend(ends);
+#[inline]
+fn add_rung(mesh: &mut Mesh, ends: &[Vertex; 2], on: bool) {
+    let next = mesh.vertices.len() as u32;
+    mesh.vertices.extend_from_slice(ends);
     if on {
-        let next = mesh.vertices.len() as u32;
-        mesh.add_triangle(next - 4, next - 3, next - 2);
-        mesh.add_triangle(next - 3, next - 2, next - 1);
+        mesh.indices.extend_from_slice(&[next - 2, next - 1, next, next - 1, next, next + 1]);
     }
 }
 
@@ -122,7 +125,8 @@ fn joints(points: &[Pos2], [beyond_end, beyond_corner]: [f32; 2], mut visit: imp
     let mut last: Option<Vec2> = None;
     for &next in others {
         let way = next - at;
-        let length = way.length();
+        // Not `length`, which guards against squares out of range and takes long.
+        let length = way.length_sq().sqrt();
         if length.is_nan() || length == 0.0 {
             continue;
         }

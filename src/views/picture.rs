@@ -2,7 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{Color32, Pos2, Rangef, Shape, Stroke, Ui, pos2};
+use egui::mutex::Mutex;
+use egui::{Color32, Context, Pos2, Rangef, Rect, Shape, Stroke, Ui, pos2};
 use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
 
 use super::layer::{DrawnLayer, Rung};
@@ -27,18 +28,19 @@ const FEW: usize = 300;
 pub(super) struct Picture<'a> {
     base: PlotItemBase,
     layers: &'a [DrawnLayer],
+    painted: &'a Painted,
 }
 
 impl<'a> Picture<'a> {
-    pub(super) fn new(layers: &'a [DrawnLayer]) -> Self {
-        Self { base: PlotItemBase::new("picture".to_owned()), layers }
+    /// `painted` is what the last picture of the same layers has left.
+    pub(super) fn new(layers: &'a [DrawnLayer], painted: &'a Painted) -> Self {
+        Self { base: PlotItemBase::new("picture".to_owned()), layers, painted }
     }
-}
 
-impl PlotItem for Picture<'_> {
-    fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+    fn paint(&self, ctx: &Context, transform: &PlotTransform) -> Vec<Shape> {
         let stage = Stage::new(transform);
-        let mut pen = Pen::new(ui.ctx());
+        let mut shapes = Vec::new();
+        let mut pen = Pen::new(ctx);
         for layer in self.layers {
             match layer {
                 DrawnLayer::Band { parts, color, steep, .. } => {
@@ -46,7 +48,8 @@ impl PlotItem for Picture<'_> {
                 }
                 DrawnLayer::Dots { points, color } => {
                     let radius = if points.len() > FEW { DOT } else { LARGE_DOT };
-                    shapes.push(std::mem::replace(&mut pen, Pen::new(ui.ctx())).into_shape());
+                    let below = std::mem::replace(&mut pen, Pen::new(ctx));
+                    shapes.push(below.into_shape());
                     shapes.extend(
                         points.iter().map(|point| Shape::circle_filled(stage.at(point.x, point.y), radius, *color)),
                     );
@@ -67,6 +70,26 @@ impl PlotItem for Picture<'_> {
             }
         }
         shapes.push(pen.into_shape());
+        shapes
+    }
+}
+
+/// What layers have come to on screen, and where: as long as it is the same place nothing need be painted again.
+#[derive(Default)]
+pub(super) struct Painted(Mutex<Option<(Place, Vec<Shape>)>>);
+
+/// Where a plot is, what it shows, and the size of a pixel.
+type Place = (Rect, [f64; 2], [f64; 2], f32);
+
+impl PlotItem for Picture<'_> {
+    fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+        let bounds = transform.bounds();
+        let place = (*transform.frame(), bounds.min(), bounds.max(), ui.pixels_per_point());
+        let mut painted = self.painted.0.lock();
+        if painted.as_ref().is_none_or(|(before, _)| *before != place) {
+            *painted = Some((place, self.paint(ui.ctx(), transform)));
+        }
+        shapes.extend(painted.iter().flat_map(|(_, shapes)| shapes.iter().cloned()));
     }
 
     fn initialize(&mut self, _: RangeInclusive<f64>) {}

@@ -1,0 +1,62 @@
+//! Quantities at every sample, on their way to the pixel columns of a screen.
+
+use std::ops::Range;
+
+use kalmanscope_core::Record;
+
+use crate::series::{Column, reduce, reduce_between};
+
+/// A quantity at every sample, NaN where there is none.
+pub(super) struct Series<'a> {
+    len: usize,
+    reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<Column> + 'a>,
+}
+
+impl<'a> Series<'a> {
+    /// `value(k)` for the samples up to `len`.
+    pub(super) fn new(len: usize, value: impl Fn(usize) -> f64 + 'a) -> Self {
+        Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &value)) }
+    }
+
+    /// What is between the two numbers that `edges(k)` gives, the lower first.
+    pub(super) fn between(len: usize, edges: impl Fn(usize) -> (f64, f64) + 'a) -> Self {
+        Self { len, reduce: Box::new(move |range, columns| reduce_between(range, columns, &edges)) }
+    }
+
+    /// What is between plus and minus two standard deviations, from the variances.
+    pub(super) fn two_sigma(len: usize, variance: impl Fn(usize) -> f64 + 'a) -> Self {
+        // One root a column, not one a sample.
+        let around = |Column { samples, high, ends, .. }: Column| {
+            let half = |variance: f64| 2.0 * variance.sqrt();
+            let ends = ends.map(|(variance, _)| (-half(variance), half(variance)));
+            Column { samples, low: -half(high), high: half(high), ends, widest: 2.0 * half(high) }
+        };
+        let reduce = move |range, columns| reduce(range, columns, &variance).into_iter().map(around).collect();
+        Self { len, reduce: Box::new(reduce) }
+    }
+
+    /// The series through a function that preserves order, which then is asked for the extremes only.
+    pub(super) fn through(self, function: fn(f64) -> f64) -> Self {
+        let Self { len, reduce } = self;
+        let through = move |column: Column| {
+            let (low, high) = (function(column.low), function(column.high));
+            let ends = if column.is_rising() { [low, high] } else { [high, low] }.map(|x| (x, x));
+            (low.is_finite() && high.is_finite()).then_some(Column { low, high, ends, widest: high - low, ..column })
+        };
+        let reduce = move |range, columns| reduce(range, columns).into_iter().filter_map(through).collect();
+        Self { len, reduce: Box::new(reduce) }
+    }
+
+    /// At most so many columns of what the window, from when to when \[s\], shows of it.
+    pub(super) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
+        (self.reduce)(samples_in(record, window, self.len), columns)
+    }
+}
+
+/// The samples that the window shows, one more at either side, as far as there are any.
+fn samples_in(record: &Record, (from, to): (f64, f64), len: usize) -> Range<usize> {
+    let index = |time: f64| ((time - record.time(0)) / record.dt()).clamp(0.0, len as f64);
+    let first = index(from).floor() as usize;
+    let last = (index(to).ceil() as usize + 1).min(len);
+    first.saturating_sub(1).min(last)..last
+}
