@@ -10,8 +10,9 @@ const TOLERANCE: f64 = 0.25;
 /// away from it. Williams (1978), An efficient algorithm for the piecewise linear approximation of planar curves.
 pub fn telling(points: impl IntoIterator<Item = (f64, f64)>) -> Vec<usize> {
     let mut points = points.into_iter().enumerate();
-    let Some((_, first)) = points.next() else { return Vec::new() };
-    let mut kept = vec![0];
+    let mut kept = Vec::with_capacity(points.size_hint().0);
+    let Some((_, first)) = points.next() else { return kept };
+    kept.push(0);
     let mut cone = Cone::at(first);
     let mut last = (0, first);
     for (i, point) in points {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// What there is in one pixel column.
+/// What a series has in one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Column {
     /// The first and the last sample of the column.
@@ -11,34 +11,44 @@ pub struct Column {
     pub low: f64,
     /// Largest value.
     pub high: f64,
-    /// The lower and the upper edge at the first and at the last sample.
-    pub ends: [(f64, f64); 2],
+    /// Whether it ends no lower than it begins: then a line goes from the smallest to the largest value.
+    pub rising: bool,
+    /// Whether the smallest and the largest value are those at the ends.
+    pub at_ends: bool,
+}
+
+impl Column {
+    fn new(samples: (usize, usize), [low, high]: [f64; 2], [first, last]: [f64; 2]) -> Self {
+        let at_ends = low == first.min(last) && high == first.max(last);
+        Self { samples, low, high, rising: first <= last, at_ends }
+    }
+
+    /// The values where it begins and where it ends, if these are its extremes.
+    pub fn ends(&self) -> Option<[f64; 2]> {
+        self.at_ends.then_some(if self.rising { [self.low, self.high] } else { [self.high, self.low] })
+    }
+}
+
+/// What a band has in one pixel column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BandColumn {
+    /// The first and the last sample of the column.
+    pub samples: (usize, usize),
+    /// Smallest value of the lower edge.
+    pub low: f64,
+    /// Largest value of the upper edge.
+    pub high: f64,
+    /// Both edges where it begins and where it ends, if nothing is outside of these.
+    pub ends: Option<[(f64, f64); 2]>,
     /// The largest distance between the edges.
     pub widest: f64,
 }
 
-impl Column {
-    /// Whether it ends higher than it begins: then a line goes from the smallest to the largest value.
-    pub fn is_rising(&self) -> bool {
-        self.ends[0].0 <= self.ends[1].0
-    }
-
-    /// Whether nothing in it is lower or higher than at its ends.
-    pub fn is_held_by_its_ends(&self) -> bool {
-        let [first, last] = self.ends;
-        self.low == first.0.min(last.0) && self.high == first.1.max(last.1)
-    }
-
-    fn of_finite(samples: Range<usize>, edges: impl Fn(usize) -> (f64, f64)) -> Option<Self> {
-        let finite = samples.map(|k| (k, edges(k))).filter(|(_, (l, h))| l.is_finite() && h.is_finite());
-        let one = |(k, (low, high))| Self { samples: (k, k), low, high, ends: [(low, high); 2], widest: high - low };
-        finite.map(one).reduce(|before, new| Self {
-            samples: (before.samples.0, new.samples.1),
-            low: before.low.min(new.low),
-            high: before.high.max(new.high),
-            ends: [before.ends[0], new.ends[1]],
-            widest: before.widest.max(new.widest),
-        })
+impl BandColumn {
+    fn new(samples: (usize, usize), [low, high]: [f64; 2], ends: [(f64, f64); 2], widest: f64) -> Self {
+        let [first, last] = ends;
+        let at_ends = low == first.0.min(last.0) && high == first.1.max(last.1);
+        Self { samples, low, high, ends: at_ends.then_some(ends), widest }
     }
 }
 
@@ -57,18 +67,25 @@ pub fn reduce(range: Range<usize>, columns: usize, value: impl Fn(usize) -> f64)
         let ends = [value(first), value(last)];
         // What is no number has lost every comparison.
         if low.is_finite() && high.is_finite() && (ends[0] + ends[1]).is_finite() {
-            return Some(Column { samples: (first, last), low, high, ends: ends.map(|x| (x, x)), widest: 0.0 });
+            return Some(Column::new((first, last), [low, high], ends));
         }
-        Column::of_finite(samples, |k| (value(k), value(k)))
+        let mut finite = samples.map(|k| (k, value(k))).filter(|(_, x)| x.is_finite());
+        let (first, begin) = finite.next()?;
+        let one = ((first, first), [begin; 2], [begin; 2]);
+        let (samples, extremes, ends) = finite.fold(one, |((first, _), [low, high], [begin, _]), (k, x)| {
+            ((first, k), [low.min(x), high.max(x)], [begin, x])
+        });
+        Some(Column::new(samples, extremes, ends))
     })
 }
 
-/// The same of everything between two series: `edges(k)` has the lower first.
-pub fn reduce_between(range: Range<usize>, columns: usize, edges: impl Fn(usize) -> (f64, f64)) -> Vec<Column> {
+/// The same of everything between two series: `edges(k)` has the lower first. A column with a value that is not finite is left
+/// out.
+pub fn reduce_between(range: Range<usize>, columns: usize, edges: impl Fn(usize) -> (f64, f64)) -> Vec<BandColumn> {
     by_column(range, columns, |samples| {
         let (first, last) = (samples.start, samples.end - 1);
         let (mut low, mut high, mut widest) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-        for k in samples.clone() {
+        for k in samples {
             let (l, h) = edges(k);
             let width = h - l;
             widest = if width > widest { width } else { widest };
@@ -76,15 +93,13 @@ pub fn reduce_between(range: Range<usize>, columns: usize, edges: impl Fn(usize)
             high = if h > high { h } else { high };
         }
         let ends = [edges(first), edges(last)];
-        if low.is_finite() && high.is_finite() && ends.iter().all(|(l, h)| (l + h).is_finite()) {
-            return Some(Column { samples: (first, last), low, high, ends, widest });
-        }
-        Column::of_finite(samples, &edges)
+        let finite = low.is_finite() && high.is_finite() && ends.iter().all(|(l, h)| (l + h).is_finite());
+        finite.then(|| BandColumn::new((first, last), [low, high], ends, widest))
     })
 }
 
 /// What `column` makes of the samples of each column.
-fn by_column(range: Range<usize>, columns: usize, column: impl Fn(Range<usize>) -> Option<Column>) -> Vec<Column> {
+fn by_column<C>(range: Range<usize>, columns: usize, column: impl Fn(Range<usize>) -> Option<C>) -> Vec<C> {
     let width = stride(range.len(), columns);
     let mut reduced = Vec::with_capacity(range.len() / width + 2);
     let mut start = range.start;

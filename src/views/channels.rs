@@ -7,7 +7,7 @@ use super::chart::Chart;
 use super::charts::charts_ui;
 use super::heading::Readout;
 use super::layer::{Layer, line_width};
-use super::sampled::Series;
+use super::sampled::{Band, Series};
 use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::fixed;
@@ -81,8 +81,8 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             let (mean, half) = (estimates.canonical_mean(k, at), 2.0 * estimates.std(k, at));
             (mean - half, mean + half)
         };
-        let series = Series::between(estimates.len(), edges);
-        layers.push(Layer::Band { series, color: palette.filter(place), under: line_width(place, ESTIMATE) });
+        let band = Band::new(estimates.len(), edges);
+        layers.push(Layer::Band { band, color: palette.filter(place), under: line_width(place, ESTIMATE) });
     }
     let quantity = Quantity::ALL.into_iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(q)).filter(|_| shown.measured) {

@@ -8,7 +8,7 @@ use super::chart::Chart;
 use super::charts::charts_ui;
 use super::heading::Readout;
 use super::layer::{Layer, line_width};
-use super::sampled::Series;
+use super::sampled::{Band, Series};
 use super::{View, ViewContext};
 use crate::command::Command;
 use crate::session::Bound;
@@ -57,8 +57,8 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     for (place, estimates) in filters() {
         let Some(at) = estimates.place(channel) else { continue };
         if shown.bands {
-            let series = Series::two_sigma(estimates.len(), move |k| estimates.variance(k, at));
-            layers.push(Layer::Band { series, color: palette.filter(place), under: 0.0 });
+            let band = Band::two_sigma(estimates.len(), move |k| estimates.variance(k, at));
+            layers.push(Layer::Band { band, color: palette.filter(place), under: 0.0 });
         }
         if k < estimates.len() {
             let error = estimates.canonical_mean(k, at) - truth[k];

@@ -7,7 +7,7 @@ use super::chart::Chart;
 use super::charts::charts_ui;
 use super::heading::Readout;
 use super::layer::Layer;
-use super::sampled::Series;
+use super::sampled::{Band, Series};
 use super::{View, ViewContext};
 use crate::command::Command;
 use crate::text::significant;
@@ -47,8 +47,8 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_
         let m = estimates.sensors().len();
         let variance = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)];
         if shown.bands {
-            let series = Series::two_sigma(estimates.len(), variance);
-            layers.push(Layer::Band { series, color: palette.filter(place), under: 0.0 });
+            let band = Band::two_sigma(estimates.len(), variance);
+            layers.push(Layer::Band { band, color: palette.filter(place), under: 0.0 });
         }
         if k < estimates.len() {
             let [innovation, std] = [estimates.innovation(k)[sensor], variance(k).sqrt()].map(|x| significant(x, 2));

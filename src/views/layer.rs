@@ -7,10 +7,10 @@ use egui_plot::{PlotPoint, PlotUi};
 use kalmanscope_core::Record;
 
 use super::picture::{Painted, Picture};
-use super::sampled::Series;
+use super::sampled::{Band, Series};
 use super::vertical::vertical_range;
 use crate::polyline::telling;
-use crate::series::Column;
+use crate::series::{BandColumn, Column};
 
 /// How much a band's edge goes up and down on average where it is steep, as a multiple of its way across the screen.
 const STEEP: f64 = 6.0;
@@ -45,8 +45,8 @@ impl Window {
 
 /// One thing that a chart shows; the first are the lowest.
 pub(super) enum Layer<'a> {
-    /// What is between the edges of a series. A line as wide as `under`, if it is not zero, will hide the middle \[points\].
-    Band { series: Series<'a>, color: Color32, under: f32 },
+    /// What is between two edges. A line as wide as `under`, if it is not zero, will hide the middle \[points\].
+    Band { band: Band<'a>, color: Color32, under: f32 },
     /// Single values.
     Dots { series: Series<'a>, color: Color32 },
     /// A line. `bounds` says whether the vertical axis must hold all of it, outliers too.
@@ -132,9 +132,9 @@ impl Drawn {
 impl DrawnLayer {
     fn new(layer: &Layer<'_>, record: &Record, window: (f64, f64), columns: usize) -> Self {
         match layer {
-            Layer::Band { series, color, under } => {
+            Layer::Band { band, color, under } => {
                 // Half the columns do for the smooth edges of a band.
-                let rungs = rungs(record, &series.columns(record, window, columns / 2));
+                let rungs = rungs(record, &band.columns(record, window, columns / 2));
                 Self::Band { parts: vec![rungs], color: *color, under: *under, steep: false }
             }
             Layer::Dots { series, color } => {
@@ -186,15 +186,13 @@ impl DrawnLayer {
 }
 
 /// A band at both ends of each column where they hold all of it; where they do not, its extremes.
-fn rungs(record: &Record, columns: &[Column]) -> Vec<Rung> {
+fn rungs(record: &Record, columns: &[BandColumn]) -> Vec<Rung> {
     let mut rungs = Vec::with_capacity(2 * columns.len());
-    for column in columns {
-        let (Column { samples: (first, last), low, high, ends, widest }, time) = (*column, |k| record.time(k));
-        if first < last && column.is_held_by_its_ends() {
-            let at = |(k, (low, high))| Rung { time: time(k), low, high, widest };
-            rungs.extend([first, last].into_iter().zip(ends).map(at));
-        } else {
-            rungs.push(Rung { time: time(first), low, high, widest });
+    for &BandColumn { samples: (first, last), low, high, ends, widest } in columns {
+        let at = |k, (low, high)| Rung { time: record.time(k), low, high, widest };
+        match ends.filter(|_| first < last) {
+            Some([begin, end]) => rungs.extend([at(first, begin), at(last, end)]),
+            None => rungs.push(at(first, (low, high))),
         }
     }
     rungs
@@ -225,7 +223,7 @@ fn line(record: &Record, columns: &[Column]) -> Vec<PlotPoint> {
     let mut points = Vec::with_capacity(2 * columns.len());
     for column in columns {
         let (low, high) = (column.low, column.high);
-        let (first, second) = if column.is_rising() { (low, high) } else { (high, low) };
+        let (first, second) = if column.rising { (low, high) } else { (high, low) };
         points.push(PlotPoint::new(record.time(column.samples.0), first));
         if first != second {
             points.push(PlotPoint::new(record.time(column.samples.1), second));

@@ -1,7 +1,7 @@
 //! Which views are shown, and where: tiles that can be dragged, resized, closed and enlarged.
 
-use egui::{Button, Color32, Id, RichText, ScrollArea, Sense, Ui, WidgetText, vec2};
-use egui_tiles::{Behavior, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
+use egui::{Button, Color32, Id, RichText, ScrollArea, Sense, Stroke, Ui, WidgetText, vec2};
+use egui_tiles::{Behavior, LinearDir, ResizeState, SimplificationOptions, Tile, TileId, Tiles, Tree, UiResponse};
 
 use serde::{Deserialize, Serialize};
 
@@ -269,5 +269,14 @@ impl Behavior<ViewKind> for Panes<'_> {
 
     fn tab_bar_color(&self, _: &egui::Visuals) -> Color32 {
         self.context.palette.ground
+    }
+
+    /// The gap between views shows the ground; only while it is moved it shows that.
+    fn resize_stroke(&self, style: &egui::Style, state: ResizeState) -> Stroke {
+        match state {
+            ResizeState::Idle => Stroke::NONE,
+            ResizeState::Hovering => style.visuals.widgets.hovered.fg_stroke,
+            ResizeState::Dragging => style.visuals.widgets.active.fg_stroke,
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use kalmanscope_core::Record;
 
-use crate::series::{Column, reduce, reduce_between};
+use crate::series::{BandColumn, Column, reduce, reduce_between};
 
 /// A quantity at every sample, NaN where there is none.
 pub(super) struct Series<'a> {
@@ -18,30 +18,12 @@ impl<'a> Series<'a> {
         Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &value)) }
     }
 
-    /// What is between the two numbers that `edges(k)` gives, the lower first.
-    pub(super) fn between(len: usize, edges: impl Fn(usize) -> (f64, f64) + 'a) -> Self {
-        Self { len, reduce: Box::new(move |range, columns| reduce_between(range, columns, &edges)) }
-    }
-
-    /// What is between plus and minus two standard deviations, from the variances.
-    pub(super) fn two_sigma(len: usize, variance: impl Fn(usize) -> f64 + 'a) -> Self {
-        // One root a column, not one a sample.
-        let around = |Column { samples, high, ends, .. }: Column| {
-            let half = |variance: f64| 2.0 * variance.sqrt();
-            let ends = ends.map(|(variance, _)| (-half(variance), half(variance)));
-            Column { samples, low: -half(high), high: half(high), ends, widest: 2.0 * half(high) }
-        };
-        let reduce = move |range, columns| reduce(range, columns, &variance).into_iter().map(around).collect();
-        Self { len, reduce: Box::new(reduce) }
-    }
-
     /// The series through a function that preserves order, which then is asked for the extremes only.
     pub(super) fn through(self, function: fn(f64) -> f64) -> Self {
         let Self { len, reduce } = self;
         let through = move |column: Column| {
             let (low, high) = (function(column.low), function(column.high));
-            let ends = if column.is_rising() { [low, high] } else { [high, low] }.map(|x| (x, x));
-            (low.is_finite() && high.is_finite()).then_some(Column { low, high, ends, widest: high - low, ..column })
+            (low.is_finite() && high.is_finite()).then_some(Column { low, high, ..column })
         };
         let reduce = move |range, columns| reduce(range, columns).into_iter().filter_map(through).collect();
         Self { len, reduce: Box::new(reduce) }
@@ -49,6 +31,37 @@ impl<'a> Series<'a> {
 
     /// At most so many columns of what the window, from when to when \[s\], shows of it.
     pub(super) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
+        (self.reduce)(samples_in(record, window, self.len), columns)
+    }
+}
+
+/// Two edges at every sample, and what is between them.
+pub(super) struct Band<'a> {
+    len: usize,
+    reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<BandColumn> + 'a>,
+}
+
+impl<'a> Band<'a> {
+    /// What is between the two numbers that `edges(k)` gives, the lower first, for the samples up to `len`.
+    pub(super) fn new(len: usize, edges: impl Fn(usize) -> (f64, f64) + 'a) -> Self {
+        Self { len, reduce: Box::new(move |range, columns| reduce_between(range, columns, &edges)) }
+    }
+
+    /// What is between plus and minus two standard deviations, from the variances.
+    pub(super) fn two_sigma(len: usize, variance: impl Fn(usize) -> f64 + 'a) -> Self {
+        // One root a column, not one a sample.
+        let around = |column: Column| {
+            let edges = |variance: f64| (-2.0 * variance.sqrt(), 2.0 * variance.sqrt());
+            let (low, high) = edges(column.high);
+            let ends = column.ends().map(|ends| ends.map(edges));
+            BandColumn { samples: column.samples, low, high, ends, widest: high - low }
+        };
+        let reduce = move |range, columns| reduce(range, columns, &variance).into_iter().map(around).collect();
+        Self { len, reduce: Box::new(reduce) }
+    }
+
+    /// At most so many columns of what the window, from when to when \[s\], shows of it.
+    pub(super) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<BandColumn> {
         (self.reduce)(samples_in(record, window, self.len), columns)
     }
 }
