@@ -131,9 +131,8 @@ pub(super) fn report<const N: usize, const M: usize>(
     gain: &Matrix<N, M>,
     correction: &mut Correction<N>,
 ) {
-    let nis = factor.square(innovation);
-    correction.nis = nis;
-    correction.log_likelihood = -0.5 * (nis + factor.ln_determinant() + measured.len() as f64 * LN_2_PI);
+    correction.nis = factor.square(innovation);
+    correction.determinant = factor.determinant();
     for (i, row) in measured.iter().enumerate() {
         correction.innovation[row.sensor] = innovation[i];
         correction.gain[row.sensor] = gain.column(i).into();
@@ -142,9 +141,6 @@ pub(super) fn report<const N: usize, const M: usize>(
         }
     }
 }
-
-/// ln 2π
-const LN_2_PI: f64 = 1.837_877_066_409_345_5;
 
 /// `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which keeps P positive semidefinite where sensors are far more precise than the
 /// belief; written as two updates of the sensors' rank:
