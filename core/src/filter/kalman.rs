@@ -16,39 +16,10 @@ pub(super) struct Expected<const N: usize, const M: usize> {
 
 /// How measurements depend on the state.
 pub(super) enum View<const N: usize, const M: usize> {
-    /// Each is a component of it: H picks. With `H P⁻ Hᵀ`.
-    Components(Matrix<M, M>),
     /// Linearly, or taken to: H.
     Linear(Matrix<M, N>),
     /// Not linearly.
     Curved,
-}
-
-/// What sensors will read that read components of the state: H picks, it does not multiply.
-#[inline]
-pub(super) fn expect_components<const N: usize, const M: usize>(
-    belief: &Gaussian<N>,
-    components: [usize; M],
-    observation: &Observation<M>,
-) -> Expected<N, M> {
-    let mut cross = Matrix::<N, M>::zeros();
-    let mut mean = Vector::<M>::zeros();
-    for (row, &i) in components.iter().enumerate() {
-        mean[row] = belief.mean[i];
-        // A row, not the same column: reading it number by number does not wait for pairs to be written.
-        for k in 0..N {
-            cross[(k, row)] = belief.cov[(i, k)];
-        }
-    }
-    let mut seen = Matrix::<M, M>::zeros();
-    for (row, &i) in components.iter().enumerate() {
-        for column in 0..M {
-            seen[(row, column)] = cross[(i, column)];
-        }
-    }
-    let mut cov = seen;
-    observation.add_noise(&mut cov);
-    Expected { mean, cov, cross, view: View::Components(seen) }
 }
 
 /// Conditions a Gaussian belief on a measurement.
@@ -76,15 +47,49 @@ pub(super) fn condition<const N: usize, const M: usize>(
 
     belief.mean += gain * innovation;
     belief.cov = match view {
-        // Picked columns of `P - K (P Hᵀ)ᵀ`, computed again rather than fetched.
-        View::Components(seen) => {
-            joseph(&belief.cov, &gain, cross, observation, |_| minus_product(*cross, &gain, seen))
-        }
         View::Linear(jacobian) => joseph(&belief.cov, &gain, cross, observation, |x| x * jacobian.transpose()),
         View::Curved => mirrored(minus_product(belief.cov, &(gain * innovation_cov), &gain)),
     };
     check(belief)?;
     report(&observation.active, &innovation, innovation_cov, &factor, &gain, correction);
+    Ok(())
+}
+
+/// [`condition`] on sensors that read components of the state: H picks, it does not multiply. In one piece, so that what
+/// the sensors are expected to read need not be written down in between.
+///
+/// # Errors
+/// Those of [`condition`].
+#[inline(never)]
+pub(super) fn condition_on_components<const N: usize, const M: usize>(
+    belief: &mut Gaussian<N>,
+    components: [usize; M],
+    observation: &Observation<M>,
+    correction: &mut Correction<N>,
+) -> Result<(), FilterError> {
+    let mut cross = Matrix::<N, M>::zeros();
+    let mut seen = Matrix::<M, M>::zeros();
+    let mut innovation = observation.values;
+    for (row, &i) in components.iter().enumerate() {
+        innovation[row] -= belief.mean[i];
+        // A row, not the same column: reading it number by number does not wait for pairs to be written.
+        for k in 0..N {
+            cross[(k, row)] = belief.cov[(i, k)];
+        }
+        for (column, &j) in components.iter().enumerate() {
+            seen[(row, column)] = belief.cov[(i, j)];
+        }
+    }
+    let mut innovation_cov = seen;
+    observation.add_noise(&mut innovation_cov);
+    let factor = factor(&innovation_cov)?;
+    let gain = factor.divide(&cross);
+
+    belief.mean += gain * innovation;
+    // Picked columns of `P - K (P Hᵀ)ᵀ`, computed again rather than fetched.
+    belief.cov = joseph(&belief.cov, &gain, &cross, observation, |_| minus_product(cross, &gain, &seen));
+    check(belief)?;
+    report(&observation.active, &innovation, &innovation_cov, &factor, &gain, correction);
     Ok(())
 }
 

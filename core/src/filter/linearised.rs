@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-use super::kalman::{self, Expected, View, expect_components};
+use super::kalman::{self, Expected, View};
 use super::{Belief, Correction, FilterError, Observation, Smoothable};
 use crate::gaussian::{Gaussian, Matrix, Vector, mirrored};
 use crate::model::{Model, Output};
@@ -123,8 +123,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
     ) -> Result<(), FilterError> {
         let Self { belief, iterations, .. } = self;
         if let Some(components) = observation.components() {
-            let expected = expect_components(belief, components, observation);
-            return kalman::condition(belief, &expected, observation, correction);
+            return kalman::condition_on_components(belief, components, observation, correction);
         }
         let expected = expect(model, belief, observation);
         if *iterations > 1 {

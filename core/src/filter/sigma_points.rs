@@ -17,7 +17,7 @@
 
 use std::borrow::Cow;
 
-use super::kalman::{self, Expected, View, expect_components};
+use super::kalman::{self, Expected, View};
 use super::{Belief, Correction, FilterError, Observation, Smoothable};
 use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::model::Model;
@@ -136,11 +136,11 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
         correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
         let Self { belief, rule } = self;
-        let expected = match observation.components() {
+        if let Some(components) = observation.components() {
             // Sigma points through a linear function give its exact moments, which this gives for less.
-            Some(components) => expect_components(belief, components, observation),
-            None => expect(model, belief, *rule, observation)?,
-        };
+            return kalman::condition_on_components(belief, components, observation, correction);
+        }
+        let expected = expect(model, belief, *rule, observation)?;
         kalman::condition(belief, &expected, observation, correction)
     }
 
