@@ -119,17 +119,12 @@ pub trait Belief<P: Model<N>, const N: usize>: Send {
     /// every number of sensors. For beliefs that take their time anyway.
     const PADDED: bool;
 
-    /// Carries the belief over one step of `dt` \[s\] in which the force over mass was `force` \[m/s²\].
+    /// Carries the belief over one step of `dt` \[s\] in which the force over mass was `force` \[m/s²\], and adds noise:
+    /// `P ← λ P + Q`.
     ///
     /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root.
-    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError>;
-
-    /// `P ← λ P + Q`
-    ///
-    /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where Q has no root.
-    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError>;
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
+    fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError>;
 
     /// Conditions the belief on measurements and reports in `correction` how.
     ///
@@ -216,8 +211,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         if !force.is_finite() {
             return Err(FilterError::UndefinedForce);
         }
-        self.belief.propagate(&self.model, force, self.dt)?;
-        self.belief.spread(self.noise.fading, &self.noise.process)
+        self.belief.predict(&self.model, force, self.dt, &self.noise)
     }
 
     /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A

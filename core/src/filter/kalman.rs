@@ -1,7 +1,7 @@
 //! The update of a Gaussian belief, whichever way the measurement was expected.
 
 use super::observation::{Active, Observation};
-use super::{Correction, FilterError};
+use super::{Correction, FilterError, Noise};
 use crate::gaussian::{Factor, Gaussian, Matrix, Vector, lower_root, minus_product, mirrored};
 
 /// What a belief says of M measurements before they are seen.
@@ -173,16 +173,17 @@ fn joseph<const N: usize, const M: usize>(
     mirrored(minus_product(kept, &excess, gain))
 }
 
-/// `P ← λ P + Q`; a variance that is zero but for rounding may have come out on the wrong side.
-#[inline]
-pub(super) fn spread<const N: usize>(belief: &mut Gaussian<N>, fading: f64, process: &Matrix<N, N>) {
-    // As slices, which the compiler turns into vector instructions; the matrices' own iterators it does not.
-    for (entry, added) in belief.cov.as_mut_slice().iter_mut().zip(process.as_slice()) {
-        *entry = *entry * fading + added;
-    }
-    if belief.has_negative_variance() {
-        for i in 0..N {
-            belief.cov[(i, i)] = belief.cov[(i, i)].max(0.0);
+/// `λ P + Q` of a covariance with at least its lower triangle; a variance that is zero but for rounding may have come out on
+/// the wrong side.
+#[inline(always)]
+pub(super) fn spread<const N: usize>(mut cov: Matrix<N, N>, noise: &Noise<N>) -> Matrix<N, N> {
+    for j in 0..N {
+        for i in j..N {
+            cov[(i, j)] = cov[(i, j)] * noise.fading + noise.process[(i, j)];
+        }
+        if cov[(j, j)] < 0.0 {
+            cov[(j, j)] = 0.0;
         }
     }
+    mirrored(cov)
 }
