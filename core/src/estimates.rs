@@ -3,6 +3,7 @@
 use crate::filter::{Correction, Noise};
 use crate::gaussian::Gaussian;
 use crate::health::{Remark, Watch};
+use crate::sensor::MAX_SENSORS;
 use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, PlantKind, Quantity, likelihood};
 
 /// For so many samples memory is set aside at once; that of longer runs grows as they do.
@@ -131,14 +132,16 @@ impl Estimates {
         if self.initial_std.is_empty() {
             self.initial_std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
         }
-        let m = self.sensors.len();
         self.mean.extend_from_slice(belief.mean.as_slice());
         self.cov.extend_from_slice(belief.cov.as_slice());
         self.variance.extend_from_slice(&std::array::from_fn::<f64, N, _>(|i| belief.cov[(i, i)]));
-        self.innovation.extend_from_slice(&correction.innovation[..m]);
-        for sensor in 0..m {
-            self.innovation_cov.extend_from_slice(&correction.innovation_cov[sensor][..m]);
-            self.gain.extend_from_slice(&correction.gain[sensor]);
+        // Lengths that the compiler knows: to copy a number is not worth a call.
+        match self.sensors.len() {
+            1 => self.push_sensors::<N, 1>(correction),
+            2 => self.push_sensors::<N, 2>(correction),
+            3 => self.push_sensors::<N, 3>(correction),
+            4 => self.push_sensors::<N, MAX_SENSORS>(correction),
+            _ => {}
         }
         self.nis.push(correction.nis);
         self.determinant.push(correction.determinant);
@@ -147,6 +150,15 @@ impl Estimates {
             self.effective_samples.push(correction.effective_samples);
         }
         self.watch.look(self.forgotten + self.nis.len() - 1, belief, correction);
+    }
+
+    #[inline]
+    fn push_sensors<const N: usize, const M: usize>(&mut self, correction: &Correction<N>) {
+        let innovation_cov: [[f64; M]; M] =
+            std::array::from_fn(|i| std::array::from_fn(|j| correction.innovation_cov[i][j]));
+        self.innovation.extend_from_slice(&correction.innovation[..M]);
+        self.innovation_cov.extend_from_slice(innovation_cov.as_flattened());
+        self.gain.extend_from_slice(correction.gain[..M].as_flattened());
     }
 
     /// Takes note of the noise that an adaptive filter assumes by the last sample.
