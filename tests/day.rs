@@ -28,7 +28,7 @@ fn assert_bounded(session: &Session) {
     lengths.extend((0..record.sensors().len()).map(|sensor| record.measured(sensor).len()));
     lengths.extend(Channel::ALL.into_iter().filter_map(|c| record.truth(c)).map(<[f64]>::len));
     for estimates in run.estimates() {
-        lengths.extend([estimates.len(), estimates.nis().len(), estimates.log_likelihood().len()]);
+        lengths.extend([estimates.len(), estimates.nis().len(), estimates.determinant().len()]);
     }
     lengths.extend(session.diagnostics().iter().flat_map(|d| [d.len(), d.nees().len()]));
     lengths.extend(session.bounds().iter().map(|of| of.bound.len()));

@@ -35,7 +35,7 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
 fn values(estimates: &Estimates, channels: &[Channel], k: usize) -> impl Iterator<Item = f64> {
     let mean = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.mean(k)[place]);
     let std = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.std(k, place));
-    let ends = [estimates.nis()[k], estimates.log_likelihood()[k]];
+    let ends = [estimates.nis()[k], estimates.log_likelihood(k)];
     channels.iter().map(mean).chain(channels.iter().map(std)).chain(ends)
 }
 

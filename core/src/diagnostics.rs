@@ -2,6 +2,7 @@
 
 mod accuracy;
 pub mod chi_squared;
+mod likelihood;
 mod nees;
 mod summary;
 mod totals;
@@ -13,6 +14,7 @@ use std::ops::Range;
 use crate::{Channel, Estimates, Record, Stop};
 
 use accuracy::Accuracy;
+use likelihood::Likelihood;
 use nees::Nees;
 use totals::Totals;
 
@@ -37,7 +39,7 @@ pub struct Diagnostics {
     nees: Nees,
     nis: Totals,
     whiteness: Vec<Whiteness>,
-    log_likelihood: f64,
+    likelihood: Likelihood,
     stop: Option<Stop>,
 }
 
@@ -51,7 +53,7 @@ impl Diagnostics {
 
     /// Begins anew with other estimates, as [`Self::new`] does, in the memory of these diagnostics.
     pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
-        let Self { samples, forgotten, accuracy, nees, nis, whiteness, log_likelihood, stop } = self;
+        let Self { samples, forgotten, accuracy, nees, nis, whiteness, likelihood, stop } = self;
         *samples = 0;
         *forgotten = estimates.forgotten();
         accuracy.restart(estimates, record);
@@ -59,7 +61,7 @@ impl Diagnostics {
         nis.clear();
         whiteness.clear();
         whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
-        *log_likelihood = 0.0;
+        *likelihood = Likelihood::new(estimates.kind());
         *stop = None;
         self.follow(estimates, record);
     }
@@ -86,7 +88,7 @@ impl Diagnostics {
 
     #[inline]
     fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) {
-        let Self { samples: _, forgotten: _, accuracy, nees, nis, whiteness, log_likelihood, stop: _ } = self;
+        let Self { samples: _, forgotten: _, accuracy, nees, nis, whiteness, likelihood, stop: _ } = self;
         let errors = accuracy.push(estimates, record, k);
         nees.push(errors, estimates.cov(k), estimates.channels().len());
 
@@ -98,9 +100,7 @@ impl Diagnostics {
             whiteness.push(innovation / innovation_cov[i * (m + 1)].sqrt());
         }
         nis.push(estimates.nis()[k], measured);
-        if measured > 0 {
-            *log_likelihood += estimates.log_likelihood()[k];
-        }
+        likelihood.push(estimates, k);
     }
 
     /// The number of samples taken in.
@@ -198,6 +198,6 @@ impl Diagnostics {
 
     /// Sum of the log likelihoods of all samples with a measurement.
     pub fn log_likelihood(&self) -> f64 {
-        self.log_likelihood
+        self.likelihood.value(self.nis.whole())
     }
 }

@@ -3,7 +3,8 @@
 use crate::filter::{Correction, Noise};
 use crate::gaussian::Gaussian;
 use crate::health::{Remark, Watch};
-use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, PlantKind, Quantity};
+use crate::sensor::MAX_SENSORS;
+use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, PlantKind, Quantity, likelihood};
 
 /// For so many samples memory is set aside at once; that of longer runs grows as they do.
 const ROOM: usize = 1 << 17;
@@ -46,6 +47,8 @@ pub struct Estimates {
     innovation_cov: Vec<f64>,
     gain: Vec<f64>,
     nis: Vec<f64>,
+    determinant: Vec<f64>,
+    /// The particles' own.
     log_likelihood: Vec<f64>,
     effective_samples: Vec<f64>,
     watch: Watch,
@@ -74,6 +77,7 @@ impl Estimates {
             innovation_cov: Vec::new(),
             gain: Vec::new(),
             nis: Vec::new(),
+            determinant: Vec::new(),
             log_likelihood: Vec::new(),
             effective_samples: Vec::new(),
             stop: None,
@@ -84,6 +88,7 @@ impl Estimates {
     /// long run: to be given fresh pages by the system costs more than to fill them.
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
+        let sampled = usize::from(self.kind == FilterKind::Pf);
         let mut old = old.unwrap_or_else(|| self.clone());
         for (new, old, per_sample) in [
             (&mut self.mean, &mut old.mean, n),
@@ -93,8 +98,9 @@ impl Estimates {
             (&mut self.innovation_cov, &mut old.innovation_cov, m * m),
             (&mut self.gain, &mut old.gain, n * m),
             (&mut self.nis, &mut old.nis, 1),
-            (&mut self.log_likelihood, &mut old.log_likelihood, 1),
-            (&mut self.effective_samples, &mut old.effective_samples, usize::from(self.kind == FilterKind::Pf)),
+            (&mut self.determinant, &mut old.determinant, 1),
+            (&mut self.log_likelihood, &mut old.log_likelihood, sampled),
+            (&mut self.effective_samples, &mut old.effective_samples, sampled),
         ] {
             *new = std::mem::take(old);
             new.clear();
@@ -105,9 +111,8 @@ impl Estimates {
     /// Forgets the first `samples` or, if the filter has stopped before that, all; in place.
     pub(crate) fn forget(&mut self, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
-        let Self {
-            mean, cov, variance, innovation, innovation_cov, gain, nis, log_likelihood, effective_samples, ..
-        } = self;
+        let Self { mean, cov, variance, innovation, innovation_cov, gain, nis, .. } = self;
+        let Self { determinant, log_likelihood, effective_samples, .. } = self;
         for (values, per_sample) in [
             (mean, n),
             (cov, n * n),
@@ -116,6 +121,7 @@ impl Estimates {
             (innovation_cov, m * m),
             (gain, n * m),
             (nis, 1),
+            (determinant, 1),
             (log_likelihood, 1),
             (effective_samples, 1),
         ] {
@@ -130,21 +136,33 @@ impl Estimates {
             self.initial_std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
         }
         self.mirrored |= self.frequency.is_some_and(|place| belief.mean[place] < 0.0);
-        let m = self.sensors.len();
         self.mean.extend_from_slice(belief.mean.as_slice());
         self.cov.extend_from_slice(belief.cov.as_slice());
         self.variance.extend_from_slice(&std::array::from_fn::<f64, N, _>(|i| belief.cov[(i, i)]));
-        self.innovation.extend_from_slice(&correction.innovation[..m]);
-        for sensor in 0..m {
-            self.innovation_cov.extend_from_slice(&correction.innovation_cov[sensor][..m]);
-            self.gain.extend_from_slice(&correction.gain[sensor]);
+        // Lengths that the compiler knows: to copy a number is not worth a call.
+        match self.sensors.len() {
+            1 => self.push_sensors::<N, 1>(correction),
+            2 => self.push_sensors::<N, 2>(correction),
+            3 => self.push_sensors::<N, 3>(correction),
+            4 => self.push_sensors::<N, MAX_SENSORS>(correction),
+            _ => {}
         }
         self.nis.push(correction.nis);
-        self.log_likelihood.push(correction.log_likelihood);
+        self.determinant.push(correction.determinant);
         if self.kind == FilterKind::Pf {
+            self.log_likelihood.push(correction.log_likelihood);
             self.effective_samples.push(correction.effective_samples);
         }
         self.watch.look(self.forgotten + self.nis.len() - 1, belief, correction);
+    }
+
+    #[inline]
+    fn push_sensors<const N: usize, const M: usize>(&mut self, correction: &Correction<N>) {
+        let innovation_cov: [[f64; M]; M] =
+            std::array::from_fn(|i| std::array::from_fn(|j| correction.innovation_cov[i][j]));
+        self.innovation.extend_from_slice(&correction.innovation[..M]);
+        self.innovation_cov.extend_from_slice(innovation_cov.as_flattened());
+        self.gain.extend_from_slice(correction.gain[..M].as_flattened());
     }
 
     /// Takes note of the noise that an adaptive filter assumes by the last sample.
@@ -295,9 +313,32 @@ impl Estimates {
         &self.nis
     }
 
-    /// The log likelihood of every sample.
-    pub fn log_likelihood(&self) -> &[f64] {
-        &self.log_likelihood
+    /// The determinant of S at every sample; NaN where nothing was measured, zero or infinite where it leaves the range of
+    /// numbers.
+    pub fn determinant(&self) -> &[f64] {
+        &self.determinant
+    }
+
+    /// The log likelihood of the measurements at sample `k`; NaN where there was none.
+    ///
+    /// ```text
+    /// -(NIS + ln det S + m ln 2π) / 2
+    /// ```
+    ///
+    /// Of a particle filter, the logarithm of the mean likelihood of its particles.
+    pub fn log_likelihood(&self, k: usize) -> f64 {
+        if let Some(&own) = self.log_likelihood.get(k) {
+            return own;
+        }
+        match self.innovation(k).iter().map(|e| u32::from(!e.is_nan())).sum() {
+            0 => f64::NAN,
+            measured => likelihood::log_likelihood(self.nis[k], self.ln_determinant(k), measured),
+        }
+    }
+
+    /// ln det S at sample `k`, where something was measured: a number even where the determinant has left their range.
+    pub(crate) fn ln_determinant(&self, k: usize) -> f64 {
+        likelihood::ln_determinant(self.determinant[k], self.innovation_cov(k), self.sensors.len())
     }
 
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.

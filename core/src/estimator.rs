@@ -24,11 +24,17 @@ pub(crate) trait Estimator: Send {
     ) -> Result<(), FilterError>;
 }
 
-impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Filter<P, B, N> {
+/// A filter and what its last measurement told.
+struct Followed<P, B, const N: usize> {
+    filter: Filter<P, B, N>,
+    correction: Correction<N>,
+}
+
+impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, N> {
     fn begin(&self, estimates: &mut Estimates) {
-        let Noise { process, sensors, fading: _ } = self.noise();
+        let Noise { process, sensors, fading: _ } = self.filter.noise();
         let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
-        if !is_finite || report(self, &Correction::NOTHING, estimates).is_err() {
+        if !is_finite || report(&self.filter, &Correction::NOTHING, estimates).is_err() {
             estimates.stop_at(FilterError::TooLarge);
         }
     }
@@ -40,10 +46,10 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Filter<P, B, N>
         measured: &[f64],
         estimates: &mut Estimates,
     ) -> Result<(), FilterError> {
-        self.predict(force_before)?;
-        let mut correction = Correction::NOTHING;
-        self.update(force, measured, &mut correction)?;
-        report(self, &correction, estimates)
+        let Self { filter, correction } = self;
+        filter.predict(force_before)?;
+        filter.update(force, measured, correction)?;
+        report(filter, correction, estimates)
     }
 }
 
@@ -161,7 +167,8 @@ impl Build<'_> {
         model: P,
         belief: B,
     ) -> Box<dyn Estimator> {
-        Box::new(build_filter(model, belief, self.settings, &self.surroundings))
+        let filter = build_filter(model, belief, self.settings, &self.surroundings);
+        Box::new(Followed { filter, correction: Correction::NOTHING })
     }
 }
 

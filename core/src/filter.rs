@@ -79,7 +79,10 @@ pub struct Correction<const N: usize> {
     pub gain: [[f64; N]; MAX_SENSORS],
     /// Normalised innovation squared `eᵀ S⁻¹ e`.
     pub nis: f64,
-    /// `-(NIS + ln det S + m ln 2π) / 2`; of a particle filter, the logarithm of the mean likelihood of its particles.
+    /// det S over the sensors that were not skipped; zero or infinite where it leaves the range of numbers.
+    pub determinant: f64,
+    /// Of a particle filter, the logarithm of the mean likelihood of its particles; NaN for any other, where it follows from
+    /// NIS and det S.
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.
     pub effective_samples: f64,
@@ -92,6 +95,7 @@ impl<const N: usize> Correction<N> {
         innovation_cov: [[f64::NAN; MAX_SENSORS]; MAX_SENSORS],
         gain: [[0.0; N]; MAX_SENSORS],
         nis: f64::NAN,
+        determinant: f64::NAN,
         log_likelihood: f64::NAN,
         effective_samples: f64::NAN,
     };
@@ -103,6 +107,7 @@ impl<const N: usize> Correction<N> {
         self.innovation_cov = [[f64::NAN; MAX_SENSORS]; MAX_SENSORS];
         self.gain = [[0.0; N]; MAX_SENSORS];
         self.nis = f64::NAN;
+        self.determinant = f64::NAN;
         self.log_likelihood = f64::NAN;
         self.effective_samples = f64::NAN;
     }
@@ -114,17 +119,12 @@ pub trait Belief<P: Model<N>, const N: usize>: Send {
     /// every number of sensors. For beliefs that take their time anyway.
     const PADDED: bool;
 
-    /// Carries the belief over one step of `dt` \[s\] in which the force over mass was `force` \[m/s²\].
+    /// Carries the belief over one step of `dt` \[s\] in which the force over mass was `force` \[m/s²\], and adds noise:
+    /// `P ← λ P + Q`.
     ///
     /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root.
-    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError>;
-
-    /// `P ← λ P + Q`
-    ///
-    /// # Errors
-    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where Q has no root.
-    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError>;
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
+    fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError>;
 
     /// Conditions the belief on measurements and reports in `correction` how.
     ///
@@ -211,8 +211,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         if !force.is_finite() {
             return Err(FilterError::UndefinedForce);
         }
-        self.belief.propagate(&self.model, force, self.dt)?;
-        self.belief.spread(self.noise.fading, &self.noise.process)
+        self.belief.predict(&self.model, force, self.dt, &self.noise)
     }
 
     /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A
@@ -258,7 +257,8 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         let value = |row: usize| if row < count { measured[active[row].sensor] } else { 0.0 };
         let observation = Observation { active, values: Vector::from_fn(|row, _| value(row)), force, count };
         self.belief.condition(&self.model, &observation, correction)?;
-        if !(correction.nis.is_finite() && correction.log_likelihood.is_finite()) {
+        // A factor of S has a finite ln det S.
+        if !correction.nis.is_finite() || correction.log_likelihood.is_infinite() {
             let surprising = observation.measured().iter().all(|a| correction.innovation[a.sensor].is_finite());
             return Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite });
         }

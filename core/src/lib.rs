@@ -44,6 +44,7 @@ pub mod simulate;
 pub mod spectrum;
 
 mod estimator;
+mod likelihood;
 mod random;
 mod smoother;
 

@@ -89,7 +89,11 @@ impl Simulator {
         let t = k as f64 * dt;
         truth.set_parameters(&|channel| scenario.plant.parameter(channel).map_or(0.0, |signal| signal.at(t)));
         let force = scenario.force.sample(k, dt, force_noise);
-        let disturbance = scenario.plant.disturbance_std * disturbance_noise.sample();
+        // A stream of its own: without a disturbance nobody misses it.
+        let disturbance = match scenario.plant.disturbance_std {
+            0.0 => 0.0,
+            std => std * disturbance_noise.sample(),
+        };
         if let Some(place) = truth.state().iter().position(|x| !x.is_finite()) {
             return Err(TruthError::Channel(scenario.plant.kind.channels()[place]));
         }

@@ -63,10 +63,11 @@ fn bits(estimates: &Estimates) -> Vec<u64> {
             estimates.innovation_cov(k),
             estimates.gain(k),
             &estimates.nis()[k..=k],
-            &estimates.log_likelihood()[k..=k],
+            &estimates.determinant()[k..=k],
         ]
     });
-    per_sample.flatten().map(|x| x.to_bits()).collect()
+    let likelihoods = (0..estimates.len()).map(|k| estimates.log_likelihood(k));
+    per_sample.flatten().copied().chain(likelihoods).map(f64::to_bits).collect()
 }
 
 #[track_caller]
@@ -93,7 +94,7 @@ fn difference(a: &Estimates, b: &Estimates) -> f64 {
         }
         if k > 0 {
             worst = worst.max((a.nis()[k] - b.nis()[k]).abs());
-            worst = worst.max((a.log_likelihood()[k] - b.log_likelihood()[k]).abs());
+            worst = worst.max((a.log_likelihood(k) - b.log_likelihood(k)).abs());
         }
     }
     worst

@@ -43,8 +43,10 @@ fn assert_is_end_of(kept: &Estimates, all: &Estimates) {
         for of in [Estimates::mean, Estimates::cov, Estimates::innovation, Estimates::innovation_cov, Estimates::gain] {
             assert_eq!(bits(of(kept, k)), bits(of(all, gone + k)), "{name} at {k} after {gone}");
         }
+        let likelihoods = [kept.log_likelihood(k), all.log_likelihood(gone + k)].map(f64::to_bits);
+        assert_eq!(likelihoods[0], likelihoods[1], "{name} at {k} after {gone}");
     }
-    for of in [Estimates::nis, Estimates::log_likelihood, Estimates::effective_samples] {
+    for of in [Estimates::nis, Estimates::determinant, Estimates::effective_samples] {
         assert_eq!(bits(of(kept)), bits(of(all).get(gone..).unwrap_or_default()), "{name} after {gone}");
     }
     assert_eq!(kept.stop(), all.stop(), "{name}");

@@ -40,7 +40,7 @@ fn worst_deviation(case: &str) -> (f64, usize) {
         let mut found = vec![k as f64, run.record().time(k)];
         found.extend(estimates.mean(k));
         found.extend((0..4).map(|i| estimates.std(k, i)));
-        found.extend([estimates.nis()[k], estimates.log_likelihood()[k]]);
+        found.extend([estimates.nis()[k], estimates.log_likelihood(k)]);
         assert_eq!(found.len(), row.len());
         for (column, (found, expected)) in found.iter().zip(&row).enumerate() {
             if expected.is_nan() {

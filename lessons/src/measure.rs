@@ -94,7 +94,8 @@ impl Check {
                 (settled - times.from.unwrap_or(0.0)).max(0.0)
             }
             Measure::LogLikelihood => {
-                let values = estimates.log_likelihood().get(range)?.iter().filter(|value| !value.is_nan());
+                let range = Some(range).filter(|r| r.start <= r.end && r.end <= estimates.len())?;
+                let values = range.map(|k| estimates.log_likelihood(k)).filter(|value| !value.is_nan());
                 let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
                 sum / f64::from(count)
             }

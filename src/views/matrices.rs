@@ -115,7 +115,7 @@ fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, pla
             ui.end_row();
         }
     });
-    let (nis, log_likelihood) = (estimates.nis()[k], estimates.log_likelihood()[k]);
+    let (nis, log_likelihood) = (estimates.nis()[k], estimates.log_likelihood(k));
     ui.weak(format!("NIS {} · log likelihood {}", significant(nis, 4), significant(log_likelihood, 4)));
 }
 

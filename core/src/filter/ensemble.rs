@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::kalman::{check, factor, report};
-use super::{Belief, Correction, FilterError, Observation};
+use super::{Belief, Correction, FilterError, Noise, Observation};
 use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::model::Model;
 use crate::random::Normal;
@@ -33,22 +33,14 @@ impl<const N: usize> Ensemble<N> {
         add_draws(&mut members, &belief.cov, &mut normal)?;
         Ok(Self { members, normal, origin: Some(belief) })
     }
-}
 
-impl<P: Model<N>, const N: usize> Belief<P, N> for Ensemble<N> {
-    const PADDED: bool = true;
-
-    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
-        self.origin = None;
-        for member in &mut self.members {
-            *member = model.runge_kutta_step(member, force, dt);
-        }
-        Ok(())
-    }
-
-    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
+    /// `P ← λ P + Q`
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where Q has no root.
+    fn spread(&mut self, Noise { process, fading, .. }: &Noise<N>) -> Result<(), FilterError> {
         let Self { members, normal, .. } = self;
-        if fading != 1.0 {
+        if *fading != 1.0 {
             let mean = mean(members);
             let stretch = fading.sqrt();
             for member in members.iter_mut() {
@@ -56,6 +48,18 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Ensemble<N> {
             }
         }
         add_draws(members, process, normal)
+    }
+}
+
+impl<P: Model<N>, const N: usize> Belief<P, N> for Ensemble<N> {
+    const PADDED: bool = true;
+
+    fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError> {
+        self.origin = None;
+        for member in &mut self.members {
+            *member = model.runge_kutta_step(member, force, dt);
+        }
+        self.spread(noise)
     }
 
     fn condition<const M: usize>(

@@ -1,7 +1,7 @@
 //! The update of a Gaussian belief, whichever way the measurement was expected.
 
 use super::observation::{Active, Observation};
-use super::{Correction, FilterError};
+use super::{Correction, FilterError, Noise};
 use crate::gaussian::{Factor, Gaussian, Matrix, Vector, lower_root, minus_product, mirrored};
 
 /// What a belief says of M measurements before they are seen.
@@ -16,39 +16,10 @@ pub(super) struct Expected<const N: usize, const M: usize> {
 
 /// How measurements depend on the state.
 pub(super) enum View<const N: usize, const M: usize> {
-    /// Each is a component of it: H picks. With `H P⁻ Hᵀ`.
-    Components(Matrix<M, M>),
     /// Linearly, or taken to: H.
     Linear(Matrix<M, N>),
     /// Not linearly.
     Curved,
-}
-
-/// What sensors will read that read components of the state: H picks, it does not multiply.
-#[inline]
-pub(super) fn expect_components<const N: usize, const M: usize>(
-    belief: &Gaussian<N>,
-    components: [usize; M],
-    observation: &Observation<M>,
-) -> Expected<N, M> {
-    let mut cross = Matrix::<N, M>::zeros();
-    let mut mean = Vector::<M>::zeros();
-    for (row, &i) in components.iter().enumerate() {
-        mean[row] = belief.mean[i];
-        // A row, not the same column: reading it number by number does not wait for pairs to be written.
-        for k in 0..N {
-            cross[(k, row)] = belief.cov[(i, k)];
-        }
-    }
-    let mut seen = Matrix::<M, M>::zeros();
-    for (row, &i) in components.iter().enumerate() {
-        for column in 0..M {
-            seen[(row, column)] = cross[(i, column)];
-        }
-    }
-    let mut cov = seen;
-    observation.add_noise(&mut cov);
-    Expected { mean, cov, cross, view: View::Components(seen) }
 }
 
 /// Conditions a Gaussian belief on a measurement.
@@ -76,15 +47,49 @@ pub(super) fn condition<const N: usize, const M: usize>(
 
     belief.mean += gain * innovation;
     belief.cov = match view {
-        // Picked columns of `P - K (P Hᵀ)ᵀ`, computed again rather than fetched.
-        View::Components(seen) => {
-            joseph(&belief.cov, &gain, cross, observation, |_| minus_product(*cross, &gain, seen))
-        }
         View::Linear(jacobian) => joseph(&belief.cov, &gain, cross, observation, |x| x * jacobian.transpose()),
         View::Curved => mirrored(minus_product(belief.cov, &(gain * innovation_cov), &gain)),
     };
     check(belief)?;
     report(&observation.active, &innovation, innovation_cov, &factor, &gain, correction);
+    Ok(())
+}
+
+/// [`condition`] on sensors that read components of the state: H picks, it does not multiply. In one piece, so that what
+/// the sensors are expected to read need not be written down in between.
+///
+/// # Errors
+/// Those of [`condition`].
+#[inline(never)]
+pub(super) fn condition_on_components<const N: usize, const M: usize>(
+    belief: &mut Gaussian<N>,
+    components: [usize; M],
+    observation: &Observation<M>,
+    correction: &mut Correction<N>,
+) -> Result<(), FilterError> {
+    let mut cross = Matrix::<N, M>::zeros();
+    let mut seen = Matrix::<M, M>::zeros();
+    let mut innovation = observation.values;
+    for (row, &i) in components.iter().enumerate() {
+        innovation[row] -= belief.mean[i];
+        // A row, not the same column: reading it number by number does not wait for pairs to be written.
+        for k in 0..N {
+            cross[(k, row)] = belief.cov[(i, k)];
+        }
+        for (column, &j) in components.iter().enumerate() {
+            seen[(row, column)] = belief.cov[(i, j)];
+        }
+    }
+    let mut innovation_cov = seen;
+    observation.add_noise(&mut innovation_cov);
+    let factor = factor(&innovation_cov)?;
+    let gain = factor.divide(&cross);
+
+    belief.mean += gain * innovation;
+    // Picked columns of `P - K (P Hᵀ)ᵀ`, computed again rather than fetched.
+    belief.cov = joseph(&belief.cov, &gain, &cross, observation, |_| minus_product(cross, &gain, &seen));
+    check(belief)?;
+    report(&observation.active, &innovation, &innovation_cov, &factor, &gain, correction);
     Ok(())
 }
 
@@ -131,9 +136,8 @@ pub(super) fn report<const N: usize, const M: usize>(
     gain: &Matrix<N, M>,
     correction: &mut Correction<N>,
 ) {
-    let nis = factor.square(innovation);
-    correction.nis = nis;
-    correction.log_likelihood = -0.5 * (nis + factor.ln_determinant() + measured.len() as f64 * LN_2_PI);
+    correction.nis = factor.square(innovation);
+    correction.determinant = factor.determinant();
     for (i, row) in measured.iter().enumerate() {
         correction.innovation[row.sensor] = innovation[i];
         correction.gain[row.sensor] = gain.column(i).into();
@@ -142,9 +146,6 @@ pub(super) fn report<const N: usize, const M: usize>(
         }
     }
 }
-
-/// ln 2π
-const LN_2_PI: f64 = 1.837_877_066_409_345_5;
 
 /// `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which keeps P positive semidefinite where sensors are far more precise than the
 /// belief; written as two updates of the sensors' rank:
@@ -172,16 +173,17 @@ fn joseph<const N: usize, const M: usize>(
     mirrored(minus_product(kept, &excess, gain))
 }
 
-/// `P ← λ P + Q`; a variance that is zero but for rounding may have come out on the wrong side.
-#[inline]
-pub(super) fn spread<const N: usize>(belief: &mut Gaussian<N>, fading: f64, process: &Matrix<N, N>) {
-    // As slices, which the compiler turns into vector instructions; the matrices' own iterators it does not.
-    for (entry, added) in belief.cov.as_mut_slice().iter_mut().zip(process.as_slice()) {
-        *entry = *entry * fading + added;
-    }
-    if belief.has_negative_variance() {
-        for i in 0..N {
-            belief.cov[(i, i)] = belief.cov[(i, i)].max(0.0);
+/// `λ P + Q` of a covariance with at least its lower triangle; a variance that is zero but for rounding may have come out on
+/// the wrong side.
+#[inline(always)]
+pub(super) fn spread<const N: usize>(mut cov: Matrix<N, N>, noise: &Noise<N>) -> Matrix<N, N> {
+    for j in 0..N {
+        for i in j..N {
+            cov[(i, j)] = cov[(i, j)] * noise.fading + noise.process[(i, j)];
+        }
+        if cov[(j, j)] < 0.0 {
+            cov[(j, j)] = 0.0;
         }
     }
+    mirrored(cov)
 }

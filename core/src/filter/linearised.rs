@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-use super::kalman::{self, Expected, View, expect_components};
-use super::{Belief, Correction, FilterError, Observation, Smoothable};
-use crate::gaussian::{Gaussian, Matrix, Vector, mirrored};
+use super::kalman::{self, Expected, View};
+use super::{Belief, Correction, FilterError, Noise, Observation, Smoothable};
+use crate::gaussian::{Gaussian, Matrix, Vector};
 use crate::model::{Model, Output};
 
 /// How the mean of a linearising filter moves, and with which transition matrix its covariance.
@@ -100,17 +100,11 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
     const PADDED: bool = false;
 
     #[inline]
-    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
+    fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError> {
         let Self { belief, propagation, .. } = self;
         let (mean, transition) = propagation.step(model, &belief.mean, force, dt);
         belief.mean = mean;
-        belief.cov = congruence(P::MOTION, &transition, &belief.cov);
-        Ok(())
-    }
-
-    #[inline]
-    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
-        kalman::spread(&mut self.belief, fading, process);
+        belief.cov = kalman::spread(congruence(P::MOTION, &transition, &belief.cov), noise);
         Ok(())
     }
 
@@ -123,8 +117,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
     ) -> Result<(), FilterError> {
         let Self { belief, iterations, .. } = self;
         if let Some(components) = observation.components() {
-            let expected = expect_components(belief, components, observation);
-            return kalman::condition(belief, &expected, observation, correction);
+            return kalman::condition_on_components(belief, components, observation, correction);
         }
         let expected = expect(model, belief, observation);
         if *iterations > 1 {
@@ -147,7 +140,7 @@ impl<P: Model<N>, const N: usize> Smoothable<P, N> for Linearised<N> {
     }
 }
 
-/// `Φ P Φᵀ`, symmetric to the last bit, where the first `motion` rows of Φ are full and the rest is diagonal.
+/// The lower triangle of `Φ P Φᵀ`, where the first `motion` rows of Φ are full and the rest is diagonal.
 #[inline]
 fn congruence<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Matrix<N, N>) -> Matrix<N, N> {
     // The first rows of Φ P.
@@ -164,11 +157,11 @@ fn congruence<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Ma
     }
     let mut result = Matrix::<N, N>::zeros();
     for j in 0..motion {
-        for i in 0..motion {
+        for i in j..motion {
             result[(i, j)] = half[(i, 0)] * transition[(j, 0)];
         }
         for k in 1..N {
-            for i in 0..motion {
+            for i in j..motion {
                 result[(i, j)] += half[(i, k)] * transition[(j, k)];
             }
         }
@@ -182,7 +175,7 @@ fn congruence<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Ma
             result[(i, j)] = cov[(i, j)] * (transition[(i, i)] * transition[(j, j)]);
         }
     }
-    mirrored(result)
+    result
 }
 
 /// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, where not every sensor reads a component of the state.

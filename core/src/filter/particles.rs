@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::kalman::{check, factor, report};
-use super::{Belief, Correction, FilterError, Observation};
+use super::{Belief, Correction, FilterError, Noise, Observation};
 use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::model::Model;
 use crate::random::Normal;
@@ -95,12 +95,27 @@ impl<const N: usize> Particles<N> {
         *particles = drawn;
         weights.fill(1.0 / count as f64);
     }
+
+    /// `P ← λ P + Q`
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where Q has no root.
+    fn spread(&mut self, Noise { process, fading, .. }: &Noise<N>) -> Result<(), FilterError> {
+        if *fading != 1.0 {
+            let mean = self.mean();
+            let stretch = fading.sqrt();
+            for particle in &mut self.particles {
+                *particle = mean + (*particle - mean) * stretch;
+            }
+        }
+        add_draws(&mut self.particles, process, &mut self.normal)
+    }
 }
 
 impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
     const PADDED: bool = true;
 
-    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
+    fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError> {
         self.origin = None;
         // A particle that runs away is no explanation of anything and loses its weight.
         let mut lost = false;
@@ -112,18 +127,10 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
                 (*weight, lost) = (0.0, true);
             }
         }
-        if lost { self.normalise() } else { Ok(()) }
-    }
-
-    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
-        if fading != 1.0 {
-            let mean = self.mean();
-            let stretch = fading.sqrt();
-            for particle in &mut self.particles {
-                *particle = mean + (*particle - mean) * stretch;
-            }
+        if lost {
+            self.normalise()?;
         }
-        add_draws(&mut self.particles, process, &mut self.normal)
+        self.spread(noise)
     }
 
     fn condition<const M: usize>(

@@ -17,8 +17,8 @@
 
 use std::borrow::Cow;
 
-use super::kalman::{self, Expected, View, expect_components};
-use super::{Belief, Correction, FilterError, Observation, Smoothable};
+use super::kalman::{self, Expected, View};
+use super::{Belief, Correction, FilterError, Noise, Observation, Smoothable};
 use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::model::Model;
 
@@ -68,7 +68,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     const PADDED: bool = false;
 
     #[inline]
-    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
+    fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError> {
         let Self { belief, rule } = self;
         let (spread, _, offset) = rule.constants::<N>();
         let distance = spread.sqrt();
@@ -103,6 +103,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
                 root[(j, i)] = (high[(i, j)] - low[(i, j)]) * half;
             }
         }
+        let mut cov = belief.cov;
         for j in 0..moving {
             let mut sums = Vector::<N>::zeros();
             for k in 0..N {
@@ -114,17 +115,11 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
                 sums[i] += dot(&curved, i, j) + offset * shift[i] * shift[j];
             }
             for i in j..N {
-                belief.cov[(i, j)] = sums[i];
-                belief.cov[(j, i)] = sums[i];
+                cov[(i, j)] = sums[i];
             }
         }
         belief.mean = centre + shift;
-        Ok(())
-    }
-
-    #[inline]
-    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
-        kalman::spread(&mut self.belief, fading, process);
+        belief.cov = kalman::spread(cov, noise);
         Ok(())
     }
 
@@ -136,11 +131,11 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
         correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
         let Self { belief, rule } = self;
-        let expected = match observation.components() {
+        if let Some(components) = observation.components() {
             // Sigma points through a linear function give its exact moments, which this gives for less.
-            Some(components) => expect_components(belief, components, observation),
-            None => expect(model, belief, *rule, observation)?,
-        };
+            return kalman::condition_on_components(belief, components, observation, correction);
+        }
+        let expected = expect(model, belief, *rule, observation)?;
         kalman::condition(belief, &expected, observation, correction)
     }
 

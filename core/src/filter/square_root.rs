@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::kalman::{check, factor, report};
-use super::{Belief, Correction, FilterError, Observation, Rule};
+use super::{Belief, Correction, FilterError, Noise, Observation, Rule};
 use crate::gaussian::{Gaussian, Matrix, Vector, add_to_root, lower_root};
 use crate::model::Model;
 
@@ -36,12 +36,25 @@ impl<const N: usize> SquareRoot<N> {
     pub fn new(belief: &Gaussian<N>) -> Result<Self, FilterError> {
         Ok(Self { mean: belief.mean, root: lower_root(&belief.cov)? })
     }
+
+    /// `P ← λ P + Q`
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where Q has no root.
+    fn spread(&mut self, Noise { process, fading, .. }: &Noise<N>) -> Result<(), FilterError> {
+        self.root *= fading.sqrt();
+        let process = lower_root(process)?;
+        for i in 0..N {
+            add_to_root(&mut self.root, process.column(i).into());
+        }
+        Ok(())
+    }
 }
 
 impl<P: Model<N>, const N: usize> Belief<P, N> for SquareRoot<N> {
     const PADDED: bool = true;
 
-    fn propagate(&mut self, model: &P, force: f64, dt: f64) -> Result<(), FilterError> {
+    fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError> {
         let Self { mean, root } = self;
         let (spread, weight, _) = Rule::Unscented.constants::<N>();
         let step = |state: Vector<N>| model.runge_kutta_step(&state, force, dt);
@@ -60,16 +73,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SquareRoot<N> {
         add_to_root(&mut moved, shift);
         *mean = centre + shift;
         *root = moved;
-        Ok(())
-    }
-
-    fn spread(&mut self, fading: f64, process: &Matrix<N, N>) -> Result<(), FilterError> {
-        self.root *= fading.sqrt();
-        let noise = lower_root(process)?;
-        for i in 0..N {
-            add_to_root(&mut self.root, noise.column(i).into());
-        }
-        Ok(())
+        self.spread(noise)
     }
 
     fn condition<const M: usize>(

@@ -149,7 +149,7 @@ fn check_sample(
             require(s.is_finite() == both, || format!("S {s} of {i} and {j}"))?;
         }
     }
-    let (nis, log_likelihood) = (estimates.nis()[k], estimates.log_likelihood()[k]);
+    let (nis, log_likelihood) = (estimates.nis()[k], estimates.log_likelihood(k));
     require(if told { nis.is_finite() && nis >= 0.0 } else { nis.is_nan() }, || format!("NIS {nis}"))?;
     let likely = if told { log_likelihood.is_finite() } else { log_likelihood.is_nan() };
     require(likely, || format!("log likelihood {log_likelihood}"))?;

@@ -63,7 +63,7 @@ pub(crate) fn deviation(estimates: &Estimates, expected: &[Sample]) -> f64 {
                 worst = worst.max(part(estimates.cov(k)[n * j + i] - sample.cov.at(i, j), scale(i) * scale(j)));
             }
         }
-        let pairs = [(estimates.nis()[k], sample.nis), (estimates.log_likelihood()[k], sample.log_likelihood)];
+        let pairs = [(estimates.nis()[k], sample.nis), (estimates.log_likelihood(k), sample.log_likelihood)];
         for (found, expected) in pairs {
             assert_eq!(found.is_nan(), expected.is_nan(), "{} at {k}", estimates.name());
             worst = worst.max((found - expected).abs() / expected.abs().max(1.0));

@@ -46,7 +46,7 @@ fn error(kf: &Estimates, other: &Estimates) -> Error {
             std += (other.std(k, i) / kf.std(k, i) - 1.0).powi(2);
             count += 1.0;
         }
-        log_likelihood += other.log_likelihood()[k] - kf.log_likelihood()[k];
+        log_likelihood += other.log_likelihood(k) - kf.log_likelihood(k);
     }
     Error { mean: (mean / count).sqrt(), std: (std / count).sqrt(), log_likelihood: log_likelihood / kf.len() as f64 }
 }
