@@ -16,7 +16,7 @@ use crate::session::{Mode, Session};
 use crate::summary::Summary;
 use crate::theme::{self, Palette};
 use crate::tutor::{self, Tutor};
-use crate::views::{Layout, Shown, TimeAxis, ViewContext, ViewKind, legend};
+use crate::views::{Layout, Shown, TimeAxis, ViewContext, legend};
 
 /// Below this width the settings are a drawer under the plots \[points\].
 const NARROW: f32 = 720.0;
@@ -181,7 +181,7 @@ impl eframe::App for App {
         }
         // What is dragged becomes one step of the history once it has come to rest.
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
-        self.session.want_bounds(self.layout.shown().contains(&ViewKind::Errors));
+        self.session.want(self.layout.wanted());
         // A frame that took long (a hidden tab, a breakpoint) must not swallow the story.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         self.session.advance(elapsed);

@@ -8,7 +8,7 @@ use kalmanscope_core::{Diagnostics, Estimates, Quantity, Run, RunError, Scenario
 use serde::{Deserialize, Serialize};
 
 use analysis::Analysis;
-pub use analysis::Bound;
+pub use analysis::{Bound, Wanted};
 
 /// What is shown of the record.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -96,7 +96,7 @@ impl Session {
         self.generation
     }
 
-    /// What the estimates that are kept are worth, one a filter.
+    /// What the estimates that are kept are worth, one a filter, as far as that is wanted.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         self.analysis.diagnostics()
     }
@@ -106,16 +106,19 @@ impl Session {
         self.analysis.bounds()
     }
 
-    /// Whether the Cramér-Rao bounds are to be computed: they cost as much as a filter.
-    pub fn want_bounds(&mut self, wanted: bool) {
-        if self.analysis.want_bounds(wanted) {
-            if wanted && self.run.record().forgotten() > 0 {
-                // They begin where the filters began.
-                self.start_anew();
-                self.catch_up();
-            } else {
-                self.follow();
-            }
+    /// Says what is to be computed beside the estimates.
+    pub fn want(&mut self, wanted: Wanted) {
+        let before = self.analysis.wanted();
+        if wanted == before {
+            return;
+        }
+        self.analysis.want(wanted);
+        if wanted.bounds && !before.bounds && self.run.record().forgotten() > 0 {
+            // They begin where the filters began.
+            self.start_anew();
+            self.catch_up();
+        } else {
+            self.follow();
         }
     }
 

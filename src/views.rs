@@ -31,6 +31,7 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use egui::{Rect, Ui, vec2};
 use kalmanscope_core::Channel;
+use kalmanscope_core::diagnostics::Depth;
 use serde::{Deserialize, Serialize};
 
 use crate::command::Command;
@@ -137,6 +138,15 @@ impl ViewKind {
     /// Whether it is one plot over something else than time, which is best about as high as wide.
     fn is_plane(self) -> bool {
         matches!(self, Self::Autocorrelation | Self::Phase | Self::ParameterPlane | Self::FrequencyResponse)
+    }
+
+    /// How deep the diagnostics must be that it shows, if it shows any.
+    fn depth(self) -> Option<Depth> {
+        match self {
+            Self::Consistency => Some(Depth::Consistency),
+            Self::Autocorrelation | Self::Scores => Some(Depth::All),
+            _ => None,
+        }
     }
 
     /// The view itself.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use kalmanscope::session::{Mode, Session};
+use kalmanscope::session::{Mode, Session, Wanted};
 use kalmanscope_core::diagnostics::VerdictKind;
 use kalmanscope_core::{Channel, Run, Scenario};
 
@@ -42,7 +42,7 @@ fn a_day_passes_in_bounded_memory() {
     let scenario = day();
     let mut session = Session::new(scenario.clone()).unwrap();
     assert!(!session.can_be_whole() && session.mode() == Mode::Live);
-    session.want_bounds(true);
+    session.want(Wanted { bounds: true, ..Wanted::default() });
     // As much in a frame as is computed in one: 200 s.
     session.set_speed(2000.0);
     let (mut frames, mut forgotten, mut generation) = (0, 0, session.generation());

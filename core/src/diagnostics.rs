@@ -24,6 +24,16 @@ pub use totals::{MeanSquare, Total};
 pub use verdict::{Verdict, VerdictKind};
 pub use whiteness::{LAGS, LjungBox, Whiteness};
 
+/// How much of the diagnostics is followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Depth {
+    /// NIS, NEES and likelihood, at half the cost of all: there are no tallies of errors, no whiteness and no verdict.
+    Consistency,
+    /// Everything.
+    #[default]
+    All,
+}
+
 /// What the estimates of one filter are worth, from running sums that follow them sample by sample.
 ///
 /// Errors are those of the canonical form ([`Estimates::canonical_mean`]). In whatever portions the samples come, the
@@ -33,6 +43,7 @@ pub use whiteness::{LAGS, LjungBox, Whiteness};
 /// from the first of these. What they still know of the others is from when on an estimate has settled.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
+    depth: Depth,
     samples: usize,
     forgotten: usize,
     accuracy: Accuracy,
@@ -44,6 +55,11 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
+    /// Diagnostics of no estimates yet, for [`Self::restart`].
+    pub fn empty(depth: Depth) -> Self {
+        Self { depth, ..Self::default() }
+    }
+
     /// The diagnostics of all estimates so far of a filter, against the record that it follows.
     pub fn new(estimates: &Estimates, record: &Record) -> Self {
         let mut diagnostics = Self::default();
@@ -51,16 +67,18 @@ impl Diagnostics {
         diagnostics
     }
 
-    /// Begins anew with other estimates, as [`Self::new`] does, in the memory of these diagnostics.
+    /// Begins anew with other estimates, as [`Self::new`] does, as deep as before and in the memory of these diagnostics.
     pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
-        let Self { samples, forgotten, accuracy, nees, nis, whiteness, likelihood, stop } = self;
+        let Self { depth, samples, forgotten, accuracy, nees, nis, whiteness, likelihood, stop } = self;
         *samples = 0;
         *forgotten = estimates.forgotten();
         accuracy.restart(estimates, record);
         nees.restart(accuracy.known().iter().map(|known| known.place));
         nis.clear();
         whiteness.clear();
-        whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
+        if *depth == Depth::All {
+            whiteness.resize(estimates.sensors().len(), Whiteness::NEW);
+        }
         *likelihood = Likelihood::new(estimates.kind());
         *stop = None;
         self.follow(estimates, record);
@@ -79,28 +97,37 @@ impl Diagnostics {
             }
             return;
         }
-        for k in self.samples..estimates.len() {
-            self.push(estimates, record, k);
+        let new = self.samples..estimates.len();
+        match self.depth {
+            Depth::Consistency => new.for_each(|k| self.push_consistency(estimates, record, k)),
+            Depth::All => new.for_each(|k| self.push(estimates, record, k)),
         }
         self.samples = estimates.len();
         self.stop = estimates.stop();
     }
 
     #[inline]
-    fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) {
-        let Self { samples: _, forgotten: _, accuracy, nees, nis, whiteness, likelihood, stop: _ } = self;
-        let errors = accuracy.push(estimates, record, k);
-        nees.push(errors, estimates.cov(k), estimates.channels().len());
+    fn push_consistency(&mut self, estimates: &Estimates, record: &Record, k: usize) {
+        let errors = self.accuracy.look(estimates, record, k);
+        self.nees.push(errors, estimates.cov(k), estimates.channels().len());
+        let measured = estimates.innovation(k).iter().filter(|innovation| !innovation.is_nan()).count();
+        self.nis.push(estimates.nis()[k], measured as u32);
+        self.likelihood.push(estimates, k);
+    }
 
-        let m = whiteness.len();
+    #[inline]
+    fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) {
+        let errors = self.accuracy.push(estimates, record, k);
+        self.nees.push(errors, estimates.cov(k), estimates.channels().len());
+        let m = self.whiteness.len();
         let innovation_cov = estimates.innovation_cov(k);
         let mut measured = 0;
-        for (i, (whiteness, &innovation)) in whiteness.iter_mut().zip(estimates.innovation(k)).enumerate() {
+        for (i, (whiteness, &innovation)) in self.whiteness.iter_mut().zip(estimates.innovation(k)).enumerate() {
             measured += u32::from(!innovation.is_nan());
             whiteness.push(innovation / innovation_cov[i * (m + 1)].sqrt());
         }
-        nis.push(estimates.nis()[k], measured);
-        likelihood.push(estimates, k);
+        self.nis.push(estimates.nis()[k], measured);
+        self.likelihood.push(estimates, k);
     }
 
     /// The number of samples taken in.
@@ -128,7 +155,8 @@ impl Diagnostics {
         Some(self.accuracy.error(self.accuracy.place(channel)?)).filter(|error| !error.is_nan())
     }
 
-    /// What a channel's errors over a range of samples come to; `None` where the truth is not known.
+    /// What a channel's errors over a range of samples come to; `None` where the truth is not known, or only consistency is
+    /// followed.
     pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<Tally> {
         let tally = self.accuracy.within(self.accuracy.place(channel)?, range);
         (tally.known > 0).then_some(tally)
@@ -140,7 +168,7 @@ impl Diagnostics {
     }
 
     /// The sample from which on a channel's estimate has been within 5 % of the truth until the last, by its number from the
-    /// run's beginning ([`Record::time_of`]); `None` where the last is not, or the truth is not known.
+    /// run's beginning ([`Record::time_of`]); `None` where the last is not, the truth is not known, or only consistency is followed.
     pub fn settled(&self, channel: Channel) -> Option<usize> {
         self.accuracy.settled(self.accuracy.place(channel)?)
     }
@@ -191,7 +219,7 @@ impl Diagnostics {
         MeanSquare::new(total, total.samples)
     }
 
-    /// Whether the innovations are white, sensor by sensor.
+    /// Whether the innovations are white, sensor by sensor; none where only consistency is followed.
     pub fn whiteness(&self) -> &[Whiteness] {
         &self.whiteness
     }

@@ -1,6 +1,7 @@
 //! What is computed from a run beside its estimates.
 
-use kalmanscope_core::{CramerRao, Diagnostics, Estimates, Run, Scenario};
+use kalmanscope_core::diagnostics::{Depth, Diagnostics};
+use kalmanscope_core::{CramerRao, Estimates, Run, Scenario};
 
 /// A Cramér-Rao bound and the places of the filters that it is for.
 pub struct Bound {
@@ -10,16 +11,32 @@ pub struct Bound {
     pub places: Vec<usize>,
 }
 
+/// What is to be computed beside the estimates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wanted {
+    /// The Cramér-Rao bounds, which cost as much as a filter.
+    pub bounds: bool,
+    /// Diagnostics, and how deep.
+    pub diagnostics: Option<Depth>,
+}
+
+impl Default for Wanted {
+    /// All diagnostics, no bounds.
+    fn default() -> Self {
+        Self { bounds: false, diagnostics: Some(Depth::All) }
+    }
+}
+
 /// Diagnostics, bounds and smoothed estimates of a run's filters.
 #[derive(Default)]
 pub(super) struct Analysis {
     diagnostics: Vec<Diagnostics>,
+    wanted: Wanted,
     /// The number of filters, from the first on, whose diagnostics are those of this run and not of an earlier one, and the
     /// places of those in between of which that is not so.
     begun: usize,
     changed: Vec<usize>,
     bounds: Vec<Bound>,
-    with_bounds: bool,
     /// How much the bounds are still worth.
     validity: Validity,
     smoothed: Vec<(usize, Estimates)>,
@@ -50,15 +67,21 @@ impl Analysis {
         &self.smoothed
     }
 
-    /// Whether bounds are to be computed. Returns whether that is new.
-    pub(super) fn want_bounds(&mut self, wanted: bool) -> bool {
-        let new = self.with_bounds != wanted;
-        if new {
-            self.with_bounds = wanted;
+    pub(super) fn wanted(&self) -> Wanted {
+        self.wanted
+    }
+
+    /// Says what is to be computed from now on.
+    pub(super) fn want(&mut self, wanted: Wanted) {
+        if self.wanted.bounds != wanted.bounds {
             self.bounds.clear();
             self.validity = Validity::None;
         }
-        new
+        if self.wanted.diagnostics != wanted.diagnostics {
+            self.diagnostics.clear();
+            self.begun = 0;
+        }
+        self.wanted = wanted;
     }
 
     /// Before another run.
@@ -77,9 +100,11 @@ impl Analysis {
 
     /// Takes in what is new of a run. Bounds and hindsight need the scenario that it is of, and hindsight all of it.
     pub(super) fn follow(&mut self, scenario: Option<&Scenario>, run: &Run, whole: bool) {
-        let Self { diagnostics, begun, changed, bounds, with_bounds, validity, smoothed } = self;
+        let Self { diagnostics, wanted, begun, changed, bounds, validity, smoothed } = self;
         let record = run.record();
-        diagnostics.resize_with(run.estimates().len(), Diagnostics::default);
+        if let Some(depth) = wanted.diagnostics {
+            diagnostics.resize_with(run.estimates().len(), || Diagnostics::empty(depth));
+        }
         for (place, (diagnostics, estimates)) in diagnostics.iter_mut().zip(run.estimates()).enumerate() {
             if place < *begun && !changed.contains(&place) {
                 diagnostics.follow(estimates, record);
@@ -95,7 +120,7 @@ impl Analysis {
             let with = scenario.filters.iter().enumerate().filter(|(_, filter)| filter.smoother);
             *smoothed = with.map(|(place, _)| place).zip(run.smoothed()).collect();
         }
-        if let Some(scenario) = scenario.filter(|_| *with_bounds) {
+        if let Some(scenario) = scenario.filter(|_| wanted.bounds) {
             if *validity != Validity::All {
                 let old = std::mem::take(bounds);
                 *bounds = bounds_of(scenario, record.dt(), old, *validity == Validity::Truth);

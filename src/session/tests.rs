@@ -107,7 +107,7 @@ fn what_is_kept_follows_from_where_the_run_stands() {
     let mut bounded = long();
     bounded.seek(2345.67);
     wait(&mut bounded);
-    bounded.want_bounds(true);
+    bounded.want(Wanted { bounds: true, ..Wanted::default() });
     assert!(bounded.behind(), "bounds begin at the start");
     wait(&mut bounded);
     assert_eq!(bounded.bounds()[0].bound.len(), bounded.run().len());

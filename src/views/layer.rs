@@ -15,6 +15,9 @@ use crate::series::{BandColumn, Column};
 /// How much a band's edge goes up and down on average where it is steep, as a multiple of its way across the screen.
 const STEEP: f64 = 6.0;
 
+/// Values nearer to each other cannot be told apart \[points\].
+const ALIKE: f64 = 0.2;
+
 /// A line that goes so many points up and down, and turns so often, on its way of one point to the right is an area: noise is,
 /// waves are not.
 const DENSE: (f64, f64) = (16.0, 1.0);
@@ -36,11 +39,24 @@ impl Window {
         (self.size.x as usize).max(16)
     }
 
+    /// The scale of the screen, where the vertical axis shows `range` unless the user has chosen it.
+    fn scale(&self, range: Option<(f64, f64)>) -> Option<Scale> {
+        let per = |(low, high): (f64, f64), length: f32| f64::from(length) / (high - low);
+        Some(Scale { x: per(self.times, self.size.x), y: per(self.values.or(range)?, self.size.y) })
+    }
+
     /// Everything that a picture depends on.
     pub(super) fn key(&self) -> impl Hash + use<> {
         let bits = |(low, high): (f64, f64)| [low.to_bits(), high.to_bits()];
         (bits(self.times), self.values.map(bits), self.size.x.to_bits(), self.size.y.to_bits())
     }
+}
+
+/// How much of the screen there is to a unit \[points\].
+#[derive(Clone, Copy)]
+struct Scale {
+    x: f64,
+    y: f64,
 }
 
 /// One thing that a chart shows; the first are the lowest.
@@ -85,7 +101,6 @@ pub(super) enum DrawnLayer {
     Band {
         parts: Vec<Vec<Rung>>,
         color: Color32,
-        under: f32,
         steep: bool,
     },
     Dots {
@@ -98,7 +113,6 @@ pub(super) enum DrawnLayer {
         color: Color32,
         width: f32,
         dashed: bool,
-        bounds: bool,
         dense: bool,
     },
     Level {
@@ -110,16 +124,12 @@ pub(super) enum DrawnLayer {
 impl Drawn {
     /// Reduces `layers` to what the window shows. `least` is the least that the vertical axis shows.
     pub(super) fn new(layers: &[Layer<'_>], record: &Record, window: &Window, least: Option<(f64, f64)>) -> Self {
-        let mut layers: Vec<DrawnLayer> =
-            layers.iter().map(|layer| DrawnLayer::new(layer, record, window.times, window.columns())).collect();
-        let range = vertical_range(&layers, least);
-        if let Some(values) = window.values.or(range) {
-            let scale = |(low, high): (f64, f64), length: f32| f64::from(length) / (high - low);
-            let scale = (scale(window.times, window.size.x), scale(values, window.size.y));
-            for layer in &mut layers {
-                layer.simplify(scale);
-            }
-        }
+        let columns: Vec<Columns> = layers.iter().map(|layer| Columns::new(layer, record, window)).collect();
+        let range = vertical_range(layers.iter().zip(&columns), least);
+        // Without a scale nothing has a value.
+        let layers = window.scale(range).map_or(Vec::new(), |scale| {
+            layers.iter().zip(&columns).filter_map(|(layer, c)| DrawnLayer::new(layer, c, record, scale)).collect()
+        });
         Self { range, layers, painted: Painted::default() }
     }
 
@@ -129,60 +139,69 @@ impl Drawn {
     }
 }
 
-impl DrawnLayer {
-    fn new(layer: &Layer<'_>, record: &Record, window: (f64, f64), columns: usize) -> Self {
-        match layer {
-            Layer::Band { band, color, under } => {
-                // Half the columns do for the smooth edges of a band.
-                let rungs = rungs(record, &band.columns(record, window, columns / 2));
-                Self::Band { parts: vec![rungs], color: *color, under: *under, steep: false }
-            }
-            Layer::Dots { series, color } => {
-                let columns = series.columns(record, window, columns / 2);
-                let both = |c: &Column| [c.low, c.high].map(|value| PlotPoint::new(record.time(c.samples.0), value));
-                Self::Dots { points: columns.iter().flat_map(both).collect(), color: *color }
-            }
-            Layer::Line { series, color, width, dashed, bounds } => Self::Line {
-                points: line(record, &series.columns(record, window, columns)),
-                color: *color,
-                width: *width,
-                dashed: *dashed,
-                bounds: *bounds,
-                dense: true,
-            },
-            Layer::Level { value, color } => Self::Level { value: *value, color: *color },
-        }
-    }
+/// What a layer has in the pixel columns of a window.
+pub(super) enum Columns {
+    Band(Vec<BandColumn>),
+    Series(Vec<Column>),
+    /// The same in all.
+    Level,
+}
 
-    /// Leaves out points that make no difference at so many points of the screen a unit.
-    fn simplify(&mut self, (x, y): (f64, f64)) {
-        match self {
-            Self::Band { parts, under, steep, .. } => {
-                let seen: Vec<&[Rung]> =
-                    parts.iter().flat_map(|rungs| unhidden(rungs, f64::from(*under) / y)).collect();
-                let climb = |two: &[Rung]| (two[1].low - two[0].low).abs();
-                let climbed: f64 = seen.iter().flat_map(|rungs| rungs.windows(2)).map(climb).sum();
-                let length: f64 = seen.iter().filter_map(|rungs| Some(rungs.last()?.time - rungs.first()?.time)).sum();
-                *steep = y * climbed > STEEP * x * length;
-                *parts = seen.into_iter().map(|rungs| telling_rungs(rungs, (x, y))).collect();
-            }
-            Self::Line { points, dense, .. } => {
-                let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
-                let way: f64 = points.windows(2).map(|pair| (pair[1].y - pair[0].y).abs()).sum();
-                let length = x * (last.x - first.x);
-                let kept = telling(points.iter().map(|p| (x * p.x, y * p.y)));
-                let turns = kept.windows(3).filter(|three| {
-                    let [before, at, after] = [0, 1, 2].map(|i| points[three[i]].y);
-                    (at > before) != (after > at)
-                });
-                *dense = y * way > DENSE.0 * length && turns.count() as f64 > DENSE.1 * length;
-                if !*dense {
-                    *points = kept.into_iter().map(|i| points[i]).collect();
-                }
-            }
-            Self::Dots { .. } | Self::Level { .. } => {}
+impl Columns {
+    fn new(layer: &Layer<'_>, record: &Record, window: &Window) -> Self {
+        let (times, columns) = (window.times, window.columns());
+        match layer {
+            // Half the columns do for the smooth edges of a band, and for dots as wide as two.
+            Layer::Band { band, .. } => Self::Band(band.columns(record, times, columns / 2)),
+            Layer::Dots { series, .. } => Self::Series(series.columns(record, times, columns / 2)),
+            Layer::Line { series, .. } => Self::Series(series.columns(record, times, columns)),
+            Layer::Level { .. } => Self::Level,
         }
     }
+}
+
+impl DrawnLayer {
+    /// The layer on a screen of this scale, without what makes no difference there.
+    fn new(layer: &Layer<'_>, columns: &Columns, record: &Record, scale: Scale) -> Option<Self> {
+        Some(match (layer, columns) {
+            (&Layer::Band { color, under, .. }, Columns::Band(columns)) => {
+                let rungs = rungs(record, columns);
+                let seen: Vec<&[Rung]> = unhidden(&rungs, f64::from(under) / scale.y).collect();
+                let parts = seen.iter().map(|rungs| telling_rungs(rungs, scale)).collect();
+                Self::Band { parts, color, steep: are_steep(&seen, scale) }
+            }
+            (&Layer::Dots { color, .. }, Columns::Series(columns)) => {
+                let both = |c: &Column| [c.low, c.high].map(|value| PlotPoint::new(record.time(c.samples.0), value));
+                Self::Dots { points: columns.iter().flat_map(both).collect(), color }
+            }
+            (&Layer::Line { color, width, dashed, .. }, Columns::Series(columns)) => {
+                let points = line(record, columns, scale);
+                let kept = telling(points.iter().map(|p| (scale.x * p.x, scale.y * p.y)));
+                let kept: Vec<PlotPoint> = kept.into_iter().map(|i| points[i]).collect();
+                let dense = is_dense(&points, &kept, scale);
+                Self::Line { points: if dense { points } else { kept }, color, width, dashed, dense }
+            }
+            (&Layer::Level { value, color }, Columns::Level) => Self::Level { value, color },
+            _ => return None,
+        })
+    }
+}
+
+/// Whether lines along the edges of a band would be one blur.
+fn are_steep(parts: &[&[Rung]], scale: Scale) -> bool {
+    let climb = |two: &[Rung]| (two[1].low - two[0].low).abs();
+    let climbed: f64 = parts.iter().flat_map(|rungs| rungs.windows(2)).map(climb).sum();
+    let length: f64 = parts.iter().filter_map(|rungs| Some(rungs.last()?.time - rungs.first()?.time)).sum();
+    scale.y * climbed > STEEP * scale.x * length
+}
+
+/// Whether a line, of which these points are `kept`, goes up and down so much that it is an area.
+fn is_dense(points: &[PlotPoint], kept: &[PlotPoint], scale: Scale) -> bool {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return false };
+    let way: f64 = points.windows(2).map(|pair| (pair[1].y - pair[0].y).abs()).sum();
+    let length = scale.x * (last.x - first.x);
+    let turns = || kept.windows(3).filter(|three| (three[1].y > three[0].y) != (three[2].y > three[1].y)).count();
+    scale.y * way > DENSE.0 * length && turns() as f64 > DENSE.1 * length
 }
 
 /// A band at both ends of each column where they hold all of it; where they do not, its extremes.
@@ -204,8 +223,8 @@ fn unhidden(rungs: &[Rung], line: f64) -> impl Iterator<Item = &[Rung]> {
     runs.filter(move |run| run[0].widest > line)
 }
 
-/// What a band needs to look as it does on a screen of this scale.
-fn telling_rungs(rungs: &[Rung], (x, y): (f64, f64)) -> Vec<Rung> {
+/// What a band needs to look as it does.
+fn telling_rungs(rungs: &[Rung], Scale { x, y }: Scale) -> Vec<Rung> {
     let edge = |value: fn(&Rung) -> f64| telling(rungs.iter().map(|rung| (x * rung.time, y * value(rung))));
     let mut kept = edge(|rung| rung.high);
     // One edge tells all of a band around zero.
@@ -218,15 +237,16 @@ fn telling_rungs(rungs: &[Rung], (x, y): (f64, f64)) -> Vec<Rung> {
 }
 
 /// A line through the extremes of each column, in the order in which they come: where it only rises or falls these are its
-/// ends, and a steep line is no staircase.
-fn line(record: &Record, columns: &[Column]) -> Vec<PlotPoint> {
+/// ends, and a steep line is no staircase. Extremes that nobody can tell apart are one.
+fn line(record: &Record, columns: &[Column], scale: Scale) -> Vec<PlotPoint> {
+    let alike = ALIKE / scale.y;
     let mut points = Vec::with_capacity(2 * columns.len());
-    for column in columns {
-        let (low, high) = (column.low, column.high);
-        let (first, second) = if column.rising { (low, high) } else { (high, low) };
-        points.push(PlotPoint::new(record.time(column.samples.0), first));
-        if first != second {
-            points.push(PlotPoint::new(record.time(column.samples.1), second));
+    for &Column { samples: (first, last), low, high, rising, .. } in columns {
+        if high - low <= alike {
+            points.push(PlotPoint::new(record.time(first), 0.5 * (low + high)));
+        } else {
+            let (begin, end) = if rising { (low, high) } else { (high, low) };
+            points.extend([PlotPoint::new(record.time(first), begin), PlotPoint::new(record.time(last), end)]);
         }
     }
     points

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ViewContext, ViewKind};
 use crate::command::Command;
+use crate::session::Wanted;
 
 /// A ready-made choice of views.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -98,6 +99,15 @@ impl Layout {
     pub fn shown(&self) -> Vec<ViewKind> {
         let shown: Vec<ViewKind> = self.tree.tiles.tiles().filter_map(pane).collect();
         ViewKind::ALL.into_iter().filter(|view| shown.contains(view)).collect()
+    }
+
+    /// What the views that are shown need.
+    pub fn wanted(&self) -> Wanted {
+        let shown = self.shown();
+        Wanted {
+            bounds: shown.contains(&ViewKind::Errors),
+            diagnostics: shown.iter().filter_map(|view| view.depth()).max(),
+        }
     }
 
     /// The views that are shown, from top to bottom and left to right.

@@ -48,6 +48,20 @@ pub(super) struct Known {
     settled: usize,
 }
 
+impl Known {
+    /// The error of a mean in the filter's own form.
+    #[inline]
+    fn error(&self, mean: &[f64], sign: f64, truth: f64) -> f64 {
+        mean[self.place] - if self.channel.is_mirrored() { sign * truth } else { truth }
+    }
+}
+
+/// What makes the mirrored channels of a mean canonical.
+#[inline]
+fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
+    if frequency.is_some_and(|place| mean[place] < 0.0) { -1.0 } else { 1.0 }
+}
+
 /// The channels with a known truth. Errors are those of the canonical form.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accuracy {
@@ -81,16 +95,28 @@ impl Accuracy {
         *sign = 1.0;
     }
 
-    /// Takes in sample `k` and returns its errors in the filter's own form.
+    /// The errors of sample `k` in the filter's own form.
+    #[inline]
+    pub(super) fn look(&mut self, estimates: &Estimates, record: &Record, k: usize) -> &[f64] {
+        let Self { known, frequency, errors, sign, .. } = self;
+        let mean = estimates.mean(k);
+        *sign = sign_of(mean, *frequency);
+        for (one, error) in known.iter().zip(errors.iter_mut()) {
+            *error = one.error(mean, *sign, record.truth_at(one.truth, k));
+        }
+        errors
+    }
+
+    /// The same, and takes them in.
     #[inline]
     pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) -> &[f64] {
         let Self { known, first, frequency, until, errors, sign } = self;
         let number = *first + k;
         let (mean, cov) = (estimates.mean(k), estimates.cov(k));
-        *sign = if frequency.is_some_and(|place| mean[place] < 0.0) { -1.0 } else { 1.0 };
+        *sign = sign_of(mean, *frequency);
         until.extend(known.iter_mut().zip(errors.iter_mut()).map(|(one, error)| {
             let truth = record.truth_at(one.truth, k);
-            let raw = mean[one.place] - if one.channel.is_mirrored() { *sign * truth } else { truth };
+            let raw = one.error(mean, *sign, truth);
             *error = raw;
             let mut total = one.total;
             if raw.is_nan() {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::chi_squared::wilson_hilferty;
-use super::{Diagnostics, Total};
+use super::{Depth, Diagnostics, Total};
 use crate::Estimates;
 
 /// Whether a filter is to be believed, and why.
@@ -73,8 +73,8 @@ impl fmt::Display for Verdict {
 }
 
 impl Diagnostics {
-    /// Whether the filter is to be believed; `None` as long as there are fewer than 20 measurements. `estimates` are
-    /// those that the diagnostics follow.
+    /// Whether the filter is to be believed; `None` as long as there are fewer than 20 measurements, and where only consistency
+    /// is followed. `estimates` are those that the diagnostics follow.
     ///
     /// The record so far is judged in ten equal parts; two may be bad. The first of these that holds is the verdict:
     /// - diverged: the filter has stopped, or in the last fifth a channel's error is more than 10σ and larger than the
@@ -92,7 +92,7 @@ impl Diagnostics {
             return Some(Verdict { kind: VerdictKind::Diverged, reason });
         }
         let nis = self.nis_within(0..self.len());
-        if nis.samples < ENOUGH {
+        if nis.samples < ENOUGH || self.depth != Depth::All {
             return None;
         }
         let lost = self.lost(estimates).map(|reason| (VerdictKind::Diverged, reason));
