@@ -52,24 +52,29 @@ impl BandColumn {
     }
 }
 
-/// Reduces `value(k)` for the samples `k` in `range` to at most `columns` + 1 columns. Values that are not finite are left
-/// out. Columns begin at multiples of their width, so that they stay put while the range slides.
-pub fn reduce(range: Range<usize>, columns: usize, value: impl Fn(usize) -> f64) -> Vec<Column> {
+/// Reduces a series to at most `columns` + 1 columns; `values` gives those of some samples. Values that are not finite are
+/// left out. Columns begin at multiples of their width, so that they stay put while the range slides.
+pub fn reduce<I: Iterator<Item = f64>>(
+    range: Range<usize>,
+    columns: usize,
+    values: impl Fn(Range<usize>) -> I,
+) -> Vec<Column> {
     by_column(range, columns, |samples| {
         let (first, last) = (samples.start, samples.end - 1);
+        let mut all = values(samples.clone());
+        let begin = all.next()?;
+        let (mut low, mut high, mut end) = (begin, begin, begin);
         // Comparisons without branches, and no more of them than it takes: this loop sees every sample of every series.
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for k in samples.clone() {
-            let x = value(k);
+        for x in all {
             low = if x < low { x } else { low };
             high = if x > high { x } else { high };
+            end = x;
         }
-        let ends = [value(first), value(last)];
-        // What is no number has lost every comparison.
-        if low.is_finite() && high.is_finite() && (ends[0] + ends[1]).is_finite() {
-            return Some(Column::new((first, last), [low, high], ends));
+        // What is no number loses every comparison, unless it is the first.
+        if low.is_finite() && high.is_finite() && end.is_finite() {
+            return Some(Column::new((first, last), [low, high], [begin, end]));
         }
-        let mut finite = samples.map(|k| (k, value(k))).filter(|(_, x)| x.is_finite());
+        let mut finite = samples.clone().zip(values(samples)).filter(|(_, x)| x.is_finite());
         let (first, begin) = finite.next()?;
         let one = ((first, first), [begin; 2], [begin; 2]);
         let (samples, extremes, ends) = finite.fold(one, |((first, _), [low, high], [begin, _]), (k, x)| {
@@ -79,34 +84,41 @@ pub fn reduce(range: Range<usize>, columns: usize, value: impl Fn(usize) -> f64)
     })
 }
 
-/// The same of everything between two series: `edges(k)` has the lower first. A column with a value that is not finite is left
-/// out.
-pub fn reduce_between(range: Range<usize>, columns: usize, edges: impl Fn(usize) -> (f64, f64)) -> Vec<BandColumn> {
+/// The same of everything between two edges, the lower first. A column with a value that is not finite is left out.
+pub fn reduce_between<I: Iterator<Item = (f64, f64)>>(
+    range: Range<usize>,
+    columns: usize,
+    edges: impl Fn(Range<usize>) -> I,
+) -> Vec<BandColumn> {
     by_column(range, columns, |samples| {
         let (first, last) = (samples.start, samples.end - 1);
-        let (mut low, mut high, mut widest) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-        for k in samples {
-            let (l, h) = edges(k);
+        let mut all = edges(samples);
+        let begin = all.next()?;
+        let ((mut low, mut high), mut widest, mut end) = (begin, begin.1 - begin.0, begin);
+        for (l, h) in all {
             let width = h - l;
             widest = if width > widest { width } else { widest };
             low = if l < low { l } else { low };
             high = if h > high { h } else { high };
+            end = (l, h);
         }
-        let ends = [edges(first), edges(last)];
-        let finite = low.is_finite() && high.is_finite() && ends.iter().all(|(l, h)| (l + h).is_finite());
-        finite.then(|| BandColumn::new((first, last), [low, high], ends, widest))
+        let finite = (high - low).is_finite() && (end.1 - end.0).is_finite();
+        finite.then(|| BandColumn::new((first, last), [low, high], [begin, end], widest))
     })
 }
 
 /// What `column` makes of the samples of each column.
+#[inline]
 fn by_column<C>(range: Range<usize>, columns: usize, column: impl Fn(Range<usize>) -> Option<C>) -> Vec<C> {
     let width = stride(range.len(), columns);
     let mut reduced = Vec::with_capacity(range.len() / width + 2);
     let mut start = range.start;
+    let mut end = (start / width + 1) * width;
     while start < range.end {
-        let end = ((start / width + 1) * width).min(range.end);
-        reduced.extend(column(start..end));
-        start = end;
+        if let Some(column) = column(start..end.min(range.end)) {
+            reduced.push(column);
+        }
+        (start, end) = (end, end + width);
     }
     reduced
 }
@@ -135,7 +147,7 @@ mod tests {
 
     #[test]
     fn few_samples_stay_as_they_are() {
-        let columns = reduce(3..6, 100, |k| k as f64);
+        let columns = reduce(3..6, 100, |r| r.map(|k| k as f64));
         assert_eq!(
             columns.iter().map(|c| (c.samples, c.low, c.high)).collect::<Vec<_>>(),
             [((3, 3), 3.0, 3.0), ((4, 4), 4.0, 4.0), ((5, 5), 5.0, 5.0)]
@@ -146,7 +158,7 @@ mod tests {
     fn no_peak_is_lost_and_columns_do_not_wander() {
         let value = |k: usize| if k == 777 { 50.0 } else { (k as f64 * 0.1).sin() };
         for start in 0..40 {
-            let columns = reduce(start..start + 4000, 100, value);
+            let columns = reduce(start..start + 4000, 100, |samples| samples.map(value));
             assert!(columns.len() <= 101);
             assert!(columns.iter().any(|c| c.high == 50.0 && c.low > -1.1));
             assert!(columns[1..].iter().all(|c| c.samples.0 % 40 == 0));
@@ -155,10 +167,23 @@ mod tests {
 
     #[test]
     fn undefined_values_are_left_out() {
-        let columns = reduce(0..10, 5, |k| if k < 4 { f64::NAN } else { 1.0 });
-        assert_eq!(columns.iter().map(|c| c.samples).collect::<Vec<_>>(), [(4, 5), (6, 7), (8, 9)]);
-        assert!(reduce(5..5, 10, |_| 1.0).is_empty());
-        assert!(reduce(0..10, 0, |_| 1.0).len() == 1, "a plot of no width");
+        let value = |k: usize| if k < 4 || k == 7 { f64::NAN } else { 1.0 };
+        let columns = reduce(0..10, 5, |samples| samples.map(value));
+        assert_eq!(columns.iter().map(|c| c.samples).collect::<Vec<_>>(), [(4, 5), (6, 6), (8, 9)]);
+        let columns = reduce(4..10, 1, |samples| samples.map(value));
+        assert_eq!(columns.iter().map(|c| (c.samples, c.high)).collect::<Vec<_>>(), [((4, 5), 1.0), ((6, 9), 1.0)]);
+        assert!(reduce(5..5, 10, |samples| samples.map(value)).is_empty());
+        assert!(reduce(4..6, 0, |samples| samples.map(value)).len() == 1, "a plot of no width");
+    }
+
+    #[test]
+    fn a_band_is_known_at_both_ends_of_a_column_if_they_hold_all_of_it() {
+        let edges = |k: usize| (k as f64, if k == 4 { 20.0 } else { k as f64 + 2.0 });
+        let columns = reduce_between(0..6, 2, |samples| samples.map(edges));
+        let [narrow, wide] = columns[..] else { panic!("{columns:?}") };
+        assert_eq!(narrow.ends, Some([(0.0, 2.0), (2.0, 4.0)]));
+        assert_eq!((narrow.low, narrow.high, narrow.widest), (0.0, 4.0, 2.0));
+        assert_eq!((wide.ends, wide.low, wide.high, wide.widest), (None, 3.0, 20.0, 16.0));
     }
 
     #[test]

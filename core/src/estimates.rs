@@ -1,5 +1,6 @@
 //! What one filter has estimated so far, sample by sample.
 
+use crate::by_channel::ByChannel;
 use crate::filter::{Correction, Noise};
 use crate::gaussian::Gaussian;
 use crate::health::{Remark, Watch};
@@ -34,15 +35,14 @@ pub struct Estimates {
     channels: Vec<Channel>,
     /// The place of the channel whose sign decides about the canonical form.
     frequency: Option<usize>,
-    /// Whether it has ever been negative.
-    mirrored: bool,
     sensors: Vec<Quantity>,
     forgotten: usize,
     initial_std: Vec<f64>,
     mean: Vec<f64>,
     cov: Vec<f64>,
-    /// The diagonals of the covariances, once more: what is drawn of every sample then is beside one another.
-    variance: Vec<f64>,
+    /// The means in canonical form and the diagonals of the covariances, once more.
+    canonical: ByChannel,
+    variance: ByChannel,
     innovation: Vec<f64>,
     innovation_cov: Vec<f64>,
     gain: Vec<f64>,
@@ -65,14 +65,14 @@ impl Estimates {
             plant,
             channels: plant.channels().to_vec(),
             frequency: plant.channels().iter().position(|&c| c == Channel::NaturalFrequency),
-            mirrored: false,
             watch: Watch::new(settings, plant, &sensors),
             sensors,
             forgotten: 0,
             initial_std: Vec::new(),
             mean: Vec::new(),
             cov: Vec::new(),
-            variance: Vec::new(),
+            canonical: ByChannel::new(plant.channels().len()),
+            variance: ByChannel::new(plant.channels().len()),
             innovation: Vec::new(),
             innovation_cov: Vec::new(),
             gain: Vec::new(),
@@ -93,7 +93,6 @@ impl Estimates {
         for (new, old, per_sample) in [
             (&mut self.mean, &mut old.mean, n),
             (&mut self.cov, &mut old.cov, n * n),
-            (&mut self.variance, &mut old.variance, n),
             (&mut self.innovation, &mut old.innovation, m),
             (&mut self.innovation_cov, &mut old.innovation_cov, m * m),
             (&mut self.gain, &mut old.gain, n * m),
@@ -106,17 +105,18 @@ impl Estimates {
             new.clear();
             new.reserve(samples.min(ROOM) * per_sample);
         }
+        self.canonical.recycle(old.canonical, samples.min(ROOM));
+        self.variance.recycle(old.variance, samples.min(ROOM));
     }
 
     /// Forgets the first `samples` or, if the filter has stopped before that, all; in place.
     pub(crate) fn forget(&mut self, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
-        let Self { mean, cov, variance, innovation, innovation_cov, gain, nis, .. } = self;
+        let Self { mean, cov, innovation, innovation_cov, gain, nis, .. } = self;
         let Self { determinant, log_likelihood, effective_samples, .. } = self;
         for (values, per_sample) in [
             (mean, n),
             (cov, n * n),
-            (variance, n),
             (innovation, m),
             (innovation_cov, m * m),
             (gain, n * m),
@@ -127,6 +127,8 @@ impl Estimates {
         ] {
             values.drain(..(samples * per_sample).min(values.len()));
         }
+        self.canonical.forget(samples);
+        self.variance.forget(samples);
         self.forgotten += samples;
         self.watch.forget_before(self.forgotten);
     }
@@ -135,10 +137,16 @@ impl Estimates {
         if self.initial_std.is_empty() {
             self.initial_std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
         }
-        self.mirrored |= self.frequency.is_some_and(|place| belief.mean[place] < 0.0);
         self.mean.extend_from_slice(belief.mean.as_slice());
         self.cov.extend_from_slice(belief.cov.as_slice());
-        self.variance.extend_from_slice(&std::array::from_fn::<f64, N, _>(|i| belief.cov[(i, i)]));
+        self.variance.push::<N>(std::array::from_fn(|i| belief.cov[(i, i)]));
+        let mut canonical: [f64; N] = belief.mean.into();
+        if self.frequency.is_some_and(|place| canonical[place] < 0.0) {
+            for (mean, channel) in canonical.iter_mut().zip(&self.channels) {
+                *mean *= if channel.is_mirrored() { -1.0 } else { 1.0 };
+            }
+        }
+        self.canonical.push(canonical);
         // Lengths that the compiler knows: to copy a number is not worth a call.
         match self.sensors.len() {
             1 => self.push_sensors::<N, 1>(correction),
@@ -260,7 +268,12 @@ impl Estimates {
     /// ```
     #[inline]
     pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
-        self.canonical_sign(k, channel) * self.mean[k * self.channels.len() + channel]
+        self.canonical.of(channel)[k]
+    }
+
+    /// [`Self::canonical_mean`] of one channel at every sample.
+    pub fn canonical_means(&self, channel: usize) -> &[f64] {
+        self.canonical.of(channel)
     }
 
     /// What takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio where the
@@ -268,19 +281,18 @@ impl Estimates {
     #[inline]
     pub fn canonical_sign(&self, k: usize, channel: usize) -> f64 {
         let negative = || self.frequency.is_some_and(|place| self.mean(k)[place] < 0.0);
-        if self.mirrored && self.channels[channel].is_mirrored() && negative() { -1.0 } else { 1.0 }
+        if self.channels[channel].is_mirrored() && negative() { -1.0 } else { 1.0 }
     }
 
     /// The standard deviation of one channel at sample `k`.
     #[inline]
     pub fn std(&self, k: usize, channel: usize) -> f64 {
-        self.variance(k, channel).sqrt()
+        self.variance.of(channel)[k].sqrt()
     }
 
-    /// The variance of one channel at sample `k`.
-    #[inline]
-    pub fn variance(&self, k: usize, channel: usize) -> f64 {
-        self.variance[k * self.channels.len() + channel]
+    /// The variance of one channel at every sample.
+    pub fn variances(&self, channel: usize) -> &[f64] {
+        self.variance.of(channel)
     }
 
     /// The covariance at sample `k`, n × n.

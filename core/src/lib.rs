@@ -43,6 +43,7 @@ pub mod signal;
 pub mod simulate;
 pub mod spectrum;
 
+mod by_channel;
 mod estimator;
 mod likelihood;
 mod random;

@@ -77,21 +77,17 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     let filters = || run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place));
     for (place, estimates) in filters().filter(|_| shown.bands) {
         let Some(at) = estimates.place(channel) else { continue };
-        let edges = move |k: usize| {
-            let (mean, half) = (estimates.canonical_mean(k, at), 2.0 * estimates.std(k, at));
-            (mean - half, mean + half)
-        };
-        let band = Band::new(estimates.len(), edges);
+        let band = Band::around(estimates.canonical_means(at), estimates.variances(at));
         layers.push(Layer::Band { band, color: palette.filter(place), under: line_width(place, ESTIMATE) });
     }
     let quantity = Quantity::ALL.into_iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(q)).filter(|_| shown.measured) {
-        layers.push(Layer::Dots { series: Series::new(run.len(), |k| z[k]), color: palette.measured });
+        layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
     }
     // Where all agree, each line still shows beside the narrower one above it.
     if let Some(truth) = record.truth(channel).filter(|_| shown.truth) {
         layers.push(Layer::Line {
-            series: Series::new(run.len(), |k| truth[k]),
+            series: Series::of(&truth[..run.len()]),
             color: palette.truth,
             width: 4.0,
             dashed: false,
@@ -101,7 +97,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     for (place, estimates) in filters() {
         let Some(at) = estimates.place(channel) else { continue };
         layers.push(Layer::Line {
-            series: Series::new(estimates.len(), move |k| estimates.canonical_mean(k, at)),
+            series: Series::of(estimates.canonical_means(at)),
             color: palette.filter(place),
             width: line_width(place, ESTIMATE),
             dashed: false,
@@ -111,7 +107,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     for (place, estimates) in session.smoothed().iter().filter(|(place, _)| shown.filter(*place)) {
         let Some(at) = estimates.place(channel) else { continue };
         layers.push(Layer::Line {
-            series: Series::new(estimates.len(), move |k| estimates.canonical_mean(k, at)),
+            series: Series::of(estimates.canonical_means(at)),
             color: palette.filter(*place),
             width: 1.4,
             dashed: true,

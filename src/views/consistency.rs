@@ -70,7 +70,8 @@ fn chart<'a>(
     }
     for (place, diagnostics) in filters() {
         layers.push(Layer::Line {
-            series: Series::new(diagnostics.len(), move |k| ratio(diagnostics, k)).through(f64::log10),
+            series: Series::new(diagnostics.len(), move |samples| samples.map(move |k| ratio(diagnostics, k)))
+                .through(f64::log10),
             color: palette.filter(place),
             width: line_width(place, 2.0),
             dashed: false,

@@ -57,7 +57,8 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     for (place, estimates) in filters() {
         let Some(at) = estimates.place(channel) else { continue };
         if shown.bands {
-            let band = Band::two_sigma(estimates.len(), move |k| estimates.variance(k, at));
+            let variances = estimates.variances(at);
+            let band = Band::around_zero(variances.len(), |samples| variances[samples].iter().copied());
             layers.push(Layer::Band { band, color: palette.filter(place), under: 0.0 });
         }
         if k < estimates.len() {
@@ -72,8 +73,11 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     layers.push(Layer::Level { value: 0.0, color: palette.truth });
     for (place, estimates) in filters() {
         let Some(at) = estimates.place(channel) else { continue };
+        let means = estimates.canonical_means(at);
         layers.push(Layer::Line {
-            series: Series::new(estimates.len(), move |k| estimates.canonical_mean(k, at) - truth[k]),
+            series: Series::new(means.len(), move |samples| {
+                means[samples.clone()].iter().zip(&truth[samples]).map(|(mean, truth)| mean - truth)
+            }),
             color: palette.filter(place),
             width: line_width(place, 2.0),
             dashed: false,
@@ -85,7 +89,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         let Some(at) = bound.place(channel) else { continue };
         for sign in [-2.0, 2.0] {
             layers.push(Layer::Line {
-                series: Series::new(bound.len(), move |k| sign * bound.std(k, at)),
+                series: Series::new(bound.len(), move |samples| samples.map(move |k| sign * bound.std(k, at))),
                 color: palette.filter(place),
                 width: 1.0,
                 dashed: true,

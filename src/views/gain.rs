@@ -68,7 +68,7 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
         let std = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
         let value = move |k: usize| estimates.gain(k)[sensor * n + at] * std(k);
         layers.push(Layer::Line {
-            series: Series::new(estimates.len(), value),
+            series: Series::new(estimates.len(), move |samples| samples.map(value)),
             color: palette.filter(place),
             width: 1.2,
             dashed: false,

@@ -47,7 +47,7 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_
         let m = estimates.sensors().len();
         let variance = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)];
         if shown.bands {
-            let band = Band::two_sigma(estimates.len(), variance);
+            let band = Band::around_zero(estimates.len(), move |samples| samples.map(variance));
             layers.push(Layer::Band { band, color: palette.filter(place), under: 0.0 });
         }
         if k < estimates.len() {
@@ -62,7 +62,7 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_
     layers.push(Layer::Level { value: 0.0, color: palette.weak });
     for (place, estimates) in filters() {
         layers.push(Layer::Line {
-            series: Series::new(estimates.len(), move |k| estimates.innovation(k)[sensor]),
+            series: Series::new(estimates.len(), move |samples| samples.map(move |k| estimates.innovation(k)[sensor])),
             color: palette.filter(place).gamma_multiply(0.8),
             width: 0.8,
             dashed: false,

@@ -13,9 +13,14 @@ pub(super) struct Series<'a> {
 }
 
 impl<'a> Series<'a> {
-    /// `value(k)` for the samples up to `len`.
-    pub(super) fn new(len: usize, value: impl Fn(usize) -> f64 + 'a) -> Self {
-        Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &value)) }
+    /// `values` gives those of some of the samples up to `len`.
+    pub(super) fn new<I: Iterator<Item = f64>>(len: usize, values: impl Fn(Range<usize>) -> I + 'a) -> Self {
+        Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &values)) }
+    }
+
+    /// All of these values.
+    pub(super) fn of(values: &'a [f64]) -> Self {
+        Self::new(values.len(), |samples| values[samples].iter().copied())
     }
 
     /// The series through a function that preserves order, which then is asked for the extremes only.
@@ -42,13 +47,18 @@ pub(super) struct Band<'a> {
 }
 
 impl<'a> Band<'a> {
-    /// What is between the two numbers that `edges(k)` gives, the lower first, for the samples up to `len`.
-    pub(super) fn new(len: usize, edges: impl Fn(usize) -> (f64, f64) + 'a) -> Self {
-        Self { len, reduce: Box::new(move |range, columns| reduce_between(range, columns, &edges)) }
+    /// What is within two standard deviations of the means.
+    pub(super) fn around(means: &'a [f64], variances: &'a [f64]) -> Self {
+        let edges = |(mean, variance): (&f64, &f64)| {
+            let half = 2.0 * variance.sqrt();
+            (mean - half, mean + half)
+        };
+        let edges = move |samples: Range<usize>| means[samples.clone()].iter().zip(&variances[samples]).map(edges);
+        Self { len: means.len(), reduce: Box::new(move |range, columns| reduce_between(range, columns, edges)) }
     }
 
-    /// What is between plus and minus two standard deviations, from the variances.
-    pub(super) fn two_sigma(len: usize, variance: impl Fn(usize) -> f64 + 'a) -> Self {
+    /// What is within two standard deviations of zero; `variances` gives those of some of the samples up to `len`.
+    pub(super) fn around_zero<I: Iterator<Item = f64>>(len: usize, variances: impl Fn(Range<usize>) -> I + 'a) -> Self {
         // One root a column, not one a sample.
         let around = |column: Column| {
             let edges = |variance: f64| (-2.0 * variance.sqrt(), 2.0 * variance.sqrt());
@@ -56,7 +66,7 @@ impl<'a> Band<'a> {
             let ends = column.ends().map(|ends| ends.map(edges));
             BandColumn { samples: column.samples, low, high, ends, widest: high - low }
         };
-        let reduce = move |range, columns| reduce(range, columns, &variance).into_iter().map(around).collect();
+        let reduce = move |range, columns| reduce(range, columns, &variances).into_iter().map(around).collect();
         Self { len, reduce: Box::new(reduce) }
     }
 
