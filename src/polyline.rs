@@ -1,7 +1,7 @@
 //! Polylines with no more points than their picture takes: every segment is triangles to fill.
 
 /// How far a point that is left out may be from the line in its place \[points of the screen\].
-const TOLERANCE: f64 = 0.25;
+const TOLERANCE: f64 = 0.35;
 
 /// The indices of the points that a polyline needs to look as it does, its ends among them. Coordinates in points of the
 /// screen.

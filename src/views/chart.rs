@@ -10,7 +10,8 @@ use super::ViewContext;
 use super::heading::{Readout, heading_ui};
 use super::kept::kept;
 use super::layer::{Drawn, Layer, Window};
-use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
+use super::picture::Grid;
+use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use crate::command::Command;
 use crate::session::Mode;
 use crate::theme::Palette;
@@ -80,6 +81,11 @@ impl Chart<'_> {
             let inside = move |mark, range: &_| tick_inside(mark, range, size.y, Side::Left);
             values.formatter(inside).label_spacing(TICKS_FADE)
         };
+        let grid = Grid {
+            counts: (size.x / 75.0, size.y / 34.0),
+            logarithmic: logarithmic.then_some(size.y),
+            color: palette.grid,
+        };
         let plot = Plot::new(&self.key)
             .width(size.x)
             .height(size.y)
@@ -97,12 +103,9 @@ impl Chart<'_> {
                     .label_spacing(TICKS_FADE),
             ])
             .custom_y_axes(vec![values])
-            .x_grid_spacer(move |input| ticks(input.bounds, size.x / 75.0))
-            .y_grid_spacer(move |input| match logarithmic {
-                true => log_ticks(input.bounds, size.y, 34.0),
-                false => ticks(input.bounds, size.y / 34.0),
-            })
-            .grid_color(palette.grid)
+            .x_grid_spacer(move |input| grid.times(input.bounds))
+            .y_grid_spacer(move |input| grid.values(input.bounds))
+            .show_grid(false)
             .boxed_zoom_pointer_button(egui::PointerButton::Primary)
             .pan_pointer_button(egui::PointerButton::Secondary)
             .allow_scroll(false)
@@ -127,7 +130,7 @@ impl Chart<'_> {
                     plot.set_plot_bounds_y(low..=high);
                 }
             }
-            drawn.show(plot);
+            drawn.show(grid, plot);
             if show_position {
                 let line = VLine::new("playback", position).color(palette.weak).width(1.2);
                 plot.vline(line.style(LineStyle::dashed_dense()).allow_hover(false));

@@ -6,7 +6,7 @@ use egui::{Color32, Vec2};
 use egui_plot::{PlotPoint, PlotUi};
 use kalmanscope_core::Record;
 
-use super::picture::{Painted, Picture};
+use super::picture::{Grid, Painted, Picture};
 use super::sampled::{Band, Series};
 use super::vertical::vertical_range;
 use crate::polyline::telling;
@@ -133,9 +133,9 @@ impl Drawn {
         Self { range, layers, painted: Painted::default() }
     }
 
-    /// Adds the layers to a plot.
-    pub(super) fn show<'a>(&'a self, plot: &mut PlotUi<'a>) {
-        plot.add(Picture::new(&self.layers, &self.painted));
+    /// Adds a grid and the layers to a plot.
+    pub(super) fn show<'a>(&'a self, grid: Grid, plot: &mut PlotUi<'a>) {
+        plot.add(Picture::new(grid, &self.layers, &self.painted));
     }
 }
 

@@ -27,6 +27,11 @@ impl Pen {
         Self { mesh: Mesh::with_texture(profiles(ctx).id()), pixel: 1.0 / ctx.pixels_per_point() }
     }
 
+    /// Where a straight line as wide as a pixel is to be so that it covers one.
+    pub(super) fn on_a_pixel(&self, position: f32) -> f32 {
+        ((position / self.pixel).floor() + 0.5) * self.pixel
+    }
+
     /// Draws a line through points; a single one is a dot as wide.
     pub(super) fn line(&mut self, points: &[Pos2], stroke: Stroke) {
         if let &[alone] = points {

@@ -4,10 +4,11 @@ use std::ops::RangeInclusive;
 
 use egui::mutex::Mutex;
 use egui::{Color32, Context, Pos2, Rangef, Rect, Shape, Stroke, Ui, pos2};
-use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
+use egui_plot::{GridMark, PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotPoint, PlotTransform};
 
 use super::layer::{DrawnLayer, Rung};
 use super::pen::Pen;
+use super::ticks::{log_tick, log_ticks, ticks};
 
 /// How far outside the plot things are drawn at most \[points\]: the plot cuts them off, but numbers that are too large would
 /// not survive on the way there.
@@ -27,20 +28,62 @@ const FEW: usize = 300;
 /// over an item for each.
 pub(super) struct Picture<'a> {
     base: PlotItemBase,
+    grid: Grid,
     layers: &'a [DrawnLayer],
     painted: &'a Painted,
 }
 
+/// The lines at round numbers, below everything else.
+#[derive(Clone, Copy)]
+pub(super) struct Grid {
+    /// So many of them there are at most, about, from left to right and from bottom to top.
+    pub(super) counts: (f32, f32),
+    /// Whether the values are logarithms, along an axis of this length \[points\].
+    pub(super) logarithmic: Option<f32>,
+    pub(super) color: Color32,
+}
+
+impl Grid {
+    /// The marks on the vertical axis.
+    pub(super) fn values(&self, bounds: (f64, f64)) -> Vec<GridMark> {
+        match self.logarithmic {
+            Some(length) => log_ticks(bounds, length, length / self.counts.1),
+            None => ticks(bounds, self.counts.1),
+        }
+    }
+
+    /// The marks on the horizontal axis.
+    pub(super) fn times(&self, bounds: (f64, f64)) -> Vec<GridMark> {
+        ticks(bounds, self.counts.0)
+    }
+
+    fn paint(&self, stage: &Stage, transform: &PlotTransform, pen: &mut Pen) {
+        let (frame, bounds) = (transform.frame(), transform.bounds());
+        let [times, values] = [0, 1].map(|axis| (bounds.min()[axis], bounds.max()[axis]));
+        let stroke = |share: f32| Stroke::new(1.0, self.color.gamma_multiply(share));
+        for mark in self.times(times) {
+            let x = pen.on_a_pixel(stage.x(mark.value));
+            pen.line(&[pos2(x, frame.top()), pos2(x, frame.bottom())], stroke(0.5));
+        }
+        for mark in self.values(values) {
+            let y = pen.on_a_pixel(stage.y(mark.value));
+            let share = if self.logarithmic.is_some() && log_tick(mark).is_empty() { 0.15 } else { 0.3 };
+            pen.line(&[pos2(frame.left(), y), pos2(frame.right(), y)], stroke(share));
+        }
+    }
+}
+
 impl<'a> Picture<'a> {
     /// `painted` is what the last picture of the same layers has left.
-    pub(super) fn new(layers: &'a [DrawnLayer], painted: &'a Painted) -> Self {
-        Self { base: PlotItemBase::new("picture".to_owned()), layers, painted }
+    pub(super) fn new(grid: Grid, layers: &'a [DrawnLayer], painted: &'a Painted) -> Self {
+        Self { base: PlotItemBase::new("picture".to_owned()), grid, layers, painted }
     }
 
     fn paint(&self, ctx: &Context, transform: &PlotTransform) -> Vec<Shape> {
         let stage = Stage::new(transform);
         let mut shapes = Vec::new();
         let mut pen = Pen::new(ctx);
+        self.grid.paint(&stage, transform, &mut pen);
         for layer in self.layers {
             match layer {
                 DrawnLayer::Band { parts, color, steep, .. } => {
