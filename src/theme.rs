@@ -59,7 +59,7 @@ fn restyle(style: &mut egui::Style, theme: Theme) {
         &mut visuals.widgets.active,
         &mut visuals.widgets.open,
     ] {
-        widget.corner_radius = CornerRadius::same(4);
+        widget.corner_radius = CornerRadius::same(1);
         widget.fg_stroke.color = palette.text;
     }
 }

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use egui::{Id, Rect, Sense, Shape, Stroke, Ui, Vec2, Vec2b};
+use egui::{Id, Sense, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, LineStyle, Plot, VLine};
 
 use super::ViewContext;
@@ -14,19 +14,12 @@ use super::picture::Grid;
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use crate::command::Command;
 use crate::session::Mode;
-use crate::theme::Palette;
 
 /// Ticks' labels are drawn in full from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
 /// Least room at the left of a plot for the labels of its ticks \[points\].
 pub(super) const Y_AXIS: f32 = 44.0;
-
-/// Draws the lines that a plot stands on and begins at.
-pub(super) fn edges(ui: &Ui, frame: Rect, palette: &Palette) {
-    let corners = [frame.left_top(), frame.left_bottom(), frame.right_bottom()];
-    ui.painter().add(Shape::line(corners.to_vec(), Stroke::new(1.0, palette.grid)));
-}
 
 /// What a plot does with fingers and pointers: where there are fingers a drag scrolls the page, and two zoom.
 pub(super) fn touched(ui: &Ui) -> Sense {
@@ -138,7 +131,6 @@ impl Chart<'_> {
             plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
         });
         let pointed = response.inner;
-        edges(ui, *response.transform.frame(), palette);
         let response = response.response;
         response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {}", self.title)));
         if response.double_clicked() {

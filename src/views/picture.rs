@@ -33,7 +33,7 @@ pub(super) struct Picture<'a> {
     painted: &'a Painted,
 }
 
-/// The lines at round numbers, below everything else.
+/// The lines at round numbers and at the left and lower edge, below everything else.
 #[derive(Clone, Copy)]
 pub(super) struct Grid {
     /// So many of them there are at most, about, from left to right and from bottom to top.
@@ -70,6 +70,8 @@ impl Grid {
             let share = if self.logarithmic.is_some() && log_tick(mark).is_empty() { 0.15 } else { 0.3 };
             pen.line(&[pos2(frame.left(), y), pos2(frame.right(), y)], stroke(share));
         }
+        let (left, bottom) = (pen.on_a_pixel(frame.left() + 0.5), pen.on_a_pixel(frame.bottom() - 0.5));
+        pen.line(&[pos2(left, frame.top()), pos2(left, bottom), pos2(frame.right(), bottom)], stroke(1.0));
     }
 }
 

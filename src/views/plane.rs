@@ -1,9 +1,9 @@
 //! Plots of one quantity over another: the frame that they share.
 
-use egui::{Id, Ui, Vec2};
+use egui::{Id, Shape, Stroke, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
 
-use super::chart::{Y_AXIS, edges, touched};
+use super::chart::{Y_AXIS, touched};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
 
@@ -89,7 +89,9 @@ fn scaled_plane_ui<R>(
         draw(plot)
     });
     let inner = response.inner;
-    edges(ui, *response.transform.frame(), palette);
+    let frame = response.transform.frame();
+    let corners = [frame.left_top(), frame.left_bottom(), frame.right_bottom()];
+    ui.painter().add(Shape::line(corners.to_vec(), Stroke::new(1.0, palette.grid)));
     let response = response.response;
     if response.double_clicked() {
         zoomed = false;
