@@ -6,6 +6,7 @@ use egui::{Color32, Vec2};
 use egui_plot::{PlotPoint, PlotUi};
 use kalmanscope_core::Record;
 
+use super::chart::Y_AXIS;
 use super::picture::{Grid, Painted, Picture};
 use super::sampled::{Band, Series};
 use super::vertical::vertical_range;
@@ -36,7 +37,7 @@ pub(super) struct Window {
 impl Window {
     /// The number of its columns, a point wide each.
     fn columns(&self) -> usize {
-        (self.size.x as usize).max(16)
+        ((self.size.x - Y_AXIS) as usize).max(16)
     }
 
     /// The scale of the screen, where the vertical axis shows `range` unless the user has chosen it.
