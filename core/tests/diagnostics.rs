@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::diagnostics::{LAGS, Tally};
+use kalmanscope_core::diagnostics::{Depth, LAGS, Tally};
 use kalmanscope_core::{
     Channel, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Summary,
 };
@@ -79,6 +79,25 @@ fn diagnostics_that_begin_anew_are_new_diagnostics() {
     let mut diagnostics = Diagnostics::new(&first.estimates()[1], first.record());
     diagnostics.restart(&second.estimates()[0], second.record());
     assert_eq!(bits(&diagnostics), bits(&Diagnostics::new(&second.estimates()[0], second.record())));
+}
+
+#[test]
+fn consistency_alone_is_that_of_all_diagnostics() {
+    let run = finished(&guessing(-7.0, -0.1));
+    let (estimates, record) = (&run.estimates()[0], run.record());
+    let all = Diagnostics::new(estimates, record);
+    let mut consistency = Diagnostics::empty(Depth::Consistency);
+    consistency.restart(estimates, record);
+    let bits = |d: &Diagnostics| {
+        let within = [d.nis_within(100..d.len()).sum, d.nees_within(100..d.len()).sum, d.log_likelihood()];
+        let error = d.error(Channel::DampingRatio).unwrap();
+        d.nees().iter().copied().chain(within).chain([error]).map(f64::to_bits).collect::<Vec<_>>()
+    };
+    assert_eq!(bits(&consistency), bits(&all));
+    assert_eq!(consistency.share_in_ellipsoid(), all.share_in_ellipsoid());
+    assert!(all.verdict(estimates).is_some() && consistency.verdict(estimates).is_none());
+    assert!(consistency.tally(Channel::DampingRatio, 0..600).is_none() && consistency.whiteness().is_empty());
+    assert!(consistency.settled(Channel::NaturalFrequency).is_none());
 }
 
 fn direct_rmse(estimates: &Estimates, record: &Record, place: usize, from: usize) -> f64 {

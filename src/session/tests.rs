@@ -1,5 +1,7 @@
 //! Playback, edits and long records.
 
+use kalmanscope_core::diagnostics::Depth;
+
 use super::*;
 
 fn session() -> Session {
@@ -15,6 +17,23 @@ fn live_mode_shows_as_much_as_has_been_played() {
     session.advance(99.0);
     assert!(!session.playing());
     assert_eq!(session.run().len(), session.run().samples());
+}
+
+#[test]
+fn diagnostics_are_as_deep_as_is_wanted() {
+    let mut session = session();
+    session.set_mode(Mode::Whole);
+    let all = session.diagnostics()[0].log_likelihood();
+    let want = |session: &mut Session, diagnostics| session.want(Wanted { bounds: false, diagnostics });
+    want(&mut session, None);
+    assert!(session.diagnostics().is_empty());
+    want(&mut session, Some(Depth::Consistency));
+    assert_eq!(session.diagnostics().len(), session.run().estimates().len());
+    assert!(session.diagnostics()[0].whiteness().is_empty());
+    assert_eq!(session.diagnostics()[0].log_likelihood().to_bits(), all.to_bits());
+    want(&mut session, Some(Depth::All));
+    assert!(!session.diagnostics()[0].whiteness().is_empty());
+    assert_eq!(session.diagnostics()[0].len(), session.run().len());
 }
 
 #[test]
