@@ -88,7 +88,7 @@ impl<'a> Picture<'a> {
         self.grid.paint(&stage, transform, &mut pen);
         for layer in self.layers {
             match layer {
-                DrawnLayer::Band { parts, color, steep, .. } => {
+                DrawnLayer::Band { parts, color, steep } => {
                     parts.iter().for_each(|rungs| stage.band(rungs, *color, !steep, &mut pen));
                 }
                 DrawnLayer::Dots { points, color } => {
@@ -99,7 +99,7 @@ impl<'a> Picture<'a> {
                         points.iter().map(|point| Shape::circle_filled(stage.at(point.x, point.y), radius, *color)),
                     );
                 }
-                DrawnLayer::Line { points, color, width, dense: true, dashed: false, .. } => {
+                DrawnLayer::Line { points, color, width, dense: true, dashed: false } => {
                     stage.covered(points, Stroke::new(*width, *color), &mut pen);
                 }
                 DrawnLayer::Line { points, color, width, dashed, .. } => {
