@@ -98,7 +98,7 @@ fn frame_times(mode: Mode, change: Change) -> [Vec<f64>; 3] {
 fn scenario() -> Scenario {
     let mut scenario = Scenario::default();
     let sensor_std = scenario.true_sensor_std();
-    for (name, kind, fading) in [("EKF, λ 1.005", FilterKind::Ekf, 1.005), ("UKF, λ 1.005", FilterKind::Ukf, 1.005)] {
+    for (name, kind, fading) in [("EKF, λ 1.005", FilterKind::EKF, 1.005), ("UKF, λ 1.005", FilterKind::UKF, 1.005)] {
         let sensor_std = sensor_std.clone();
         scenario.filters.push(FilterSettings {
             name: name.to_owned(),

@@ -180,7 +180,7 @@ fn paths(
 
 /// What was measured of a channel, if it is one that a sensor can measure.
 fn measurements(record: &Record, channel: Channel) -> Option<&[f64]> {
-    let quantity = Quantity::ALL.into_iter().find(|q| q.channel() == Some(channel))?;
+    let quantity = Quantity::all().into_iter().find(|q| q.channel() == Some(channel))?;
     record.measured_quantity(quantity)
 }
 

@@ -288,10 +288,10 @@ mod tests {
 
     #[test]
     fn headings_stay_on_one_line() {
-        assert_eq!(heading("EKF", FilterKind::Ekf), "EKF");
-        assert_eq!(heading("EKF, no 2", FilterKind::Ekf), "EKF, no 2");
-        assert_eq!(heading("robust", FilterKind::Ukf), "robust (UKF)");
-        assert_eq!(heading("two\nlines", FilterKind::Kf), "two lines (KF)");
-        assert_eq!(heading(" \t ", FilterKind::Kf), "KF");
+        assert_eq!(heading("EKF", FilterKind::EKF), "EKF");
+        assert_eq!(heading("EKF, no 2", FilterKind::EKF), "EKF, no 2");
+        assert_eq!(heading("robust", FilterKind::UKF), "robust (UKF)");
+        assert_eq!(heading("two\nlines", FilterKind::KF), "two lines (KF)");
+        assert_eq!(heading(" \t ", FilterKind::KF), "KF");
     }
 }

@@ -18,7 +18,7 @@ impl ByChannel {
 
     /// Adds a sample, one number a channel.
     #[inline]
-    pub(crate) fn push<const N: usize>(&mut self, sample: [f64; N]) {
+    pub(crate) fn push(&mut self, sample: impl Iterator<Item = f64>) {
         for (values, value) in self.0.iter_mut().zip(sample) {
             values.push(value);
         }

@@ -1,139 +1,333 @@
-//! The quantities that a filter estimates, by name.
+//! The quantities that a filter estimates, as data.
 
-use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
+use std::fmt;
+use std::hash::{Hash, Hasher};
+use std::sync::LazyLock;
 
-/// The one table of channels, handed to a macro that makes something of it. A row has the channel, its field, key, name, symbol
-/// and unit, what it is, and the mean, the standard deviation and the process noise per step that a filter takes unless
-/// told otherwise.
-macro_rules! channel_table {
-    ($make:ident) => {
-        $make! {
-            "x \\[m\\], of the first mass where there are several"
-            Displacement displacement "displacement" "displacement" "x" "m" Motion [0.0, 0.1, 1e-4];
-            "v = ẋ \\[m/s\\], of the first mass where there are several"
-            Velocity velocity "velocity" "velocity" "v" "m/s" Motion [0.0, 0.3, 1e-3];
-            "ωₙ \\[rad/s\\]"
-            NaturalFrequency natural_frequency "natural_frequency" "natural frequency" "ωₙ" "rad/s" PositiveParameter [8.0, 2.0, 1e-4];
-            "ζ \\[-\\]"
-            DampingRatio damping_ratio "damping_ratio" "damping ratio" "ζ" "" PositiveParameter [0.1, 0.1, 3e-5];
-            "μ, cubic stiffness over mass \\[1/(m² s²)\\]"
-            CubicStiffness cubic_stiffness "cubic_stiffness" "cubic stiffness" "μ" "1/(m² s²)" Parameter [100.0, 200.0, 0.01];
-            "z \\[m\\], the displacement that the hysteretic spring remembers"
-            HystereticDisplacement hysteretic_displacement "hysteretic_displacement" "hysteretic displacement" "z" "m" Motion [0.0, 0.05, 1e-4];
-            "α \\[-\\], stiffness after yielding over that before"
-            PostYieldRatio post_yield_ratio "post_yield_ratio" "post-yield ratio" "α" "" Parameter [0.1, 0.0, 0.0];
-            "β \\[1/m²\\], shape of the hysteresis loop"
-            HysteresisBeta hysteresis_beta "hysteresis_beta" "hysteresis β" "β" "1/m²" Parameter [50.0, 15.0, 0.01];
-            "γ \\[1/m²\\], shape of the hysteresis loop"
-            HysteresisGamma hysteresis_gamma "hysteresis_gamma" "hysteresis γ" "γ" "1/m²" Parameter [30.0, 15.0, 0.01];
-            "x₂ \\[m\\]"
-            Displacement2 displacement_2 "displacement_2" "displacement 2" "x₂" "m" Motion [0.0, 0.1, 1e-4];
-            "x₃ \\[m\\]"
-            Displacement3 displacement_3 "displacement_3" "displacement 3" "x₃" "m" Motion [0.0, 0.1, 1e-4];
-            "x₄ \\[m\\]"
-            Displacement4 displacement_4 "displacement_4" "displacement 4" "x₄" "m" Motion [0.0, 0.1, 1e-4];
-            "v₂ \\[m/s\\]"
-            Velocity2 velocity_2 "velocity_2" "velocity 2" "v₂" "m/s" Motion [0.0, 0.3, 1e-3];
-            "v₃ \\[m/s\\]"
-            Velocity3 velocity_3 "velocity_3" "velocity 3" "v₃" "m/s" Motion [0.0, 0.3, 1e-3];
-            "v₄ \\[m/s\\]"
-            Velocity4 velocity_4 "velocity_4" "velocity 4" "v₄" "m/s" Motion [0.0, 0.3, 1e-3];
-            "κ₁, stiffness of the first storey over mass \\[1/s²\\]"
-            Stiffness1 stiffness_1 "stiffness_1" "stiffness 1" "κ₁" "1/s²" PositiveParameter [150.0, 30.0, 0.01];
-            "κ₂, stiffness of the second storey over mass \\[1/s²\\]"
-            Stiffness2 stiffness_2 "stiffness_2" "stiffness 2" "κ₂" "1/s²" PositiveParameter [150.0, 30.0, 0.01];
-            "κ₃, stiffness of the third storey over mass \\[1/s²\\]"
-            Stiffness3 stiffness_3 "stiffness_3" "stiffness 3" "κ₃" "1/s²" PositiveParameter [150.0, 30.0, 0.01];
-            "κ₄, stiffness of the fourth storey over mass \\[1/s²\\]"
-            Stiffness4 stiffness_4 "stiffness_4" "stiffness 4" "κ₄" "1/s²" PositiveParameter [150.0, 30.0, 0.01];
-            "c, damping of every storey over mass \\[1/s\\]"
-            StoreyDamping storey_damping "storey_damping" "storey damping" "c" "1/s" PositiveParameter [0.5, 0.3, 1e-4];
-        }
-    };
-}
-pub(crate) use channel_table;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Role {
+use crate::{PlantKind, augment};
+
+/// The most masses that a plant can have.
+pub const MAX_MASSES: usize = 10;
+
+/// The part that a channel has in a plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// It moves, as the plant's equation says.
     Motion,
-    Parameter,
-    PositiveParameter,
+    /// It is a property of the plant: constant, or decaying at the rate η.
+    Parameter(Sign),
+    /// It is a property of the input or of a sensor: constant, whatever the plant.
+    Augmentation,
 }
 
-macro_rules! make_channel {
-    ($($doc:literal $variant:ident $field:ident $key:literal $name:literal $symbol:literal $unit:literal $role:ident $usual:expr;)*) => {
-        /// One component of a plant's augmented state: a motion or a parameter.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-        pub enum Channel {
-            $(#[doc = $doc] #[serde(rename = $key)] $variant,)*
-        }
+/// The values that a parameter of a plant can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sign {
+    /// Any number.
+    Any,
+    /// No number below zero.
+    NotNegative,
+    /// Numbers above zero only.
+    Positive,
+}
 
-        impl Channel {
-            /// Every channel of every plant, in the order of [`crate::PerChannel`].
-            pub const ALL: [Self; [$(Self::$variant),*].len()] = [$(Self::$variant),*];
+/// The numbers that are usual for a channel, in its unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Usual {
+    /// Mean of a filter's initial belief.
+    pub mean: f64,
+    /// Standard deviation of a filter's initial belief.
+    pub std: f64,
+    /// Standard deviation of the process noise per step.
+    pub process: f64,
+    /// The true value, mass by mass; the last one serves all masses after it. None for what moves.
+    pub truth: &'static [f64],
+    /// Ends of a slider.
+    pub slider: (f64, f64),
+    /// Decimals that show a usual value well.
+    pub decimals: usize,
+}
 
-            /// The key in scenario files and the column in CSV files.
-            pub const fn key(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $key,)*
-                }
-            }
+/// All that is known of a kind of channel. Where masses have one each, keys, names and symbols are in the order of the
+/// masses.
+#[derive(Debug)]
+pub struct ChannelInfo {
+    /// Keys in scenario files and columns in CSV files.
+    pub keys: &'static [&'static str],
+    /// Names in running text.
+    pub names: &'static [&'static str],
+    /// Symbols in formulas.
+    pub symbols: &'static [&'static str],
+    /// The unit, empty for a pure number.
+    pub unit: &'static str,
+    /// Its part in a plant.
+    pub role: Role,
+    /// The channel that is its rate of change: the velocity, of a displacement.
+    pub rate: Option<&'static ChannelInfo>,
+    /// Whether it changes its sign together with the natural frequency, which leaves the oscillator the same.
+    pub mirrored: bool,
+    /// Usual numbers.
+    pub usual: Usual,
+}
 
-            /// The name in running text.
-            pub const fn name(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $name,)*
-                }
-            }
+/// One component of a plant's augmented state: a motion, a parameter, or a property of the input or of a sensor.
+///
+/// A plant declares the channels that it has to itself in its own file; those that several share are here.
+#[derive(Clone, Copy)]
+pub struct Channel {
+    info: &'static ChannelInfo,
+    mass: u8,
+}
 
-            /// The symbol in formulas.
-            pub const fn symbol(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $symbol,)*
-                }
-            }
-
-            /// The unit, empty for a pure number.
-            pub const fn unit(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $unit,)*
-                }
-            }
-
-            const fn role(self) -> Role {
-                match self {
-                    $(Self::$variant => Role::$role,)*
-                }
-            }
-        }
+/// A word for each mass: that of the first as it is, those of the others with a number.
+macro_rules! by_mass {
+    ($word:literal, $space:literal) => {
+        &[
+            $word,
+            concat!($word, $space, "2"),
+            concat!($word, $space, "3"),
+            concat!($word, $space, "4"),
+            concat!($word, $space, "5"),
+            concat!($word, $space, "6"),
+            concat!($word, $space, "7"),
+            concat!($word, $space, "8"),
+            concat!($word, $space, "9"),
+            concat!($word, $space, "10"),
+        ]
     };
 }
-channel_table!(make_channel);
+/// A symbol for each mass: that of the first given, those of the others with a subscript.
+macro_rules! symbols_by_mass {
+    ($first:literal, $symbol:literal) => {
+        &[
+            $first,
+            concat!($symbol, "₂"),
+            concat!($symbol, "₃"),
+            concat!($symbol, "₄"),
+            concat!($symbol, "₅"),
+            concat!($symbol, "₆"),
+            concat!($symbol, "₇"),
+            concat!($symbol, "₈"),
+            concat!($symbol, "₉"),
+            concat!($symbol, "₁₀"),
+        ]
+    };
+}
+pub(crate) use {by_mass, symbols_by_mass};
+
+static DISPLACEMENT: ChannelInfo = ChannelInfo {
+    keys: by_mass!("displacement", "_"),
+    names: by_mass!("displacement", " "),
+    symbols: symbols_by_mass!("x", "x"),
+    unit: "m",
+    role: Role::Motion,
+    rate: Some(&VELOCITY),
+    mirrored: false,
+    usual: Usual { mean: 0.0, std: 0.1, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
+};
+
+static VELOCITY: ChannelInfo = ChannelInfo {
+    keys: by_mass!("velocity", "_"),
+    names: by_mass!("velocity", " "),
+    symbols: symbols_by_mass!("v", "v"),
+    unit: "m/s",
+    role: Role::Motion,
+    rate: None,
+    mirrored: false,
+    usual: Usual { mean: 0.0, std: 0.3, process: 1e-3, truth: &[], slider: (-5.0, 5.0), decimals: 3 },
+};
 
 impl Channel {
-    /// Whether the channel is a property of the plant (true) or of its motion (false).
+    /// x \[m\], of the first mass where there are several.
+    pub const DISPLACEMENT: Self = Self::displacement(0);
+    /// v = ẋ \[m/s\], of the first mass where there are several.
+    pub const VELOCITY: Self = Self::velocity(0);
+
+    /// The channel of a kind of which there is one.
+    pub const fn new(info: &'static ChannelInfo) -> Self {
+        Self { info, mass: 0 }
+    }
+
+    /// The channel of a kind for a mass, counted from 0. There must be a key for it.
+    pub const fn of_mass(info: &'static ChannelInfo, mass: usize) -> Self {
+        assert!(mass < info.keys.len(), "there is no such mass");
+        Self { info, mass: mass as u8 }
+    }
+
+    /// x of a mass, counted from 0 \[m\].
+    pub const fn displacement(mass: usize) -> Self {
+        Self::of_mass(&DISPLACEMENT, mass)
+    }
+
+    /// v of a mass, counted from 0 \[m/s\].
+    pub const fn velocity(mass: usize) -> Self {
+        Self::of_mass(&VELOCITY, mass)
+    }
+
+    /// Every channel of every plant in the registry, and every augmentation.
+    pub fn all() -> &'static [Self] {
+        static ALL: LazyLock<Vec<Channel>> = LazyLock::new(|| {
+            let mut all = Vec::new();
+            let plants = PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
+            for channel in plants.chain(augment::all()) {
+                if !all.contains(&channel) {
+                    all.push(channel);
+                }
+            }
+            all
+        });
+        &ALL
+    }
+
+    /// The channel with this key, if there is one.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::all().iter().copied().find(|channel| channel.key() == key)
+    }
+
+    /// All that is known of its kind.
+    pub const fn info(self) -> &'static ChannelInfo {
+        self.info
+    }
+
+    /// The mass that it is of, counted from 0; 0 too where it is of none.
+    pub const fn mass(self) -> usize {
+        self.mass as usize
+    }
+
+    /// The key in scenario files and the column in CSV files.
+    pub const fn key(self) -> &'static str {
+        self.info.keys[self.mass as usize]
+    }
+
+    /// The name in running text.
+    pub const fn name(self) -> &'static str {
+        self.info.names[self.mass as usize]
+    }
+
+    /// The symbol in formulas.
+    pub const fn symbol(self) -> &'static str {
+        self.info.symbols[self.mass as usize]
+    }
+
+    /// The unit, empty for a pure number.
+    pub const fn unit(self) -> &'static str {
+        self.info.unit
+    }
+
+    /// Its part in a plant.
+    pub const fn role(self) -> Role {
+        self.info.role
+    }
+
+    /// Usual numbers.
+    pub const fn usual(self) -> &'static Usual {
+        &self.info.usual
+    }
+
+    /// The usual true value; zero for what moves.
+    pub fn usual_truth(self) -> f64 {
+        let truth = self.info.usual.truth;
+        truth.get(self.mass()).or(truth.last()).copied().unwrap_or(0.0)
+    }
+
+    /// Whether the channel is a property of plant, input or sensor (true) or moves (false).
     pub const fn is_parameter(self) -> bool {
-        !matches!(self.role(), Role::Motion)
+        !matches!(self.info.role, Role::Motion)
+    }
+
+    /// Whether the channel is a property of the input or of a sensor.
+    pub const fn is_augmentation(self) -> bool {
+        matches!(self.info.role, Role::Augmentation)
     }
 
     /// The channel that is its rate of change: the velocity, of a displacement.
     pub const fn rate(self) -> Option<Self> {
-        match self {
-            Self::Displacement => Some(Self::Velocity),
-            Self::Displacement2 => Some(Self::Velocity2),
-            Self::Displacement3 => Some(Self::Velocity3),
-            Self::Displacement4 => Some(Self::Velocity4),
-            _ => None,
+        match self.info.rate {
+            Some(info) => Some(Self { info, mass: self.mass }),
+            None => None,
         }
     }
 
     /// Whether the channel is a parameter that cannot be negative, so that its logarithm may be estimated instead.
     pub const fn is_positive(self) -> bool {
-        matches!(self.role(), Role::PositiveParameter)
+        matches!(self.info.role, Role::Parameter(Sign::NotNegative | Sign::Positive))
     }
 
     /// Whether the channel changes its sign together with the natural frequency, which leaves the oscillator the same.
-    pub(crate) const fn is_mirrored(self) -> bool {
-        matches!(self, Self::NaturalFrequency | Self::DampingRatio)
+    pub const fn is_mirrored(self) -> bool {
+        self.info.mirrored
+    }
+}
+
+impl PartialEq for Channel {
+    fn eq(&self, other: &Self) -> bool {
+        self.mass == other.mass && (std::ptr::eq(self.info, other.info) || self.key() == other.key())
+    }
+}
+
+impl Eq for Channel {}
+
+impl Hash for Channel {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.key().hash(state);
+    }
+}
+
+impl PartialOrd for Channel {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Channel {
+    /// By key.
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.key().cmp(other.key())
+    }
+}
+
+impl fmt::Debug for Channel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.key())
+    }
+}
+
+impl Serialize for Channel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.key())
+    }
+}
+
+impl<'de> Deserialize<'de> for Channel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        Self::from_key(&key).ok_or_else(|| de::Error::unknown_variant(&key, keys()))
+    }
+}
+
+/// The keys of every channel.
+pub(crate) fn keys() -> &'static [&'static str] {
+    static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| Channel::all().iter().map(|c| c.key()).collect());
+    &KEYS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mass_has_a_key_a_name_and_a_symbol_and_no_key_stands_twice() {
+        for &channel in Channel::all() {
+            let ChannelInfo { keys, names, symbols, .. } = channel.info();
+            assert!(keys.len() == names.len() && keys.len() == symbols.len(), "{channel:?}");
+            assert_eq!(Channel::from_key(channel.key()), Some(channel));
+            let same = Channel::all().iter().filter(|c| c.symbol() == channel.symbol());
+            assert_eq!(same.count(), 1, "the symbol of {channel:?}");
+        }
+        assert_eq!(Channel::displacement(9).key(), "displacement_10");
+        assert_eq!(Channel::displacement(3).rate(), Some(Channel::velocity(3)));
     }
 }

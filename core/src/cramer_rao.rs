@@ -1,10 +1,11 @@
 //! The floor for ±σ: how well any filter could know the state at best.
 
-use crate::estimator::{Surroundings, build_filter, initial_belief};
-use crate::filter::{Belief, Correction, Filter, Linearised};
-use crate::gaussian::Vector;
-use crate::model::Model;
-use crate::plant::Visitor;
+use crate::estimator::FilterContext;
+use crate::kernel::estimator::{build_filter, initial_belief, with_model};
+use crate::kernel::{Belief, Correction, Filter, Linearised};
+use crate::kernel::gaussian::Vector;
+use crate::kernel::model::Model;
+use crate::kernel::plant::Visitor;
 use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, Scenario};
 
 /// The posterior Cramér-Rao bound for one filter of a scenario: no unbiased filter that begins with its initial belief and
@@ -39,8 +40,9 @@ impl CramerRao {
         let settings = told(scenario, place)?;
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
-        let surroundings = Surroundings { plant, sensors: &sensors, dt, seed: scenario.seed, place };
-        let recursion = plant.visit_log(settings.eta, false, Start { settings: &settings, surroundings });
+        let (input, hold) = (scenario.input, scenario.hold);
+        let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed: scenario.seed, place };
+        let recursion = with_model(&settings, &context, Start { settings: &settings, context })?;
         Some(Self { settings, channels: plant.channels(), recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }
 
@@ -104,7 +106,7 @@ fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     let FilterSettings { kind, initial_mean, initial_std, process_std, eta, .. } = scenario.filters.get(place)?.clone();
     Some(FilterSettings {
         name: String::new(),
-        kind: if kind == FilterKind::Kf { kind } else { FilterKind::Ekf },
+        kind: if kind == FilterKind::KF { kind } else { FilterKind::EKF },
         initial_mean,
         initial_std,
         process_std,
@@ -124,17 +126,17 @@ trait Recursion: Send {
 
 struct Start<'a> {
     settings: &'a FilterSettings,
-    surroundings: Surroundings<'a>,
+    context: FilterContext<'a>,
 }
 
 impl Visitor for Start<'_> {
     type Output = Box<dyn Recursion>;
 
     fn visit<P: Model<N>, const N: usize>(self, model: P) -> Box<dyn Recursion> {
-        let Self { settings, surroundings } = self;
+        let Self { settings, context } = self;
         let belief = Linearised::new(initial_belief(&model, settings), settings.propagation, 1);
-        let sensors = surroundings.sensors.to_vec();
-        Box::new(Told { filter: build_filter(model, belief, settings, &surroundings), sensors })
+        let sensors = context.sensors.to_vec();
+        Box::new(Told { filter: build_filter(model, belief, settings, &context), sensors })
     }
 }
 
@@ -160,12 +162,12 @@ impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
         for k in from..record.len() {
             if let Some(before) = k.checked_sub(1) {
                 filter.belief_mut().move_to(truth(before));
-                filter.predict(record.force()[before])?;
+                filter.predict(record.force(before))?;
                 filter.belief_mut().move_to(truth(k));
                 for (value, column) in sample.iter_mut().zip(&measured) {
                     *value = column.map_or(f64::NAN, |column| column[k]);
                 }
-                filter.update(record.force()[k], &sample, &mut correction)?;
+                filter.update(record.force(k), &sample, &mut correction)?;
             }
             let belief = Belief::<P, N>::gaussian(filter.belief());
             std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));

@@ -1,11 +1,9 @@
 //! What one filter has estimated so far, sample by sample.
 
 use crate::by_channel::ByChannel;
-use crate::filter::{Correction, Noise};
-use crate::gaussian::Gaussian;
 use crate::health::{Remark, Watch};
-use crate::sensor::MAX_SENSORS;
-use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, PlantKind, Quantity, likelihood};
+use crate::sink::Sample;
+use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, likelihood};
 
 /// For so many samples memory is set aside at once; that of longer runs grows as they do.
 const ROOM: usize = 1 << 17;
@@ -56,23 +54,24 @@ pub struct Estimates {
 }
 
 impl Estimates {
-    /// Estimates without a sample, of a filter that takes the truth for `plant` and is given `sensors`.
-    pub(crate) fn new(settings: &FilterSettings, plant: PlantKind, sensors: Vec<Quantity>) -> Self {
+    /// Estimates without a sample, of a filter with this model that is given `sensors`.
+    pub(crate) fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
+        let (plant, channels) = (model.plant(), model.channels());
         Self {
             name: settings.name.clone(),
             kind: settings.kind,
             color: settings.color,
             plant,
-            channels: plant.channels().to_vec(),
-            frequency: plant.channels().iter().position(|&c| c == Channel::NaturalFrequency),
-            watch: Watch::new(settings, plant, &sensors),
+            channels: channels.to_vec(),
+            frequency: model.place(Channel::NATURAL_FREQUENCY),
+            watch: Watch::new(settings, channels, plant, &sensors),
             sensors,
             forgotten: 0,
             initial_std: Vec::new(),
             mean: Vec::new(),
             cov: Vec::new(),
-            canonical: ByChannel::new(plant.channels().len()),
-            variance: ByChannel::new(plant.channels().len()),
+            canonical: ByChannel::new(channels.len()),
+            variance: ByChannel::new(channels.len()),
             innovation: Vec::new(),
             innovation_cov: Vec::new(),
             gain: Vec::new(),
@@ -88,7 +87,7 @@ impl Estimates {
     /// long run: to be given fresh pages by the system costs more than to fill them.
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
-        let sampled = usize::from(self.kind == FilterKind::Pf);
+        let sampled = usize::from(self.kind == FilterKind::PF);
         let mut old = old.unwrap_or_else(|| self.clone());
         for (new, old, per_sample) in [
             (&mut self.mean, &mut old.mean, n),
@@ -133,49 +132,33 @@ impl Estimates {
         self.watch.forget_before(self.forgotten);
     }
 
-    pub(crate) fn push<const N: usize>(&mut self, belief: &Gaussian<N>, correction: &Correction<N>) {
+    /// Appends a sample. Inlined: where a caller knows the sizes, no length is looked at.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, sample: &Sample<'_>) {
+        let Sample { mean, cov, innovation, innovation_cov, gain, nis, determinant, .. } = *sample;
+        let n = mean.len();
         if self.initial_std.is_empty() {
-            self.initial_std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
+            self.initial_std.extend((0..n).map(|i| cov[i * n + i].sqrt()));
         }
-        self.mean.extend_from_slice(belief.mean.as_slice());
-        self.cov.extend_from_slice(belief.cov.as_slice());
-        self.variance.push::<N>(std::array::from_fn(|i| belief.cov[(i, i)]));
-        let mut canonical: [f64; N] = belief.mean.into();
-        if self.frequency.is_some_and(|place| canonical[place] < 0.0) {
-            for (mean, channel) in canonical.iter_mut().zip(&self.channels) {
-                *mean *= if channel.is_mirrored() { -1.0 } else { 1.0 };
-            }
+        self.mean.extend_from_slice(mean);
+        self.cov.extend_from_slice(cov);
+        self.variance.push((0..n).map(|i| cov[i * n + i]));
+        if self.frequency.is_some_and(|place| mean[place] < 0.0) {
+            let sign = |channel: &Channel| if channel.is_mirrored() { -1.0 } else { 1.0 };
+            self.canonical.push(mean.iter().zip(&self.channels).map(|(mean, channel)| mean * sign(channel)));
+        } else {
+            self.canonical.push(mean.iter().copied());
         }
-        self.canonical.push(canonical);
-        // Lengths that the compiler knows: to copy a number is not worth a call.
-        match self.sensors.len() {
-            1 => self.push_sensors::<N, 1>(correction),
-            2 => self.push_sensors::<N, 2>(correction),
-            3 => self.push_sensors::<N, 3>(correction),
-            4 => self.push_sensors::<N, MAX_SENSORS>(correction),
-            _ => {}
+        self.innovation.extend_from_slice(innovation);
+        self.innovation_cov.extend_from_slice(innovation_cov);
+        self.gain.extend_from_slice(gain);
+        self.nis.push(nis);
+        self.determinant.push(determinant);
+        if self.kind == FilterKind::PF {
+            self.log_likelihood.push(sample.log_likelihood);
+            self.effective_samples.push(sample.effective_samples);
         }
-        self.nis.push(correction.nis);
-        self.determinant.push(correction.determinant);
-        if self.kind == FilterKind::Pf {
-            self.log_likelihood.push(correction.log_likelihood);
-            self.effective_samples.push(correction.effective_samples);
-        }
-        self.watch.look(self.forgotten + self.nis.len() - 1, belief, correction);
-    }
-
-    #[inline]
-    fn push_sensors<const N: usize, const M: usize>(&mut self, correction: &Correction<N>) {
-        let innovation_cov: [[f64; M]; M] =
-            std::array::from_fn(|i| std::array::from_fn(|j| correction.innovation_cov[i][j]));
-        self.innovation.extend_from_slice(&correction.innovation[..M]);
-        self.innovation_cov.extend_from_slice(innovation_cov.as_flattened());
-        self.gain.extend_from_slice(correction.gain[..M].as_flattened());
-    }
-
-    /// Takes note of the noise that an adaptive filter assumes by the last sample.
-    pub(crate) fn note_noise<const N: usize>(&mut self, noise: &Noise<N>) {
-        self.watch.look_at_noise(self.forgotten + self.nis.len() - 1, noise);
+        self.watch.look(self.forgotten + self.nis.len() - 1, sample);
     }
 
     pub(crate) fn stop_at(&mut self, reason: FilterError) {

@@ -11,10 +11,8 @@
 mod band;
 mod transfer_function;
 
-use crate::gaussian::{Matrix, Vector, lower_root};
-use crate::model::Model;
-use crate::plant::Visitor;
-use crate::{Channel, Estimates, PlantKind, Record};
+use crate::linalg::{Matrix, Vector, lower_root};
+use crate::{Channel, Estimates, Model, PlantKind, Record};
 
 use band::Extremes;
 
@@ -36,7 +34,9 @@ pub struct Believed {
 
 /// The transfer function of a plant at rest with a value for each of its parameters, in the channel's unit.
 pub fn transfer_function(plant: PlantKind, value: impl Fn(Channel) -> f64) -> TransferFunction {
-    plant.visit(0.0, AtRest(value))
+    let value = |channel: Channel| if channel.is_parameter() { value(channel) } else { 0.0 };
+    let rest: Vec<f64> = plant.channels().iter().map(|&channel| value(channel)).collect();
+    TransferFunction::of(&Model::new(plant), &rest)
 }
 
 /// The true transfer function at sample `k`; `None` where a parameter of the truth is not known.
@@ -51,7 +51,7 @@ pub fn true_transfer_function(plant: PlantKind, record: &Record, k: usize) -> Op
 /// smoothly as the belief, and of its canonical form ([`Estimates::canonical_mean`]). A filter of logarithms reports its
 /// belief in the parameters' own units to first order, and so is its band.
 pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believed {
-    let (mean, draws) = estimates.plant().visit(0.0, FromBelief { estimates, k });
+    let (mean, draws) = from_belief(estimates, k);
     let band = draws.map(|draws| {
         let mut band = (vec![0.0; frequencies.len()], vec![0.0; frequencies.len()]);
         let mut magnitude = Vec::with_capacity(frequencies.len());
@@ -71,43 +71,29 @@ pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believe
     Believed { mean: mean.magnitude(frequencies), band }
 }
 
-/// The transfer function for parameters that a function gives.
-struct AtRest<F>(F);
-
-impl<F: Fn(Channel) -> f64> Visitor for AtRest<F> {
-    type Output = TransferFunction;
-
-    fn visit<P: Model<N>, const N: usize>(self, model: P) -> TransferFunction {
-        let value = |i: usize| if i < P::MOTION { 0.0 } else { (self.0)(P::CHANNELS[i]) };
-        TransferFunction::of(&model, &Vector::from_fn(|i, _| value(i)))
+/// The transfer function for the mean of a filter's belief at sample `k`, and those for draws from it; the plant is at rest,
+/// whatever its motion is believed to be.
+fn from_belief(estimates: &Estimates, k: usize) -> (TransferFunction, Option<Vec<TransferFunction>>) {
+    let model = Model::new(estimates.plant());
+    let (n, motion) = (model.size(), model.motion());
+    let mut mean = Vector::zeros(n);
+    for i in motion..n {
+        mean[i] = estimates.canonical_mean(k, i);
     }
-}
-
-/// The transfer function for the mean of a filter's belief at sample `k`, and those for draws from it.
-struct FromBelief<'a> {
-    estimates: &'a Estimates,
-    k: usize,
-}
-
-impl Visitor for FromBelief<'_> {
-    type Output = (TransferFunction, Option<Vec<TransferFunction>>);
-
-    fn visit<P: Model<N>, const N: usize>(self, model: P) -> Self::Output {
-        let Self { estimates, k } = self;
-        // At rest, whatever the motion is believed to be.
-        let is_still = |i: usize| i < P::MOTION;
-        let mean = Vector::from_fn(|i, _| if is_still(i) { 0.0 } else { estimates.canonical_mean(k, i) });
-        let cov = Matrix::<N, N>::from_fn(|i, j| {
-            let signs = estimates.canonical_sign(k, i) * estimates.canonical_sign(k, j);
-            if is_still(i) || is_still(j) { 0.0 } else { signs * estimates.cov(k)[j * N + i] }
-        });
-        let draw = |root: &Matrix<N, N>, i: usize| {
-            let normal = Vector::from_fn(|j, _| if is_still(j) { 0.0 } else { band::normal(i, j - P::MOTION) });
-            TransferFunction::of(&model, &(mean + root * normal))
-        };
-        let draws = lower_root(&cov).ok().map(|root| (0..BATCHES * DRAWS).map(|i| draw(&root, i)).collect());
-        (TransferFunction::of(&model, &mean), draws)
-    }
+    let (all, cov) = (estimates.channels().len(), estimates.cov(k));
+    let parameters = Matrix::from_fn(n - motion, n - motion, |i, j| {
+        let (i, j) = (i + motion, j + motion);
+        estimates.canonical_sign(k, i) * estimates.canonical_sign(k, j) * cov[j * all + i]
+    });
+    let draw = |root: &Matrix, i: usize| {
+        let normal = Vector::from_fn(n - motion, |j, _| band::normal(i, j, n - motion));
+        let mut drawn = mean.clone();
+        let mut parameters = drawn.rows_mut(motion, n - motion);
+        parameters += root * normal;
+        TransferFunction::of(&model, drawn.as_slice())
+    };
+    let draws = lower_root(&parameters).ok().map(|root| (0..BATCHES * DRAWS).map(|i| draw(&root, i)).collect());
+    (TransferFunction::of(&model, mean.as_slice()), draws)
 }
 
 #[cfg(test)]

@@ -2,10 +2,9 @@
 
 use thiserror::Error;
 
-use crate::filter::{Correction, Noise};
-use crate::gaussian::{Gaussian, Matrix};
-use crate::sensor::MAX_SENSORS;
-use crate::{Channel, FilterKind, FilterSettings, PerChannel, PlantKind, Quantity};
+use crate::quantity::MAX_SENSORS;
+use crate::sink::{AssumedNoise, Sample};
+use crate::{Channel, FilterKind, FilterSettings, Values, PlantKind, Quantity};
 
 /// Something to know about a filter that goes on all the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -71,7 +70,7 @@ const PAUSE: usize = 50;
 /// Looks at every sample of one filter, and remarks.
 #[derive(Clone, Debug)]
 pub(crate) struct Watch {
-    channels: &'static [Channel],
+    channels: Vec<Channel>,
     sensors: Vec<Quantity>,
     /// Which sensors the filter's plant knows.
     known: [bool; MAX_SENSORS],
@@ -91,20 +90,19 @@ pub(crate) struct Watch {
 
 impl Watch {
     /// A watch over the filter of some settings, which takes the truth for `plant`.
-    pub(crate) fn new(settings: &FilterSettings, plant: PlantKind, sensors: &[Quantity]) -> Self {
-        let channels = plant.channels();
+    pub(crate) fn new(settings: &FilterSettings, channels: &[Channel], plant: PlantKind, sensors: &[Quantity]) -> Self {
         let limit = |&channel: &Channel| {
-            let size = settings.initial_std[channel].max(PerChannel::INITIAL_STD[channel]);
+            let size = settings.initial_std[channel].max(Values::INITIAL_STD[channel]);
             FAR * size * size
         };
         let mut known = [true; MAX_SENSORS];
         for (known, sensor) in known.iter_mut().zip(sensors) {
-            *known = plant.quantities().any(|q| q == *sensor);
+            *known = plant.has(*sensor);
         }
-        let particles = if settings.kind == FilterKind::Pf { settings.ensemble_size } else { 0 };
+        let particles = if settings.kind == FilterKind::PF { settings.ensemble_size } else { 0 };
         let limits: Vec<f64> = channels.iter().map(limit).collect();
         Self {
-            channels,
+            channels: channels.to_vec(),
             sensors: sensors.to_vec(),
             known,
             suspicious: limits.iter().map(|limit| limit.min(HUGE)).collect(),
@@ -128,45 +126,49 @@ impl Watch {
     }
 
     /// Looks at sample number `k`.
-    #[inline]
-    pub(crate) fn look<const N: usize>(&mut self, k: usize, belief: &Gaussian<N>, correction: &Correction<N>) {
-        let cov = &belief.cov;
-        let wide = cov.diagonal().iter().zip(&self.suspicious).fold(false, |wide, (x, limit)| wide | (x > limit));
+    #[inline(always)]
+    pub(crate) fn look(&mut self, k: usize, sample: &Sample<'_>) {
+        let Sample { mean, cov, innovation, effective_samples, noise, .. } = *sample;
+        let n = mean.len();
+        let wide = (0..n).zip(&self.suspicious).fold(false, |wide, (i, limit)| wide | (cov[i * n + i] > *limit));
         let mut beyond = false;
-        for j in 0..N {
-            for i in j + 1..N {
+        for j in 0..n {
+            for i in j + 1..n {
                 // The smallest normal number forgives what underflows.
-                let product = cov[(i, i)] * cov[(j, j)];
-                beyond |= cov[(i, j)] * cov[(i, j)] > BEYOND_ONE * product + f64::MIN_POSITIVE;
+                let product = cov[i * n + i] * cov[j * n + j];
+                beyond |= cov[j * n + i] * cov[j * n + i] > BEYOND_ONE * product + f64::MIN_POSITIVE;
             }
         }
         if wide | beyond {
             self.look_at_covariance(k, cov);
         }
-        let readings = &correction.innovation[..self.sensors.len()];
-        if self.any_silent | readings.iter().fold(false, |any, e| any | e.is_nan()) {
-            self.look_at_sensors(k, correction.innovation);
+        if self.any_silent | innovation.iter().fold(false, |any, e| any | e.is_nan()) {
+            self.look_at_sensors(k, innovation);
         }
-        if correction.effective_samples < self.fewest_particles {
+        if effective_samples < self.fewest_particles {
             self.collapsed += 1;
             if self.collapsed >= A_WHILE {
                 self.note(Trouble::Collapse, k + 1 - self.collapsed, k);
             }
-        } else if !correction.effective_samples.is_nan() {
+        } else if !effective_samples.is_nan() {
             self.collapsed = 0;
+        }
+        if let Some(noise) = noise {
+            self.look_at_noise(k, noise);
         }
     }
 
     #[cold]
-    fn look_at_covariance<const N: usize>(&mut self, k: usize, cov: &Matrix<N, N>) {
-        let channels = self.channels;
-        for j in 0..N {
-            if cov[(j, j)] > self.limits[j] {
+    fn look_at_covariance(&mut self, k: usize, cov: &[f64]) {
+        let n = self.channels.len();
+        let channels = self.channels.clone();
+        for j in 0..n {
+            if cov[j * n + j] > self.limits[j] {
                 self.note(Trouble::WindUp(channels[j]), k, k);
             }
-            for i in j + 1..N {
-                let product = cov[(i, i)].sqrt() * cov[(j, j)].sqrt();
-                if cov[(i, j)].abs() > BEYOND_ONE.sqrt() * product + f64::MIN_POSITIVE.sqrt() {
+            for i in j + 1..n {
+                let product = cov[i * n + i].sqrt() * cov[j * n + j].sqrt();
+                if cov[j * n + i].abs() > BEYOND_ONE.sqrt() * product + f64::MIN_POSITIVE.sqrt() {
                     self.note(Trouble::Indefinite(channels[j], channels[i]), k, k);
                 }
             }
@@ -174,12 +176,12 @@ impl Watch {
     }
 
     #[cold]
-    fn look_at_sensors(&mut self, k: usize, innovation: [f64; MAX_SENSORS]) {
+    fn look_at_sensors(&mut self, k: usize, innovation: &[f64]) {
         if k == 0 {
             return;
         }
         self.any_silent = false;
-        for (place, value) in innovation.into_iter().enumerate().take(self.sensors.len()) {
+        for (place, value) in innovation.iter().enumerate() {
             if !value.is_nan() {
                 self.silent[place] = 0;
                 continue;
@@ -196,10 +198,11 @@ impl Watch {
     }
 
     /// Looks at the noise that an adaptive filter assumes by sample `k`.
-    pub(crate) fn look_at_noise<const N: usize>(&mut self, k: usize, noise: &Noise<N>) {
-        let process: Vec<f64> = noise.process.diagonal().iter().copied().collect();
+    #[cold]
+    fn look_at_noise(&mut self, k: usize, noise: AssumedNoise<'_>) {
+        let AssumedNoise { process, .. } = noise;
         let Some((first_sensors, first_process)) = self.initial_noise.take() else {
-            self.initial_noise = Some((noise.sensors.clone(), process));
+            self.initial_noise = Some((noise.sensors.to_vec(), process.to_vec()));
             return;
         };
         for (place, (&now, &first)) in noise.sensors.iter().zip(&first_sensors).enumerate() {

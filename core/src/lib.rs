@@ -22,6 +22,7 @@
 //! # }
 //! ```
 
+pub mod augment;
 pub mod channel;
 pub mod cramer_rao;
 pub mod diagnostics;
@@ -29,39 +30,39 @@ pub mod estimates;
 pub mod filter;
 pub mod force;
 pub mod frequency_response;
-pub mod gaussian;
 pub mod health;
+pub mod integrate;
+pub mod kernel;
+pub mod linalg;
 pub mod model;
-pub mod models;
 pub mod plant;
-pub mod propagation;
+pub mod quantity;
 pub mod record;
 pub mod run;
 pub mod scenario;
-pub mod sensor;
 pub mod signal;
 pub mod simulate;
+pub mod sink;
 pub mod spectrum;
 
 mod by_channel;
 mod estimator;
 mod likelihood;
 mod random;
-mod smoother;
 
 pub use channel::Channel;
 pub use cramer_rao::CramerRao;
 pub use diagnostics::{Diagnostics, Summary};
 pub use estimates::{Estimates, Stop};
-pub use filter::FilterError;
-pub use filter::{Adaptation, Propagation};
+pub use filter::{Adaptation, FilterError, FilterKind, Propagation};
 pub use force::Force;
 pub use health::{Remark, Trouble};
+pub use model::{Hold, InputKind, Model};
 pub use plant::PlantKind;
+pub use quantity::{Aspect, Quantity};
 pub use record::{Record, RecordError};
 pub use run::{Run, RunError, Update};
-pub use scenario::{FilterColor, FilterKind, FilterSettings, PerChannel, Plant, Scenario, ScenarioError, Sensor};
-pub use sensor::Quantity;
+pub use scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
 pub use signal::Signal;
 pub use simulate::{TruthError, TruthStop};
 pub use spectrum::Spectrum;

@@ -1,8 +1,8 @@
 //! How likely measurements were to a Gaussian belief. Logarithms are costly, and hardly ever asked for: a filter's step
 //! takes none.
 
-use crate::gaussian::{Factor, Matrix};
-use crate::sensor::MAX_SENSORS;
+use crate::kernel::gaussian::{Factor, Matrix};
+use crate::quantity::MAX_SENSORS;
 
 /// ln 2π
 const LN_2_PI: f64 = 1.837_877_066_409_345_5;

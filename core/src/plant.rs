@@ -1,130 +1,164 @@
-//! The kinds of plant, and the one place where a kind becomes a model.
+//! Plants: what moves, by which equation, with which parameters.
 
-use serde::{Deserialize, Serialize};
+pub mod bouc_wen;
+pub mod duffing;
+pub mod sdof;
+pub mod shear_chain;
 
-use crate::model::Model;
-use crate::models::bouc_wen::BoucWen;
-use crate::models::duffing::Duffing;
-use crate::models::log_parameters::LogParameters;
-use crate::models::sdof::Sdof;
-use crate::models::shear_chain::ShearChain;
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use crate::channel::MAX_MASSES;
+use crate::quantity::Term;
 use crate::{Channel, Quantity};
 
-/// The kinds of plant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PlantKind {
-    /// A linear oscillator with a single degree of freedom: [`Sdof`].
-    #[default]
-    Sdof,
-    /// An oscillator whose spring has a cubic part: [`Duffing`].
-    Duffing,
-    /// An oscillator whose spring yields and remembers: [`BoucWen`].
-    BoucWen,
-    /// A chain of two masses: [`ShearChain`].
-    #[serde(rename = "shear_2")]
-    Shear2,
-    /// A chain of three masses: [`ShearChain`].
-    #[serde(rename = "shear_3")]
-    Shear3,
-    /// A chain of four masses: [`ShearChain`].
-    #[serde(rename = "shear_4")]
-    Shear4,
+/// All that is known of a plant but its equation.
+#[derive(Clone, Copy, Debug)]
+pub struct PlantInfo {
+    /// The key in scenario files.
+    pub key: &'static str,
+    /// The name in running text.
+    pub name: &'static str,
+    /// The equation of motion, per mass.
+    pub equation: &'static str,
+    /// Where it comes from.
+    pub reference: &'static str,
+    /// The components of its state: those that move, then the parameters.
+    pub channels: &'static [Channel],
+    /// Whether it is linear as long as its parameters are constant: then its response is exact.
+    pub is_linear: bool,
+    /// How its springs are drawn.
+    pub spring: Spring,
 }
 
-/// Something to be done with a model, whatever its type and size.
-pub(crate) trait Visitor {
-    type Output;
+/// How the spring of a plant is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spring {
+    /// A spring of one stiffness.
+    Linear,
+    /// A spring that hardens or softens with the parameter in this channel.
+    Cubic(Channel),
+    /// A spring with a slider, which the displacement in this channel follows until it slips.
+    Slipping(Channel),
+}
 
-    fn visit<P: Model<N>, const N: usize>(self, model: P) -> Self::Output;
+/// A plant with the state `y = [motion, parameters]`, M of N components of which move. Its parameters are constant, or
+/// decay at the rate η of whoever uses the plant: its equation says nothing of that.
+///
+/// ```text
+/// ẏ = g(y, f),  A = ∂g/∂y
+/// ```
+///
+/// The force over mass f enters additively, and every mass alike.
+pub trait Plant: Send + Sync {
+    /// What it is called and what its state is made of.
+    fn info(&self) -> &PlantInfo;
+
+    /// The first M components of `g(y, f)`, each in its unit per second, from a state of N components and the force over
+    /// mass \[m/s²\].
+    fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]);
+
+    /// The first M rows of A, row by row: `∂gᵢ/∂yⱼ` at `i N + j`. `jacobian` has M N numbers, which are zero.
+    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]);
+}
+
+/// A plant, by what it is called: one of the registry, or one of your own.
+#[derive(Clone, Copy)]
+pub struct PlantKind(&'static dyn Plant);
+
+/// The registry: a constant for each plant, and all of them.
+macro_rules! registry {
+    ($($(#[$doc:meta])* $name:ident = $plant:expr;)*) => {
+        impl PlantKind {
+            $($(#[$doc])* pub const $name: Self = Self(&$plant);)*
+
+            /// Every plant of the registry.
+            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
+        }
+    };
+}
+registry! {
+    /// A linear oscillator with a single degree of freedom: [`sdof::Sdof`].
+    SDOF = sdof::Sdof;
+    /// An oscillator whose spring has a cubic part: [`duffing::Duffing`].
+    DUFFING = duffing::Duffing;
+    /// An oscillator whose spring yields and remembers: [`bouc_wen::BoucWen`].
+    BOUC_WEN = bouc_wen::BoucWen;
+    /// A chain of two masses: [`shear_chain::ShearChain`].
+    SHEAR_2 = shear_chain::ShearChain::<2>;
+    /// A chain of three masses.
+    SHEAR_3 = shear_chain::ShearChain::<3>;
+    /// A chain of four masses.
+    SHEAR_4 = shear_chain::ShearChain::<4>;
+    /// A chain of five masses.
+    SHEAR_5 = shear_chain::ShearChain::<5>;
+    /// A chain of six masses.
+    SHEAR_6 = shear_chain::ShearChain::<6>;
+    /// A chain of seven masses.
+    SHEAR_7 = shear_chain::ShearChain::<7>;
+    /// A chain of eight masses.
+    SHEAR_8 = shear_chain::ShearChain::<8>;
+    /// A chain of nine masses.
+    SHEAR_9 = shear_chain::ShearChain::<9>;
+    /// A chain of ten masses.
+    SHEAR_10 = shear_chain::ShearChain::<10>;
 }
 
 impl PlantKind {
-    /// Every kind.
-    pub const ALL: [Self; 6] = [Self::Sdof, Self::Duffing, Self::BoucWen, Self::Shear2, Self::Shear3, Self::Shear4];
+    /// A plant of your own, which scenarios can then have. Files name plants of the registry only.
+    pub const fn new(plant: &'static dyn Plant) -> Self {
+        Self(plant)
+    }
+
+    /// The plant of the registry with this key, if there is one.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.key() == key)
+    }
+
+    /// The plant itself.
+    pub fn plant(self) -> &'static dyn Plant {
+        self.0
+    }
+
+    /// What it is called and what its state is made of.
+    pub fn info(self) -> &'static PlantInfo {
+        self.0.info()
+    }
 
     /// The key in scenario files.
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Sdof => "sdof",
-            Self::Duffing => "duffing",
-            Self::BoucWen => "bouc_wen",
-            Self::Shear2 => "shear_2",
-            Self::Shear3 => "shear_3",
-            Self::Shear4 => "shear_4",
-        }
+    pub fn key(self) -> &'static str {
+        self.info().key
     }
 
     /// The name in running text.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sdof => "linear oscillator",
-            Self::Duffing => "Duffing oscillator",
-            Self::BoucWen => "Bouc-Wen oscillator",
-            Self::Shear2 => "shear chain, 2 masses",
-            Self::Shear3 => "shear chain, 3 masses",
-            Self::Shear4 => "shear chain, 4 masses",
-        }
+    pub fn name(self) -> &'static str {
+        self.info().name
     }
 
     /// The equation of motion, per mass.
-    pub const fn equation(self) -> &'static str {
-        match self {
-            Self::Sdof => "ẍ + 2ζωₙẋ + ωₙ²x = f",
-            Self::Duffing => "ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f",
-            Self::BoucWen => "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²",
-            Self::Shear2 | Self::Shear3 | Self::Shear4 => {
-                "ẍ₁ = f - s₁ + s₂, ẍ₂ = f - s₂ + …; s₁ = κ₁x₁ + cẋ₁, s₂ = κ₂(x₂ - x₁) + c(ẋ₂ - ẋ₁), …"
-            }
-        }
+    pub fn equation(self) -> &'static str {
+        self.info().equation
     }
 
     /// Where it comes from.
-    pub const fn reference(self) -> &'static str {
-        match self {
-            Self::Sdof => "Huang and Yuen (2023), Bayesian Real-Time System Identification",
-            Self::Duffing => "Kovacic and Brennan, eds. (2011), The Duffing Equation",
-            Self::BoucWen => "Wen (1976), Method for random vibration of hysteretic systems",
-            Self::Shear2 | Self::Shear3 | Self::Shear4 => "Chopra (2017), Dynamics of Structures, section 9.1",
-        }
+    pub fn reference(self) -> &'static str {
+        self.info().reference
     }
 
-    /// Lets the visitor work with the model of this kind, whose parameters decay at the rate `eta` \[1/s\].
-    pub(crate) fn visit<V: Visitor>(self, eta: f64, visitor: V) -> V::Output {
-        match self {
-            Self::Sdof => visitor.visit(Sdof { eta }),
-            Self::Duffing => visitor.visit(Duffing { eta }),
-            Self::BoucWen => visitor.visit(BoucWen { eta }),
-            Self::Shear2 => visitor.visit(ShearChain::<2> { eta }),
-            Self::Shear3 => visitor.visit(ShearChain::<3> { eta }),
-            Self::Shear4 => visitor.visit(ShearChain::<4> { eta }),
-        }
-    }
-
-    /// As [`Self::visit`], with the logarithms of the positive parameters in the state instead of themselves if so wished.
-    pub(crate) fn visit_log<V: Visitor>(self, eta: f64, log_parameters: bool, visitor: V) -> V::Output {
-        struct WithLogarithms<V>(V, bool);
-        impl<V: Visitor> Visitor for WithLogarithms<V> {
-            type Output = V::Output;
-
-            fn visit<P: Model<N>, const N: usize>(self, plant: P) -> V::Output {
-                self.0.visit(LogParameters { plant, on: self.1 })
-            }
-        }
-        self.visit(eta, WithLogarithms(visitor, log_parameters))
-    }
-
-    /// The components of the plant's augmented state, those that move first.
+    /// The components of the plant's state, those that move first.
     pub fn channels(self) -> &'static [Channel] {
-        struct Channels;
-        impl Visitor for Channels {
-            type Output = &'static [Channel];
+        self.info().channels
+    }
 
-            fn visit<P: Model<N>, const N: usize>(self, _: P) -> &'static [Channel] {
-                &P::CHANNELS
-            }
-        }
-        self.visit(0.0, Channels)
+    /// The number of components that move.
+    pub fn motion(self) -> usize {
+        self.channels().iter().take_while(|c| !c.is_parameter()).count()
+    }
+
+    /// The number of masses.
+    pub fn masses(self) -> usize {
+        (0..MAX_MASSES).take_while(|&mass| self.channels().contains(&Channel::displacement(mass))).count()
     }
 
     /// The plant's parameters.
@@ -132,9 +166,54 @@ impl PlantKind {
         self.channels().iter().copied().filter(|c| c.is_parameter())
     }
 
-    /// What can be measured of the plant.
+    /// The quantities that can be measured of the plant.
     pub fn quantities(self) -> impl Iterator<Item = Quantity> {
-        let has = move |channel: Option<Channel>| channel.is_some_and(|c| self.channels().contains(&c));
-        Quantity::ALL.into_iter().filter(move |q| has(q.channel().or_else(|| q.integral()?.channel())))
+        Quantity::all().iter().copied().filter(move |&quantity| self.has(quantity))
+    }
+
+    /// Whether a quantity can be measured of the plant.
+    pub fn has(self, quantity: Quantity) -> bool {
+        quantity.reads().iter().all(|(term, _)| match term {
+            Term::State(channel) | Term::Rate(channel) => self.channels().contains(channel),
+            Term::Ground => true,
+        })
     }
 }
+
+impl Default for PlantKind {
+    fn default() -> Self {
+        Self::SDOF
+    }
+}
+
+impl PartialEq for PlantKind {
+    fn eq(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+}
+
+impl Eq for PlantKind {}
+
+impl fmt::Debug for PlantKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.key())
+    }
+}
+
+impl Serialize for PlantKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.key())
+    }
+}
+
+impl<'de> Deserialize<'de> for PlantKind {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        static KEYS: std::sync::LazyLock<Vec<&'static str>> =
+            std::sync::LazyLock::new(|| PlantKind::ALL.iter().map(|kind| kind.key()).collect());
+        let key = String::deserialize(deserializer)?;
+        Self::from_key(&key).ok_or_else(|| de::Error::unknown_variant(&key, &KEYS))
+    }
+}
+
+#[cfg(test)]
+mod tests;

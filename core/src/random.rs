@@ -25,7 +25,7 @@ impl Purpose {
         match self {
             Self::Force => 0,
             Self::Disturbance => 1,
-            Self::Sensor(quantity) => 16 + quantity as u64,
+            Self::Sensor(quantity) => quantity.stream(),
             Self::Ensemble(place) => 64 + place as u64,
         }
     }
@@ -85,6 +85,6 @@ mod tests {
         assert_eq!(first(1, Purpose::Force), first(1, Purpose::Force));
         assert_ne!(first(1, Purpose::Force), first(2, Purpose::Force));
         assert_ne!(first(1, Purpose::Force), first(1, Purpose::Disturbance));
-        assert_ne!(first(1, Purpose::Sensor(Quantity::Displacement)), first(1, Purpose::Sensor(Quantity::Velocity)));
+        assert_ne!(first(1, Purpose::Sensor(Quantity::DISPLACEMENT)), first(1, Purpose::Sensor(Quantity::VELOCITY)));
     }
 }

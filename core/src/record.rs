@@ -4,9 +4,9 @@ mod csv_file;
 
 pub use csv_file::RecordError;
 
-use crate::{Channel, Quantity};
+use crate::{Channel, Hold, InputKind, Quantity};
 
-/// Equally spaced samples of force, measurements and, where it is known, the truth.
+/// Equally spaced samples of the input, measurements and, where it is known, the truth.
 ///
 /// A run can forget its first samples ([`Run::forget`](crate::Run::forget)). Samples are told by their index among those
 /// that are kept; by their number, counted from the run's beginning, only where it says so ([`Self::time_of`]).
@@ -15,7 +15,9 @@ pub struct Record {
     dt: f64,
     start: f64,
     forgotten: usize,
-    force: Vec<f64>,
+    kind: InputKind,
+    hold: Hold,
+    input: Vec<f64>,
     sensors: Vec<Quantity>,
     measured: Vec<Vec<f64>>,
     truth_channels: Vec<Channel>,
@@ -23,12 +25,20 @@ pub struct Record {
 }
 
 impl Record {
-    pub(crate) fn empty(dt: f64, sensors: Vec<Quantity>, truth_channels: Vec<Channel>) -> Self {
+    pub(crate) fn empty(
+        dt: f64,
+        kind: InputKind,
+        hold: Hold,
+        sensors: Vec<Quantity>,
+        truth_channels: Vec<Channel>,
+    ) -> Self {
         Self {
             dt,
             start: 0.0,
             forgotten: 0,
-            force: Vec::new(),
+            kind,
+            hold,
+            input: Vec::new(),
             measured: vec![Vec::new(); sensors.len()],
             sensors,
             truth: vec![Vec::new(); truth_channels.len()],
@@ -36,32 +46,33 @@ impl Record {
         }
     }
 
-    /// Forgets the first `samples`, in place.
     /// Takes over the memory of a record that is no longer needed.
     pub(crate) fn recycle(&mut self, old: Self) {
-        let new = std::iter::once(&mut self.force).chain(&mut self.measured).chain(&mut self.truth);
-        let old = std::iter::once(old.force).chain(old.measured).chain(old.truth);
+        let new = std::iter::once(&mut self.input).chain(&mut self.measured).chain(&mut self.truth);
+        let old = std::iter::once(old.input).chain(old.measured).chain(old.truth);
         for (new, mut old) in new.zip(old) {
             old.clear();
             *new = old;
         }
     }
 
+    /// Forgets the first `samples`, in place.
     pub(crate) fn forget(&mut self, samples: usize) {
-        let Self { dt: _, start: _, forgotten, force, sensors: _, measured, truth_channels: _, truth } = self;
+        let Self { dt: _, start: _, forgotten, kind: _, hold: _, input, sensors: _, measured, truth_channels: _, truth } =
+            self;
         *forgotten += samples;
-        for column in std::iter::once(force).chain(measured).chain(truth) {
+        for column in std::iter::once(input).chain(measured).chain(truth) {
             column.drain(..samples);
         }
     }
 
     pub(crate) fn push(
         &mut self,
-        force: f64,
+        input: f64,
         measured: impl IntoIterator<Item = f64>,
         truth: impl IntoIterator<Item = f64>,
     ) {
-        self.force.push(force);
+        self.input.push(input);
         for (column, value) in self.measured.iter_mut().zip(measured) {
             column.push(value);
         }
@@ -92,17 +103,33 @@ impl Record {
 
     /// The number of samples that are kept.
     pub fn len(&self) -> usize {
-        self.force.len()
+        self.input.len()
     }
 
     /// Whether there is no sample.
     pub fn is_empty(&self) -> bool {
-        self.force.is_empty()
+        self.input.is_empty()
     }
 
-    /// The force over mass at every sample, held until the next \[m/s²\].
-    pub fn force(&self) -> &[f64] {
-        &self.force
+    /// The input at every sample \[m/s²\].
+    pub fn input(&self) -> &[f64] {
+        &self.input
+    }
+
+    /// What the input is.
+    pub fn input_kind(&self) -> InputKind {
+        self.kind
+    }
+
+    /// How the input runs between samples.
+    pub fn hold(&self) -> Hold {
+        self.hold
+    }
+
+    /// The force over mass at sample `k` \[m/s²\].
+    #[inline]
+    pub fn force(&self, k: usize) -> f64 {
+        self.kind.force(self.input[k])
     }
 
     /// What is measured.

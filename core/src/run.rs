@@ -10,9 +10,9 @@ use thiserror::Error;
 use settings::Settings;
 
 use crate::estimator::{Estimator, estimator};
-use crate::sensor::MAX_SENSORS;
+use crate::quantity::MAX_SENSORS;
 use crate::simulate::{Simulator, TruthStop};
-use crate::smoother::smooth;
+use crate::kernel::smoother::smooth;
 use crate::{Channel, Estimates, FilterSettings, Quantity, Record, Scenario, ScenarioError};
 
 /// Why a run cannot begin.
@@ -118,7 +118,7 @@ impl Run {
             estimates.recycle(old.next(), samples);
             estimates
         };
-        let build = |(place, filter)| estimator(filter, settings.surroundings(dt, place));
+        let build = |(place, filter)| estimator(filter, settings.context(dt, place));
         Ok(Self {
             estimates: filters.iter().map(estimates).collect(),
             estimators: filters.iter().enumerate().map(build).collect(),
@@ -153,7 +153,7 @@ impl Run {
                 Some((same, settings)) if settings == *filter => same,
                 other => {
                     changed.push(place);
-                    let mut followed = estimator(filter, settings.surroundings(record.dt(), place));
+                    let mut followed = estimator(filter, settings.context(record.dt(), place));
                     let mut new = settings.estimates(filter);
                     new.recycle(other.map(|((_, old), _)| old), *samples);
                     follow(followed.as_mut(), &mut new, record, sensors, 0..*done);
@@ -264,7 +264,7 @@ impl Run {
         }
         let of = |(place, filter): (usize, &FilterSettings)| {
             let mut smoothed = settings.smoothed(filter);
-            smooth(filter, settings.surroundings(record.dt(), place), record, *done, &mut smoothed);
+            smooth(filter, settings.context(record.dt(), place), record, *done, &mut smoothed);
             smoothed
         };
         settings.filters.iter().enumerate().filter(|(_, f)| f.smoother).map(of).collect()
@@ -274,7 +274,7 @@ impl Run {
     pub fn channels(&self) -> Vec<Channel> {
         let known =
             |c: &Channel| self.record().truth(*c).is_some() || self.estimates.iter().any(|e| e.place(*c).is_some());
-        Channel::ALL.into_iter().filter(known).collect()
+        Channel::all().iter().copied().filter(known).collect()
     }
 
     /// Checksum of all estimates that are kept, to compare platforms with.
@@ -306,7 +306,7 @@ fn follow(
         for (value, &sensor) in measured.iter_mut().zip(sensors) {
             *value = record.measured(sensor)[k];
         }
-        if let Err(reason) = estimator.step(record.force()[k - 1], record.force()[k], measured, estimates) {
+        if let Err(reason) = estimator.step(record.force(k - 1), record.force(k), measured, estimates) {
             estimates.stop_at(reason);
         }
     }

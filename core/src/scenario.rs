@@ -1,23 +1,22 @@
 //! The settings from which everything follows.
 
 mod color;
-mod filter_kind;
-mod per_channel;
 mod plant;
 mod syntax;
 mod validate;
+mod values;
 mod written;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::filter::{Adaptation, Propagation};
-use crate::{Force, PlantKind, Quantity, Signal};
+use crate::filter::{Adaptation, FilterKind, Propagation};
+use crate::model::{Hold, InputKind, Model};
+use crate::{Channel, Force, PlantKind, Quantity, Signal};
 
 pub use color::FilterColor;
-pub use filter_kind::FilterKind;
-pub use per_channel::PerChannel;
 pub use plant::{Motion, Plant};
+pub use values::Values;
 
 /// A truth, the sensors that watch it and the filters that estimate it: plain data, TOML on disk.
 ///
@@ -33,8 +32,14 @@ pub struct Scenario {
     pub duration: f64,
     /// The truth.
     pub plant: Plant,
-    /// The measured force.
+    /// The measured input: a force over mass, or the ground's acceleration.
     pub force: Force,
+    /// What the input is.
+    #[serde(skip_serializing_if = "is_default")]
+    pub input: InputKind,
+    /// How the input runs between samples.
+    #[serde(skip_serializing_if = "is_default")]
+    pub hold: Hold,
     /// What is measured, each quantity at most once.
     pub sensors: Vec<Sensor>,
     /// What estimates.
@@ -66,6 +71,9 @@ pub struct FilterSettings {
     /// The kind of plant that the filter takes the truth for; the truth's own if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plant: Option<PlantKind>,
+    /// The augmentations ([`crate::augment`]) that the filter estimates, or knows where their standard deviations are zero.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub augment: Vec<Channel>,
     /// Whether the filter estimates the logarithms of the parameters that cannot be negative.
     pub log_parameters: bool,
     /// How the mean of a KF, EKF or IEKF moves.
@@ -86,14 +94,14 @@ pub struct FilterSettings {
     /// R. The sensors' true ones if left empty in a file.
     pub sensor_std: Vec<f64>,
     /// Mean of the initial belief.
-    #[serde(deserialize_with = "per_channel::initial_mean")]
-    pub initial_mean: PerChannel,
+    #[serde(deserialize_with = "values::initial_mean")]
+    pub initial_mean: Values,
     /// Standard deviations of the initial belief.
-    #[serde(deserialize_with = "per_channel::initial_std")]
-    pub initial_std: PerChannel,
+    #[serde(deserialize_with = "values::initial_std")]
+    pub initial_std: Values,
     /// Standard deviations of the process noise per step: the square roots of the diagonal of Q.
-    #[serde(deserialize_with = "per_channel::process_std")]
-    pub process_std: PerChannel,
+    #[serde(deserialize_with = "values::process_std")]
+    pub process_std: Values,
 }
 
 /// Why a scenario cannot be used.
@@ -118,9 +126,10 @@ impl Default for FilterSettings {
     fn default() -> Self {
         Self {
             name: String::new(),
-            kind: FilterKind::Ekf,
+            kind: FilterKind::EKF,
             color: None,
             plant: None,
+            augment: Vec::new(),
             log_parameters: false,
             propagation: Propagation::LocalLinearisation,
             iterations: 5,
@@ -130,10 +139,26 @@ impl Default for FilterSettings {
             fading: 1.0,
             eta: 0.0,
             sensor_std: Vec::new(),
-            initial_mean: PerChannel::INITIAL_MEAN,
-            initial_std: PerChannel::INITIAL_STD,
-            process_std: PerChannel::PROCESS_STD,
+            initial_mean: Values::INITIAL_MEAN,
+            initial_std: Values::INITIAL_STD,
+            process_std: Values::PROCESS_STD,
         }
+    }
+}
+
+impl FilterSettings {
+    /// The filter's model of a truth of some kind under an input.
+    pub fn model(&self, truth: PlantKind, input: InputKind) -> Model {
+        // The KF knows the parameters: they do not decay.
+        let eta = if self.kind == FilterKind::KF { 0.0 } else { self.eta };
+        let model = Model::new(self.plant.unwrap_or(truth)).augmented(self.augment.iter().copied());
+        model.decaying(eta).with_logarithms(self.log_parameters).driven_by(input)
+    }
+
+    /// Whether the filter takes a channel for known and exact, whatever its standard deviations: the KF takes the
+    /// parameters of its plant so.
+    pub fn knows(&self, channel: Channel) -> bool {
+        self.kind == FilterKind::KF && channel.is_parameter() && !channel.is_augmentation()
     }
 }
 
@@ -146,9 +171,11 @@ impl Default for Scenario {
             duration: 60.0,
             plant: Plant::default(),
             force: Force::default(),
+            input: InputKind::default(),
+            hold: Hold::default(),
             sensors: vec![
-                Sensor { measures: Quantity::Displacement, noise_std: 0.01 },
-                Sensor { measures: Quantity::Velocity, noise_std: 0.06 },
+                Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
+                Sensor { measures: Quantity::VELOCITY, noise_std: 0.06 },
             ],
             filters: default_filters(),
         };
@@ -189,7 +216,7 @@ impl Scenario {
         if self.sensors.iter().any(|s| s.measures == sensor.measures) {
             return;
         }
-        let place = self.sensors.partition_point(|s| (s.measures as u8) < sensor.measures as u8);
+        let place = self.sensors.partition_point(|s| s.measures < sensor.measures);
         self.sensors.insert(place, sensor);
         for filter in &mut self.filters {
             filter.sensor_std.insert(place.min(filter.sensor_std.len()), usable_std(sensor.noise_std));
@@ -209,19 +236,19 @@ impl Scenario {
     /// Takes another kind of plant for the truth; sensors of what it does not have are removed.
     pub fn set_plant(&mut self, kind: PlantKind) {
         self.plant.kind = kind;
-        let lost = |q: &Quantity| !kind.quantities().any(|has| has == *q);
-        for quantity in self.sensors.iter().map(|s| s.measures).filter(lost).collect::<Vec<_>>() {
+        for quantity in self.sensors.iter().map(|s| s.measures).filter(|q| !kind.has(*q)).collect::<Vec<_>>() {
             self.remove_sensor(quantity);
         }
+        self.fill_in();
     }
 
     /// The noise that a filter would be told by someone who knows the truth: the sensors' own standard deviations, what
     /// the disturbance adds in a step, and the root mean square change of the parameters per step.
-    pub fn true_noise(&self) -> (Vec<f64>, PerChannel) {
+    pub fn true_noise(&self) -> (Vec<f64>, Values) {
         let sensor_std = self.true_sensor_std();
         let d = self.plant.disturbance_std;
-        let mut process_std = PerChannel::ZERO;
-        for &channel in self.plant.kind.channels() {
+        let mut process_std = Values::ZERO;
+        for &channel in self.plant.model(self.input).channels() {
             if let Some(signal) = self.plant.parameter(channel) {
                 process_std[channel] = self.change_per_step(signal);
             } else if let Some(velocity) = channel.rate() {
@@ -238,7 +265,7 @@ impl Scenario {
     }
 
     /// The root mean square change of a signal from one sample to the next.
-    fn change_per_step(&self, signal: &Signal) -> f64 {
+    fn change_per_step(&self, signal: Signal) -> f64 {
         let steps = self.samples() - 1;
         let change = |k: usize| signal.at((k + 1) as f64 * self.dt) - signal.at(k as f64 * self.dt);
         let square: f64 = (0..steps).map(|k| change(k) * change(k)).sum();
@@ -247,8 +274,12 @@ impl Scenario {
 
     /// Completes what a file may leave out because it follows from the rest.
     fn fill_in(&mut self) {
-        let Self { sensors, filters, .. } = self;
+        let Self { sensors, filters, plant, input, .. } = self;
         for filter in filters {
+            let model = filter.model(plant.kind, *input);
+            for values in [&mut filter.initial_mean, &mut filter.initial_std, &mut filter.process_std] {
+                values.complete(model.channels());
+            }
             if filter.name.is_empty() {
                 filter.name = filter.kind.name().to_owned();
             }
@@ -262,7 +293,11 @@ impl Scenario {
 /// An EKF and a UKF with fading memory; their names and sensors still to be filled in.
 fn default_filters() -> Vec<FilterSettings> {
     let fading = |kind: FilterKind| FilterSettings { kind, fading: 1.005, ..FilterSettings::default() };
-    vec![fading(FilterKind::Ekf), fading(FilterKind::Ukf)]
+    vec![fading(FilterKind::EKF), fading(FilterKind::UKF)]
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// A sensor may be perfect, but a filter that is told so has a singular innovation covariance sooner or later.

@@ -4,31 +4,31 @@
 use std::sync::Arc;
 
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, PerChannel, Quantity, Record, Run, Scenario, Sensor, Signal, Update,
+    Channel, Estimates, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Sensor, Signal, Update, Values,
 };
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 
-const PARAMETERS_KNOWN: PerChannel = PerChannel { displacement: 0.3, velocity: 1.0, ..PerChannel::ZERO };
+const PARAMETERS_KNOWN: Values = Values { displacement: 0.3, velocity: 1.0, ..Values::ZERO };
 
 /// All sensors, parameters known to every filter.
 fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
     let mut scenario = Scenario { dt, duration: 4.0, ..Scenario::default() };
     scenario.plant.natural_frequency = Signal::Constant(6.0);
-    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.5 });
+    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
     let settings = |&kind: &FilterKind| FilterSettings {
         name: kind.name().to_owned(),
         kind,
         fading: 1.002,
         sensor_std: vec![0.01, 0.06, 0.5],
-        initial_mean: PerChannel {
+        initial_mean: Values {
             displacement: 0.2,
             velocity: -0.5,
             natural_frequency: 6.0,
             damping_ratio: 0.05,
-            ..PerChannel::ZERO
+            ..Values::ZERO
         },
         initial_std: PARAMETERS_KNOWN,
-        process_std: PerChannel { natural_frequency: 0.0, damping_ratio: 0.0, ..PerChannel::PROCESS_STD },
+        process_std: Values { natural_frequency: 0.0, damping_ratio: 0.0, ..Values::PROCESS_STD },
         ..FilterSettings::default()
     };
     scenario.filters = kinds.iter().map(settings).collect();
@@ -39,10 +39,10 @@ fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
 fn eventful(dt: f64) -> Scenario {
     let mut scenario = Scenario { dt, duration: 700.0 * dt, ..Scenario::default() };
     scenario.plant.disturbance_std = 0.5;
-    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.5 });
+    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
     let eta = FilterSettings { name: "η".to_owned(), eta: 0.01, ..scenario.filters[0].clone() };
     scenario.filters.push(eta);
-    scenario.filters.push(FilterSettings { kind: FilterKind::Kf, ..scenario.filters[0].clone() });
+    scenario.filters.push(FilterSettings { kind: FilterKind::KF, ..scenario.filters[0].clone() });
     scenario
 }
 
@@ -123,7 +123,7 @@ fn fading_is_the_same_for_every_filter() {
         for filter in &mut scenario.filters {
             (filter.fading, filter.ensemble_size) = (fading, 400);
             // Without measurements or process noise the variance is that of the free motion, times fading to the k.
-            (filter.process_std, filter.initial_std) = (PerChannel::ZERO, PARAMETERS_KNOWN);
+            (filter.process_std, filter.initial_std) = (Values::ZERO, PARAMETERS_KNOWN);
         }
         let record = finished(&scenario).record().clone();
         scenario.sensors.clear();
@@ -165,8 +165,8 @@ fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64
     let input: Vector2<f64> = whole.fixed_view::<2, 1>(0, 2).into();
     let observation = Matrix3x2::new(1.0, 0.0, 0.0, 1.0, a, b);
     let noise = Matrix3::from_diagonal(&Vector3::from_fn(|i, _| settings.sensor_std[i] * settings.sensor_std[i]));
-    let motion = |p: &PerChannel| Vector2::new(p[Channel::Displacement], p[Channel::Velocity]);
-    let variances = |p: &PerChannel| Matrix2::from_diagonal(&motion(p).map(|std| std * std));
+    let motion = |p: &Values| Vector2::new(p[Channel::DISPLACEMENT], p[Channel::VELOCITY]);
+    let variances = |p: &Values| Matrix2::from_diagonal(&motion(p).map(|std| std * std));
     let process = variances(&settings.process_std);
 
     let mut mean = motion(&settings.initial_mean);
@@ -189,7 +189,7 @@ fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64
 
 #[test]
 fn the_kalman_filter_is_the_textbooks() {
-    let scenario = known_parameters(&[FilterKind::Kf], 0.01);
+    let scenario = known_parameters(&[FilterKind::KF], 0.01);
     let run = finished(&scenario);
     let kf = &run.estimates()[0];
     let expected = naive_kalman_filter(&scenario, run.record());
@@ -277,7 +277,7 @@ fn a_run_that_begins_anew_is_a_new_run() {
     let mut second = Scenario { seed: 9, duration: 2.0, ..Scenario::default() };
     second.filters.rotate_left(1);
     second.filters.truncate(1);
-    second.remove_sensor(kalmanscope_core::Quantity::Velocity);
+    second.remove_sensor(kalmanscope_core::Quantity::VELOCITY);
     let mut run = Run::new(&first).unwrap();
     run.finish();
     for scenario in [&second, &first] {

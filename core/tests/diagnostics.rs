@@ -50,7 +50,7 @@ fn bits(diagnostics: &Diagnostics) -> Vec<u64> {
 #[test]
 fn any_portions_give_the_same_bits() {
     let mut scenario = Scenario { duration: 7.0, ..Scenario::default() };
-    scenario.filters.push(FilterSettings { kind: FilterKind::Kf, ..scenario.filters[0].clone() });
+    scenario.filters.push(FilterSettings { kind: FilterKind::KF, ..scenario.filters[0].clone() });
     let whole = finished(&scenario);
     for (i, estimates) in whole.estimates().iter().enumerate() {
         let at_once = Diagnostics::new(estimates, whole.record());
@@ -90,14 +90,14 @@ fn consistency_alone_is_that_of_all_diagnostics() {
     consistency.restart(estimates, record);
     let bits = |d: &Diagnostics| {
         let within = [d.nis_within(100..d.len()).sum, d.nees_within(100..d.len()).sum, d.log_likelihood()];
-        let error = d.error(Channel::DampingRatio).unwrap();
+        let error = d.error(Channel::DAMPING_RATIO).unwrap();
         d.nees().iter().copied().chain(within).chain([error]).map(f64::to_bits).collect::<Vec<_>>()
     };
     assert_eq!(bits(&consistency), bits(&all));
     assert_eq!(consistency.share_in_ellipsoid(), all.share_in_ellipsoid());
     assert!(all.verdict(estimates).is_some() && consistency.verdict(estimates).is_none());
-    assert!(consistency.tally(Channel::DampingRatio, 0..600).is_none() && consistency.whiteness().is_empty());
-    assert!(consistency.settled(Channel::NaturalFrequency).is_none());
+    assert!(consistency.tally(Channel::DAMPING_RATIO, 0..600).is_none() && consistency.whiteness().is_empty());
+    assert!(consistency.settled(Channel::NATURAL_FREQUENCY).is_none());
 }
 
 fn direct_rmse(estimates: &Estimates, record: &Record, place: usize, from: usize) -> f64 {
@@ -191,8 +191,8 @@ fn what_is_not_known_or_not_measured_is_not_scored() {
     again.finish();
     let diagnostics = Diagnostics::new(&again.estimates()[0], again.record());
     assert_eq!(diagnostics.known().count(), 3);
-    assert_eq!(diagnostics.tally(Channel::DampingRatio, 0..9), None);
-    assert_eq!((diagnostics.error(Channel::DampingRatio), diagnostics.settled(Channel::DampingRatio)), (None, None));
+    assert_eq!(diagnostics.tally(Channel::DAMPING_RATIO, 0..9), None);
+    assert_eq!((diagnostics.error(Channel::DAMPING_RATIO), diagnostics.settled(Channel::DAMPING_RATIO)), (None, None));
     assert_eq!(diagnostics.mean_nees().unwrap().expected, 3.0);
     assert_eq!(diagnostics.nees_within(0..10).degrees, 30);
 
@@ -207,7 +207,7 @@ fn what_is_not_known_or_not_measured_is_not_scored() {
 #[test]
 fn parameters_held_for_certain_have_no_part_in_the_nees() {
     let mut scenario = guessing(6.0, 0.05);
-    scenario.filters[0].kind = FilterKind::Kf;
+    scenario.filters[0].kind = FilterKind::KF;
     let run = finished(&scenario);
     let nees = Diagnostics::new(&run.estimates()[0], run.record()).mean_nees().unwrap();
     assert_eq!(nees.expected, 2.0);

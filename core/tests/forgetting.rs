@@ -11,13 +11,13 @@ use kalmanscope_core::{
 fn eventful() -> Scenario {
     let mut scenario = Scenario { duration: 9.0, ..Scenario::default() };
     scenario.plant.disturbance_std = 0.5;
-    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.5 });
+    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
     let template = scenario.filters[0].clone();
     let of = |kind: FilterKind| FilterSettings {
         name: kind.name().to_owned(),
         kind,
         ensemble_size: 40,
-        log_parameters: kind == FilterKind::Iekf,
+        log_parameters: kind == FilterKind::IEKF,
         ..template.clone()
     };
     let learning = Adaptation { sensor_noise: true, process_noise: true, ..Adaptation::default() };
@@ -26,7 +26,7 @@ fn eventful() -> Scenario {
         FilterSettings { name: "learning".to_owned(), adaptation: learning, ..template.clone() },
         FilterSettings { name: "stopping".to_owned(), fading: 1e30, ..template.clone() },
         FilterSettings { name: "winding up".to_owned(), fading: 1.2, ..template.clone() },
-        FilterSettings { name: "wrong".to_owned(), plant: Some(PlantKind::Duffing), ..template },
+        FilterSettings { name: "wrong".to_owned(), plant: Some(PlantKind::DUFFING), ..template },
     ]);
     scenario
 }
@@ -66,7 +66,7 @@ fn assert_is_end_of_run(kept: &Run, all: &Run) {
     for sensor in 0..record.sensors().len() {
         assert_eq!(bits(record.measured(sensor)), bits(&whole.measured(sensor)[gone..]));
     }
-    for channel in Channel::ALL {
+    for channel in Channel::all() {
         assert_eq!(record.truth(channel), whole.truth(channel).map(|truth| &truth[gone..]));
     }
     for k in 0..kept.len() {
@@ -115,7 +115,7 @@ fn the_memory_stays_where_it_is() {
 #[test]
 fn a_truth_that_runs_away_does_so_at_the_same_sample() {
     let mut scenario = Scenario { force: Force::None, ..Scenario::default() };
-    scenario.set_plant(PlantKind::Duffing);
+    scenario.set_plant(PlantKind::DUFFING);
     scenario.plant.cubic_stiffness = Signal::Constant(-300.0);
     scenario.plant.initial.displacement = 0.5;
     let mut all = Run::new(&scenario).unwrap();
@@ -132,7 +132,7 @@ fn a_truth_that_runs_away_does_so_at_the_same_sample() {
 #[test]
 fn diagnostics_and_bounds_speak_of_what_is_kept() {
     let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
-    scenario.filters.push(FilterSettings { kind: FilterKind::Kf, ..scenario.filters[0].clone() });
+    scenario.filters.push(FilterSettings { kind: FilterKind::KF, ..scenario.filters[0].clone() });
     scenario.plant.natural_frequency = Signal::Constant(6.0);
     let mut all = Run::new(&scenario).unwrap();
     let mut kept = Run::new(&scenario).unwrap();
@@ -173,7 +173,7 @@ fn diagnostics_and_bounds_speak_of_what_is_kept() {
             assert_eq!(bounds[place].std(k, channel).to_bits(), bound.std(gone + k, channel).to_bits());
         }
     }
-    let frequency = following[0].settled(Channel::NaturalFrequency).unwrap();
+    let frequency = following[0].settled(Channel::NATURAL_FREQUENCY).unwrap();
     assert!(frequency < gone, "the time of settling is not forgotten, but it is {frequency}");
     let mut late = CramerRao::new(&scenario, 0, scenario.dt).unwrap();
     late.follow(kept.record());

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use health::{check_file, check_scenario, scenario_of};
 use kalmanscope_core::{
-    Adaptation, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, PerChannel, Plant, PlantKind,
-    Quantity, Record, Remark, Run, Scenario, Sensor, Signal, Stop, Trouble, TruthError, TruthStop,
+    Adaptation, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity, Record,
+    Remark, Run, Scenario, Sensor, Signal, Stop, Trouble, TruthError, TruthStop, Values,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
@@ -103,20 +103,20 @@ fn forgetting_without_excitation_winds_up_and_is_remarked_once() {
     scenario.filters.iter_mut().for_each(|filter| filter.fading = 1.02);
     check_scenario(&scenario, 0).unwrap();
     let run = finished(&scenario);
-    for estimates in run.estimates().iter().filter(|e| e.kind() == FilterKind::Ekf) {
+    for estimates in run.estimates().iter().filter(|e| e.kind() == FilterKind::EKF) {
         let limit = 1e3 * scenario.filters[0].initial_std.natural_frequency;
         let far = (0..estimates.len()).find(|&k| estimates.std(k, 2) > limit).unwrap();
-        let wound_up = remark(estimates, Trouble::WindUp(Channel::NaturalFrequency)).unwrap();
+        let wound_up = remark(estimates, Trouble::WindUp(Channel::NATURAL_FREQUENCY)).unwrap();
         assert_eq!(wound_up.sample, far, "{}", estimates.name());
         assert!(far > 500 && wound_up.last > far, "{wound_up:?}");
         assert!(estimates.remarks().iter().filter(|r| r.what == wound_up.what).count() <= 2, "once an occasion");
-        assert!(remark(estimates, Trouble::WindUp(Channel::Displacement)).is_none_or(|r| r.sample > far));
+        assert!(remark(estimates, Trouble::WindUp(Channel::DISPLACEMENT)).is_none_or(|r| r.sample > far));
     }
 }
 
 #[test]
 fn a_wound_up_covariance_that_overflows_stops_the_filter() {
-    let mut scenario = Scenario { force: Force::None, sensors: vec![], ..with_filter(FilterKind::Ekf) };
+    let mut scenario = Scenario { force: Force::None, sensors: vec![], ..with_filter(FilterKind::EKF) };
     scenario.filters[0].sensor_std = vec![];
     scenario.filters[0].fading = 3.0;
     let stop = stop(&scenario).unwrap();
@@ -130,7 +130,7 @@ fn sensors_that_cannot_err_and_a_state_that_is_known_make_s_singular() {
     for kind in FilterKind::ALL {
         let mut scenario = with_filter(kind);
         let filter = &mut scenario.filters[0];
-        (filter.initial_std, filter.process_std) = (PerChannel::ZERO, PerChannel::ZERO);
+        (filter.initial_std, filter.process_std) = (Values::ZERO, Values::ZERO);
         filter.sensor_std = vec![1e-200; 2];
         assert_eq!(
             stop(&scenario),
@@ -143,12 +143,12 @@ fn sensors_that_cannot_err_and_a_state_that_is_known_make_s_singular() {
 
 #[test]
 fn perfect_sensors_make_s_singular_sooner_or_later() {
-    let mut scenario = with_filter(FilterKind::Ekf);
-    scenario.sensors.push(Sensor { measures: Quantity::Acceleration, noise_std: 0.0 });
+    let mut scenario = with_filter(FilterKind::EKF);
+    scenario.sensors.push(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.0 });
     let filter = &mut scenario.filters[0];
     filter.sensor_std = vec![1e-200; 3];
-    filter.initial_std = PerChannel { displacement: 0.1, velocity: 0.3, ..PerChannel::ZERO };
-    filter.process_std = PerChannel::ZERO;
+    filter.initial_std = Values { displacement: 0.1, velocity: 0.3, ..Values::ZERO };
+    filter.process_std = Values::ZERO;
     // The acceleration follows from displacement and velocity.
     assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::SingularInnovation }));
 }
@@ -156,11 +156,11 @@ fn perfect_sensors_make_s_singular_sooner_or_later() {
 #[test]
 fn an_indefinite_covariance_is_refused_or_remarked() {
     // Rank one, and shrinking: what is left of the variances is rounding.
-    let nothing = PerChannel::ZERO;
+    let nothing = Values::ZERO;
     let filter = FilterSettings {
-        kind: FilterKind::Ekf,
-        initial_mean: PerChannel { natural_frequency: 61.7, damping_ratio: 0.55, ..nothing },
-        initial_std: PerChannel { natural_frequency: 1.0, ..nothing },
+        kind: FilterKind::EKF,
+        initial_mean: Values { natural_frequency: 61.7, damping_ratio: 0.55, ..nothing },
+        initial_std: Values { natural_frequency: 1.0, ..nothing },
         process_std: nothing,
         ..FilterSettings::default()
     };
@@ -175,7 +175,7 @@ fn an_indefinite_covariance_is_refused_or_remarked() {
 
 #[test]
 fn a_divergence_is_one() {
-    let mut scenario = with_filter(FilterKind::Ekf);
+    let mut scenario = with_filter(FilterKind::EKF);
     scenario.dt = 0.5;
     scenario.duration = 1000.0;
     scenario.filters[0].propagation = kalmanscope_core::Propagation::Euler;
@@ -211,13 +211,13 @@ fn a_measurement_without_likelihood_is_not_called_divergence() {
 
 #[test]
 fn a_plant_that_runs_away_ends_the_record_and_says_where() {
-    let plant = Plant { kind: PlantKind::Duffing, cubic_stiffness: Signal::Constant(-300.0), ..Plant::default() };
-    let mut scenario = Scenario { plant, ..with_filter(FilterKind::Ukf) };
+    let plant = Plant { kind: PlantKind::DUFFING, cubic_stiffness: Signal::Constant(-300.0), ..Plant::default() };
+    let mut scenario = Scenario { plant, ..with_filter(FilterKind::UKF) };
     scenario.plant.initial.displacement = 1.0;
     check_scenario(&scenario, 0).unwrap();
     let run = finished(&scenario);
     let TruthStop { sample, reason } = run.truth_stop().unwrap();
-    assert!(matches!(reason, TruthError::Channel(Channel::Displacement | Channel::Velocity)), "{reason:?}");
+    assert!(matches!(reason, TruthError::Channel(Channel::DISPLACEMENT | Channel::VELOCITY)), "{reason:?}");
     assert!(reason.to_string().contains("run away"));
     assert_eq!((sample, sample), (run.len(), run.samples()));
     assert!(sample < scenario.samples());
@@ -226,22 +226,22 @@ fn a_plant_that_runs_away_ends_the_record_and_says_where() {
 #[test]
 fn a_force_and_a_sensor_that_overflow_end_the_record_and_are_named() {
     let force = Force::Step { amplitude: 1.7e308, at: 0.05 };
-    let mut scenario = Scenario { force, ..with_filter(FilterKind::Ekf) };
+    let mut scenario = Scenario { force, ..with_filter(FilterKind::EKF) };
     scenario.plant.disturbance_std = 1e308;
     check_scenario(&scenario, 0).unwrap();
     assert!(finished(&scenario).truth_stop().is_some());
 
-    let mut scenario = with_filter(FilterKind::Ekf);
+    let mut scenario = with_filter(FilterKind::EKF);
     scenario.sensors[1].noise_std = 1.7e308;
     check_scenario(&scenario, 0).unwrap();
     let reason = finished(&scenario).truth_stop().unwrap().reason;
-    assert_eq!(reason, TruthError::Reading(Quantity::Velocity));
+    assert_eq!(reason, TruthError::Reading(Quantity::VELOCITY));
 }
 
 /// Every step of such a motion crosses kinks, and halving it does not help: once that took for ever.
 #[test]
 fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
-    let plant = Plant { kind: PlantKind::BoucWen, natural_frequency: Signal::Constant(1e9), ..Plant::default() };
+    let plant = Plant { kind: PlantKind::BOUC_WEN, natural_frequency: Signal::Constant(1e9), ..Plant::default() };
     let scenario = Scenario { plant, dt: 1.0, duration: 20.0, filters: vec![], ..Scenario::default() };
     check_scenario(&scenario, 0).unwrap();
 }
@@ -249,9 +249,9 @@ fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
 /// The gain of a particle filter is reported, but moves nothing that would overflow with it.
 #[test]
 fn particles_too_far_apart_for_a_covariance_stop_the_filter() {
-    let mut scenario = with_filter(FilterKind::Pf);
+    let mut scenario = with_filter(FilterKind::PF);
     scenario.filters[0].ensemble_size = 10;
-    scenario.filters[0].initial_std = PerChannel { velocity: 1e153, natural_frequency: 1e153, ..PerChannel::ZERO };
+    scenario.filters[0].initial_std = Values { velocity: 1e153, natural_frequency: 1e153, ..Values::ZERO };
     assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::NotFinite }));
 }
 
@@ -268,7 +268,7 @@ fn changed(scenario: &Scenario, change: impl Fn(usize, &str) -> String) -> Recor
 
 #[test]
 fn missing_measurements_are_counted_and_a_run_of_them_is_remarked() {
-    let scenario = with_filter(FilterKind::Ekf);
+    let scenario = with_filter(FilterKind::EKF);
     let without_displacement = |line: &str| {
         let mut cells: Vec<&str> = line.split(',').collect();
         cells[2] = "nan";
@@ -282,26 +282,26 @@ fn missing_measurements_are_counted_and_a_run_of_them_is_remarked() {
     run.finish();
     let estimates = &run.estimates()[0];
     assert_eq!((estimates.missing(0), estimates.missing(1)), (31, 0));
-    let what = Trouble::Missing(Quantity::Displacement);
+    let what = Trouble::Missing(Quantity::DISPLACEMENT);
     assert_eq!(estimates.remarks(), [Remark { what, sample: 200, last: 229 }]);
 }
 
 #[test]
 fn a_sensor_that_the_filters_plant_does_not_know_is_remarked() {
     let mut scenario = Scenario::default();
-    scenario.set_plant(PlantKind::Shear2);
-    scenario.add_sensor(Sensor { measures: Quantity::Displacement2, noise_std: 0.01 });
+    scenario.set_plant(PlantKind::SHEAR_2);
+    scenario.add_sensor(Sensor { measures: Quantity::new(Aspect::DISPLACEMENT, 1), noise_std: 0.01 });
     scenario.filters.truncate(1);
-    scenario.filters[0].plant = Some(PlantKind::Sdof);
+    scenario.filters[0].plant = Some(PlantKind::SDOF);
     check_scenario(&scenario, 0).unwrap();
     let run = finished(&scenario);
-    let unknown = remark(&run.estimates()[0], Trouble::Unknown(Quantity::Displacement2)).unwrap();
+    let unknown = remark(&run.estimates()[0], Trouble::Unknown(Quantity::new(Aspect::DISPLACEMENT, 1))).unwrap();
     assert_eq!((unknown.sample, unknown.last), (1, run.len() - 1));
 }
 
 #[test]
 fn particles_collapse_where_sensors_are_much_more_precise_than_they_are_many() {
-    let mut scenario = with_filter(FilterKind::Pf);
+    let mut scenario = with_filter(FilterKind::PF);
     let filter = &mut scenario.filters[0];
     filter.ensemble_size = 50;
     filter.sensor_std = vec![1e-6; 2];
@@ -318,19 +318,19 @@ fn particles_collapse_where_sensors_are_much_more_precise_than_they_are_many() {
 #[test]
 fn noise_that_is_learnt_to_be_nothing_or_everything_is_remarked() {
     let adaptation = Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.9 };
-    let mut scenario = Scenario { force: Force::None, ..with_filter(FilterKind::Ekf) };
+    let mut scenario = Scenario { force: Force::None, ..with_filter(FilterKind::EKF) };
     scenario.sensors.iter_mut().for_each(|sensor| sensor.noise_std = 0.0);
     scenario.filters[0].adaptation = adaptation;
     check_scenario(&scenario, 0).unwrap();
     let run = finished(&scenario);
-    let vanishing = remark(&run.estimates()[0], Trouble::VanishingSensorNoise(Quantity::Displacement));
+    let vanishing = remark(&run.estimates()[0], Trouble::VanishingSensorNoise(Quantity::DISPLACEMENT));
     assert!(vanishing.is_some_and(|r| r.sample > 50), "{:?}", run.estimates()[0].remarks());
 
-    let mut scenario = with_filter(FilterKind::Ekf);
+    let mut scenario = with_filter(FilterKind::EKF);
     scenario.filters[0].sensor_std = vec![1e-7; 2];
     scenario.filters[0].adaptation = Adaptation { process_noise: false, ..adaptation };
     check_scenario(&scenario, 0).unwrap();
     let run = finished(&scenario);
-    let growing = remark(&run.estimates()[0], Trouble::GrowingSensorNoise(Quantity::Displacement));
+    let growing = remark(&run.estimates()[0], Trouble::GrowingSensorNoise(Quantity::DISPLACEMENT));
     assert!(growing.is_some(), "{:?}", run.estimates()[0].remarks());
 }

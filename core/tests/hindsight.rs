@@ -2,8 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::{
-    Channel, CramerRao, Estimates, FilterKind, FilterSettings, PerChannel, PlantKind, Quantity, Record, Run, Scenario,
-    Sensor, Signal,
+    Channel, CramerRao, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor,
+    Signal, Values,
 };
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 
@@ -15,9 +15,9 @@ fn known(kind: FilterKind, samples: usize) -> Scenario {
     scenario.filters = vec![FilterSettings {
         kind,
         smoother: true,
-        initial_mean: PerChannel { natural_frequency: 6.0, damping_ratio: 0.05, ..PerChannel::ZERO },
-        initial_std: PerChannel { displacement: 0.3, velocity: 1.0, ..PerChannel::ZERO },
-        process_std: PerChannel { displacement: 1e-4, velocity: 0.02, ..PerChannel::ZERO },
+        initial_mean: Values { natural_frequency: 6.0, damping_ratio: 0.05, ..Values::ZERO },
+        initial_std: Values { displacement: 0.3, velocity: 1.0, ..Values::ZERO },
+        process_std: Values { displacement: 1e-4, velocity: 0.02, ..Values::ZERO },
         ..scenario.filters[0].clone()
     }];
     scenario.filters[0].fading = 1.0;
@@ -49,7 +49,7 @@ fn batch(run: &Run, scenario: &Scenario) -> (SVector<f64, STATES>, SMatrix<f64, 
     let transition = Matrix2::new(dh + 2.0 * zeta * wn * h, h, -wn * wn * h, dh);
     let q = (1.0 - transition[(0, 0)]) / (wn * wn);
     let variance =
-        |per: &PerChannel| Matrix2::from_diagonal(&Vector2::new(per.displacement, per.velocity).map(|std| std * std));
+        |per: &Values| Matrix2::from_diagonal(&Vector2::new(per.displacement, per.velocity).map(|std| std * std));
     let mut mean = SVector::<f64, STATES>::zeros();
     let mut cov = SMatrix::<f64, STATES, STATES>::zeros();
     cov.fixed_view_mut::<2, 2>(0, 0).copy_from(&variance(&filter.initial_std));
@@ -83,7 +83,7 @@ fn batch(run: &Run, scenario: &Scenario) -> (SVector<f64, STATES>, SMatrix<f64, 
 
 #[test]
 fn smoothing_is_conditioning_on_the_whole_record() {
-    for kind in [FilterKind::Kf, FilterKind::Ekf, FilterKind::Ukf, FilterKind::SrUkf, FilterKind::Ckf] {
+    for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
         let scenario = known(kind, SAMPLES);
         let run = finished(&scenario);
         let (mean, cov) = batch(&run, &scenario);
@@ -104,7 +104,7 @@ fn smoothing_is_conditioning_on_the_whole_record() {
 
 #[test]
 fn hindsight_knows_the_parameters_better() {
-    for kind in [FilterKind::Ekf, FilterKind::Iekf, FilterKind::Ukf, FilterKind::SrUkf, FilterKind::Ckf] {
+    for kind in [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
         for log_parameters in [false, true] {
             let mut scenario = Scenario::default();
             scenario.plant.natural_frequency = Signal::Constant(6.0);
@@ -130,7 +130,7 @@ fn hindsight_knows_the_parameters_better() {
 
 #[test]
 fn a_smoother_sees_what_the_run_has_seen() {
-    let scenario = known(FilterKind::Ekf, 300);
+    let scenario = known(FilterKind::EKF, 300);
     let mut run = Run::new(&scenario).unwrap();
     assert!(smoothed(&run).is_empty());
     run.advance_to(100);
@@ -149,10 +149,10 @@ fn bound(scenario: &Scenario, record: &Record) -> CramerRao {
 
 #[test]
 fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
-    let mut scenario = known(FilterKind::Kf, 1000);
-    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.5 });
+    let mut scenario = known(FilterKind::KF, 1000);
+    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
     let mut chain = scenario.clone();
-    chain.set_plant(PlantKind::Shear3);
+    chain.set_plant(PlantKind::SHEAR_3);
     for scenario in [scenario, chain] {
         let mut scenario = scenario;
         for channel in scenario.plant.kind.parameters() {
@@ -180,7 +180,7 @@ fn the_bound_is_the_information_recursion() {
     let record = run.record();
     let bound = bound(&scenario, record);
     let filter = &scenario.filters[0];
-    let diagonal = |per: &PerChannel| {
+    let diagonal = |per: &Values| {
         SMatrix::<f64, 4, 4>::from_diagonal(&SVector::<f64, 4>::from_fn(|i, _| {
             per[run.estimates()[0].channels()[i]].powi(2)
         }))
@@ -194,7 +194,7 @@ fn the_bound_is_the_information_recursion() {
     }
     let truth = |channel, k: usize| record.truth(channel).unwrap()[k];
     for k in 1..record.len() {
-        let (x, v) = (truth(Channel::Displacement, k - 1), truth(Channel::Velocity, k - 1));
+        let (x, v) = (truth(Channel::DISPLACEMENT, k - 1), truth(Channel::VELOCITY, k - 1));
         let (wn, zeta) = (6.0, 0.05);
         let mut a = SMatrix::<f64, 4, 4>::zeros();
         a[(0, 1)] = 1.0;

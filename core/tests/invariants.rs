@@ -6,8 +6,8 @@ use std::sync::Arc;
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, Force, PerChannel, Plant, Quantity, Record, Run, Scenario, Sensor,
-    Signal,
+    Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Record, Run, Scenario, Sensor, Signal,
+    Values,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -57,7 +57,7 @@ fn force() -> impl Strategy<Value = Force> {
 }
 
 fn sensors() -> impl Strategy<Value = Vec<Sensor>> {
-    proptest::sample::subsequence(Quantity::ALL[..3].to_vec(), 0..=3).prop_flat_map(|quantities| {
+    proptest::sample::subsequence(Quantity::all()[..3].to_vec(), 0..=3).prop_flat_map(|quantities| {
         let sensor = |measures| zero_or(-5.0..1.0).prop_map(move |noise_std| Sensor { measures, noise_std });
         quantities.into_iter().map(sensor).collect::<Vec<_>>()
     })
@@ -67,7 +67,7 @@ fn plant() -> impl Strategy<Value = Plant> {
     let motion = (-1.0..1.0, -5.0..5.0).prop_map(|(displacement, velocity)| Motion { displacement, velocity });
     (signal(0.1, 60.0), signal(0.0, 2.0), motion, zero_or(-3.0..1.0)).prop_map(
         |(natural_frequency, damping_ratio, initial, disturbance_std)| Plant {
-            kind: kalmanscope_core::PlantKind::Sdof,
+            kind: kalmanscope_core::PlantKind::SDOF,
             natural_frequency,
             damping_ratio,
             initial,
@@ -77,24 +77,24 @@ fn plant() -> impl Strategy<Value = Plant> {
     )
 }
 
-fn per_channel<S: Strategy<Value = f64>>(of: impl Fn() -> S) -> impl Strategy<Value = PerChannel> {
-    [of(), of(), of(), of()].prop_map(|[displacement, velocity, natural_frequency, damping_ratio]| PerChannel {
+fn per_channel<S: Strategy<Value = f64>>(of: impl Fn() -> S) -> impl Strategy<Value = Values> {
+    [of(), of(), of(), of()].prop_map(|[displacement, velocity, natural_frequency, damping_ratio]| Values {
         displacement,
         velocity,
         natural_frequency,
         damping_ratio,
-        ..PerChannel::ZERO
+        ..Values::ZERO
     })
 }
 
-fn initial_mean() -> impl Strategy<Value = PerChannel> {
+fn initial_mean() -> impl Strategy<Value = Values> {
     (-1.0..1.0, -5.0..5.0, -5.0..80.0, -1.0..3.0).prop_map(
-        |(displacement, velocity, natural_frequency, damping_ratio)| PerChannel {
+        |(displacement, velocity, natural_frequency, damping_ratio)| Values {
             displacement,
             velocity,
             natural_frequency,
             damping_ratio,
-            ..PerChannel::ZERO
+            ..Values::ZERO
         },
     )
 }
@@ -201,7 +201,7 @@ proptest! {
 
     #[test]
     fn what_is_known_stays_known(mut scenario in scenario(), which in 1_usize..4) {
-        let known = [Channel::NaturalFrequency, Channel::DampingRatio];
+        let known = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
         let known = match which { 1 => &known[..1], 2 => &known[1..], _ => &known[..] };
         for filter in &mut scenario.filters {
             filter.eta = 0.0;
@@ -223,7 +223,7 @@ proptest! {
 
     #[test]
     fn a_sensor_that_is_always_missing_is_no_sensor(mut scenario in scenario(), which in 0_usize..3) {
-        scenario.add_sensor(Sensor { measures: Quantity::Velocity, noise_std: 0.1 });
+        scenario.add_sensor(Sensor { measures: Quantity::VELOCITY, noise_std: 0.1 });
         let which = which % scenario.sensors.len();
         let record = finished(&scenario).record().clone();
         let gaps = with_gaps(&record, |sensor, _| sensor == which);
@@ -286,9 +286,9 @@ proptest! {
         wn in 2.0..12.0,
         zeta in 0.02..0.2,
         off in (0.7..1.4, 0.0..0.3),
-        sensors in proptest::sample::subsequence(Quantity::ALL[..3].to_vec(), 1..=3),
+        sensors in proptest::sample::subsequence(Quantity::all()[..3].to_vec(), 1..=3),
     ) {
-        let noise = |q| match q { Quantity::Displacement => 0.01, Quantity::Velocity => 0.06, _ => 0.5 };
+        let noise = |q| match q { Quantity::DISPLACEMENT => 0.01, Quantity::VELOCITY => 0.06, _ => 0.5 };
         let mut scenario = Scenario { seed, ..Scenario::default() };
         scenario.plant.natural_frequency = Signal::Constant(wn);
         scenario.plant.damping_ratio = Signal::Constant(zeta);
@@ -313,12 +313,12 @@ proptest! {
 /// A covariance of rank one that shrinks without anything to lift it: its variances are zero to rounding, on either side.
 #[test]
 fn rounding_makes_no_variance_negative() {
-    let nothing = PerChannel::ZERO;
+    let nothing = Values::ZERO;
     for kind in FilterKind::ALL {
         let filter = FilterSettings {
             kind,
-            initial_mean: PerChannel { natural_frequency: 61.7, damping_ratio: 0.55, ..nothing },
-            initial_std: PerChannel { natural_frequency: 1.0, ..nothing },
+            initial_mean: Values { natural_frequency: 61.7, damping_ratio: 0.55, ..nothing },
+            initial_std: Values { natural_frequency: 1.0, ..nothing },
             process_std: nothing,
             ..FilterSettings::default()
         };

@@ -42,7 +42,7 @@ fn keys_are_those_of_scenario_files() {
     for kind in PlantKind::ALL {
         assert_eq!(toml::Value::try_from(kind), Ok(kind.key().into()));
     }
-    for channel in Channel::ALL {
+    for channel in Channel::all() {
         assert_eq!(toml::Value::try_from(channel), Ok(channel.key().into()));
     }
 }

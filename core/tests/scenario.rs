@@ -3,8 +3,8 @@
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Force, PerChannel, Plant, PlantKind, Quantity, Scenario, ScenarioError,
-    Sensor, Signal,
+    Channel, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity, Scenario, ScenarioError, Sensor, Signal,
+    Values,
 };
 
 const SAMPLE: &str = include_str!("sample.toml");
@@ -15,7 +15,7 @@ fn parsed(text: &str) -> Scenario {
 
 #[test]
 fn the_sample_says_what_it_says() {
-    let with = |[displacement, velocity, natural_frequency, damping_ratio]: [f64; 4], rest: PerChannel| PerChannel {
+    let with = |[displacement, velocity, natural_frequency, damping_ratio]: [f64; 4], rest: Values| Values {
         displacement,
         velocity,
         natural_frequency,
@@ -27,7 +27,7 @@ fn the_sample_says_what_it_says() {
         dt: 0.01,
         duration: 60.0,
         plant: Plant {
-            kind: PlantKind::Sdof,
+            kind: PlantKind::SDOF,
             natural_frequency: Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }),
             damping_ratio: Signal::Constant(0.05),
             initial: Motion { displacement: 0.0, velocity: 0.0 },
@@ -36,18 +36,18 @@ fn the_sample_says_what_it_says() {
         },
         force: Force::WhiteNoise { std: 10.0 },
         sensors: vec![
-            Sensor { measures: Quantity::Displacement, noise_std: 0.01 },
-            Sensor { measures: Quantity::Velocity, noise_std: 0.06 },
+            Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
+            Sensor { measures: Quantity::VELOCITY, noise_std: 0.06 },
         ],
         filters: vec![FilterSettings {
             name: "EKF with fading memory".to_owned(),
-            kind: FilterKind::Ekf,
+            kind: FilterKind::EKF,
             fading: 1.005,
             eta: 0.0,
             sensor_std: vec![0.01, 0.06],
-            initial_mean: with([0.0, 0.0, 8.0, 0.1], PerChannel::INITIAL_MEAN),
-            initial_std: with([0.1, 0.3, 2.0, 0.1], PerChannel::INITIAL_STD),
-            process_std: with([1e-4, 1e-3, 1e-4, 3e-5], PerChannel::PROCESS_STD),
+            initial_mean: with([0.0, 0.0, 8.0, 0.1], Values::INITIAL_MEAN),
+            initial_std: with([0.1, 0.3, 2.0, 0.1], Values::INITIAL_STD),
+            process_std: with([1e-4, 1e-3, 1e-4, 3e-5], Values::PROCESS_STD),
             ..FilterSettings::default()
         }],
     };
@@ -71,8 +71,8 @@ fn what_is_left_out_follows_from_the_rest() {
     );
     let [ukf, second] = scenario.filters.as_slice() else { panic!("two filters") };
     assert_eq!((ukf.name.as_str(), second.name.as_str()), ("UKF", "a"));
-    assert_eq!(ukf.initial_std, PerChannel { velocity: 9.0, ..PerChannel::INITIAL_STD });
-    assert_eq!(second.initial_std, PerChannel::INITIAL_STD);
+    assert_eq!(ukf.initial_std, Values { velocity: 9.0, ..Values::INITIAL_STD });
+    assert_eq!(second.initial_std, Values::INITIAL_STD);
     assert_eq!(ukf.sensor_std[0], 0.2);
     assert!(ukf.sensor_std[1] > 0.0, "a filter cannot believe in a perfect sensor");
     assert!(parsed("sensors = []\nfilters = []").filters.is_empty());
@@ -140,7 +140,7 @@ fn assert_refused(cases: &[(&str, &str)]) {
 
 #[test]
 fn unknown_keys_are_named_with_those_that_there_are() {
-    let all: Vec<String> = Channel::ALL.map(|c| format!("`{}`", c.key())).to_vec();
+    let all: Vec<String> = Channel::all().map(|c| format!("`{}`", c.key())).to_vec();
     let channels = format!("line 2: unknown key `filters[0].initial_std.mass`; it can be {}", all.join(", "));
     assert_refused(&[
         (
@@ -208,7 +208,7 @@ fn wrong_types_are_told_with_key_value_and_what_is_allowed() {
         let shown: String = if value.chars().count() > 40 { value[..40].to_owned() + "…" } else { value.to_owned() };
         refused(&format!("force = {value}"), format!("line 1: `force` is {shown}, but must be {force}"));
     }
-    let quantities = Quantity::ALL.map(|q| format!("`{}`", q.key())).join(", ");
+    let quantities = Quantity::all().map(|q| format!("`{}`", q.key())).join(", ");
     refused(
         "[[sensors]]\nmeasures = \"jerk\"\nnoise_std = 1",
         format!("line 2: `sensors[0].measures` is \"jerk\", but must be one of {quantities}"),

@@ -110,7 +110,7 @@ fn final_errors(run: &Run, place: usize) -> Vec<f64> {
 
 /// The first time from `start` on from which natural frequency stays within 2 % of the truth.
 fn settled(run: &Run, filter: usize, start: f64) -> f64 {
-    let truth = run.record().truth(kalmanscope_core::Channel::NaturalFrequency).unwrap();
+    let truth = run.record().truth(kalmanscope_core::Channel::NATURAL_FREQUENCY).unwrap();
     let estimates = &run.estimates()[filter];
     let far = |&k: &usize| (estimates.mean(k)[2] / truth[k] - 1.0).abs() > 0.02;
     (0..estimates.len()).rev().find(far).map_or(start, |k| run.record().time(k))

@@ -11,7 +11,8 @@ fn simulated(scenario: &Scenario) -> Record {
     run.record().clone()
 }
 
-const SDOF: [Channel; 4] = [Channel::Displacement, Channel::Velocity, Channel::NaturalFrequency, Channel::DampingRatio];
+const SDOF: [Channel; 4] =
+    [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
 fn truth(record: &Record, channel: Channel) -> &[f64] {
     record.truth(channel).unwrap()
@@ -48,8 +49,8 @@ fn free_vibration_is_the_closed_form() {
         for k in 0..record.len() {
             let (x, v) = free_vibration(wn, zeta, 0.5, -1.5, record.time(k));
             let size = 0.5 + 1.5 / wn;
-            assert!((truth(&record, Channel::Displacement)[k] - x).abs() < 1e-11 * size, "x at {k} of {wn}, {zeta}");
-            assert!((truth(&record, Channel::Velocity)[k] - v).abs() < 1e-11 * size * wn, "v at {k} of {wn}, {zeta}");
+            assert!((truth(&record, Channel::DISPLACEMENT)[k] - x).abs() < 1e-11 * size, "x at {k} of {wn}, {zeta}");
+            assert!((truth(&record, Channel::VELOCITY)[k] - v).abs() < 1e-11 * size * wn, "v at {k} of {wn}, {zeta}");
         }
     }
 }
@@ -66,16 +67,16 @@ fn a_step_of_force_gives_the_step_response() {
             t => free_vibration(wn, zeta, -rest, 0.0, t),
         };
         let x = if record.time(k) > at { x + rest } else { x };
-        assert!((truth(&record, Channel::Displacement)[k] - x).abs() < 1e-12 * rest.max(1.0), "x at {k}");
-        assert!((truth(&record, Channel::Velocity)[k] - v).abs() < 1e-11, "v at {k}");
+        assert!((truth(&record, Channel::DISPLACEMENT)[k] - x).abs() < 1e-12 * rest.max(1.0), "x at {k}");
+        assert!((truth(&record, Channel::VELOCITY)[k] - v).abs() < 1e-11, "v at {k}");
     }
-    assert!(largest(truth(&record, Channel::Displacement)) > 1.5 * rest, "it overshoots");
+    assert!(largest(truth(&record, Channel::DISPLACEMENT)) > 1.5 * rest, "it overshoots");
 }
 
 /// Force and parameters held over each step, integrated by Runge-Kutta steps of at most 0.2 ms.
 fn dense(record: &Record, disturbance: &[f64]) -> Vec<(f64, f64)> {
-    let (wn, zeta) = (truth(record, Channel::NaturalFrequency), truth(record, Channel::DampingRatio));
-    let mut state = (truth(record, Channel::Displacement)[0], truth(record, Channel::Velocity)[0]);
+    let (wn, zeta) = (truth(record, Channel::NATURAL_FREQUENCY), truth(record, Channel::DAMPING_RATIO));
+    let mut state = (truth(record, Channel::DISPLACEMENT)[0], truth(record, Channel::VELOCITY)[0]);
     let mut states = vec![state];
     for k in 0..record.len() - 1 {
         let push = record.force()[k] + disturbance.get(k).copied().unwrap_or(0.0);
@@ -99,7 +100,7 @@ fn dense(record: &Record, disturbance: &[f64]) -> Vec<(f64, f64)> {
 #[track_caller]
 fn assert_dense(record: &Record, disturbance: &[f64]) {
     let expected = dense(record, disturbance);
-    let (x, v) = (truth(record, Channel::Displacement), truth(record, Channel::Velocity));
+    let (x, v) = (truth(record, Channel::DISPLACEMENT), truth(record, Channel::VELOCITY));
     let (x_size, v_size) = (largest(x), largest(v));
     assert!(x_size > 0.01 && v_size > 0.01, "it moves");
     for (k, expected) in expected.iter().enumerate() {
@@ -125,7 +126,7 @@ fn a_changing_plant_under_white_noise_agrees_with_dense_integration() {
 #[test]
 fn the_disturbance_pushes_the_mass_and_is_felt_by_the_accelerometer() {
     let mut scenario = time_varying();
-    scenario.sensors = vec![Sensor { measures: Quantity::Acceleration, noise_std: 0.0 }];
+    scenario.sensors = vec![Sensor { measures: Quantity::ACCELERATION, noise_std: 0.0 }];
     scenario.plant.disturbance_std = 2.0;
     let record = simulated(&scenario);
     let [x, v, wn, zeta] = SDOF.map(|c| truth(&record, c));
@@ -143,14 +144,14 @@ fn the_disturbance_pushes_the_mass_and_is_felt_by_the_accelerometer() {
 #[test]
 fn each_sensor_has_its_noise() {
     let mut scenario = Scenario { duration: 200.0, ..steady(6.0, 0.05, Force::WhiteNoise { std: 10.0 }) };
-    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.7 });
+    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.7 });
     let record = simulated(&scenario);
     let [x, v, wn, zeta] = SDOF.map(|c| truth(&record, c));
     let mut noise: Vec<Vec<f64>> = Vec::new();
     for (i, sensor) in scenario.sensors.iter().enumerate() {
         let clean = |k: usize| match sensor.measures {
-            Quantity::Displacement => x[k],
-            Quantity::Velocity => v[k],
+            Quantity::DISPLACEMENT => x[k],
+            Quantity::VELOCITY => v[k],
             _ => record.force()[k] - 2.0 * zeta[k] * wn[k] * v[k] - wn[k] * wn[k] * x[k],
         };
         let errors: Vec<f64> = (0..record.len()).map(|k| record.measured(i)[k] - clean(k)).collect();
@@ -174,11 +175,11 @@ fn a_new_sensor_leaves_all_else_to_the_bit() {
     let mut scenario = time_varying();
     scenario.plant.disturbance_std = 1.0;
     let before = simulated(&scenario);
-    scenario.add_sensor(Sensor { measures: Quantity::Acceleration, noise_std: 0.7 });
+    scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.7 });
     let after = simulated(&scenario);
     assert_eq!(after.sensors().len(), before.sensors().len() + 1);
     assert_eq!(before.force(), after.force());
-    for quantity in [Quantity::Displacement, Quantity::Velocity] {
+    for quantity in [Quantity::DISPLACEMENT, Quantity::VELOCITY] {
         assert!(before.measured_quantity(quantity).is_some());
         assert_eq!(before.measured_quantity(quantity), after.measured_quantity(quantity));
     }
@@ -221,8 +222,8 @@ fn parameters_follow_their_signals() {
         let record = simulated(&scenario);
         for k in 0..record.len() {
             let expected = signal.at(record.time(k));
-            assert_eq!(truth(&record, Channel::NaturalFrequency)[k], expected);
-            assert_eq!(truth(&record, Channel::DampingRatio)[k], expected);
+            assert_eq!(truth(&record, Channel::NATURAL_FREQUENCY)[k], expected);
+            assert_eq!(truth(&record, Channel::DAMPING_RATIO)[k], expected);
         }
     }
 }

@@ -29,7 +29,7 @@ use kalmanscope_core::{Channel, FilterKind, FilterSettings, Force, Record, Run, 
 
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=10;
 
-const PARAMETERS: [Channel; 2] = [Channel::NaturalFrequency, Channel::DampingRatio];
+const PARAMETERS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
 fn verdict_on(run: &Run) -> Option<Verdict> {
     let estimates = &run.estimates()[0];
@@ -82,7 +82,7 @@ fn stiffness_loss(scenario: &mut Scenario) {
 
 fn no_excitation(scenario: &mut Scenario) {
     scenario.force = Force::None;
-    process_times(scenario, &[Channel::Displacement, Channel::Velocity], 0.01);
+    process_times(scenario, &[Channel::DISPLACEMENT, Channel::VELOCITY], 0.01);
 }
 
 /// A name, what makes it of the well-tuned scenario, and the verdicts that are right.
@@ -145,7 +145,7 @@ const SITUATIONS: &[Situation] = &[
         },
         &[Overconfident],
     ),
-    ("Q far too large", |s| process_times(s, &Channel::ALL, 100.0), &[Underconfident]),
+    ("Q far too large", |s| process_times(s, &Channel::all(), 100.0), &[Underconfident]),
     ("R a tenth", |s| sensor_variance_times(s, 0.1), &[Overconfident]),
     ("R tenfold", |s| sensor_variance_times(s, 10.0), &[Underconfident]),
     ("R a hundredth", |s| sensor_variance_times(s, 0.01), &[Overconfident]),
@@ -155,7 +155,7 @@ const SITUATIONS: &[Situation] = &[
     (
         "wrong frequency held for certain",
         |s| {
-            s.filters[0].kind = FilterKind::Kf;
+            s.filters[0].kind = FilterKind::KF;
             s.filters[0].initial_mean.natural_frequency = 5.7;
         },
         &[Overconfident, Diverged],
@@ -164,10 +164,10 @@ const SITUATIONS: &[Situation] = &[
         "sure of a wrong frequency",
         |s| {
             s.filters[0].initial_mean.natural_frequency = 40.0;
-            for channel in Channel::ALL {
+            for channel in Channel::all() {
                 s.filters[0].initial_std[channel] *= 0.1;
             }
-            process_times(s, &Channel::ALL, 0.01);
+            process_times(s, &Channel::all(), 0.01);
         },
         &[Diverged],
     ),
@@ -181,7 +181,7 @@ fn assert_verdict(name: &str, seed: u64, expected: &[VerdictKind], verdict: Opti
 
 #[test]
 fn every_situation_has_its_verdict() {
-    for kind in [FilterKind::Ekf, FilterKind::Ukf] {
+    for kind in [FilterKind::EKF, FilterKind::UKF] {
         for &(name, change, expected) in SITUATIONS {
             for seed in SEEDS {
                 let mut scenario = Scenario { seed, ..well_tuned(kind) };
@@ -195,7 +195,7 @@ fn every_situation_has_its_verdict() {
 #[test]
 fn forgetting_without_excitation_winds_up() {
     for seed in SEEDS {
-        let mut scenario = Scenario { seed, ..well_tuned(FilterKind::Ekf) };
+        let mut scenario = Scenario { seed, ..well_tuned(FilterKind::EKF) };
         no_excitation(&mut scenario);
         scenario.filters[0].fading = 1.005;
         scenario.duration = 20.0;
@@ -207,11 +207,11 @@ fn forgetting_without_excitation_winds_up() {
 
 #[test]
 fn what_excitation_does_not_tell_is_said() {
-    let mut scenario = well_tuned(FilterKind::Ekf);
+    let mut scenario = well_tuned(FilterKind::EKF);
     no_excitation(&mut scenario);
     let reason = verdict(&scenario).unwrap().reason;
     assert!(reason.contains("σ of damping ratio is still "), "{reason}");
-    let reason = verdict(&well_tuned(FilterKind::Ekf)).unwrap().reason;
+    let reason = verdict(&well_tuned(FilterKind::EKF)).unwrap().reason;
     assert!(!reason.contains("still"), "{reason}");
 }
 
@@ -251,7 +251,7 @@ fn innovations_alone_tell_much() {
     for &(name, change, expected) in SITUATIONS.iter().filter(|(name, ..)| alone.contains(name) || more.contains(name))
     {
         for seed in SEEDS {
-            let mut scenario = Scenario { seed, duration: 60.0, ..well_tuned(FilterKind::Ekf) };
+            let mut scenario = Scenario { seed, duration: 60.0, ..well_tuned(FilterKind::EKF) };
             change(&mut scenario);
             let verdict = verdict_without_truth(&scenario).unwrap();
             assert!(verdict.reason.ends_with("(the truth is not known: innovations only)"), "{verdict}");
@@ -277,7 +277,7 @@ fn stiffening_spring() -> Record {
             (x, v) = (x + h * c, v + h * d);
         }
     }
-    let scenario = well_tuned(FilterKind::Ekf);
+    let scenario = well_tuned(FilterKind::EKF);
     let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
     Record::read_csv(text.as_bytes(), &sensors).unwrap()
 }
@@ -285,7 +285,7 @@ fn stiffening_spring() -> Record {
 #[test]
 fn a_wrong_plant_is_found_out() {
     let record = Arc::new(stiffening_spring());
-    for kind in [FilterKind::Ekf, FilterKind::Ukf] {
+    for kind in [FilterKind::EKF, FilterKind::UKF] {
         let mut run = Run::on_record(&well_tuned(kind), Arc::clone(&record)).unwrap();
         run.finish();
         assert_verdict("stiffening spring", 0, &[Overconfident, Diverged], verdict_on(&run));
@@ -294,7 +294,7 @@ fn a_wrong_plant_is_found_out() {
 
 #[test]
 fn a_verdict_waits_for_twenty_measurements() {
-    let scenario = well_tuned(FilterKind::Ekf);
+    let scenario = well_tuned(FilterKind::EKF);
     let mut run = Run::new(&scenario).unwrap();
     run.advance_to(20);
     assert_eq!(verdict_on(&run), None);

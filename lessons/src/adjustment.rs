@@ -170,7 +170,7 @@ mod tests {
         )
         .unwrap();
         let [ekf, pf] = &scenario.filters[..] else { panic!("{:?}", scenario.filters) };
-        assert_eq!((ekf.name.as_str(), pf.name.as_str(), pf.kind), ("EKF", "P", FilterKind::Pf));
+        assert_eq!((ekf.name.as_str(), pf.name.as_str(), pf.kind), ("EKF", "P", FilterKind::PF));
         assert_eq!((pf.fading, pf.initial_std.velocity, pf.initial_std.natural_frequency), (1.005, 7.0, 2.0));
         assert!(scenario.filters.iter().all(|f| f.sensor_std == [0.01, 0.5]));
     }

@@ -15,13 +15,13 @@ use kalmanscope_core::{FilterKind, FilterSettings, PlantKind, Propagation};
 pub fn evaluations_per_step(settings: &FilterSettings, truth: PlantKind) -> usize {
     let n = settings.plant.unwrap_or(truth).channels().len();
     match settings.kind {
-        FilterKind::Kf | FilterKind::Ekf | FilterKind::Iekf => match settings.propagation {
+        FilterKind::KF | FilterKind::EKF | FilterKind::IEKF => match settings.propagation {
             Propagation::LocalLinearisation | Propagation::Euler => 1 + n,
             Propagation::RungeKutta => 4 * (1 + n),
         },
-        FilterKind::Ukf | FilterKind::SrUkf => 4 * (2 * n + 1),
-        FilterKind::Ckf => 4 * 2 * n,
-        FilterKind::Enkf | FilterKind::Pf => 4 * settings.ensemble_size,
+        FilterKind::UKF | FilterKind::SR_UKF => 4 * (2 * n + 1),
+        FilterKind::CKF => 4 * 2 * n,
+        FilterKind::ENKF | FilterKind::PF => 4 * settings.ensemble_size,
     }
 }
 
@@ -31,14 +31,14 @@ mod tests {
 
     #[test]
     fn each_kind_has_its_count() {
-        let of = |kind| evaluations_per_step(&FilterSettings { kind, ..FilterSettings::default() }, PlantKind::Sdof);
+        let of = |kind| evaluations_per_step(&FilterSettings { kind, ..FilterSettings::default() }, PlantKind::SDOF);
         let counts = FilterKind::ALL.map(of);
         assert_eq!(counts, [5, 5, 5, 36, 36, 32, 2000, 2000]);
         let other = FilterSettings {
-            plant: Some(PlantKind::Duffing),
+            plant: Some(PlantKind::DUFFING),
             propagation: Propagation::RungeKutta,
             ..FilterSettings::default()
         };
-        assert_eq!(evaluations_per_step(&other, PlantKind::Sdof), 24);
+        assert_eq!(evaluations_per_step(&other, PlantKind::SDOF), 24);
     }
 }

@@ -1,7 +1,7 @@
 //! What a filter believes at first, and how far it trusts model and sensors: initial mean and std, Q and R.
 
 use egui::{Grid, RichText, Ui, Vec2};
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, PerChannel, PlantKind, Sensor};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Sensor, Values};
 
 use super::number::{field, spread};
 
@@ -33,7 +33,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, 
         ui.end_row();
         for &channel in plant.unwrap_or(truth).channels() {
             // The KF knows the parameters: it has no uncertainty to set.
-            let uncertain = !(*kind == FilterKind::Kf && channel.is_parameter());
+            let uncertain = !(*kind == FilterKind::KF && channel.is_parameter());
             ui.label(channel.symbol()).on_hover_text(channel.name());
             let title = |what: &str| format!("{name} {what} of {}", channel.name());
             let scale = scale(channel);
@@ -71,6 +71,6 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, 
 
 /// A usual size of the channel's values: what a filter is uncertain by at first.
 fn scale(channel: Channel) -> f64 {
-    let usual = PerChannel::INITIAL_STD[channel];
-    if usual > 0.0 { usual } else { PerChannel::INITIAL_MEAN[channel].abs() }
+    let usual = Values::INITIAL_STD[channel];
+    if usual > 0.0 { usual } else { Values::INITIAL_MEAN[channel].abs() }
 }

@@ -74,7 +74,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
 pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let room = scenario.filters.len() < MOST_FILTERS;
     if ui.add_enabled(room, egui::Button::new("Add a filter")).clicked() {
-        let kind = FilterKind::Ekf;
+        let kind = FilterKind::EKF;
         let sensor_std = scenario.true_sensor_std();
         let name = free_name(scenario, kind.name());
         let color = keep_colors(scenario);
@@ -145,7 +145,7 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
         let hint = "Memory half-life: how long until a measurement counts half";
         ui.add(egui::Label::new(RichText::new(memory).small()).truncate()).on_hover_text(hint);
     });
-    ui.add_enabled_ui(filter.kind != FilterKind::Kf, |ui| {
+    ui.add_enabled_ui(filter.kind != FilterKind::KF, |ui| {
         let name = format!("{} parameter decay", filter.name);
         Number {
             label: "η decay",

@@ -10,17 +10,17 @@ const MOST_MEMBERS: usize = 2000;
 pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
     egui::CollapsingHeader::new("Options").id_salt(("options", place)).show_unindented(ui, |ui| {
         plant_ui(ui, filter, place);
-        if matches!(filter.kind, FilterKind::Kf | FilterKind::Ekf | FilterKind::Iekf) {
+        if matches!(filter.kind, FilterKind::KF | FilterKind::EKF | FilterKind::IEKF) {
             propagation_ui(ui, filter, place);
         }
         let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, smoother, .. } = filter;
-        if *kind == FilterKind::Iekf {
+        if *kind == FilterKind::IEKF {
             let hint = "The most times that the sensors are linearised in one update";
             whole_ui(ui, "iterations", &format!("{name} iterations"), iterations, (1, 20), hint);
         }
         if kind.is_sampled() {
             let hint = "More are more exact, and slower";
-            let label = if *kind == FilterKind::Pf { "particles" } else { "members" };
+            let label = if *kind == FilterKind::PF { "particles" } else { "members" };
             whole_ui(ui, label, &format!("{name} {label}"), ensemble_size, (2, MOST_MEMBERS), hint);
         }
         let check = |ui: &mut Ui, value: &mut bool, text: &str, hint: &str| {

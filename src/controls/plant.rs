@@ -14,7 +14,7 @@ pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
         let label = format!("{} {}", channel.symbol(), channel.name());
         let range = range(channel);
         let least = match channel {
-            Channel::NaturalFrequency => 0.01,
+            Channel::NATURAL_FREQUENCY => 0.01,
             _ if channel.is_positive() => 0.0,
             _ => f64::NEG_INFINITY,
         };
@@ -53,12 +53,12 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario) {
 /// Ends of a parameter's sliders.
 fn range(channel: Channel) -> (f64, f64) {
     match channel {
-        Channel::NaturalFrequency => (0.5, 20.0),
-        Channel::DampingRatio => (0.0, 0.5),
-        Channel::CubicStiffness => (-50.0, 1000.0),
-        Channel::PostYieldRatio => (0.0, 1.0),
-        Channel::HysteresisBeta | Channel::HysteresisGamma => (-100.0, 200.0),
-        Channel::StoreyDamping => (0.0, 5.0),
+        Channel::NATURAL_FREQUENCY => (0.5, 20.0),
+        Channel::DAMPING_RATIO => (0.0, 0.5),
+        Channel::CUBIC_STIFFNESS => (-50.0, 1000.0),
+        Channel::POST_YIELD_RATIO => (0.0, 1.0),
+        Channel::HYSTERESIS_BETA | Channel::HYSTERESIS_GAMMA => (-100.0, 200.0),
+        Channel::STOREY_DAMPING => (0.0, 5.0),
         _ => (10.0, 500.0),
     }
 }

@@ -1,7 +1,7 @@
 //! Which quantities are measured, and how noisily.
 
 use egui::{Checkbox, Ui};
-use kalmanscope_core::sensor::{Aspect, MAX_SENSORS};
+use kalmanscope_core::quantity::{Aspect, MAX_SENSORS};
 use kalmanscope_core::{Quantity, Scenario, Sensor};
 
 use super::number::Number;

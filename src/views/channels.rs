@@ -80,7 +80,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         let band = Band::around(estimates.canonical_means(at), estimates.variances(at));
         layers.push(Layer::Band { band, color: palette.filter(place), under: line_width(place, ESTIMATE) });
     }
-    let quantity = Quantity::ALL.into_iter().find(|q| q.channel() == Some(channel));
+    let quantity = Quantity::all().into_iter().find(|q| q.channel() == Some(channel));
     if let Some(z) = quantity.and_then(|q| record.measured_quantity(q)).filter(|_| shown.measured) {
         layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
     }
@@ -150,9 +150,9 @@ fn readouts(channel: Channel, context: &ViewContext<'_>) -> Vec<Readout> {
 /// Decimals that show a channel's usual values well.
 pub(super) fn decimals(channel: Channel) -> usize {
     match channel {
-        Channel::Stiffness1 | Channel::Stiffness2 | Channel::Stiffness3 | Channel::Stiffness4 => 1,
-        Channel::CubicStiffness | Channel::HysteresisBeta | Channel::HysteresisGamma => 1,
-        Channel::NaturalFrequency | Channel::StoreyDamping => 3,
+        Channel::stiffness(0) | Channel::stiffness(1) | Channel::stiffness(2) | Channel::stiffness(3) => 1,
+        Channel::CUBIC_STIFFNESS | Channel::HYSTERESIS_BETA | Channel::HYSTERESIS_GAMMA => 1,
+        Channel::NATURAL_FREQUENCY | Channel::STOREY_DAMPING => 3,
         _ if channel.unit() == "m/s" => 3,
         _ => 4,
     }

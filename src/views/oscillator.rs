@@ -53,7 +53,7 @@ const LEAST_TRAIL: f32 = 60.0;
 /// The channel of a mass's displacement.
 fn displacement(mass: usize) -> Channel {
     const DISPLACEMENTS: [Channel; MAX_MASSES] =
-        [Channel::Displacement, Channel::Displacement2, Channel::Displacement3, Channel::Displacement4];
+        [Channel::DISPLACEMENT, Channel::displacement(1), Channel::displacement(2), Channel::displacement(3)];
     DISPLACEMENTS[mass.min(MAX_MASSES - 1)]
 }
 
@@ -72,7 +72,7 @@ fn first_span(run: &Run, k: usize) -> f64 {
         return 0.0;
     }
     let std = |estimates: &kalmanscope_core::Estimates| {
-        let at = estimates.place(Channel::Displacement).filter(|_| !estimates.is_empty())?;
+        let at = estimates.place(Channel::DISPLACEMENT).filter(|_| !estimates.is_empty())?;
         Some(0.5 * estimates.std(0, at))
     };
     run.estimates().iter().filter_map(std).reduce(f64::min).unwrap_or(0.0)

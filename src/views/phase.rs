@@ -36,14 +36,14 @@ impl View for Phase {
         // A few hundred points are as smooth as thousands.
         let stride = ((last - first) / 600).max(1);
         let samples = |end: usize| (first..(last + 1).min(end)).rev().step_by(stride);
-        let truth = record.truth(Channel::Displacement).zip(record.truth(Channel::Velocity)).filter(|_| shown.truth);
+        let truth = record.truth(Channel::DISPLACEMENT).zip(record.truth(Channel::VELOCITY)).filter(|_| shown.truth);
         let mut paths: Vec<(Vec<[f64; 2]>, egui::Color32, f32)> = Vec::new();
         if let Some((x, v)) = truth {
             paths.push((samples(run.len()).map(|k| [x[k], v[k]]).collect(), palette.truth, 3.0));
         }
         for (place, estimates) in run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place)) {
             let at = |channel| estimates.place(channel);
-            if let (Some(x), Some(v)) = (at(Channel::Displacement), at(Channel::Velocity)) {
+            if let (Some(x), Some(v)) = (at(Channel::DISPLACEMENT), at(Channel::VELOCITY)) {
                 let path = samples(estimates.len()).map(|k| [estimates.mean(k)[x], estimates.mean(k)[v]]);
                 paths.push((path.collect(), palette.filter(place), 1.4));
             }
@@ -53,10 +53,10 @@ impl View for Phase {
         let reach = |channel: Channel| match record.truth(channel) {
             Some(truth) => around(past().map(|k| truth[k])),
             None => {
-                around(paths.iter().flat_map(|(path, ..)| path).map(|p| p[usize::from(channel == Channel::Velocity)]))
+                around(paths.iter().flat_map(|(path, ..)| path).map(|p| p[usize::from(channel == Channel::VELOCITY)]))
             }
         };
-        let range = reach(Channel::Displacement).zip(reach(Channel::Velocity)).map(|(x, y)| [x, y]);
+        let range = reach(Channel::DISPLACEMENT).zip(reach(Channel::VELOCITY)).map(|(x, y)| [x, y]);
         plane_ui(ui, "phase portrait", ["displacement x [m]", "velocity v [m/s]"], palette, range, |plot| {
             for (path, color, width) in paths {
                 let now = path.first().copied();

@@ -120,7 +120,7 @@ fn every_number_changes_the_scenario_and_with_it_the_estimates() {
 fn every_number_of_a_belief_changes_the_scenario() {
     let mut screen = workbench();
     for (place, filter) in ["EKF", "UKF"].into_iter().enumerate() {
-        for &channel in PlantKind::Sdof.channels() {
+        for &channel in PlantKind::SDOF.channels() {
             let filters = |screen: &Screen| scenario(screen).filters[place].clone();
             set(&mut screen, &format!("{filter} initial guess of {}", channel.name()), 0.7);
             assert_eq!(filters(&screen).initial_mean[channel], 0.7);
@@ -160,7 +160,7 @@ fn sensors_can_be_added_and_removed() {
     screen.run_steps(3);
     assert_eq!(scenario(&screen).sensors.len(), 3);
     assert_eq!(scenario(&screen).filters[1].sensor_std.len(), 3);
-    for quantity in PlantKind::Sdof.quantities() {
+    for quantity in PlantKind::SDOF.quantities() {
         screen.get_by_label(quantity.key()).click();
         screen.run_steps(3);
     }
@@ -195,11 +195,11 @@ fn shapes_forces_and_kinds_can_be_chosen() {
     }
     choose(&mut screen, "Kind of filter 1", "KF");
     let first = |screen: &Screen| (scenario(screen).filters[0].kind, scenario(screen).filters[0].name.clone());
-    assert_eq!(first(&screen), (FilterKind::Kf, "KF".to_owned()));
+    assert_eq!(first(&screen), (FilterKind::KF, "KF".to_owned()));
     choose(&mut screen, "Kind of filter 1", "UKF");
-    assert_eq!(first(&screen), (FilterKind::Ukf, "UKF 1".to_owned()), "the second filter has the name already");
+    assert_eq!(first(&screen), (FilterKind::UKF, "UKF 1".to_owned()), "the second filter has the name already");
     choose(&mut screen, "Kind of filter 1", "EKF");
-    assert_eq!(first(&screen), (FilterKind::Ekf, "EKF".to_owned()));
+    assert_eq!(first(&screen), (FilterKind::EKF, "EKF".to_owned()));
 }
 
 /// Opens a combo box and takes the option that it has brought up.
@@ -277,7 +277,7 @@ fn five_frames_of_every_view_at_any_size() {
                 screen.state_mut().session_mut().seek(31.0);
                 screen.run_steps(5);
                 if size.min_elem() > 300.0 {
-                    for plot in PlantKind::Sdof.channels() {
+                    for plot in PlantKind::SDOF.channels() {
                         let name = format!("Plot of the {}", plot.name());
                         let rect = screen.get_by_label(&name).rect();
                         assert!(rect.width() > 250.0 && rect.height() > 80.0, "{name} has only {rect} of {size}");

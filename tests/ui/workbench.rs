@@ -95,7 +95,7 @@ fn the_options_of_a_filter_reach_the_scenario() {
     screen.get_all_by_label("Options").next().unwrap().click();
     screen.run_steps(12);
     choose(&mut screen, "EKF plant", "Duffing oscillator");
-    assert_eq!(first(&screen).plant, Some(PlantKind::Duffing));
+    assert_eq!(first(&screen).plant, Some(PlantKind::DUFFING));
     choose(&mut screen, "EKF steps", "Euler");
     assert_eq!(first(&screen).propagation, kalmanscope_core::Propagation::Euler);
     for text in ["logarithms of positive parameters", "learn R from the innovations", "learn Q from the innovations"] {
@@ -135,7 +135,7 @@ fn troubles_are_told() {
     screen.run_steps(3);
     assert!(screen.query_by_label_contains("the covariance winds up").is_some());
     let mut runaway = Scenario::default();
-    runaway.set_plant(PlantKind::Duffing);
+    runaway.set_plant(PlantKind::DUFFING);
     runaway.plant.cubic_stiffness = Signal::Constant(-300.0);
     runaway.plant.initial.displacement = 0.5;
     screen.state_mut().session_mut().set_scenario(runaway);

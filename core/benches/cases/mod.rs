@@ -12,7 +12,7 @@ use kalmanscope_core::models::duffing::Duffing;
 use kalmanscope_core::models::log_parameters::LogParameters;
 use kalmanscope_core::models::sdof::Sdof;
 use kalmanscope_core::models::shear_chain::ShearChain;
-use kalmanscope_core::{FilterSettings, PerChannel, PlantKind, Record, Run, Scenario};
+use kalmanscope_core::{FilterSettings, PlantKind, Record, Run, Scenario, Values};
 
 /// A filter and what it is fed.
 pub(crate) struct Case {
@@ -31,10 +31,10 @@ impl Case {
 /// Every case, with two sensors each.
 pub(crate) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    plant(&mut cases, PlantKind::Sdof, Sdof { eta: 0.0 });
-    plant(&mut cases, PlantKind::Duffing, Duffing { eta: 0.0 });
-    plant(&mut cases, PlantKind::BoucWen, BoucWen { eta: 0.0 });
-    plant(&mut cases, PlantKind::Shear2, ShearChain::<2> { eta: 0.0 });
+    plant(&mut cases, PlantKind::SDOF, Sdof { eta: 0.0 });
+    plant(&mut cases, PlantKind::DUFFING, Duffing { eta: 0.0 });
+    plant(&mut cases, PlantKind::BOUC_WEN, BoucWen { eta: 0.0 });
+    plant(&mut cases, PlantKind::SHEAR_2, ShearChain::<2> { eta: 0.0 });
     cases
 }
 
@@ -46,8 +46,8 @@ fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, pl
     let mut run = Run::new(&scenario).expect("the scenario is valid");
     run.finish();
     let record = run.record().clone();
-    let values = |per: &PerChannel| Vector::<N>::from(P::CHANNELS.map(|c| per[c]));
-    let initial = Gaussian::independent(values(&PerChannel::INITIAL_MEAN), &values(&PerChannel::INITIAL_STD));
+    let values = |per: &Values| Vector::<N>::from(P::CHANNELS.map(|c| per[c]));
+    let initial = Gaussian::independent(values(&Values::INITIAL_MEAN), &values(&Values::INITIAL_STD));
     let mut add = |name: &str, stepper| cases.push(Case { name: format!("{}, n = {N}, {name}", kind.name()), stepper });
     let local = Propagation::LocalLinearisation;
     add("EKF", stepper(model.clone(), Linearised::new(initial.clone(), local, 1), &record));

@@ -88,7 +88,7 @@ impl Accuracy {
         };
         known.clear();
         known.extend(estimates.channels().iter().enumerate().filter_map(of));
-        *frequency = estimates.place(Channel::NaturalFrequency);
+        *frequency = estimates.place(Channel::NATURAL_FREQUENCY);
         until.clear();
         errors.clear();
         errors.resize(known.len(), f64::NAN);
@@ -194,8 +194,8 @@ impl Accuracy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::filter::Correction;
-    use crate::gaussian::{Gaussian, Vector};
+    use crate::kernel::Correction;
+    use crate::kernel::gaussian::{Gaussian, Vector};
     use crate::random::{Normal, Purpose};
     use crate::{FilterSettings, PlantKind, Quantity};
 
@@ -203,8 +203,8 @@ mod tests {
 
     /// The accuracy of a frequency and a damping, given as pairs of estimate and truth.
     fn of(samples: impl IntoIterator<Item = [(f64, f64); 2]>) -> Accuracy {
-        let channels = vec![Channel::NaturalFrequency, Channel::DampingRatio];
-        let mut estimates = Estimates::new(&FilterSettings::default(), PlantKind::Sdof, Vec::new());
+        let channels = vec![Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+        let mut estimates = Estimates::new(&FilterSettings::default(), PlantKind::SDOF, Vec::new());
         let mut record = Record::empty(0.01, Vec::<Quantity>::new(), channels);
         let mut accuracy = Accuracy::default();
         accuracy.restart(&estimates, &record);

@@ -2,9 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Correction, Noise, Observation};
-use crate::gaussian::{Factor, Matrix, Vector};
-
 /// Estimates R, Q or both while filtering, with exponential forgetting.
 ///
 /// ```text
@@ -36,46 +33,8 @@ impl Default for Adaptation {
 }
 
 impl Adaptation {
-    pub(super) fn is_on(&self) -> bool {
+    /// Whether anything is learnt.
+    pub fn is_on(&self) -> bool {
         self.sensor_noise || self.process_noise
-    }
-
-    pub(super) fn adapt<const N: usize, const M: usize>(
-        &self,
-        observation: &Observation<M>,
-        correction: &Correction<N>,
-        noise: &mut Noise<N>,
-    ) {
-        let keep = self.forgetting;
-        let measured = observation.measured();
-        let innovation = |sensor: usize| correction.innovation[sensor];
-        if self.process_noise {
-            let mut shift = Vector::<N>::zeros();
-            for active in measured {
-                shift += Vector::from(correction.gain[active.sensor]) * innovation(active.sensor);
-            }
-            noise.process = noise.process * keep + shift * shift.transpose() * (1.0 - keep);
-        }
-        if self.sensor_noise {
-            // Sensors without a measurement have a row of their own.
-            let mut cov = Matrix::<M, M>::identity();
-            let mut innovations = Vector::<M>::zeros();
-            for (i, row) in measured.iter().enumerate() {
-                innovations[i] = innovation(row.sensor);
-                for (j, column) in measured.iter().enumerate() {
-                    cov[(i, j)] = correction.innovation_cov[row.sensor][column.sensor];
-                }
-            }
-            let Some(inverse) = Factor::new(&cov).map(|factor| factor.divide(&Matrix::<M, M>::identity())) else {
-                return;
-            };
-            let white = inverse * innovations;
-            for (row, active) in measured.iter().enumerate() {
-                let r = active.variance;
-                let residual = r * white[row];
-                let seen = r - r * r * inverse[(row, row)];
-                noise.sensors[active.sensor] = keep * r + (1.0 - keep) * (residual * residual + seen.max(0.0));
-            }
-        }
     }
 }

@@ -4,17 +4,32 @@ use std::f64::consts::TAU;
 
 use super::DRAWS;
 
-/// The root of `x⁷ = x + 1`. Powers of its inverse are as far from ratios, and from each other's, as six numbers can be.
+/// The most components that the sequence for a common plant has.
+const USUAL: usize = 6;
+
+/// The root of `x^(d+1) = x + 1` above 1 for d components. Powers of its inverse are as far from ratios, and from each
+/// other's, as d numbers can be.
+fn root(d: usize) -> f64 {
+    let mut x = 1.2;
+    for _ in 0..60 {
+        // A fixed point: (1 + x)^(1/(d+1)).
+        x = libm::pow(1.0 + x, 1.0 / (d + 1) as f64);
+    }
+    x
+}
+
+/// The root for [`USUAL`] components.
 const ROOT: f64 = 1.1127756842787055;
 
-/// The component `j` of draw `i` from a standard normal distribution of up to six components: points that fill space more
-/// evenly than random ones, through the Box-Muller transform.
+/// The component `j` of draw `i` from a standard normal distribution of `d` components: points that fill space more evenly
+/// than random ones, through the Box-Muller transform.
 ///
 /// Source: Roberts (2018), The unreasonable effectiveness of quasirandom sequences; Niederreiter (1992), *Random Number
 /// Generation and Quasi-Monte Carlo Methods*, section 3.1 (Kronecker sequences).
-pub(super) fn normal(i: usize, j: usize) -> f64 {
+pub(super) fn normal(i: usize, j: usize, d: usize) -> f64 {
+    let ratio = if d <= USUAL { ROOT } else { root(d + d % 2) };
     let uniform = |place: usize| {
-        let x = 0.5 + (i + 1) as f64 * (0..=place).fold(1.0, |power, _| power / ROOT);
+        let x = 0.5 + (i + 1) as f64 * (0..=place).fold(1.0, |power, _| power / ratio);
         x - libm::floor(x)
     };
     let radius = (-2.0 * libm::log(1.0 - uniform(j & !1))).sqrt();
@@ -75,12 +90,13 @@ mod tests {
     #[test]
     fn draws_have_the_moments_of_the_standard_normal() {
         assert!((ROOT.powi(7) - ROOT - 1.0).abs() < 1e-14);
+        assert!((root(USUAL) - ROOT).abs() < 1e-15);
         for j in 0..5 {
-            let moment = |p: i32| (0..DRAWS).map(|i| normal(i, j).powi(p)).sum::<f64>() / DRAWS as f64;
+            let moment = |p: i32| (0..DRAWS).map(|i| normal(i, j, 5).powi(p)).sum::<f64>() / DRAWS as f64;
             assert!(moment(1).abs() < 0.06, "mean {}", moment(1));
             assert!((moment(2) - 1.0).abs() < 0.1, "variance {}", moment(2));
             for other in 0..j {
-                let product = (0..DRAWS).map(|i| normal(i, j) * normal(i, other)).sum::<f64>() / DRAWS as f64;
+                let product = (0..DRAWS).map(|i| normal(i, j, 5) * normal(i, other, 5)).sum::<f64>() / DRAWS as f64;
                 assert!(product.abs() < 0.08, "correlation {product} of {j} and {other}");
             }
         }
@@ -88,7 +104,7 @@ mod tests {
 
     #[test]
     fn quantiles_are_those_of_the_sorted_values() {
-        let mut values: Vec<f64> = (0..DRAWS).map(|i| normal(i, 0)).collect();
+        let mut values: Vec<f64> = (0..DRAWS).map(|i| normal(i, 0, 5)).collect();
         let mut extremes = Extremes::new(2);
         values.iter().for_each(|&x| extremes.push(&[x, f64::INFINITY]));
         values.sort_by(f64::total_cmp);

@@ -2,7 +2,7 @@ use nalgebra::Complex;
 
 use super::*;
 use crate::random::{Normal, Purpose};
-use crate::{FilterKind, FilterSettings, PerChannel, Run, Scenario, Signal};
+use crate::{FilterKind, FilterSettings, Values, Run, Scenario, Signal};
 
 fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| from * libm::pow(to / from, i as f64 / (count - 1) as f64)).collect()
@@ -10,8 +10,8 @@ fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
 
 fn sdof(wn: f64, zeta: f64) -> impl Fn(Channel) -> f64 {
     move |channel| match channel {
-        Channel::NaturalFrequency => wn,
-        Channel::DampingRatio => zeta,
+        c if c == Channel::NATURAL_FREQUENCY => wn,
+        c if c == Channel::DAMPING_RATIO => zeta,
         _ => 0.0,
     }
 }
@@ -20,7 +20,7 @@ fn sdof(wn: f64, zeta: f64) -> impl Fn(Channel) -> f64 {
 fn one_mass_answers_as_the_textbook_says() {
     let frequencies = spaced(0.05, 500.0, 301);
     for (wn, zeta) in [(6.0, 0.05), (0.3, 0.7), (40.0, 1e-3), (5.0, 2.0), (5.0, -0.1), (7.0, 0.0)] {
-        let found = transfer_function(PlantKind::Sdof, sdof(wn, zeta)).magnitude(&frequencies);
+        let found = transfer_function(PlantKind::SDOF, sdof(wn, zeta)).magnitude(&frequencies);
         for (&w, found) in frequencies.iter().zip(found) {
             let stiff = wn * wn - w * w;
             let damped = 2.0 * zeta * wn * w;
@@ -33,8 +33,8 @@ fn one_mass_answers_as_the_textbook_says() {
 #[test]
 fn what_is_not_linear_answers_at_rest_like_what_is() {
     let frequencies = spaced(0.5, 50.0, 101);
-    let expected = transfer_function(PlantKind::Sdof, sdof(6.0, 0.05)).magnitude(&frequencies);
-    for kind in [PlantKind::Duffing, PlantKind::BoucWen] {
+    let expected = transfer_function(PlantKind::SDOF, sdof(6.0, 0.05)).magnitude(&frequencies);
+    for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
         for others in [0.0, 0.3, 250.0] {
             let value = |channel| match sdof(6.0, 0.05)(channel) {
                 0.0 => others,
@@ -68,15 +68,13 @@ fn chain_by_impedance(stiffness: &[f64], damping: f64, w: f64) -> f64 {
 #[test]
 fn chains_answer_as_their_impedances_say() {
     let frequencies = spaced(0.5, 120.0, 301);
-    let kappas = [200.0, 180.0, 160.0, 140.0];
-    for (kind, masses) in [(PlantKind::Shear2, 2), (PlantKind::Shear3, 3), (PlantKind::Shear4, 4)] {
+    let kappas = [200.0, 180.0, 160.0, 140.0, 150.0, 130.0, 170.0, 120.0, 110.0, 100.0];
+    for kind in PlantKind::ALL.into_iter().filter(|kind| kind.masses() > 1) {
+        let masses = kind.masses();
         for damping in [0.4, 0.01, 5.0] {
-            let value = |channel| match channel {
-                Channel::Stiffness1 => kappas[0],
-                Channel::Stiffness2 => kappas[1],
-                Channel::Stiffness3 => kappas[2],
-                Channel::Stiffness4 => kappas[3],
-                _ => damping,
+            let value = |channel: Channel| match (0..masses).find(|&mass| channel == Channel::stiffness(mass)) {
+                Some(mass) => kappas[mass],
+                None => damping,
             };
             let found = transfer_function(kind, value).magnitude(&frequencies);
             for (&w, found) in frequencies.iter().zip(found) {
@@ -90,16 +88,16 @@ fn chains_answer_as_their_impedances_say() {
 #[test]
 fn the_span_holds_every_natural_frequency() {
     // Equal storeys: ωᵢ = 2√κ sin((2i - 1)π / (4n + 2)).
-    let value = |channel| if channel == Channel::StoreyDamping { 0.3 } else { 150.0 };
-    for (kind, masses) in [(PlantKind::Shear2, 2.0), (PlantKind::Shear3, 3.0), (PlantKind::Shear4, 4.0)] {
+    let value = |channel| if channel == Channel::STOREY_DAMPING { 0.3 } else { 150.0 };
+    for (kind, masses) in [(PlantKind::SHEAR_2, 2.0), (PlantKind::SHEAR_3, 3.0), (PlantKind::SHEAR_4, 4.0)] {
         let natural =
             |i: f64| 2.0 * 150.0_f64.sqrt() * libm::sin((2.0 * i - 1.0) * std::f64::consts::PI / (4.0 * masses + 2.0));
         let (least, greatest) = transfer_function(kind, value).natural_span().unwrap();
         assert!((0.9 * natural(1.0)..natural(1.0)).contains(&least), "{least} of {}", natural(1.0));
         assert!((natural(masses)..1.5 * natural(masses)).contains(&greatest), "{greatest} of {}", natural(masses));
     }
-    assert_eq!(transfer_function(PlantKind::Sdof, sdof(0.0, 0.1)).natural_span(), None);
-    assert_eq!(transfer_function(PlantKind::Shear4, |_| 0.0).natural_span(), None);
+    assert_eq!(transfer_function(PlantKind::SDOF, sdof(0.0, 0.1)).natural_span(), None);
+    assert_eq!(transfer_function(PlantKind::SHEAR_4, |_| 0.0).natural_span(), None);
 }
 
 #[test]
@@ -114,7 +112,7 @@ fn no_stiffness_and_no_damping_leave_numbers() {
         let mass = transfer_function(kind, |_| 0.0).magnitude(&frequencies);
         assert!(mass.iter().zip(&frequencies).all(|(h, w)| (h * w * w - 1.0).abs() < 1e-12), "{}", kind.key());
     }
-    assert_eq!(transfer_function(PlantKind::Sdof, sdof(6.0, 0.0)).magnitude(&[6.0]), [f64::INFINITY]);
+    assert_eq!(transfer_function(PlantKind::SDOF, sdof(6.0, 0.0)).magnitude(&[6.0]), [f64::INFINITY]);
 }
 
 fn estimates(scenario: &Scenario) -> Estimates {
@@ -127,7 +125,7 @@ fn scenario(kind: PlantKind) -> Scenario {
     let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
     scenario.set_plant(kind);
     scenario.filters = vec![FilterSettings {
-        kind: FilterKind::Ukf,
+        kind: FilterKind::UKF,
         sensor_std: scenario.true_sensor_std(),
         ..FilterSettings::default()
     }];
@@ -155,9 +153,9 @@ fn a_belief_has_the_response_of_its_mean_in_its_band() {
 
 #[test]
 fn a_filter_that_knows_has_a_band_without_width() {
-    let mut scenario = scenario(PlantKind::Sdof);
-    scenario.filters[0].initial_std = PerChannel::ZERO;
-    scenario.filters[0].process_std = PerChannel::ZERO;
+    let mut scenario = scenario(PlantKind::SDOF);
+    scenario.filters[0].initial_std = Values::ZERO;
+    scenario.filters[0].process_std = Values::ZERO;
     let estimates = estimates(&scenario);
     let Believed { mean, band } = believed(&estimates, 200, &spaced(1.0, 50.0, 30));
     assert_eq!(band, Some((mean.clone(), mean)));
@@ -207,10 +205,10 @@ fn root_of(cov: &[f64], n: usize) -> Vec<Vec<f64>> {
 
 #[test]
 fn the_mirror_image_of_a_belief_has_the_same_band() {
-    let mut scenario = scenario(PlantKind::Sdof);
+    let mut scenario = scenario(PlantKind::SDOF);
     scenario.plant.natural_frequency = Signal::Constant(6.0);
     let straight = estimates(&scenario);
-    for channel in [Channel::NaturalFrequency, Channel::DampingRatio] {
+    for channel in [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO] {
         scenario.filters[0].initial_mean[channel] *= -1.0;
     }
     let mirrored = estimates(&scenario);
@@ -229,9 +227,9 @@ fn the_truth_is_that_of_its_sample() {
     let scenario = Scenario { duration: 40.0, filters: vec![], ..Scenario::default() };
     let mut run = Run::new(&scenario).unwrap();
     run.finish();
-    let found = |k| true_transfer_function(PlantKind::Sdof, run.record(), k);
-    assert_eq!(found(0), Some(transfer_function(PlantKind::Sdof, sdof(6.0, 0.05))));
-    assert_eq!(found(3500), Some(transfer_function(PlantKind::Sdof, sdof(4.8, 0.05))));
+    let found = |k| true_transfer_function(PlantKind::SDOF, run.record(), k);
+    assert_eq!(found(0), Some(transfer_function(PlantKind::SDOF, sdof(6.0, 0.05))));
+    assert_eq!(found(3500), Some(transfer_function(PlantKind::SDOF, sdof(4.8, 0.05))));
     assert_eq!(found(9999), None);
-    assert_eq!(true_transfer_function(PlantKind::Shear2, run.record(), 0), None);
+    assert_eq!(true_transfer_function(PlantKind::SHEAR_2, run.record(), 0), None);
 }

@@ -1,27 +1,26 @@
 //! Ratios of polynomials.
 
-use crate::Channel;
-use crate::gaussian::{Matrix, Vector};
-use crate::model::Model;
-
-/// The most components that move in any plant.
-const MOST: usize = 8;
-/// Room for the coefficients of a polynomial of that degree, half of them of even powers.
-const COEFFICIENTS: usize = 2 * (MOST / 2 + 1);
+use crate::linalg::Matrix;
+use crate::{Channel, Model};
 
 /// The transfer function of a plant at rest, as a ratio of polynomials.
 ///
 /// ```text
 /// H(s) = C (s I - A)⁻¹ B = b(s) / a(s),  a(s) = det(s I - A)
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// The polynomials are those of `s / unit`: so that the coefficients of a high degree stay within the range of numbers, a
+/// unit of time is used in which the plant's motion is neither fast nor slow.
+#[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
-    /// Coefficients of b, that of s⁰ first.
-    numerator: [f64; COEFFICIENTS],
-    /// Coefficients of a.
-    denominator: [f64; COEFFICIENTS],
+    /// Coefficients of b, that of s⁰ first, and a zero for an even number of them; in s².
+    numerator: Vec<f64>,
+    /// Coefficients of a, as many.
+    denominator: Vec<f64>,
     /// The degree of a.
     degree: usize,
+    /// A power of two \[rad/s\].
+    unit: f64,
 }
 
 impl TransferFunction {
@@ -29,34 +28,30 @@ impl TransferFunction {
     ///
     /// Source: Faddeev and Faddeeva (1963), *Computational Methods of Linear Algebra*, section 47 (the method of
     /// Leverrier and Faddeev).
-    pub(super) fn of<P: Model<N>, const N: usize>(model: &P, rest: &Vector<N>) -> Self {
-        const { assert!(P::MOTION <= MOST) };
-        let jacobian = model.jacobian(rest);
-        let push = model.rate(rest, 1.0) - model.rate(rest, 0.0);
-        let mut a = Matrix::<MOST, MOST>::zeros();
-        let mut b = Vector::<MOST>::zeros();
-        for j in 0..P::MOTION {
-            b[j] = push[j];
-            for i in 0..P::MOTION {
-                a[(i, j)] = jacobian[(i, j)];
-            }
-        }
-        let output = P::CHANNELS.iter().position(|&c| c == Channel::Displacement).unwrap_or(0);
-        let mut numerator = [0.0; COEFFICIENTS];
-        let mut denominator = [0.0; COEFFICIENTS];
-        denominator[P::MOTION] = 1.0;
-        // Components beyond those that move have no rate, and so no part in any trace.
-        let mut adjugate = Matrix::<MOST, MOST>::identity();
-        for k in 1..=P::MOTION {
-            numerator[P::MOTION - k] = adjugate.row(output).transpose().dot(&b);
-            adjugate = a * adjugate;
+    pub(super) fn of(model: &Model, rest: &[f64]) -> Self {
+        let degree = model.motion();
+        let jacobian = model.jacobian(rest, 0.0);
+        let push = model.by_force(rest);
+        let motion = jacobian.view((0, 0), (degree, degree)).into_owned();
+        // Few masses need no unit: their polynomials are exact enough as they are.
+        let unit = if degree <= FEW { 1.0 } else { unit_of(&motion) };
+        let (a, b) = (motion / unit, push.rows(0, degree) / (unit * unit));
+        let output = model.place(Channel::DISPLACEMENT).unwrap_or(0);
+        let coefficients = 2 * (degree / 2 + 1);
+        let mut numerator = vec![0.0; coefficients];
+        let mut denominator = vec![0.0; coefficients];
+        denominator[degree] = 1.0;
+        let mut adjugate = Matrix::identity(degree, degree);
+        for k in 1..=degree {
+            numerator[degree - k] = unit * (0..degree).map(|j| adjugate[(output, j)] * b[j]).sum::<f64>();
+            adjugate = &a * adjugate;
             let coefficient = -adjugate.trace() / k as f64;
-            denominator[P::MOTION - k] = coefficient;
-            for i in 0..MOST {
+            denominator[degree - k] = coefficient;
+            for i in 0..degree {
                 adjugate[(i, i)] += coefficient;
             }
         }
-        Self { numerator, denominator, degree: P::MOTION }
+        Self { numerator, denominator, degree, unit }
     }
 
     /// |H(iω)| at some frequencies \[rad/s\], which must be positive; infinite at the resonance of a plant without damping
@@ -69,9 +64,10 @@ impl TransferFunction {
 
     /// [`Self::magnitude`] in place of what `magnitude` holds.
     pub(super) fn magnitude_into(&self, frequencies: &[f64], magnitude: &mut Vec<f64>) {
-        let Self { numerator, denominator, degree: _ } = self;
+        let Self { numerator, denominator, degree: _, unit } = self;
+        let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
         magnitude.clear();
-        magnitude.extend(frequencies.iter().map(|&w| (square_at(numerator, w) / square_at(denominator, w)).sqrt()));
+        magnitude.extend(frequencies.iter().map(|&w| at(w)));
     }
 
     /// Two frequencies that have all natural frequencies between them, close to the least and the greatest where damping is
@@ -83,23 +79,32 @@ impl TransferFunction {
     ///
     /// with a₂ the coefficient two below the highest of a, and a₂' two above the lowest over the lowest.
     pub fn natural_span(&self) -> Option<(f64, f64)> {
-        let Self { denominator, degree, .. } = self;
+        let Self { denominator, degree, unit, .. } = self;
         let greatest = denominator.get(degree.checked_sub(2)?)?.abs().sqrt();
         // A hysteretic displacement at rest adds a factor s, zero to rounding.
         let lowest = (0..*degree).find(|&i| denominator[i].abs() > 1e-9 * denominator[i + 1].abs() * greatest)?;
         let least = (denominator[lowest] / denominator.get(lowest + 2)?).abs().sqrt();
-        (least.is_normal() && greatest.is_finite()).then_some((least.min(greatest), greatest))
+        (least.is_normal() && greatest.is_finite()).then_some((unit * least.min(greatest), unit * greatest))
     }
+}
+
+/// The degree up to which polynomials need no unit of time.
+const FEW: usize = 8;
+
+/// A power of two near the greatest natural frequency of a motion, by the norm of `A²` \[rad/s\].
+fn unit_of(motion: &Matrix) -> f64 {
+    let square = (motion * motion).abs().row_sum().max();
+    if square.is_normal() { libm::exp2(libm::round(0.5 * libm::log2(square)) - 1.0) } else { 1.0 }
 }
 
 /// |p(iω)|²: even powers of iω are real, odd ones are not.
 #[inline]
-fn square_at(polynomial: &[f64; COEFFICIENTS], frequency: f64) -> f64 {
+fn square_at(polynomial: &[f64], frequency: f64) -> f64 {
     let square = -frequency * frequency;
     let (mut even, mut odd) = (0.0, 0.0);
-    for i in (0..COEFFICIENTS / 2).rev() {
-        even = even * square + polynomial[2 * i];
-        odd = odd * square + polynomial[2 * i + 1];
+    for pair in polynomial.chunks_exact(2).rev() {
+        even = even * square + pair[0];
+        odd = odd * square + pair[1];
     }
     even * even + frequency * frequency * odd * odd
 }

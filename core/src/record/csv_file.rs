@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use thiserror::Error;
 
 use super::Record;
-use crate::{Channel, Quantity};
+use crate::{Channel, Hold, InputKind, Quantity};
 
 /// Why a file is no record.
 #[derive(Debug, Error)]
@@ -59,7 +59,7 @@ pub enum RecordError {
 }
 
 impl Record {
-    /// Reads a CSV file with a header. Needs the columns `t`, `force` and one for each of `sensors`; takes
+    /// Reads a CSV file with a header. Needs the columns `t`, `force` (or `ground_acceleration`) and one for each of `sensors`; takes
     /// `true_displacement` and the like as the truth where they are; ignores other columns and lines that begin with `#`.
     /// An empty cell or `nan` is a missing measurement.
     ///
@@ -76,12 +76,15 @@ impl Record {
             })
         };
         let time_column = need("t")?;
-        let force_column = need("force")?;
+        let (kind, input_column) = match find(input_name(InputKind::GroundAcceleration)) {
+            Some(place) if find(input_name(InputKind::Force)).is_none() => (InputKind::GroundAcceleration, place),
+            _ => (InputKind::Force, need(input_name(InputKind::Force))?),
+        };
         let sensor_columns = sensors.iter().map(|s| need(s.key())).collect::<Result<Vec<_>, _>>()?;
         let (truth_channels, truth_columns): (Vec<Channel>, Vec<usize>) =
-            Channel::ALL.into_iter().filter_map(|c| Some((c, find(&format!("true_{}", c.key()))?))).unzip();
+            Channel::all().iter().filter_map(|&c| Some((c, find(&format!("true_{}", c.key()))?))).unzip();
 
-        let mut record = Self::empty(0.0, sensors.to_vec(), truth_channels);
+        let mut record = Self::empty(0.0, kind, Hold::Zero, sensors.to_vec(), truth_channels);
         let mut times = Vec::new();
         for row in reader.records() {
             let row = row?;
@@ -102,7 +105,7 @@ impl Record {
             times.push((line, cell(time_column, false)?));
             let measured = sensor_columns.iter().map(optional).collect::<Result<Vec<_>, _>>()?;
             let truth = truth_columns.iter().map(optional).collect::<Result<Vec<_>, _>>()?;
-            record.push(cell(force_column, false)?, measured, truth);
+            record.push(cell(input_column, false)?, measured, truth);
         }
         (record.start, record.dt) = spacing(&times)?;
         Ok(record)
@@ -116,14 +119,22 @@ impl Record {
         let mut writer = csv::Writer::from_writer(output);
         let sensors = self.sensors.iter().map(|s| s.key().to_owned());
         let truth = self.truth_channels.iter().map(|c| format!("true_{}", c.key()));
-        writer.write_record(["t".to_owned(), "force".to_owned()].into_iter().chain(sensors).chain(truth))?;
+        writer.write_record(["t".to_owned(), input_name(self.kind).to_owned()].into_iter().chain(sensors).chain(truth))?;
         for k in 0..self.len() {
             let columns = self.measured.iter().chain(&self.truth).map(|column| column[k]);
-            let row = [self.time(k), self.force[k]].into_iter().chain(columns);
+            let row = [self.time(k), self.input[k]].into_iter().chain(columns);
             writer.write_record(row.map(|x| if x.is_nan() { String::new() } else { format!("{x:.16e}") }))?;
         }
         writer.flush().map_err(csv::Error::from)?;
         Ok(())
+    }
+}
+
+/// The column of an input.
+fn input_name(kind: InputKind) -> &'static str {
+    match kind {
+        InputKind::Force => "force",
+        InputKind::GroundAcceleration => "ground_acceleration",
     }
 }
 
@@ -154,7 +165,7 @@ fn spacing(times: &[(u64, f64)]) -> Result<(f64, f64), RecordError> {
 mod tests {
     use super::*;
 
-    const SENSORS: [Quantity; 1] = [Quantity::Velocity];
+    const SENSORS: [Quantity; 1] = [Quantity::VELOCITY];
 
     fn message(text: &str) -> String {
         Record::read_csv(text.as_bytes(), &SENSORS).unwrap_err().to_string()
@@ -164,11 +175,11 @@ mod tests {
     fn columns_are_found_by_name_and_missing_measurements_are_nan() {
         let text = "velocity,force,t,true_velocity\n# a remark\n1,2,0.5,0.9\n,3,1.0,1\nnan,4,1.5,1.1\n";
         let record = Record::read_csv(text.as_bytes(), &SENSORS).unwrap();
-        assert_eq!((record.dt(), record.time(2), record.force()), (0.5, 1.5, &[2.0, 3.0, 4.0][..]));
+        assert_eq!((record.dt(), record.time(2), record.input()), (0.5, 1.5, &[2.0, 3.0, 4.0][..]));
         assert_eq!(record.measured(0)[0], 1.0);
         assert!(record.measured(0)[1].is_nan() && record.measured(0)[2].is_nan());
-        assert_eq!(record.truth(Channel::Velocity), Some(&[0.9, 1.0, 1.1][..]));
-        assert_eq!(record.truth(Channel::Displacement), None);
+        assert_eq!(record.truth(Channel::VELOCITY), Some(&[0.9, 1.0, 1.1][..]));
+        assert_eq!(record.truth(Channel::DISPLACEMENT), None);
     }
 
     #[test]
@@ -180,7 +191,7 @@ mod tests {
         let again = Record::read_csv(file.as_slice(), &SENSORS).unwrap();
         assert_eq!(again.measured(0)[0].to_bits(), 0.300_000_000_000_000_04_f64.to_bits());
         assert!(again.measured(0)[1].is_nan());
-        assert_eq!(again.force(), record.force());
+        assert_eq!(again.input(), record.input());
     }
 
     #[test]

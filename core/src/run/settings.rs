@@ -1,7 +1,7 @@
 //! What a run keeps of its scenario.
 
-use crate::estimator::Surroundings;
-use crate::{Estimates, FilterSettings, Quantity, Scenario};
+use crate::estimator::FilterContext;
+use crate::{Estimates, FilterSettings, Model, Quantity, Scenario};
 
 /// What of the scenario is needed once more.
 pub(super) struct Settings {
@@ -22,18 +22,22 @@ impl Settings {
         Scenario { filters: Vec::new(), ..scenario.clone() } == self.truth
     }
 
-    pub(super) fn surroundings(&self, dt: f64, place: usize) -> Surroundings<'_> {
-        Surroundings { plant: self.truth.plant.kind, sensors: &self.quantities, dt, seed: self.truth.seed, place }
+    pub(super) fn context(&self, dt: f64, place: usize) -> FilterContext<'_> {
+        FilterContext { plant: self.truth.plant.kind, input: self.truth.input, hold: self.truth.hold, sensors: &self.quantities, dt, seed: self.truth.seed, place }
+    }
+
+    fn model(&self, filter: &FilterSettings) -> Model {
+        filter.model(self.truth.plant.kind, self.truth.input)
     }
 
     /// Empty estimates for a filter.
     pub(super) fn estimates(&self, filter: &FilterSettings) -> Estimates {
-        Estimates::new(filter, filter.plant.unwrap_or(self.truth.plant.kind), self.quantities.clone())
+        Estimates::new(filter, &self.model(filter), self.quantities.clone())
     }
 
     /// Empty estimates for what a filter's smoother knows. Sensors have told it nothing that they had not told the filter.
     pub(super) fn smoothed(&self, filter: &FilterSettings) -> Estimates {
         let named = FilterSettings { name: format!("{}, smoothed", filter.name), ..filter.clone() };
-        Estimates::new(&named, filter.plant.unwrap_or(self.truth.plant.kind), Vec::new())
+        Estimates::new(&named, &self.model(filter), Vec::new())
     }
 }

@@ -1,43 +1,28 @@
 //! The truth's settings.
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::LazyLock;
 
+use serde::de::{self, Deserializer, MapAccess, Visitor};
+use serde::ser::SerializeMap as _;
+use serde::{Deserialize, Serialize, Serializer};
+
+use crate::model::{InputKind, Model};
 use crate::signal::Step;
 use crate::{Channel, PlantKind, Signal};
 
-/// The plant that the filters are to identify. It has those of the parameters that [`PlantKind::parameters`] says.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+/// The plant that the filters are to identify. It has those of the parameters that [`PlantKind::parameters`] says, and any
+/// augmentation ([`crate::augment`]) that has a signal.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Plant {
     /// The kind of plant.
     pub kind: PlantKind,
-    /// ωₙ \[rad/s\]
-    pub natural_frequency: Signal,
-    /// ζ \[-\]
-    pub damping_ratio: Signal,
-    /// μ \[1/(m² s²)\]
-    pub cubic_stiffness: Signal,
-    /// α \[-\]
-    pub post_yield_ratio: Signal,
-    /// β \[1/m²\]
-    pub hysteresis_beta: Signal,
-    /// γ \[1/m²\]
-    pub hysteresis_gamma: Signal,
-    /// κ₁ \[1/s²\]
-    pub stiffness_1: Signal,
-    /// κ₂ \[1/s²\]
-    pub stiffness_2: Signal,
-    /// κ₃ \[1/s²\]
-    pub stiffness_3: Signal,
-    /// κ₄ \[1/s²\]
-    pub stiffness_4: Signal,
-    /// c \[1/s\]
-    pub storey_damping: Signal,
     /// The motion of the mass, or of the first of several, at t = 0; everything else is at rest.
     pub initial: Motion,
     /// Standard deviation of an unmeasured force over mass that is normal and held over each step, and the same for every
     /// mass \[m/s²\].
     pub disturbance_std: f64,
+    signals: Vec<(Channel, Signal)>,
 }
 
 /// Displacement and velocity of the mass.
@@ -50,55 +35,134 @@ pub struct Motion {
     pub velocity: f64,
 }
 
-macro_rules! parameter {
-    ($plant:expr, $channel:expr, $($borrow:tt)+) => {
-        Some(match $channel {
-            Channel::NaturalFrequency => $($borrow)+ $plant.natural_frequency,
-            Channel::DampingRatio => $($borrow)+ $plant.damping_ratio,
-            Channel::CubicStiffness => $($borrow)+ $plant.cubic_stiffness,
-            Channel::PostYieldRatio => $($borrow)+ $plant.post_yield_ratio,
-            Channel::HysteresisBeta => $($borrow)+ $plant.hysteresis_beta,
-            Channel::HysteresisGamma => $($borrow)+ $plant.hysteresis_gamma,
-            Channel::Stiffness1 => $($borrow)+ $plant.stiffness_1,
-            Channel::Stiffness2 => $($borrow)+ $plant.stiffness_2,
-            Channel::Stiffness3 => $($borrow)+ $plant.stiffness_3,
-            Channel::Stiffness4 => $($borrow)+ $plant.stiffness_4,
-            Channel::StoreyDamping => $($borrow)+ $plant.storey_damping,
-            _ => return None,
-        })
-    };
-}
-
 impl Plant {
-    /// The parameter of a channel, if the channel is one. Whether this kind of plant has it is
-    /// [`PlantKind::parameters`]'s to say.
-    pub fn parameter(&self, channel: Channel) -> Option<&Signal> {
-        parameter!(self, channel, &)
+    /// A channel over time: a parameter's signal or its usual value, an augmentation's signal if it has one. `None` for
+    /// what moves.
+    pub fn parameter(&self, channel: Channel) -> Option<Signal> {
+        let set = self.signals.iter().find(|(c, _)| *c == channel).map(|(_, signal)| *signal);
+        let usual = || Signal::Constant(channel.usual_truth());
+        set.or_else(|| (channel.is_parameter() && !channel.is_augmentation()).then(usual))
     }
 
-    /// As [`Self::parameter`], to be changed.
+    /// The signal of a parameter or an augmentation, which has its usual value if it had none; to be changed.
     pub fn parameter_mut(&mut self, channel: Channel) -> Option<&mut Signal> {
-        parameter!(self, channel, &mut)
+        if !channel.is_parameter() {
+            return None;
+        }
+        let place = self.signals.iter().position(|(c, _)| *c == channel).unwrap_or_else(|| {
+            self.signals.push((channel, Signal::Constant(channel.usual_truth())));
+            self.signals.len() - 1
+        });
+        Some(&mut self.signals[place].1)
+    }
+
+    /// The same with another signal for a parameter or an augmentation; what moves has none.
+    #[must_use]
+    pub fn with(mut self, channel: Channel, signal: impl Into<Signal>) -> Self {
+        if let Some(parameter) = self.parameter_mut(channel) {
+            *parameter = signal.into();
+        }
+        self
+    }
+
+    /// The same plant as another kind.
+    #[must_use]
+    pub fn of_kind(self, kind: PlantKind) -> Self {
+        Self { kind, ..self }
+    }
+
+    /// Takes an augmentation's signal away, and so the augmentation.
+    pub fn remove(&mut self, augmentation: Channel) {
+        self.signals.retain(|(channel, _)| !(channel.is_augmentation() && *channel == augmentation));
+    }
+
+    /// The parameters and augmentations that the truth has, in the order of its state.
+    pub fn parameters(&self) -> impl Iterator<Item = Channel> {
+        let augmentations = self.signals.iter().map(|(channel, _)| *channel).filter(|c| c.is_augmentation());
+        self.kind.parameters().chain(augmentations)
+    }
+
+    /// The truth as a model under an input.
+    pub fn model(&self, input: InputKind) -> Model {
+        let augmentations = self.parameters().filter(|c| c.is_augmentation());
+        Model::new(self.kind).augmented(augmentations).driven_by(input)
+    }
+
+    /// The channels that have a signal of their own, whether the plant has them or not.
+    pub(super) fn set(&self) -> impl Iterator<Item = (Channel, Signal)> {
+        self.signals.iter().copied()
     }
 }
 
 impl Default for Plant {
     fn default() -> Self {
+        let loss = Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 });
         Self {
-            kind: PlantKind::Sdof,
-            natural_frequency: Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }),
-            damping_ratio: Signal::Constant(0.05),
-            cubic_stiffness: Signal::Constant(300.0),
-            post_yield_ratio: Signal::Constant(0.1),
-            hysteresis_beta: Signal::Constant(60.0),
-            hysteresis_gamma: Signal::Constant(40.0),
-            stiffness_1: Signal::Constant(200.0),
-            stiffness_2: Signal::Constant(180.0),
-            stiffness_3: Signal::Constant(160.0),
-            stiffness_4: Signal::Constant(140.0),
-            storey_damping: Signal::Constant(0.4),
+            kind: PlantKind::SDOF,
             initial: Motion::default(),
             disturbance_std: 0.0,
+            signals: vec![(Channel::NATURAL_FREQUENCY, loss)],
         }
     }
+}
+
+impl Serialize for Plant {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { kind, initial, disturbance_std, signals: _ } = self;
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("kind", kind)?;
+        let unused = Self::default();
+        let rest = self.set().filter(|(c, signal)| unused.parameter(*c) != Some(*signal)).map(|(c, _)| c);
+        let mut written: Vec<Channel> = self.parameters().collect();
+        written.extend(rest.filter(|c| !self.parameters().any(|p| p == *c)));
+        for channel in written {
+            if let Some(signal) = self.parameter(channel) {
+                map.serialize_entry(channel.key(), &signal)?;
+            }
+        }
+        map.serialize_entry("initial", initial)?;
+        map.serialize_entry("disturbance_std", disturbance_std)?;
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Plant {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Table;
+
+        impl<'de> Visitor<'de> for Table {
+            type Value = Plant;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("struct Plant")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Plant, A::Error> {
+                let mut plant = Plant::default();
+                while let Some(key) = map.next_key::<String>()? {
+                    match key.as_str() {
+                        "kind" => plant.kind = map.next_value()?,
+                        "initial" => plant.initial = map.next_value()?,
+                        "disturbance_std" => plant.disturbance_std = map.next_value()?,
+                        key => {
+                            let signal = Channel::from_key(key).and_then(|channel| plant.parameter_mut(channel));
+                            *signal.ok_or_else(|| de::Error::unknown_field(key, fields()))? = map.next_value()?;
+                        }
+                    }
+                }
+                Ok(plant)
+            }
+        }
+
+        deserializer.deserialize_map(Table)
+    }
+}
+
+/// The keys that the truth's table can have.
+fn fields() -> &'static [&'static str] {
+    static FIELDS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
+        let parameters = Channel::all().iter().filter(|c| c.is_parameter()).map(|c| c.key());
+        std::iter::once("kind").chain(parameters).chain(["initial", "disturbance_std"]).collect()
+    });
+    &FIELDS
 }

@@ -5,8 +5,9 @@ use std::fmt::Display;
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::filter::Adaptation;
 use crate::force::Allowed;
-use crate::sensor::MAX_SENSORS;
-use crate::{Channel, PerChannel, PlantKind, Signal};
+use crate::quantity::MAX_SENSORS;
+use crate::channel::{Role, Sign};
+use crate::{PlantKind, Signal, Values};
 
 /// The most samples of one record: more than a day at 1 kHz. Who keeps all of so many needs tens of gigabytes a filter; a
 /// run that forgets ([`crate::Run::forget`]) does not.
@@ -27,7 +28,7 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Value`] for the first impossible one, with its key and what is allowed.
     pub fn validate(&self) -> Result<(), ScenarioError> {
-        let Self { seed, dt, duration, plant, force, sensors, filters } = self;
+        let Self { seed, dt, duration, plant, force, input: _, hold: _, sensors, filters } = self;
         require(i64::try_from(*seed).is_ok(), "seed", seed, "a whole number from 0 to 2⁶³ - 1")?;
         positive("dt", *dt)?;
         positive("duration", *duration)?;
@@ -54,7 +55,7 @@ impl Scenario {
         )?;
         for (i, sensor) in sensors.iter().enumerate() {
             require(
-                plant.kind.quantities().any(|q| q == sensor.measures),
+                plant.kind.has(sensor.measures),
                 format_args!("sensors[{i}].measures"),
                 format_args!("\"{}\"", sensor.measures.key()),
                 format_args!("something that a {} has", plant.kind.name()),
@@ -82,16 +83,19 @@ impl Scenario {
 
 impl Plant {
     fn validate(&self) -> Result<(), ScenarioError> {
-        for (channel, parameter) in Channel::ALL.into_iter().filter_map(|c| Some((c, self.parameter(c)?))) {
+        let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
+        for (channel, parameter) in own.chain(self.set()) {
             let key = format!("plant.{}", channel.key());
-            signal(&key, parameter)?;
+            signal(&key, &parameter)?;
             let low = || format!("{} at its lowest", parameter.minimum());
-            match channel {
-                Channel::NaturalFrequency => require(parameter.minimum() > 0.0, key, low(), "above 0 at all times")?,
-                _ if channel.is_positive() => {
+            match channel.role() {
+                Role::Parameter(Sign::Positive) => {
+                    require(parameter.minimum() > 0.0, key, low(), "above 0 at all times")?;
+                }
+                Role::Parameter(Sign::NotNegative) => {
                     require(parameter.minimum() >= 0.0, key, low(), "at least 0 at all times")?;
                 }
-                _ => {}
+                Role::Parameter(Sign::Any) | Role::Augmentation | Role::Motion => {}
             }
         }
         finite("plant.initial.displacement", self.initial.displacement)?;
@@ -107,6 +111,7 @@ impl FilterSettings {
             kind,
             color: _,
             plant,
+            augment,
             log_parameters,
             propagation: _,
             iterations,
@@ -144,6 +149,14 @@ impl FilterSettings {
             smoother,
             format_args!("false for a {}, which has no smoother here", kind.name()),
         )?;
+        for (i, channel) in augment.iter().enumerate() {
+            require(
+                channel.is_augmentation() && !augment[..i].contains(channel),
+                format_args!("{path}.augment[{i}]"),
+                format_args!("\"{}\"", channel.key()),
+                "an augmentation, each once: input_gain, input_offset, unknown_force, or bias_ and a sensor",
+            )?;
+        }
         if *log_parameters {
             for channel in plant.unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
                 positive(format!("{path}.initial_mean.{}", channel.key()), initial_mean[channel])?;
@@ -173,10 +186,10 @@ impl FilterSettings {
 
 fn each(
     path: &str,
-    values: &PerChannel,
+    values: &Values,
     check: impl Fn(String, f64) -> Result<(), ScenarioError>,
 ) -> Result<(), ScenarioError> {
-    Channel::ALL.into_iter().try_for_each(|channel| check(format!("{path}.{}", channel.key()), values[channel]))
+    values.iter().try_for_each(|(channel, value)| check(format!("{path}.{}", channel.key()), value))
 }
 
 fn signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {

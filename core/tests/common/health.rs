@@ -5,8 +5,8 @@ use std::sync::Arc;
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Adaptation, Channel, Estimates, FilterKind, FilterSettings, Force, PerChannel, Plant, PlantKind, Propagation,
-    Quantity, Record, Run, Scenario, Sensor, Signal, Trouble,
+    Adaptation, Channel, Estimates, FilterKind, FilterSettings, Force, Plant, PlantKind, Propagation, Quantity, Record,
+    Run, Scenario, Sensor, Signal, Trouble, Values,
 };
 
 /// What is wrong, in words.
@@ -90,7 +90,7 @@ fn with_gaps(record: &Record, gap: u8) -> Result<Record, String> {
 }
 
 fn check_record(record: &Record, k: usize) -> Finding {
-    let truth = Channel::ALL.into_iter().filter_map(|c| Some(record.truth(c)?[k]));
+    let truth = Channel::all().into_iter().filter_map(|c| Some(record.truth(c)?[k]));
     require(record.force()[k].is_finite() && truth.into_iter().all(f64::is_finite), || format!("the truth at {k}"))?;
     let measured = (0..record.sensors().len()).all(|s| !record.measured(s)[k].is_infinite());
     require(measured, || format!("the measurements at {k}"))
@@ -111,7 +111,7 @@ fn check_sample(
         let variance = cov[i * n + i];
         require(variance.is_finite() && variance >= 0.0, || format!("variance {variance:e} of {i}"))?;
         let channel = estimates.channels()[i];
-        if variance.sqrt() > 1.001e3 * settings.initial_std[channel].max(PerChannel::INITIAL_STD[channel]) {
+        if variance.sqrt() > 1.001e3 * settings.initial_std[channel].max(Values::INITIAL_STD[channel]) {
             wound_up.push((channel, k));
         }
         for j in 0..i {
@@ -153,7 +153,7 @@ fn check_sample(
     require(if told { nis.is_finite() && nis >= 0.0 } else { nis.is_nan() }, || format!("NIS {nis}"))?;
     let likely = if told { log_likelihood.is_finite() } else { log_likelihood.is_nan() };
     require(likely, || format!("log likelihood {log_likelihood}"))?;
-    if settings.kind == FilterKind::Pf {
+    if settings.kind == FilterKind::PF {
         let effective = estimates.effective_samples()[k];
         let range = 0.999..=1.001 * settings.ensemble_size as f64;
         require(if told { range.contains(&effective) } else { effective.is_nan() }, || format!("{effective} samples"))?;
@@ -162,7 +162,7 @@ fn check_sample(
     let first = estimates.mean(0);
     for (i, &channel) in estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
         let certain = settings.initial_std[channel] == 0.0 && settings.process_std[channel] == 0.0;
-        if settings.kind == FilterKind::Kf || (certain && settings.eta == 0.0) {
+        if settings.kind == FilterKind::KF || (certain && settings.eta == 0.0) {
             // To the last bit, but for the sign of a zero.
             let stays = mean[i] == first[i] && estimates.std(k, i) == 0.0;
             require(stays, || format!("{} is known, but {} ± {}", channel.key(), mean[i], estimates.std(k, i)))?;

@@ -6,7 +6,7 @@ use crate::cases::{deviation, finished, scenario, with_gaps};
 use crate::textbook::filter;
 
 pub(crate) const DETERMINISTIC: [FilterKind; 6] =
-    [FilterKind::Kf, FilterKind::Ekf, FilterKind::Iekf, FilterKind::Ukf, FilterKind::SrUkf, FilterKind::Ckf];
+    [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
 /// Most agree to 1e-11. The transient of an EKF from a wrong guess has rounding grow to some 1e-9 before it decays again.
 const TOLERANCE: f64 = 1e-8;
@@ -40,7 +40,7 @@ fn with(plant: PlantKind, settings: &FilterSettings) -> Scenario {
 
 #[test]
 fn every_propagation() {
-    for plant in [PlantKind::Sdof, PlantKind::Duffing] {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for propagation in Propagation::ALL {
             for eta in [0.0, 0.02] {
                 let ekf = with(plant, &FilterSettings { propagation, eta, ..FilterSettings::default() });
@@ -52,7 +52,7 @@ fn every_propagation() {
 
 #[test]
 fn decay_and_logarithms() {
-    for plant in [PlantKind::Sdof, PlantKind::Duffing, PlantKind::Shear2] {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_2] {
         for kind in DETERMINISTIC {
             for (eta, log_parameters) in [(0.02, false), (0.0, true), (0.02, true)] {
                 let settings = FilterSettings { kind, eta, log_parameters, ..FilterSettings::default() };
@@ -65,9 +65,9 @@ fn decay_and_logarithms() {
 
 #[test]
 fn an_iterated_update_of_any_length() {
-    for plant in [PlantKind::Sdof, PlantKind::Duffing] {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for iterations in [1, 2, 3, 20] {
-            let settings = FilterSettings { kind: FilterKind::Iekf, iterations, ..FilterSettings::default() };
+            let settings = FilterSettings { kind: FilterKind::IEKF, iterations, ..FilterSettings::default() };
             assert_by_the_book(&format!("{iterations} iterations of a {}", plant.name()), &with(plant, &settings));
         }
     }
@@ -75,7 +75,7 @@ fn an_iterated_update_of_any_length() {
 
 #[test]
 fn noise_that_is_learnt() {
-    for plant in [PlantKind::Sdof, PlantKind::Duffing] {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for kind in DETERMINISTIC {
             for (sensor_noise, process_noise) in [(true, false), (false, true), (true, true)] {
                 let adaptation = Adaptation { sensor_noise, process_noise, forgetting: 0.99 };
@@ -83,7 +83,7 @@ fn noise_that_is_learnt() {
                 let mut scenario = with(plant, &settings);
                 // The residual is that of sensors linear in the state: of R only these are compared.
                 if sensor_noise {
-                    scenario.remove_sensor(Quantity::Acceleration);
+                    scenario.remove_sensor(Quantity::ACCELERATION);
                     scenario.filters[0].sensor_std = vec![0.02];
                 }
                 let what = format!("{} of a {}, R {sensor_noise}, Q {process_noise}", kind.name(), plant.name());
@@ -95,7 +95,7 @@ fn noise_that_is_learnt() {
 
 #[test]
 fn records_with_gaps() {
-    for plant in [PlantKind::Sdof, PlantKind::Duffing] {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for kind in DETERMINISTIC {
             let scenario = scenario(plant, kind);
             // Now one sensor is missing, now the other, now both.

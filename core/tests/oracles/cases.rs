@@ -15,8 +15,8 @@ pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
     scenario.set_plant(plant);
     scenario.plant.natural_frequency = Signal::Constant(6.0);
     scenario.sensors = vec![
-        Sensor { measures: Quantity::Displacement, noise_std: 0.01 },
-        Sensor { measures: Quantity::Acceleration, noise_std: 0.5 },
+        Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
+        Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 },
     ];
     scenario.filters = vec![FilterSettings {
         name: kind.name().to_owned(),

@@ -6,7 +6,7 @@ use kalmanscope_core::{Channel, Force, PlantKind, Record, Run, Scenario, Signal}
 use crate::matrix::{Matrix, along};
 use crate::plants::{Dual, Plant, jacobian, values};
 
-const CHAINS: [(PlantKind, usize); 3] = [(PlantKind::Shear2, 2), (PlantKind::Shear3, 3), (PlantKind::Shear4, 4)];
+const CHAINS: [(PlantKind, usize); 3] = [(PlantKind::SHEAR_2, 2), (PlantKind::SHEAR_3, 3), (PlantKind::SHEAR_4, 4)];
 
 fn simulated(scenario: &Scenario) -> Record {
     let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
@@ -39,7 +39,7 @@ fn free_vibration_of_equal_storeys_is_a_sum_of_modes() {
         let (stiffness, damping) = (180.0, 0.4);
         let mut scenario = Scenario { force: Force::None, ..chain(kind) };
         for channel in kind.parameters() {
-            let value = if channel == Channel::StoreyDamping { damping } else { stiffness };
+            let value = if channel == Channel::STOREY_DAMPING { damping } else { stiffness };
             *scenario.plant.parameter_mut(channel).unwrap() = Signal::Constant(value);
         }
         scenario.plant.initial.displacement = 0.1;

@@ -4,7 +4,7 @@ use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, Scen
 
 use crate::cases::finished;
 
-const NONLINEAR: [FilterKind; 4] = [FilterKind::Ekf, FilterKind::Ukf, FilterKind::Ckf, FilterKind::Enkf];
+const NONLINEAR: [FilterKind; 4] = [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF, FilterKind::ENKF];
 
 fn switched(plant: PlantKind, seed: u64, kinds: &[FilterKind]) -> Scenario {
     let mut scenario = Scenario { seed, duration: 40.0, ..Scenario::default() };
@@ -35,7 +35,7 @@ fn assert_found(run: &Run, plant: PlantKind, widest: f64) {
 
 #[test]
 fn oscillators_are_identified() {
-    for (plant, widest) in [(PlantKind::Sdof, 0.05), (PlantKind::Duffing, 0.1), (PlantKind::BoucWen, 0.6)] {
+    for (plant, widest) in [(PlantKind::SDOF, 0.05), (PlantKind::DUFFING, 0.1), (PlantKind::BOUC_WEN, 0.6)] {
         for seed in 1..=2 {
             assert_found(&finished(&switched(plant, seed, &NONLINEAR)), plant, widest);
         }
@@ -44,7 +44,7 @@ fn oscillators_are_identified() {
 
 #[test]
 fn every_storeys_stiffness_is_found_from_the_first_floor() {
-    for plant in [PlantKind::Shear2, PlantKind::Shear3, PlantKind::Shear4] {
+    for plant in [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4] {
         for seed in 1..=2 {
             assert_found(&finished(&switched(plant, seed, &NONLINEAR[..2])), plant, 0.1);
         }
@@ -53,9 +53,9 @@ fn every_storeys_stiffness_is_found_from_the_first_floor() {
 
 #[test]
 fn particles_do_not_collapse_onto_one_value() {
-    for plant in [PlantKind::Sdof, PlantKind::Duffing] {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for seed in 1..=2 {
-            assert_found(&finished(&switched(plant, seed, &[FilterKind::Pf])), plant, 0.1);
+            assert_found(&finished(&switched(plant, seed, &[FilterKind::PF])), plant, 0.1);
         }
     }
 }
@@ -63,9 +63,9 @@ fn particles_do_not_collapse_onto_one_value() {
 #[test]
 fn defaults_are_off_the_truth() {
     for plant in PlantKind::ALL {
-        let scenario = switched(plant, 1, &[FilterKind::Ekf]);
+        let scenario = switched(plant, 1, &[FilterKind::EKF]);
         let settings = &scenario.filters[0];
-        for channel in plant.parameters().filter(|&c| c != Channel::PostYieldRatio) {
+        for channel in plant.parameters().filter(|&c| c != Channel::POST_YIELD_RATIO) {
             let off = settings.initial_mean[channel] / scenario.plant.parameter(channel).unwrap().at(0.0) - 1.0;
             assert!(off.abs() > 0.05, "{} is given away", channel.name());
             assert!(settings.initial_std[channel] > 0.0);

@@ -33,7 +33,7 @@ fn no_damping_is_a_damping_like_any_other() {
     for plant in PlantKind::ALL {
         for kind in FilterKind::ALL {
             let mut scenario = Scenario { duration: 3.0, ..scenario(plant, kind) };
-            for channel in [Channel::DampingRatio, Channel::StoreyDamping] {
+            for channel in [Channel::DAMPING_RATIO, Channel::STOREY_DAMPING] {
                 *scenario.plant.parameter_mut(channel).unwrap() = Signal::Constant(0.0);
                 scenario.filters[0].initial_mean[channel] = 0.0;
             }
@@ -105,7 +105,7 @@ fn a_belief_without_any_variance_moves_as_the_plant_does() {
     for plant in PlantKind::ALL {
         for kind in FilterKind::ALL {
             // Local linearisation is of second order where the plant is not linear.
-            let linear = !matches!(plant, PlantKind::Duffing | PlantKind::BoucWen);
+            let linear = !matches!(plant, PlantKind::DUFFING | PlantKind::BOUC_WEN);
             let tolerance = if linear { 1e-6 } else { 1e-3 };
             let mut scenario = Scenario { duration: 1.0, dt: 0.002, ..scenario(plant, kind) };
             let settings = &mut scenario.filters[0];

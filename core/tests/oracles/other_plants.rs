@@ -15,11 +15,11 @@ fn a_linear_filter_may_follow_any_truth() {
     for truth in PlantKind::ALL {
         for kind in FilterKind::ALL {
             let mut scenario = Scenario { duration: 3.0, ..scenario(truth, kind) };
-            scenario.filters[0].plant = Some(PlantKind::Sdof);
+            scenario.filters[0].plant = Some(PlantKind::SDOF);
             let run = finished(&scenario);
             let estimates = &run.estimates()[0];
             assert_eq!((estimates.stop(), estimates.len()), (None, run.len()), "{} on {}", kind.name(), truth.name());
-            assert_eq!(estimates.channels(), PlantKind::Sdof.channels());
+            assert_eq!(estimates.channels(), PlantKind::SDOF.channels());
             if DETERMINISTIC.contains(&kind) {
                 let deviation = deviation(estimates, &textbook::filter(&scenario, 0, run.record()));
                 assert!(deviation < 1e-8, "{} on {}: {deviation}", kind.name(), truth.name());
@@ -31,10 +31,10 @@ fn a_linear_filter_may_follow_any_truth() {
 #[test]
 fn sensors_that_the_filters_plant_does_not_have_are_ignored() {
     for kind in FilterKind::ALL {
-        let mut scenario = Scenario { duration: 3.0, ..scenario(PlantKind::Shear2, kind) };
-        scenario.filters[0].plant = Some(PlantKind::Sdof);
+        let mut scenario = Scenario { duration: 3.0, ..scenario(PlantKind::SHEAR_2, kind) };
+        scenario.filters[0].plant = Some(PlantKind::SDOF);
         let without = finished(&scenario);
-        for measures in [Quantity::Displacement2, Quantity::Acceleration2] {
+        for measures in [Quantity::new(Aspect::DISPLACEMENT, 1), Quantity::new(Aspect::ACCELERATION, 1)] {
             scenario.add_sensor(Sensor { measures, noise_std: 0.01 });
         }
         let with = finished(&scenario);
@@ -46,8 +46,8 @@ fn sensors_that_the_filters_plant_does_not_have_are_ignored() {
 
 #[test]
 fn a_linear_spring_in_place_of_a_hard_one_comes_out_stiffer() {
-    let mut scenario = Scenario { duration: 30.0, ..scenario(PlantKind::Duffing, FilterKind::Ekf) };
-    scenario.filters[0].plant = Some(PlantKind::Sdof);
+    let mut scenario = Scenario { duration: 30.0, ..scenario(PlantKind::DUFFING, FilterKind::EKF) };
+    scenario.filters[0].plant = Some(PlantKind::SDOF);
     let run = finished(&scenario);
     let (estimates, last) = (&run.estimates()[0], run.len() - 1);
     assert!((6.2..12.0).contains(&estimates.mean(last)[2]), "{}", estimates.mean(last)[2]);
@@ -61,7 +61,7 @@ fn in_logarithms(mut scenario: Scenario) -> Scenario {
 
 #[test]
 fn logarithms_change_little_where_the_belief_is_narrow() {
-    for plant in [PlantKind::Sdof, PlantKind::Duffing, PlantKind::Shear3] {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_3] {
         for kind in DETERMINISTIC {
             let mut scenario = Scenario { duration: 3.0, ..scenario(plant, kind) };
             let settings = &mut scenario.filters[0];
@@ -86,14 +86,15 @@ fn logarithms_change_little_where_the_belief_is_narrow() {
 #[test]
 fn logarithms_keep_a_wild_guess_positive() {
     let mut went_negative = 0;
-    for kind in [FilterKind::Ekf, FilterKind::Ukf, FilterKind::SrUkf, FilterKind::Ckf, FilterKind::Enkf, FilterKind::Pf]
+    for kind in
+        [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF, FilterKind::ENKF, FilterKind::PF]
     {
         for seed in 1..=3 {
-            let mut scenario = Scenario { seed, duration: 10.0, ..scenario(PlantKind::Sdof, kind) };
+            let mut scenario = Scenario { seed, duration: 10.0, ..scenario(PlantKind::SDOF, kind) };
             scenario.plant.damping_ratio = Signal::Constant(0.005);
             let settings = &mut scenario.filters[0];
-            settings.initial_mean[Channel::DampingRatio] = 0.05;
-            settings.initial_std[Channel::DampingRatio] = 0.2;
+            settings.initial_mean[Channel::DAMPING_RATIO] = 0.05;
+            settings.initial_std[Channel::DAMPING_RATIO] = 0.2;
             let run = finished(&in_logarithms(scenario));
             let [plain, log] = run.estimates() else { unreachable!("two filters") };
             let lowest = |e: &Estimates| (0..e.len()).map(|k| e.mean(k)[3].min(e.mean(k)[2])).fold(f64::MAX, f64::min);

@@ -104,17 +104,17 @@ impl Plant {
         let plain = |i: usize| if self.is_log(i) { state[i].exp() } else { state[i].clone() };
         let y: Vec<Dual> = (0..state.len()).map(plain).collect();
         let moving = match self.kind {
-            PlantKind::Sdof => {
+            PlantKind::SDOF => {
                 let [x, v, wn, zeta] = &y[..] else { unreachable!("four components") };
                 vec![v.clone(), linear(x, v, wn, zeta) + force]
             }
-            PlantKind::Duffing => {
+            PlantKind::DUFFING => {
                 let [x, v, wn, zeta, mu] = &y[..] else { unreachable!("five components") };
                 let cubic = mu.clone() * x.clone() * x.clone() * x.clone();
                 vec![v.clone(), linear(x, v, wn, zeta) - cubic + force]
             }
-            PlantKind::BoucWen => bouc_wen(&y, force),
-            PlantKind::Shear2 | PlantKind::Shear3 | PlantKind::Shear4 => chain(&y, force),
+            PlantKind::BOUC_WEN => bouc_wen(&y, force),
+            PlantKind::SHEAR_2 | PlantKind::SHEAR_3 | PlantKind::SHEAR_4 => chain(&y, force),
         };
         let decay = |i: usize| {
             let rate = -self.eta * y[i].clone();

@@ -1,6 +1,6 @@
 //! Sampling filters agree with the Kalman filter where that is exact, within Monte Carlo error.
 
-use kalmanscope_core::{Estimates, FilterKind, FilterSettings, PerChannel, Run, Scenario, Signal};
+use kalmanscope_core::{Estimates, FilterKind, FilterSettings, Run, Scenario, Signal, Values};
 
 use crate::cases::finished;
 
@@ -12,18 +12,18 @@ fn linear(kind: FilterKind, sizes: &[usize], seed: u64, fading: f64) -> Scenario
     let known = |_| FilterSettings {
         fading,
         sensor_std: vec![0.01, 0.06],
-        initial_mean: PerChannel {
+        initial_mean: Values {
             displacement: 0.05,
             velocity: -0.1,
             natural_frequency: 6.0,
             damping_ratio: 0.05,
-            ..PerChannel::ZERO
+            ..Values::ZERO
         },
-        initial_std: PerChannel { displacement: 0.05, velocity: 0.2, ..PerChannel::ZERO },
-        process_std: PerChannel { displacement: 1e-3, velocity: 0.06, ..PerChannel::ZERO },
+        initial_std: Values { displacement: 0.05, velocity: 0.2, ..Values::ZERO },
+        process_std: Values { displacement: 1e-3, velocity: 0.06, ..Values::ZERO },
         ..FilterSettings::default()
     };
-    let kf = FilterSettings { kind: FilterKind::Kf, ..known(0) };
+    let kf = FilterSettings { kind: FilterKind::KF, ..known(0) };
     let sampled = sizes.iter().map(|&ensemble_size| FilterSettings { kind, ensemble_size, ..known(0) });
     scenario.filters = std::iter::once(kf).chain(sampled).collect();
     scenario
@@ -56,7 +56,7 @@ fn errors(run: &Run) -> Vec<Error> {
     others.iter().map(|other| error(kf, other)).collect()
 }
 
-const SAMPLED: [FilterKind; 2] = [FilterKind::Enkf, FilterKind::Pf];
+const SAMPLED: [FilterKind; 2] = [FilterKind::ENKF, FilterKind::PF];
 
 #[test]
 fn two_thousand_members_are_nearly_a_kalman_filter() {
@@ -92,7 +92,7 @@ fn the_error_falls_with_the_root_of_the_size() {
 #[test]
 fn the_effective_sample_size_is_that_of_some_weights() {
     for size in [2, 10, 1000] {
-        let run = finished(&linear(FilterKind::Pf, &[size], 5, 1.0));
+        let run = finished(&linear(FilterKind::PF, &[size], 5, 1.0));
         assert!(run.estimates()[0].effective_samples().is_empty());
         let pf = &run.estimates()[1];
         let effective = pf.effective_samples();

@@ -104,11 +104,11 @@ fn deviation(record: &Record) -> f64 {
     let truth = |channel: Channel, otherwise: f64| {
         record.truth(channel).map_or_else(|| vec![otherwise; record.len()], <[f64]>::to_vec)
     };
-    let [x, v, z] = [Channel::Displacement, Channel::Velocity, Channel::HystereticDisplacement].map(|c| truth(c, 0.0));
+    let [x, v, z] = [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::HYSTERETIC_DISPLACEMENT].map(|c| truth(c, 0.0));
     let [wn, zeta, mu] =
-        [Channel::NaturalFrequency, Channel::DampingRatio, Channel::CubicStiffness].map(|c| truth(c, 0.0));
-    let alpha = truth(Channel::PostYieldRatio, 1.0);
-    let [beta, gamma] = [Channel::HysteresisBeta, Channel::HysteresisGamma].map(|c| truth(c, 0.0));
+        [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO, Channel::CUBIC_STIFFNESS].map(|c| truth(c, 0.0));
+    let alpha = truth(Channel::POST_YIELD_RATIO, 1.0);
+    let [beta, gamma] = [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA].map(|c| truth(c, 0.0));
     let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let scale = [&x, &v, &z].map(|values| largest(values).max(f64::MIN_POSITIVE));
     assert!(scale[0] > 0.005, "it moves");
@@ -138,7 +138,7 @@ fn shaken(kind: PlantKind, dt: f64) -> Scenario {
 
 #[test]
 fn the_truth_of_nonlinear_plants_is_their_taylor_series() {
-    for kind in [PlantKind::Duffing, PlantKind::BoucWen] {
+    for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
         for dt in [0.002, 0.01, 0.05, 0.1] {
             for std in [1.0, 10.0, 60.0] {
                 let mut scenario = Scenario { force: Force::WhiteNoise { std }, ..shaken(kind, dt) };
@@ -156,7 +156,7 @@ fn the_truth_of_nonlinear_plants_is_their_taylor_series() {
 
 #[test]
 fn nonlinear_plants_may_change() {
-    for kind in [PlantKind::Duffing, PlantKind::BoucWen] {
+    for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
         let mut scenario = shaken(kind, 0.01);
         scenario.plant.natural_frequency = Signal::Sine(Sine { mean: 6.0, amplitude: 2.0, period: 7.0 });
         scenario.plant.damping_ratio = Signal::Ramp(Ramp { from: 0.02, to: 0.3, start: 3.0, end: 15.0 });
@@ -170,14 +170,14 @@ fn nonlinear_plants_may_change() {
 #[test]
 fn free_vibration_without_damping_keeps_its_energy() {
     for (wn, mu) in [(6.0, 0.0), (6.0, 300.0), (2.0, 5000.0), (6.0, -100.0)] {
-        let mut scenario = Scenario { force: Force::None, duration: 60.0, ..shaken(PlantKind::Duffing, 0.01) };
+        let mut scenario = Scenario { force: Force::None, duration: 60.0, ..shaken(PlantKind::DUFFING, 0.01) };
         scenario.plant.natural_frequency = Signal::Constant(wn);
         scenario.plant.damping_ratio = Signal::Constant(0.0);
         scenario.plant.cubic_stiffness = Signal::Constant(mu);
         scenario.plant.initial = Motion { displacement: 0.4, velocity: 0.3 };
         let record = simulated(&scenario);
         let energy = |k: usize| {
-            let [x, v] = [Channel::Displacement, Channel::Velocity].map(|c| record.truth(c).unwrap()[k]);
+            let [x, v] = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| record.truth(c).unwrap()[k]);
             0.5 * v * v + 0.5 * wn * wn * x * x + 0.25 * mu * x.powi(4)
         };
         let worst = (0..record.len()).map(|k| (energy(k) / energy(0) - 1.0).abs()).fold(0.0, f64::max);
@@ -190,11 +190,11 @@ fn free_vibration_without_damping_keeps_its_energy() {
 #[test]
 fn a_plant_that_runs_away_ends_its_record() {
     for dt in [0.001, 0.01, 0.1, 0.5] {
-        let mut scenario = Scenario { dt, ..shaken(PlantKind::Duffing, 0.01) };
+        let mut scenario = Scenario { dt, ..shaken(PlantKind::DUFFING, 0.01) };
         scenario.plant.cubic_stiffness = Signal::Constant(-300.0);
         scenario.plant.initial.displacement = 0.36;
         scenario.add_sensor(kalmanscope_core::Sensor {
-            measures: kalmanscope_core::Quantity::Acceleration,
+            measures: kalmanscope_core::Quantity::ACCELERATION,
             noise_std: 0.5,
         });
         let mut run = Run::new(&scenario).unwrap();
@@ -206,7 +206,7 @@ fn a_plant_that_runs_away_ends_its_record() {
             let truth = run.record().sensors().iter().enumerate().map(|(i, _)| run.record().measured(i)[k]);
             assert!(
                 truth
-                    .chain([Channel::Displacement, Channel::Velocity].map(|c| run.record().truth(c).unwrap()[k]))
+                    .chain([Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| run.record().truth(c).unwrap()[k]))
                     .all(f64::is_finite),
                 "at {k} of {stop}, dt {dt}"
             );

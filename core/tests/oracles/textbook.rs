@@ -1,6 +1,6 @@
 //! The filters as their papers have them: weighted sums, explicit inverses, `P - K S Kᵀ`.
 
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, PerChannel, Propagation, Record, Scenario};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Propagation, Record, Scenario, Values};
 
 use crate::matrix::{Matrix, along, dot};
 use crate::plants::{Dual, Plant, jacobian, runge_kutta, values};
@@ -43,7 +43,7 @@ struct Expected {
 /// Filters a record with the scenario's filter at a place, by the book.
 pub(crate) fn filter(scenario: &Scenario, place: usize, record: &Record) -> Vec<Sample> {
     let settings = &scenario.filters[place];
-    let known = settings.kind == FilterKind::Kf;
+    let known = settings.kind == FilterKind::KF;
     let plant = Plant {
         kind: settings.plant.unwrap_or(scenario.plant.kind),
         eta: if known { 0.0 } else { settings.eta },
@@ -51,7 +51,7 @@ pub(crate) fn filter(scenario: &Scenario, place: usize, record: &Record) -> Vec<
     };
     let channels = plant.channels();
     let unit = |i: usize| if plant.is_log(i) { 1.0 / settings.initial_mean[channels[i]] } else { 1.0 };
-    let variances = |stds: &PerChannel| {
+    let variances = |stds: &Values| {
         let std = |(i, &c): (usize, &Channel)| if known && c.is_parameter() { 0.0 } else { stds[c] * unit(i) };
         Matrix::diagonal(&channels.iter().enumerate().map(std).map(|s| s * s).collect::<Vec<_>>())
     };
@@ -97,7 +97,7 @@ impl Textbook<'_> {
 
     fn predict(&mut self, force: f64) {
         let cov = match self.settings.kind {
-            FilterKind::Kf | FilterKind::Ekf | FilterKind::Iekf => {
+            FilterKind::KF | FilterKind::EKF | FilterKind::IEKF => {
                 let (mean, transition) = self.linearised_step(force);
                 self.mean = mean;
                 transition.times(&self.cov).times(&transition.transposed())
@@ -145,7 +145,7 @@ impl Textbook<'_> {
         let n = self.mean.len();
         let size = n as f64;
         let root = self.cov.cholesky();
-        let cubature = self.settings.kind == FilterKind::Ckf;
+        let cubature = self.settings.kind == FilterKind::CKF;
         let (alpha, beta, kappa) = (1.0, 2.0, 3.0 - size);
         let lambda = if cubature { 0.0 } else { alpha * alpha * (size + kappa) - size };
         let distance = (size + lambda).sqrt();
@@ -188,7 +188,7 @@ impl Textbook<'_> {
     }
 
     fn expect(&self, measured: &Measured) -> Expected {
-        if matches!(self.settings.kind, FilterKind::Kf | FilterKind::Ekf | FilterKind::Iekf) {
+        if matches!(self.settings.kind, FilterKind::KF | FilterKind::EKF | FilterKind::IEKF) {
             return self.linearised(measured, &self.mean).0;
         }
         let (points, weights) = self.sigma_points();
@@ -214,7 +214,7 @@ impl Textbook<'_> {
         let prior = self.cov.clone();
         let mut mean = along(&self.mean, &gain.apply(innovation), 1.0);
         let mut cov = prior.minus(&gain.times(innovation_cov).times(&gain.transposed()));
-        if self.settings.kind == FilterKind::Iekf {
+        if self.settings.kind == FilterKind::IEKF {
             for _ in 1..self.settings.iterations {
                 let (expected, h) = self.linearised(measured, &mean);
                 let last = mean;

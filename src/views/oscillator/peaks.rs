@@ -96,7 +96,7 @@ mod tests {
 
     fn record(masses: usize, seed: u64) -> Record {
         let mut scenario = Scenario { duration: 30.0, seed, ..Scenario::default() };
-        scenario.plant.kind = if masses == 3 { PlantKind::Shear3 } else { PlantKind::Sdof };
+        scenario.plant.kind = if masses == 3 { PlantKind::SHEAR_3 } else { PlantKind::SDOF };
         scenario.filters.clear();
         let mut run = Run::new(&scenario).unwrap();
         run.finish();

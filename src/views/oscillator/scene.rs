@@ -93,7 +93,7 @@ impl<'a> Scene<'a> {
     }
 
     fn readings(&self, mass: usize) -> Option<&'a [f64]> {
-        let sensor = Quantity::ALL.into_iter().find(|q| q.channel() == Some(displacement(mass)))?;
+        let sensor = Quantity::all().into_iter().find(|q| q.channel() == Some(displacement(mass)))?;
         self.record().measured_quantity(sensor).filter(|_| self.context.shown.measured)
     }
 
@@ -158,9 +158,9 @@ impl Filter<'_> {
 
 /// What the true spring is like, with the mass at `x` \[m\].
 fn link_kind(record: &Record, x: f64, k: usize) -> Link {
-    if let Some(z) = record.truth(Channel::HystereticDisplacement).and_then(|z| z.get(k)).filter(|z| z.is_finite()) {
+    if let Some(z) = record.truth(Channel::HYSTERETIC_DISPLACEMENT).and_then(|z| z.get(k)).filter(|z| z.is_finite()) {
         Link::Slipping(x - z)
-    } else if record.truth(Channel::CubicStiffness).is_some() {
+    } else if record.truth(Channel::CUBIC_STIFFNESS).is_some() {
         Link::Hardening
     } else {
         Link::Linear

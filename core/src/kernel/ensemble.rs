@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use super::kalman::{check, factor, report};
 use super::{Belief, Correction, FilterError, Noise, Observation};
-use crate::gaussian::{Gaussian, Matrix, Vector, lower_root};
-use crate::model::Model;
+use crate::kernel::gaussian::{Gaussian, Matrix, Vector, lower_root};
+use crate::kernel::model::Model;
 use crate::random::Normal;
 
 /// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain of

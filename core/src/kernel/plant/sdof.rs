@@ -1,9 +1,9 @@
 //! The linear oscillator with a single degree of freedom.
 
 use crate::Channel;
-use crate::gaussian::{Matrix, Vector};
-use crate::model::{Model, one_by_one};
-use crate::propagation::{ImpulseResponse, exp_and_integral, runge_kutta};
+use crate::kernel::gaussian::{Matrix, Vector};
+use crate::kernel::model::{Model, one_by_one};
+use crate::kernel::propagation::{ImpulseResponse, exp_and_integral, runge_kutta};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
 ///
@@ -20,7 +20,7 @@ pub struct Sdof {
 
 impl Model<4> for Sdof {
     const CHANNELS: [Channel; 4] =
-        [Channel::Displacement, Channel::Velocity, Channel::NaturalFrequency, Channel::DampingRatio];
+        [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
     const MOTION: usize = 2;
 
     fn eta(&self) -> f64 {

@@ -1,7 +1,7 @@
 //! Steps of plants whose parameters are held: only the motion moves.
 
 use super::{ImpulseResponse, exp_and_integral};
-use crate::gaussian::{Matrix, Vector};
+use crate::kernel::gaussian::{Matrix, Vector};
 
 /// One step of local linearisation of an oscillator `[x, v, parameters]` whose parameters are held: the state after `dt`
 /// \[s\] and its transition matrix, from `A` and `g` at its beginning. All of it follows from the impulse response of

@@ -3,9 +3,10 @@
 use std::borrow::Cow;
 
 use super::kalman::{check, factor, report};
-use super::{Belief, Correction, FilterError, Noise, Observation, Rule};
-use crate::gaussian::{Gaussian, Matrix, Vector, add_to_root, lower_root};
-use crate::model::Model;
+use super::{Belief, Correction, Noise, Observation};
+use crate::filter::{FilterError, Rule};
+use crate::kernel::gaussian::{Gaussian, Matrix, Vector, add_to_root, lower_root};
+use crate::kernel::model::Model;
 
 /// A Gaussian held as mean and lower triangular root L of its covariance `L Lᵀ`, which no rounding can make indefinite.
 ///
@@ -56,7 +57,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SquareRoot<N> {
 
     fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError> {
         let Self { mean, root } = self;
-        let (spread, weight, _) = Rule::Unscented.constants::<N>();
+        let (spread, weight, _) = Rule::Unscented.constants(N);
         let step = |state: Vector<N>| model.runge_kutta_step(&state, force, dt);
         let centre = step(*mean);
         let mut sum = Vector::<N>::zeros();
@@ -83,7 +84,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SquareRoot<N> {
         correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
         let Self { mean, root } = self;
-        let (spread, weight, _) = Rule::Unscented.constants::<N>();
+        let (spread, weight, _) = Rule::Unscented.constants(N);
         let mut array = Array::<N, M>::new(observation);
         let centre = observation.read(model, mean);
         let mut sum = Vector::<M>::zeros();

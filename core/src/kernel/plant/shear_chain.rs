@@ -1,9 +1,9 @@
 //! Masses one above the other, each storey a spring and a damper.
 
 use crate::Channel;
-use crate::gaussian::{Matrix, Vector};
-use crate::model::Model;
-use crate::propagation::{exp_and_integral, held_parameters_step};
+use crate::kernel::gaussian::{Matrix, Vector};
+use crate::kernel::model::Model;
+use crate::kernel::propagation::{exp_and_integral, held_parameters_step};
 
 /// A shear building of equal masses, shaken at its base, with every storey's stiffness and the damping unknown:
 /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
@@ -23,13 +23,13 @@ pub struct ShearChain<const MASSES: usize> {
 }
 
 const DISPLACEMENTS: [Channel; 4] =
-    [Channel::Displacement, Channel::Displacement2, Channel::Displacement3, Channel::Displacement4];
-const VELOCITIES: [Channel; 4] = [Channel::Velocity, Channel::Velocity2, Channel::Velocity3, Channel::Velocity4];
-const STIFFNESSES: [Channel; 4] = [Channel::Stiffness1, Channel::Stiffness2, Channel::Stiffness3, Channel::Stiffness4];
+    [Channel::DISPLACEMENT, Channel::displacement(1), Channel::displacement(2), Channel::displacement(3)];
+const VELOCITIES: [Channel; 4] = [Channel::VELOCITY, Channel::velocity(1), Channel::velocity(2), Channel::velocity(3)];
+const STIFFNESSES: [Channel; 4] = [Channel::stiffness(0), Channel::stiffness(1), Channel::stiffness(2), Channel::stiffness(3)];
 
 /// The channels of a chain of `masses`, with `N = 3 masses + 1`.
 const fn channels<const N: usize>(masses: usize) -> [Channel; N] {
-    let mut channels = [Channel::StoreyDamping; N];
+    let mut channels = [Channel::STOREY_DAMPING; N];
     let mut i = 0;
     while i < masses {
         channels[i] = DISPLACEMENTS[i];

@@ -1,9 +1,9 @@
 //! Positive parameters as their logarithms.
 
 use crate::Channel;
-use crate::gaussian::{Gaussian, Matrix, Vector};
-use crate::model::{Model, one_by_one};
-use crate::propagation::{exp_and_integral, runge_kutta};
+use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
+use crate::kernel::model::{Model, one_by_one};
+use crate::kernel::propagation::{exp_and_integral, runge_kutta};
 
 /// A plant whose state has, if `on`, `ln θ` in place of every parameter θ that cannot be negative
 /// ([`Channel::is_positive`]), so that no estimate is.

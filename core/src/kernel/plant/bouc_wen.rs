@@ -1,9 +1,9 @@
 //! An oscillator whose spring yields and remembers.
 
 use crate::Channel;
-use crate::gaussian::{Matrix, Vector};
-use crate::model::{Model, one_by_one};
-use crate::propagation::{exp_and_integral, held_parameters_step, held_rows, held_runge_kutta, runge_kutta};
+use crate::kernel::gaussian::{Matrix, Vector};
+use crate::kernel::model::{Model, one_by_one};
+use crate::kernel::propagation::{exp_and_integral, held_parameters_step, held_rows, held_runge_kutta, runge_kutta};
 
 /// Bouc-Wen hysteresis with exponent 2 and state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
 ///
@@ -24,14 +24,14 @@ pub struct BoucWen {
 
 impl Model<8> for BoucWen {
     const CHANNELS: [Channel; 8] = [
-        Channel::Displacement,
-        Channel::Velocity,
-        Channel::HystereticDisplacement,
-        Channel::NaturalFrequency,
-        Channel::DampingRatio,
-        Channel::PostYieldRatio,
-        Channel::HysteresisBeta,
-        Channel::HysteresisGamma,
+        Channel::DISPLACEMENT,
+        Channel::VELOCITY,
+        Channel::HYSTERETIC_DISPLACEMENT,
+        Channel::NATURAL_FREQUENCY,
+        Channel::DAMPING_RATIO,
+        Channel::POST_YIELD_RATIO,
+        Channel::HYSTERESIS_BETA,
+        Channel::HYSTERESIS_GAMMA,
     ];
     const MOTION: usize = 3;
 

@@ -1,9 +1,9 @@
 //! An oscillator with a cubic spring.
 
 use crate::Channel;
-use crate::gaussian::{Matrix, Vector};
-use crate::model::{Model, one_by_one};
-use crate::propagation::{exp_and_integral, held_rows, held_runge_kutta, oscillator_step, runge_kutta};
+use crate::kernel::gaussian::{Matrix, Vector};
+use crate::kernel::model::{Model, one_by_one};
+use crate::kernel::propagation::{exp_and_integral, held_rows, held_runge_kutta, oscillator_step, runge_kutta};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
 ///
@@ -23,11 +23,11 @@ pub struct Duffing {
 
 impl Model<5> for Duffing {
     const CHANNELS: [Channel; 5] = [
-        Channel::Displacement,
-        Channel::Velocity,
-        Channel::NaturalFrequency,
-        Channel::DampingRatio,
-        Channel::CubicStiffness,
+        Channel::DISPLACEMENT,
+        Channel::VELOCITY,
+        Channel::NATURAL_FREQUENCY,
+        Channel::DAMPING_RATIO,
+        Channel::CUBIC_STIFFNESS,
     ];
     const MOTION: usize = 2;
 

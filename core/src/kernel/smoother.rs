@@ -1,10 +1,13 @@
 //! Estimates with hindsight: the whole record tells of every sample.
 
-use crate::estimator::{Surroundings, build_filter, initial_belief, with_model};
-use crate::filter::{Correction, Filter, Linearised, Rule, SigmaPoints, Smoothable};
-use crate::gaussian::{Factor, Gaussian, Matrix, mirrored};
-use crate::model::Model;
-use crate::plant::Visitor;
+use super::estimator::{build_filter, initial_belief, with_model};
+use crate::estimator::FilterContext;
+use crate::sink::Sample;
+use crate::kernel::{Correction, Filter, Linearised, SigmaPoints, Smoothable};
+use crate::kernel::gaussian::{Factor, Gaussian, Matrix, mirrored};
+use crate::kernel::model::Model;
+use crate::filter::Rule;
+use crate::kernel::plant::Visitor;
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Record};
 
 /// Smooths a filter's estimates over the first `samples` of a record: the filter goes forward, the smoother back.
@@ -21,17 +24,17 @@ use crate::{Estimates, FilterError, FilterKind, FilterSettings, Record};
 /// Rauch-Tung-Striebel smoother.
 pub(crate) fn smooth(
     settings: &FilterSettings,
-    surroundings: Surroundings<'_>,
+    context: FilterContext<'_>,
     record: &Record,
     samples: usize,
     estimates: &mut Estimates,
 ) {
-    with_model(settings, surroundings.plant, Smooth { settings, surroundings, record, samples, estimates });
+    with_model(settings, &context, Smooth { settings, context, record, samples, estimates });
 }
 
 struct Smooth<'a> {
     settings: &'a FilterSettings,
-    surroundings: Surroundings<'a>,
+    context: FilterContext<'a>,
     record: &'a Record,
     samples: usize,
     estimates: &'a mut Estimates,
@@ -41,30 +44,48 @@ impl Visitor for Smooth<'_> {
     type Output = ();
 
     fn visit<P: Model<N>, const N: usize>(self, model: P) {
-        let Self { settings, surroundings, record, samples, estimates } = self;
+        let Self { settings, context, record, samples, estimates } = self;
         let belief = initial_belief(&model, settings);
         let linearised = |iterations| Linearised::new(belief.clone(), settings.propagation, iterations);
         let sigma_points = |rule| SigmaPoints::new(belief.clone(), rule);
-        let pass = Pass { settings, surroundings: &surroundings, record, samples };
+        let pass = Pass { settings, context: &context, record, samples };
         if samples == 0 {
             return;
         }
         let way = match settings.kind {
-            FilterKind::Kf | FilterKind::Ekf => pass.forth(&model, linearised(1)),
-            FilterKind::Iekf => pass.forth(&model, linearised(settings.iterations)),
-            FilterKind::Ukf | FilterKind::SrUkf => pass.forth(&model, sigma_points(Rule::Unscented)),
-            FilterKind::Ckf => pass.forth(&model, sigma_points(Rule::Cubature)),
-            FilterKind::Enkf | FilterKind::Pf => return,
+            kind if kind.is_sampled() => return,
+            kind if kind == FilterKind::UKF || kind == FilterKind::SR_UKF => {
+                pass.forth(&model, sigma_points(Rule::Unscented))
+            }
+            kind if kind == FilterKind::CKF => pass.forth(&model, sigma_points(Rule::Cubature)),
+            kind if kind == FilterKind::IEKF => pass.forth(&model, linearised(settings.iterations)),
+            _ => pass.forth(&model, linearised(1)),
         };
         let stop = way.stop;
         for belief in back(way) {
             let (belief, _) = model.to_units(&belief);
-            estimates.push(&belief, &Correction::NOTHING);
+            push_belief(&belief, estimates);
         }
         if let Some(reason) = stop {
             estimates.stop_at(reason);
         }
     }
+}
+
+/// Writes a belief down that no measurement belongs to.
+fn push_belief<const N: usize>(belief: &Gaussian<N>, estimates: &mut Estimates) {
+    estimates.push(&Sample {
+        mean: belief.mean.as_slice(),
+        cov: belief.cov.as_slice(),
+        innovation: &[],
+        innovation_cov: &[],
+        gain: &[],
+        nis: f64::NAN,
+        determinant: f64::NAN,
+        log_likelihood: f64::NAN,
+        effective_samples: f64::NAN,
+        noise: None,
+    });
 }
 
 /// What a smoother must know of a filter's way.
@@ -78,14 +99,14 @@ struct Way<const N: usize> {
 
 struct Pass<'a> {
     settings: &'a FilterSettings,
-    surroundings: &'a Surroundings<'a>,
+    context: &'a FilterContext<'a>,
     record: &'a Record,
     samples: usize,
 }
 
 impl Pass<'_> {
     fn forth<P: Model<N>, B: Smoothable<P, N>, const N: usize>(&self, model: &P, belief: B) -> Way<N> {
-        let mut filter = build_filter(model.clone(), belief, self.settings, self.surroundings);
+        let mut filter = build_filter(model.clone(), belief, self.settings, self.context);
         let mut way = Way { filtered: vec![filter.belief().gaussian().into_owned()], steps: Vec::new(), stop: None };
         for k in 1..self.samples {
             match self.step(&mut filter, k) {
@@ -105,12 +126,12 @@ impl Pass<'_> {
         filter: &mut Filter<P, B, N>,
         k: usize,
     ) -> Result<(Gaussian<N>, Matrix<N, N>), FilterError> {
-        let Self { surroundings: Surroundings { sensors, dt, .. }, record, .. } = self;
-        let cross = filter.belief().cross(filter.model(), record.force()[k - 1], *dt)?;
-        filter.predict(record.force()[k - 1])?;
+        let Self { context: FilterContext { sensors, dt, .. }, record, .. } = self;
+        let cross = filter.belief().cross(filter.model(), record.force(k - 1), *dt)?;
+        filter.predict(record.force(k - 1))?;
         let predicted = filter.belief().gaussian().into_owned();
         let mut correction = Correction::NOTHING;
-        filter.update(record.force()[k], &record.sample(k, sensors), &mut correction)?;
+        filter.update(record.force(k), &record.sample(k, sensors), &mut correction)?;
         Ok((predicted, cross))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::observation::{Active, Observation};
 use super::{Correction, FilterError, Noise};
-use crate::gaussian::{Factor, Gaussian, Matrix, Vector, lower_root, minus_product, mirrored};
+use crate::kernel::gaussian::{Factor, Gaussian, Matrix, Vector, lower_root, minus_product, mirrored};
 
 /// What a belief says of M measurements before they are seen.
 pub(super) struct Expected<const N: usize, const M: usize> {

@@ -1,7 +1,7 @@
 //! What the sensors have delivered at one sample.
 
-use crate::gaussian::{Matrix, Vector};
-use crate::model::{Model, Output};
+use crate::kernel::gaussian::{Matrix, Vector};
+use crate::kernel::model::{Model, Output};
 
 /// A sensor that has delivered a measurement: where it reads, its place among the sensors, its variance.
 #[derive(Clone, Copy, Debug)]

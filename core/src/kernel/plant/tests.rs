@@ -1,9 +1,10 @@
 //! What every plant must keep to, whichever it is.
 
-use crate::gaussian::{Gaussian, Matrix, Vector};
-use crate::model::Model;
-use crate::plant::{PlantKind, Visitor};
-use crate::propagation::{exp_and_integral, runge_kutta};
+use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
+use crate::kernel::model::Model;
+use crate::PlantKind;
+use super::{Visitor, visit};
+use crate::kernel::propagation::{exp_and_integral, runge_kutta};
 
 /// A state of ordinary size: numbers between -1 and 1 times the usual.
 fn state<P: Model<N>, const N: usize>(model: &P, seed: usize) -> Vector<N> {
@@ -11,7 +12,7 @@ fn state<P: Model<N>, const N: usize>(model: &P, seed: usize) -> Vector<N> {
         let channel = P::CHANNELS[i];
         let number = libm::sin(1.7 * (seed * N + i) as f64 + 0.4);
         let size =
-            if channel.is_parameter() { crate::PerChannel::INITIAL_MEAN } else { crate::PerChannel::INITIAL_STD };
+            if channel.is_parameter() { crate::Values::INITIAL_MEAN } else { crate::Values::INITIAL_STD };
         size[channel] * if channel.is_parameter() { 1.0 + 0.5 * number } else { number }
     });
     model.to_state(&usual).0
@@ -129,7 +130,7 @@ fn a_linear_plants_exact_response_is_that_of_many_small_steps() {
     }
     for kind in PlantKind::ALL {
         let error = kind.visit(0.0, Response);
-        let linear = !matches!(kind, PlantKind::Duffing | PlantKind::BoucWen);
+        let linear = !matches!(kind, PlantKind::DUFFING | PlantKind::BOUC_WEN);
         assert_eq!(error.is_some(), linear, "{kind:?}");
         assert!(error.is_none_or(|e| e < 1e-12), "{kind:?}: {error:?}");
     }

@@ -1,0 +1,33 @@
+//! How a state moves over one step: exact for linear rates, Runge-Kutta for others.
+
+mod exponential;
+mod impulse_response;
+mod runge_kutta;
+
+pub use exponential::{Integrals, exponential_integrals};
+pub use impulse_response::ImpulseResponse;
+pub use runge_kutta::runge_kutta;
+
+/// 1/n! for n = 0..=16.
+pub(crate) const INVERSE_FACTORIAL: [f64; 17] = {
+    let mut table = [1.0; 17];
+    let mut n = 1;
+    while n < table.len() {
+        table[n] = table[n - 1] / n as f64;
+        n += 1;
+    }
+    table
+};
+
+/// How often a step must be halved until `size`, a norm of `A dt`, is at most one half.
+pub(crate) fn doublings(size: f64) -> u32 {
+    if size <= 0.5 {
+        0
+    } else if size < 1e300 {
+        libm::ceil(libm::log2(2.0 * size)) as u32
+    } else {
+        // Without doublings such a step overflows, and is seen to; a step halved to nothing would not be.
+        0
+    }
+}
+

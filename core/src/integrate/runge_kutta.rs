@@ -1,0 +1,41 @@
+//! Classical Runge-Kutta steps.
+
+use crate::linalg::Vector;
+
+/// One classical fourth-order Runge-Kutta step of `ẏ = rate(s, y)` over `dt` \[s\]; s is the share of the step that has
+/// passed, from 0 to 1.
+///
+/// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
+pub fn runge_kutta(state: &Vector, dt: f64, rate: impl Fn(f64, &Vector) -> Vector) -> Vector {
+    let half = 0.5 * dt;
+    let k1 = rate(0.0, state);
+    let k2 = rate(0.5, &(state + &k1 * half));
+    let k3 = rate(0.5, &(state + &k2 * half));
+    let k4 = rate(1.0, &(state + &k3 * dt));
+    state + (k1 + (k2 + k3) * 2.0 + k4) * (dt / 6.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runge_kutta_is_of_fourth_order() {
+        let error = |steps: u32| {
+            let dt = 1.0 / f64::from(steps);
+            let mut y = Vector::from_column_slice(&[1.0, 0.0]);
+            for _ in 0..steps {
+                y = runge_kutta(&y, dt, |_, y| Vector::from_column_slice(&[y[1], -4.0 * y[0]]));
+            }
+            (y[0] - libm::cos(2.0)).abs()
+        };
+        let order = libm::log2(error(20) / error(40));
+        assert!((order - 4.0).abs() < 0.2, "order {order}");
+    }
+
+    #[test]
+    fn a_rate_that_is_linear_in_time_is_integrated_exactly() {
+        let y = runge_kutta(&Vector::zeros(1), 0.5, |s, _| Vector::repeat(1, 2.0 + 3.0 * s));
+        assert_eq!(y[0], 0.5 * 3.5);
+    }
+}

@@ -1,0 +1,226 @@
+//! A filter of any kind over a common plant, with its types and sizes erased.
+
+use super::gaussian::{Gaussian, Matrix, Vector};
+use super::model::{Model, Output};
+use super::plant::{Visitor, visit_log};
+use super::{
+    Belief, Correction, Ensemble, Filter, Linearised, MAX_SENSORS, Noise, Particles, SigmaPoints, SquareRoot,
+};
+use crate::estimator::{Estimator, Failed, FilterContext};
+use crate::filter::Rule;
+use crate::model::Hold;
+use crate::random::{Normal, Purpose};
+use crate::sink::{AssumedNoise, Sample};
+use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Values};
+
+/// A filter and what its last measurement told.
+struct Followed<P, B, const N: usize> {
+    filter: Filter<P, B, N>,
+    correction: Correction<N>,
+}
+
+impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, N> {
+    fn begin(&self, estimates: &mut Estimates) {
+        let Noise { process, sensors, fading: _ } = self.filter.noise();
+        let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
+        if !is_finite || report(&self.filter, &Correction::NOTHING, estimates).is_err() {
+            estimates.stop_at(FilterError::TooLarge);
+        }
+    }
+
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        estimates: &mut Estimates,
+    ) -> Result<(), FilterError> {
+        let Self { filter, correction } = self;
+        filter.predict(force_before)?;
+        filter.update(force, measured, correction)?;
+        report(filter, correction, estimates)
+    }
+}
+
+fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
+    filter: &Filter<P, B, N>,
+    correction: &Correction<N>,
+    estimates: &mut Estimates,
+) -> Result<(), FilterError> {
+    let belief = filter.belief().gaussian();
+    if filter.model().in_units() {
+        // An update has seen to it that the belief is finite, but nothing has yet looked at an initial one.
+        if estimates.is_empty() && !belief.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        push(filter, &belief, correction, estimates);
+        return Ok(());
+    }
+    let (belief, unit) = filter.model().to_units(&belief);
+    let mut correction = correction.clone();
+    for gain in &mut correction.gain {
+        for i in 0..N {
+            gain[i] *= unit[i];
+        }
+    }
+    if !belief.is_finite() || correction.gain.as_flattened().iter().any(|k| !k.is_finite()) {
+        return Err(FilterError::NotFinite);
+    }
+    push(filter, &belief, &correction, estimates);
+    Ok(())
+}
+
+/// Writes a sample down. Lengths that the compiler knows: to copy a number is not worth a call.
+fn push<P: Model<N>, B: Belief<P, N>, const N: usize>(
+    filter: &Filter<P, B, N>,
+    belief: &Gaussian<N>,
+    correction: &Correction<N>,
+    estimates: &mut Estimates,
+) {
+    let process;
+    let noise = if filter.is_adaptive() {
+        let Noise { process: matrix, sensors, fading: _ } = filter.noise();
+        process = matrix.diagonal();
+        Some(AssumedNoise { process: process.as_slice(), sensors })
+    } else {
+        None
+    };
+    match estimates.sensors().len() {
+        1 => push_sensors::<N, 1>(belief, correction, noise, estimates),
+        2 => push_sensors::<N, 2>(belief, correction, noise, estimates),
+        3 => push_sensors::<N, 3>(belief, correction, noise, estimates),
+        MAX_SENSORS => push_sensors::<N, MAX_SENSORS>(belief, correction, noise, estimates),
+        _ => push_sensors::<N, 0>(belief, correction, noise, estimates),
+    }
+}
+
+#[inline]
+fn push_sensors<const N: usize, const M: usize>(
+    belief: &Gaussian<N>,
+    correction: &Correction<N>,
+    noise: Option<AssumedNoise<'_>>,
+    estimates: &mut Estimates,
+) {
+    let innovation_cov: [[f64; M]; M] =
+        std::array::from_fn(|i| std::array::from_fn(|j| correction.innovation_cov[i][j]));
+    estimates.push(&Sample {
+        mean: &belief.mean.data.0[0],
+        cov: belief.cov.data.0.as_flattened(),
+        innovation: &correction.innovation[..M],
+        innovation_cov: innovation_cov.as_flattened(),
+        gain: correction.gain[..M].as_flattened(),
+        nis: correction.nis,
+        determinant: correction.determinant,
+        log_likelihood: correction.log_likelihood,
+        effective_samples: correction.effective_samples,
+        noise,
+    });
+}
+
+/// Builds the filter of some settings, if a kernel serves it.
+pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Box<dyn Estimator>> {
+    with_model(settings, &context, Build { settings, context }).flatten()
+}
+
+struct Build<'a> {
+    settings: &'a FilterSettings,
+    context: FilterContext<'a>,
+}
+
+impl Visitor for Build<'_> {
+    type Output = Option<Box<dyn Estimator>>;
+
+    fn visit<P: Model<N>, const N: usize>(self, model: P) -> Option<Box<dyn Estimator>> {
+        let Self { settings, context: FilterContext { seed, place, .. } } = self;
+        let belief = initial_belief(&model, settings);
+        let normal = || Normal::new(seed, Purpose::Ensemble(place));
+        let size = settings.ensemble_size;
+        let linearised = |iterations| Linearised::new(belief.clone(), settings.propagation, iterations);
+        match settings.kind {
+            kind if kind == FilterKind::KF || kind == FilterKind::EKF => Some(self.filter(model, linearised(1))),
+            kind if kind == FilterKind::IEKF => Some(self.filter(model, linearised(settings.iterations))),
+            kind if kind == FilterKind::UKF => Some(self.filter(model, SigmaPoints::new(belief, Rule::Unscented))),
+            kind if kind == FilterKind::CKF => Some(self.filter(model, SigmaPoints::new(belief, Rule::Cubature))),
+            kind if kind == FilterKind::SR_UKF => Some(self.try_filter(model, SquareRoot::new(&belief))),
+            kind if kind == FilterKind::ENKF => Some(self.try_filter(model, Ensemble::new(belief, size, normal()))),
+            kind if kind == FilterKind::PF => Some(self.try_filter(model, Particles::new(belief, size, normal()))),
+            _ => None,
+        }
+    }
+}
+
+impl Build<'_> {
+    fn try_filter<P: Model<N>, B: Belief<P, N> + 'static, const N: usize>(
+        &self,
+        model: P,
+        belief: Result<B, FilterError>,
+    ) -> Box<dyn Estimator> {
+        match belief {
+            Ok(belief) => self.filter(model, belief),
+            // At the beginning there is but a diagonal, and what its root may lack is numbers.
+            Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
+            Err(error) => Box::new(Failed(error)),
+        }
+    }
+
+    fn filter<P: Model<N>, B: Belief<P, N> + 'static, const N: usize>(
+        &self,
+        model: P,
+        belief: B,
+    ) -> Box<dyn Estimator> {
+        let filter = build_filter(model, belief, self.settings, &self.context);
+        Box::new(Followed { filter, correction: Correction::NOTHING })
+    }
+}
+
+/// The filter of some settings, with its types.
+pub(crate) fn build_filter<P: Model<N>, B: Belief<P, N>, const N: usize>(
+    model: P,
+    belief: B,
+    settings: &FilterSettings,
+    context: &FilterContext<'_>,
+) -> Filter<P, B, N> {
+    let book = context.model(settings);
+    let output = |quantity: &Quantity| book.reading(*quantity).as_ref().and_then(Output::of);
+    let outputs = context.sensors.iter().map(output).collect();
+    let noise = noise(&model, settings);
+    Filter::new(model, belief, context.dt, noise, outputs, settings.adaptation)
+}
+
+/// Lets a visitor work with the model that a filter with these settings has, if a kernel serves it: a common plant without
+/// augmentations, under an input that is held, and sensors that each read one component or its rate.
+pub(crate) fn with_model<V: Visitor>(
+    settings: &FilterSettings,
+    context: &FilterContext<'_>,
+    visitor: V,
+) -> Option<V::Output> {
+    let model = context.model(settings);
+    let reads = |quantity: &Quantity| model.reading(*quantity).is_none_or(|reading| Output::of(&reading).is_some());
+    let serves = settings.augment.is_empty()
+        && context.hold == Hold::Zero
+        && context.sensors.len() <= MAX_SENSORS
+        && context.sensors.iter().all(reads);
+    serves.then(|| visit_log(model.plant(), model.eta(), settings.log_parameters, visitor)).flatten()
+}
+
+/// The initial belief in the model's state.
+pub(crate) fn initial_belief<P: Model<N>, const N: usize>(model: &P, settings: &FilterSettings) -> Gaussian<N> {
+    let (mean, unit) = model.to_state(&Vector::from(P::CHANNELS.map(|c| settings.initial_mean[c])));
+    Gaussian::independent(mean, &spread::<P, N>(settings, &settings.initial_std).component_mul(&unit))
+}
+
+/// Q, R and fading factor in the model's state.
+pub(crate) fn noise<P: Model<N>, const N: usize>(model: &P, settings: &FilterSettings) -> Noise<N> {
+    let (_, unit) = model.to_state(&Vector::from(P::CHANNELS.map(|c| settings.initial_mean[c])));
+    let process = spread::<P, N>(settings, &settings.process_std).component_mul(&unit);
+    Noise {
+        process: Matrix::from_diagonal(&process.component_mul(&process)),
+        sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
+        fading: settings.fading,
+    }
+}
+
+/// Standard deviations of a model's components; those that the filter knows have none.
+fn spread<P: Model<N>, const N: usize>(settings: &FilterSettings, std: &Values) -> Vector<N> {
+    Vector::from(P::CHANNELS.map(|c| if settings.knows(c) { 0.0 } else { std[c] }))
+}

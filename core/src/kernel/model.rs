@@ -1,0 +1,99 @@
+//! What a filter knows of a plant: its rate of change, the Jacobian of that, and what sensors see.
+
+use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
+use crate::model::Reading;
+use crate::kernel::propagation::{exp_and_integral, runge_kutta};
+use crate::Channel;
+
+/// Where a sensor's quantity stands in the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// A component of the state.
+    State(usize),
+    /// The rate of change of a component of the state.
+    Rate(usize),
+}
+
+impl Output {
+    /// Where a reading of a model's state stands, if that is one component or its rate.
+    pub fn of(reading: &Reading) -> Option<Self> {
+        reading.component().map(Self::State).or_else(|| reading.rate_component().map(Self::Rate))
+    }
+}
+
+/// A plant with an N-component augmented state `y` (motion and parameters) and rate `ẏ = g(y, f)`.
+pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
+    /// What each component is: first what moves, then the parameters.
+    const CHANNELS: [Channel; N];
+    /// How many components move. Those after them are parameters: each is constant or decays in proportion to itself,
+    /// whatever the others do.
+    const MOTION: usize;
+
+    /// `g(y, f)`, with the force over mass `force` \[m/s²\]; each component in its unit per second.
+    fn rate(&self, state: &Vector<N>, force: f64) -> Vector<N>;
+
+    /// `A = ∂g/∂y`, N × N. The force enters additively, so it does not appear.
+    fn jacobian(&self, state: &Vector<N>) -> Matrix<N, N>;
+
+    /// The rate at which the parameters decay \[1/s\].
+    fn eta(&self) -> f64;
+
+    /// One step of local linearisation: the state after `dt` \[s\] and its transition matrix.
+    ///
+    /// ```text
+    /// A = ∂g/∂y,  Φ = exp(A dt),  y⁻ = y + dt φ₁(A dt) g(y, f)
+    /// ```
+    ///
+    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*, with `A⁻¹(exp(A dt) - I)` read as the
+    /// entire function `dt φ₁(A dt)`, which a singular `A` does not trouble.
+    fn linearised_step(&self, state: &Vector<N>, force: f64, dt: f64) -> (Vector<N>, Matrix<N, N>) {
+        let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
+        (state + integral * self.rate(state, force), transition)
+    }
+
+    /// One classical fourth-order Runge-Kutta step over `dt` \[s\] with the force held.
+    fn runge_kutta_step(&self, state: &Vector<N>, force: f64, dt: f64) -> Vector<N> {
+        runge_kutta(state, dt, |y| self.rate(y, force))
+    }
+
+    /// [`Self::runge_kutta_step`] of several states, one a row. A plant whose step has no branches can take it for all of
+    /// them at once, component by component, which the compiler turns into vector instructions.
+    #[inline]
+    fn runge_kutta_steps<const B: usize>(&self, states: &Matrix<B, N>, force: f64, dt: f64) -> Matrix<B, N> {
+        one_by_one(states, |state| self.runge_kutta_step(&state, force, dt))
+    }
+
+    /// `Γ = dt φ₁(A dt)` for a plant that is linear as long as its parameters are held: then `y + Γ g(y, f)` is its exact
+    /// response. The truth of such a plant has no other error than rounding.
+    fn exact_integral(&self, _state: &Vector<N>, _dt: f64) -> Option<Matrix<N, N>> {
+        None
+    }
+
+    /// Whether the state is in the channels' units. If not, [`Self::to_units`] and [`Self::to_state`] say how.
+    fn in_units(&self) -> bool {
+        true
+    }
+
+    /// The belief in the channels' units, and what a unit of each component is in them.
+    fn to_units(&self, belief: &Gaussian<N>) -> (Gaussian<N>, Vector<N>) {
+        (belief.clone(), Vector::repeat(1.0))
+    }
+
+    /// The state's components for values in the channels' units, and what a unit of each channel is in the state's.
+    fn to_state(&self, values: &Vector<N>) -> (Vector<N>, Vector<N>) {
+        (*values, Vector::repeat(1.0))
+    }
+}
+
+/// The images of several states, one a row.
+#[inline]
+pub(crate) fn one_by_one<const N: usize, const B: usize>(
+    states: &Matrix<B, N>,
+    step: impl Fn(Vector<N>) -> Vector<N>,
+) -> Matrix<B, N> {
+    let mut images = *states;
+    for row in 0..B {
+        images.set_row(row, &step(states.row(row).transpose()).transpose());
+    }
+    images
+}

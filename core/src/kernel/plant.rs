@@ -1,0 +1,51 @@
+//! The common plants, one a file, and the one place where a plant becomes a model of a size that the compiler knows.
+
+pub mod bouc_wen;
+pub mod duffing;
+pub mod sdof;
+pub mod shear_chain;
+
+use super::log_parameters::LogParameters;
+use super::model::Model;
+use crate::PlantKind;
+
+use bouc_wen::BoucWen;
+use duffing::Duffing;
+use sdof::Sdof;
+use shear_chain::ShearChain;
+
+/// Something to be done with a model, whatever its type and size.
+pub(crate) trait Visitor {
+    type Output;
+
+    fn visit<P: Model<N>, const N: usize>(self, model: P) -> Self::Output;
+}
+
+/// Lets the visitor work with the model of a plant whose parameters decay at the rate `eta` \[1/s\], if it has a kernel.
+pub(crate) fn visit<V: Visitor>(kind: PlantKind, eta: f64, visitor: V) -> Option<V::Output> {
+    Some(match kind {
+        _ if kind == PlantKind::SDOF => visitor.visit(Sdof { eta }),
+        _ if kind == PlantKind::DUFFING => visitor.visit(Duffing { eta }),
+        _ if kind == PlantKind::BOUC_WEN => visitor.visit(BoucWen { eta }),
+        _ if kind == PlantKind::SHEAR_2 => visitor.visit(ShearChain::<2> { eta }),
+        _ if kind == PlantKind::SHEAR_3 => visitor.visit(ShearChain::<3> { eta }),
+        _ if kind == PlantKind::SHEAR_4 => visitor.visit(ShearChain::<4> { eta }),
+        _ => return None,
+    })
+}
+
+/// As [`visit`], with the logarithms of the positive parameters in the state instead of themselves if so wished.
+pub(crate) fn visit_log<V: Visitor>(kind: PlantKind, eta: f64, log: bool, visitor: V) -> Option<V::Output> {
+    struct WithLogarithms<V>(V, bool);
+    impl<V: Visitor> Visitor for WithLogarithms<V> {
+        type Output = V::Output;
+
+        fn visit<P: Model<N>, const N: usize>(self, plant: P) -> V::Output {
+            self.0.visit(LogParameters { plant, on: self.1 })
+        }
+    }
+    visit(kind, eta, WithLogarithms(visitor, log))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,148 @@
+//! Division by a covariance.
+
+use super::{Matrix, Vector};
+
+/// `S = L D Lᵀ` with a unit lower triangular L and a positive diagonal D, m × m: a Cholesky factor without square roots.
+///
+/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
+#[derive(Clone, Debug)]
+pub struct Ldl {
+    lower: Matrix,
+    /// The inverse of D; zero in a direction that is left out.
+    inverse_pivots: Vector,
+    determinant: f64,
+}
+
+impl Ldl {
+    /// The factor of a symmetric matrix, or `None` if it is not positive definite.
+    pub fn new(s: &Matrix) -> Option<Self> {
+        let factor = Self::eliminate(s, |pivot, _| pivot > 0.0 && (1.0 / pivot).is_normal());
+        (!factor.inverse_pivots.iter().any(|&inverse| inverse == 0.0)).then_some(factor)
+    }
+
+    /// The factor of a symmetric matrix that may be only semidefinite: a direction of no variance is left out, and a
+    /// quotient has no part in it.
+    pub fn semidefinite(s: &Matrix) -> Self {
+        let rounding = 4.0 * s.nrows() as f64 * f64::EPSILON;
+        Self::eliminate(s, |pivot, variance| pivot > rounding * variance)
+    }
+
+    /// Eliminates column by column; leaves a column out whose pivot does not count beside the variance that it began as.
+    fn eliminate(s: &Matrix, counts: impl Fn(f64, f64) -> bool) -> Self {
+        let m = s.nrows();
+        let mut rest = s.clone();
+        let mut factor =
+            Self { lower: Matrix::identity(m, m), inverse_pivots: Vector::zeros(m), determinant: 1.0 };
+        for j in 0..m {
+            let pivot = rest[(j, j)];
+            if !counts(pivot, s[(j, j)]) {
+                factor.determinant = 0.0;
+                continue;
+            }
+            let inverse = 1.0 / pivot;
+            for k in j + 1..m {
+                let share = rest[(k, j)] * inverse;
+                factor.lower[(k, j)] = share;
+                for i in k..m {
+                    let product = rest[(i, j)] * share;
+                    rest[(i, k)] -= product;
+                }
+            }
+            factor.inverse_pivots[j] = inverse;
+            factor.determinant *= pivot;
+        }
+        factor
+    }
+
+    /// `X S⁻¹` for X of r × m.
+    pub fn divide(&self, x: &Matrix) -> Matrix {
+        let Self { lower, inverse_pivots, .. } = self;
+        let (r, m) = x.shape();
+        let mut result = x.clone();
+        let subtract = |result: &mut Matrix, from: usize, column: usize, share: f64| {
+            for i in 0..r {
+                let product = result[(i, column)] * share;
+                result[(i, from)] -= product;
+            }
+        };
+        for j in 0..m {
+            for k in 0..j {
+                subtract(&mut result, j, k, lower[(j, k)]);
+            }
+        }
+        for j in (0..m).rev() {
+            result.column_mut(j).scale_mut(inverse_pivots[j]);
+            for k in j + 1..m {
+                subtract(&mut result, j, k, lower[(k, j)]);
+            }
+        }
+        result
+    }
+
+    /// `eᵀ S⁻¹ e`
+    pub fn square(&self, e: &Vector) -> f64 {
+        let Self { lower, inverse_pivots, .. } = self;
+        let mut white = e.clone();
+        let mut sum = 0.0;
+        for j in 0..e.len() {
+            for k in 0..j {
+                white[j] -= lower[(j, k)] * white[k];
+            }
+            sum += white[j] * white[j] * inverse_pivots[j];
+        }
+        sum
+    }
+
+    /// ln det S, which is a number even where the determinant is none.
+    pub fn ln_determinant(&self) -> f64 {
+        if self.determinant.is_normal() {
+            libm::log(self.determinant)
+        } else {
+            -self.inverse_pivots.iter().map(|&inverse| libm::log(inverse)).sum::<f64>()
+        }
+    }
+
+    /// det S; zero or infinite where it leaves the range of numbers.
+    pub fn determinant(&self) -> f64 {
+        self.determinant
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_factor_divides_squares_and_has_the_determinant() {
+        let a = Matrix::from_row_slice(3, 3, &[2.0, -0.3, 0.7, 0.1, 1.5, -0.4, 0.9, 0.2, 0.6]);
+        let s = &a * a.transpose();
+        let factor = Ldl::new(&s).unwrap();
+        let x = Matrix::from_fn(4, 3, |i, j| (i as f64 + 1.0) / (j as f64 + 2.0) - 0.5);
+        assert!((factor.divide(&x) * &s - x).amax() < 1e-14);
+        let e = Vector::from_column_slice(&[0.3, -1.0, 2.0]);
+        assert!((factor.square(&e) - e.dot(&s.clone().try_inverse().unwrap().tr_mul(&e))).abs() < 1e-12);
+        assert!((factor.determinant() - s.determinant()).abs() < 1e-13);
+        let tiny = Ldl::new(&(s * 1e-150)).unwrap();
+        assert_eq!(tiny.determinant(), 0.0);
+        assert!((tiny.ln_determinant() - factor.ln_determinant() + 450.0 * std::f64::consts::LN_10).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_semidefinite_factor_divides_within_its_range() {
+        let a = Matrix::from_row_slice(4, 2, &[2.0, -0.3, 0.7, 0.1, 1.5, -0.4, 0.0, 0.0]);
+        let s = &a * a.transpose();
+        let x = Matrix::from_row_slice(3, 2, &[0.3, 1.0, -0.7, 0.2, 0.5, 0.6]) * a.transpose();
+        let quotient = Ldl::semidefinite(&s).divide(&x);
+        assert!((&quotient * s - x).amax() < 1e-14, "{quotient}");
+        assert_eq!(quotient.column(3), Vector::zeros(3));
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_has_no_factor() {
+        for s in [[1.0, 1.0, 1.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [1.0, 2.0, 1.0], [f64::NAN, 0.0, 1.0]] {
+            assert!(Ldl::new(&Matrix::from_row_slice(2, 2, &[s[0], s[1], s[1], s[2]])).is_none(), "{s:?}");
+        }
+        assert!(Ldl::new(&Matrix::repeat(1, 1, 1e-320)).is_none(), "a pivot without a finite inverse");
+        assert!(Ldl::new(&Matrix::repeat(1, 1, f64::INFINITY)).is_none(), "an infinite pivot");
+    }
+}
