@@ -131,7 +131,7 @@ mod web {
         let summary = RUNNER.with_borrow(|runner| {
             let (runner, ctx) = runner.as_ref()?;
             let page = runner.app_mut::<Page>()?;
-            serde_json::to_string(&page.0.summary(ctx)).ok()
+            serde_json::to_string(&page.0.screen_state(ctx)).ok()
         });
         summary.unwrap_or_else(|| "null".to_owned())
     }

@@ -3,8 +3,8 @@
 use egui::{Context, ThemePreference};
 use serde::{Deserialize, Serialize};
 
+use crate::layout::Layout;
 use crate::session::{Mode, Session};
-use crate::views::Layout;
 
 /// Where it is kept.
 pub(crate) const KEY: &str = "kalmanscope";

@@ -62,7 +62,8 @@ impl Session {
     ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible.
-    pub fn new(scenario: Scenario) -> Result<Self, RunError> {
+    pub fn new(mut scenario: Scenario) -> Result<Self, RunError> {
+        scenario.number_filters();
         let run = Run::new(&scenario)?;
         let mut session = Self {
             can_be_whole: run.samples() <= Self::LONGEST_WHOLE + 1,
@@ -122,8 +123,8 @@ impl Session {
         }
     }
 
-    /// The estimates with hindsight of the whole record, with the places of their filters: of those that have a smoother.
-    pub fn smoothed(&self) -> &[(usize, Estimates)] {
+    /// The estimates with hindsight of the whole record, of the filters that have a smoother.
+    pub fn smoothed(&self) -> &[Estimates] {
         self.analysis.smoothed()
     }
 
@@ -264,13 +265,14 @@ impl Session {
 
     /// Takes over an edited scenario and recomputes what is shown. An impossible one is kept for editing, while the run
     /// stays that of the last possible one.
-    pub fn set_scenario(&mut self, scenario: Scenario) {
+    pub fn set_scenario(&mut self, mut scenario: Scenario) {
+        scenario.number_filters();
         self.scenario = scenario;
         self.generation += 1;
         let result = self.run.update(&self.scenario);
         match &result {
             Ok(Update::Everything) => self.analysis.begin_anew(),
-            Ok(Update::Filters(places)) => self.analysis.begin_filters_anew(places),
+            Ok(Update::Filters(ids)) => self.analysis.begin_filters_anew(ids),
             Err(_) => {}
         }
         self.judge(result.err());

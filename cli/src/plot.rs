@@ -54,7 +54,7 @@ const PALETTE: [RGBColor; 6] = [
 ];
 /// The estimates of every filter with its colour.
 fn colored(run: &Run) -> impl Iterator<Item = (&Estimates, RGBColor)> {
-    run.estimates().iter().enumerate().map(|(place, estimates)| (estimates, PALETTE[estimates.color(place) as usize]))
+    run.estimates().iter().map(|estimates| (estimates, PALETTE[estimates.color() as usize]))
 }
 
 const TRUTH: RGBColor = RGBColor(0x3A, 0x3A, 0x3A);

@@ -39,7 +39,7 @@ impl CramerRao {
         let settings = told(scenario, place)?;
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
-        let surroundings = Surroundings { plant, sensors: &sensors, dt, seed: scenario.seed, place };
+        let surroundings = Surroundings { plant, sensors: &sensors, dt, seed: scenario.seed, stream: 0 };
         let recursion = plant.visit_log(settings.eta, false, Start { settings: &settings, surroundings });
         Some(Self { settings, channels: plant.channels(), recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }

@@ -108,8 +108,8 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) dt: f64,
     /// Seed of the scenario.
     pub(crate) seed: u64,
-    /// The filter's place among the scenario's.
-    pub(crate) place: usize,
+    /// The number of the filter's own stream of random numbers, from 0 on.
+    pub(crate) stream: usize,
 }
 
 /// Builds the filter of some settings.
@@ -126,9 +126,9 @@ impl Visitor for Build<'_> {
     type Output = Box<dyn Estimator>;
 
     fn visit<P: Model<N>, const N: usize>(self, model: P) -> Box<dyn Estimator> {
-        let Self { settings, surroundings: Surroundings { seed, place, .. } } = self;
+        let Self { settings, surroundings: Surroundings { seed, stream, .. } } = self;
         let belief = initial_belief(&model, settings);
-        let normal = || Normal::new(seed, Purpose::Ensemble(place));
+        let normal = || Normal::new(seed, Purpose::Ensemble(stream));
         let size = settings.ensemble_size;
         match settings.kind {
             FilterKind::Kf | FilterKind::Ekf => {

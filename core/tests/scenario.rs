@@ -180,7 +180,7 @@ fn unknown_keys_are_named_with_those_that_there_are() {
         ),
         (
             "[[filters]]\n[[filters]]\nlambda = 1",
-            "line 3: unknown key `filters[1].lambda`; it can be `name`, `kind`, `color`, `plant`, `log_parameters`, `propagation`, \
+            "line 3: unknown key `filters[1].lambda`; it can be `id`, `name`, `kind`, `color`, `plant`, `log_parameters`, `propagation`, \
              `iterations`, `ensemble_size`, `adaptation`, `smoother`, `fading`, `eta`, `sensor_std`, `initial_mean`, \
              `initial_std`, `process_std`",
         ),

@@ -2,7 +2,7 @@
 
 use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
 
-use crate::places::remember;
+use crate::probe::remember;
 use crate::text::{parse, significant};
 
 /// Width of the labels, so that all sliders stand in one line \[points\].

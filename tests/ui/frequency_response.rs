@@ -44,7 +44,7 @@ fn every_scenario_has_a_response_and_strange_ones_do_no_harm() {
     let coarse = Scenario { dt: 0.5, ..Scenario::default() };
     let alone = Scenario { filters: vec![], force: Force::None, ..Scenario::default() };
     let strange = [undamped, loose, coarse, alone];
-    let all = kalmanscope::library::ENTRIES.iter().map(|entry| entry.scenario().unwrap()).chain(strange);
+    let all = kalmanscope_lessons::BUILT_IN.iter().map(|entry| entry.scenario().unwrap()).chain(strange);
     let mut screen = shown(Scenario::default());
     for scenario in all {
         screen.state_mut().session_mut().set_scenario(scenario);

@@ -13,8 +13,10 @@ use egui::{Key, Modifiers, Theme, Vec2, accesskit};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
+use kalmanscope::layout::Layout;
+use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::session::Mode;
-use kalmanscope::views::{Arrangement, Layout, ViewKind};
+use kalmanscope::views::view;
 use kalmanscope_core::{FilterKind, Force, PlantKind, Quantity, Scenario, Signal};
 
 type Screen = Harness<'static, App>;

@@ -122,12 +122,12 @@ fn pointing_and_zooming_do_what_they_say() {
 #[test]
 fn every_built_in_scenario_opens_and_plays() {
     let mut screen = screen(DESKTOP, Theme::Light);
-    for entry in kalmanscope::library::ENTRIES {
+    for entry in kalmanscope_lessons::BUILT_IN {
         screen.get_by_label("Scenario").click();
         screen.run_steps(3);
-        screen.get_by_label(entry.name).click();
+        screen.get_by_label(entry.title).click();
         screen.run_steps(10);
-        assert_eq!(scenario(&screen), &entry.scenario().expect("tested with the library"), "{}", entry.name);
+        assert_eq!(scenario(&screen), &entry.scenario().expect("tested with the library"), "{}", entry.title);
         assert!(screen.state().session().playing());
     }
 }

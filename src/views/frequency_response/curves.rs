@@ -33,8 +33,8 @@ pub(super) struct Curves {
 }
 
 impl Curves {
-    /// The curves at sample `k`, for the filters of `places`; from `ui`'s memory what is the same as in the last frame.
-    pub(super) fn at(ui: &Ui, session: &Session, k: usize, is_shown: impl Fn(usize) -> bool) -> Self {
+    /// The curves at sample `k`, for the filters whose ids are shown; from `ui`'s memory what is the same as in the last frame.
+    pub(super) fn at(ui: &Ui, session: &Session, k: usize, is_shown: impl Fn(u32) -> bool) -> Self {
         let range = range(session);
         ui.data_mut(|data| {
             let memory: &mut Memory = data.get_temp_mut_or_default(Id::unique("frequency response"));
@@ -62,20 +62,20 @@ impl Memory {
         Self { range: Some((low, high)), frequencies: (0..POINTS).map(|i| low * ratio(i)).collect(), ..Self::default() }
     }
 
-    fn curves(&mut self, session: &Session, k: usize, is_shown: impl Fn(usize) -> bool) -> Curves {
+    fn curves(&mut self, session: &Session, k: usize, is_shown: impl Fn(u32) -> bool) -> Curves {
         let Self { range: _, frequencies, truth, filters, force } = self;
         let run = session.run();
         filters.resize_with(run.estimates().len(), Remembered::default);
-        let of_filter = |(place, (estimates, remembered)): (usize, (&Estimates, &mut Remembered<_, _>))| {
+        let of_filter = |(estimates, remembered): (&Estimates, &mut Remembered<_, _>)| {
             let k = k.min(estimates.len().checked_sub(1)?);
             let make = || Arc::new(believed(estimates, k, frequencies));
-            is_shown(place).then(|| remembered.get(Belief::new(estimates, k), make))
+            is_shown(estimates.id()).then(|| remembered.get(Belief::new(estimates, k), make))
         };
         let truth_now = true_transfer_function(session.scenario().plant.kind, run.record(), k);
         Curves {
             frequencies: frequencies.clone(),
             truth: truth_now.map(|now| truth.get(now, || now.magnitude(frequencies).into())),
-            filters: run.estimates().iter().zip(filters).enumerate().map(of_filter).collect(),
+            filters: run.estimates().iter().zip(filters).map(of_filter).collect(),
             spectrum: force.spectrum(session, frequencies),
         }
     }

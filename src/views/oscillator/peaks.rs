@@ -2,7 +2,8 @@
 
 use kalmanscope_core::Record;
 
-use super::{displacement, push};
+use super::force;
+use super::masses::displacement;
 
 /// The largest of some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -11,7 +12,7 @@ pub(super) struct Peak {
     pub(super) reach: f64,
     /// Stretch of any link \[m\].
     pub(super) drift: f64,
-    /// Mean force over mass within [`push::SPELL`] \[m/s²\].
+    /// Mean force over mass within [`force::SPELL`] \[m/s²\].
     pub(super) force: f64,
 }
 
@@ -38,7 +39,7 @@ impl Peaks {
     /// grows.
     pub(super) fn up_to(&mut self, record: &Record, masses: usize, k: usize) -> Peak {
         let Self { blocks } = self;
-        let window = push::window(record);
+        let window = force::window(record);
         let size = window * BLOCK.div_ceil(window);
         let mark = |end: usize| -> Mark {
             let last = |values: Option<&[f64]>| values.and_then(|x| x.get(end - 1)).map_or(0, |x| x.to_bits());
