@@ -13,7 +13,7 @@ use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::Request;
-use crate::saved::Saved;
+use crate::saved::{self, Found, Saved};
 use crate::session::{Mode, Session};
 use crate::theme;
 use crate::tutor::Tutor;
@@ -43,6 +43,10 @@ pub struct App {
     cleared: bool,
     /// Whether a newcomer is shown where to begin.
     inviting: bool,
+    /// What could not be done and why, until it is dismissed.
+    notice: Option<String>,
+    /// A saved session that could not be read in full: the next save keeps it.
+    unreadable: Option<String>,
     requests: Vec<Request>,
 }
 
@@ -54,30 +58,35 @@ impl App {
     pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
         let ctx = &creation.egui_ctx;
         theme::install(ctx);
-        let saved = Saved::load(creation.storage);
-        saved.apply_theme(ctx);
-        if saved.presenting {
+        let found = Saved::load(creation.storage);
+        found.saved.apply_theme(ctx);
+        if found.saved.presenting {
             ctx.set_zoom_factor(LARGE);
         }
-        Self::from_saved(&saved)
+        Self::from_found(found)
     }
 
-    /// The explorer as [`eframe::App::save`] left it in `storage`, without fonts and styles. What cannot be read or run any
-    /// more is the default.
+    /// The explorer as [`eframe::App::save`] left it in `storage`, without fonts and styles. A part that cannot be read is
+    /// its default, a sentence says so, and the next save keeps the text.
     ///
     /// # Errors
     /// [`RunError`] where not even the default scenario can be run.
     pub fn restored(storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
-        Self::from_saved(&Saved::load(storage))
+        Self::from_found(Saved::load(storage))
     }
 
-    fn from_saved(saved: &Saved) -> Result<Self, RunError> {
-        let mut app = Self::with_scenario(Scenario::from_toml(&saved.scenario).unwrap_or_default())?;
+    fn from_found(Found { saved, new_here, unreadable }: Found) -> Result<Self, RunError> {
+        let mut app = Self::with_scenario(saved.scenario)?;
         app.session.set_mode(saved.mode);
         app.session.set_speed(saved.speed);
         app.presenting = saved.presenting;
-        app.layout = saved.layout();
-        app.inviting = saved.new_here;
+        app.layout = saved.layout;
+        app.inviting = new_here;
+        if let Some((text, reason)) = unreadable {
+            app.notice =
+                Some(format!("The last session could not be restored in full, but its text is kept: {reason}."));
+            app.unreadable = Some(text);
+        }
         Ok(app)
     }
 
@@ -101,6 +110,8 @@ impl App {
             theme: ThemePreference::System,
             cleared: false,
             inviting: false,
+            notice: None,
+            unreadable: None,
             requests: Vec::new(),
         })
     }
@@ -141,6 +152,11 @@ impl App {
         &self.axis
     }
 
+    /// What could not be done and why, until it is dismissed.
+    pub fn notice(&self) -> Option<&str> {
+        self.notice.as_deref()
+    }
+
     /// What is on screen, as data.
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
         ScreenState::new(&self.session, ctx)
@@ -174,7 +190,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        let Self { session, layout, presenting, theme, .. } = self;
-        Saved::new(session, layout, *presenting, *theme).save(storage);
+        let Self { session, layout, presenting, theme, unreadable, .. } = self;
+        saved::save(storage, session, layout, *presenting, *theme, unreadable.as_deref());
     }
 }

@@ -9,6 +9,7 @@ pub mod controls;
 mod keys;
 pub mod layout;
 mod legend;
+mod notice;
 mod panes;
 pub mod plot;
 pub mod probe;

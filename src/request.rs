@@ -50,6 +50,8 @@ pub enum Request {
     TogglePresenter,
     /// Show the list of keys or hide it.
     ToggleKeys,
+    /// Take away the sentence about what could not be done.
+    DismissNotice,
     /// Leave the list of keys, or the enlarged view.
     Leave,
     /// Show a view or hide it.

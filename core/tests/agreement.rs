@@ -1,12 +1,17 @@
 //! Different ways to the same numbers agree.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, PerChannel, Quantity, Record, Run, Scenario, Sensor, Signal, Update,
 };
+
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
+use run::finished;
 
 const PARAMETERS_KNOWN: PerChannel = PerChannel { displacement: 0.3, velocity: 1.0, ..PerChannel::ZERO };
 
@@ -44,13 +49,6 @@ fn eventful(dt: f64) -> Scenario {
     scenario.filters.push(eta);
     scenario.filters.push(FilterSettings { kind: FilterKind::Kf, ..scenario.filters[0].clone() });
     scenario
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    assert_eq!(run.len(), scenario.samples());
-    run
 }
 
 /// Every number of some estimates, to the bit.

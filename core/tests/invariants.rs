@@ -1,6 +1,9 @@
 //! What holds for every scenario that is valid.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::scenario::Motion;
@@ -9,8 +12,10 @@ use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, PerChannel, Plant, Quantity, Record, Run, Scenario, Sensor,
     Signal,
 };
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use run::finished;
 
 /// The same cases every time, so that a test fails for a reason.
 fn config(cases: u32) -> ProptestConfig {
@@ -137,12 +142,6 @@ fn scenario() -> impl Strategy<Value = Scenario> {
             filters,
         })
     })
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
 }
 
 /// The record with some measurements left out.

@@ -26,15 +26,16 @@ impl App {
                 *axis = TimeAxis::default();
             }
             Request::SetSpeed(speed) => session.set_speed(speed),
-            Request::Open(entry) => {
-                if let Ok(scenario) = entry.scenario() {
+            Request::Open(built_in) => match built_in.scenario() {
+                Ok(scenario) => {
                     session.set_scenario(scenario);
                     session.play_from_start();
                     *axis = TimeAxis::default();
                     *visible = Visibility::default();
                     number::begin_anew(ctx);
                 }
-            }
+                Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title)),
+            },
             Request::Edit(scenario) => session.set_scenario(*scenario),
             Request::Undo => {
                 if let Some(scenario) = history.undo(session.scenario()).cloned() {
@@ -83,6 +84,7 @@ impl App {
                 self.controls_open = None;
             }
             Request::ToggleKeys => self.keys_open = !self.keys_open,
+            Request::DismissNotice => self.notice = None,
             Request::Leave => {
                 if !std::mem::take(&mut self.keys_open) {
                     layout.leave_enlarged();
@@ -104,7 +106,8 @@ impl App {
     fn go_to_step(&mut self, step: usize) {
         let Self { session, axis, visible, layout, tutor, .. } = self;
         let Some(lesson) = tutor else { return };
-        if lesson.go_to(step, session).is_err() {
+        if let Err(error) = lesson.go_to(step, session) {
+            self.notice = Some(format!("This step of the lesson cannot be shown: {error}."));
             *tutor = None;
             return;
         }

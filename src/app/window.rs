@@ -7,6 +7,7 @@ use crate::bar::Bar;
 use crate::controls::controls_ui;
 use crate::keys;
 use crate::legend::legend_ui;
+use crate::notice::notice_ui;
 use crate::panes::panes_ui;
 use crate::request::Request;
 use crate::theme::Palette;
@@ -79,7 +80,10 @@ impl App {
 
     /// Legend and views.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, visible, layout, requests, inviting, .. } = self;
+        let Self { session, axis, visible, layout, requests, inviting, notice, .. } = self;
+        if let Some(notice) = notice {
+            notice_ui(ui, notice, palette, requests);
+        }
         legend_ui(ui, session, visible, palette, requests, |ui, requests| {
             if *inviting {
                 tutor::invitation_ui(ui, requests);

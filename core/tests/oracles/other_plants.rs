@@ -3,7 +3,8 @@
 use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Scenario, Sensor, Signal};
 
 use crate::by_the_book::DETERMINISTIC;
-use crate::cases::{deviation, finished, scenario};
+use crate::cases::{deviation, scenario};
+use crate::run::finished;
 use crate::textbook;
 
 fn numbers(estimates: &Estimates) -> Vec<f64> {
