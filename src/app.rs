@@ -43,7 +43,7 @@ pub struct App {
     cleared: bool,
     /// Whether a newcomer is shown where to begin.
     inviting: bool,
-    /// What could not be done and why, until it is dismissed.
+    /// A sentence about something that could not be done, until it is dismissed.
     notice: Option<String>,
     /// A saved session that could not be read in full: the next save keeps it.
     unreadable: Option<String>,
@@ -116,7 +116,7 @@ impl App {
         })
     }
 
-    /// For those who do not want things to move by themselves: begins paused with all of the record on screen, and nothing
+    /// For users who want nothing to move by itself: begins paused with all of the record on screen, and nothing
     /// glides into place.
     pub fn reduce_motion(&mut self, ctx: &egui::Context) {
         ctx.all_styles_mut(|style| style.animation_time = 0.0);
@@ -152,12 +152,12 @@ impl App {
         &self.axis
     }
 
-    /// What could not be done and why, until it is dismissed.
+    /// The sentence on screen about something that could not be done, until it is dismissed.
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref()
     }
 
-    /// What is on screen, as data.
+    /// The state of the screen, as data.
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
         ScreenState::new(&self.session, ctx)
     }

@@ -70,7 +70,7 @@ const GESTURES: &[(&str, &str)] = &[
     ("Alt and wheel on a number", "turn it"),
 ];
 
-/// What the pressed keys ask for, unless something is being typed.
+/// Pushes the requests of the pressed keys, unless something is being typed.
 pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Request>) {
     if ctx.memory(|memory| memory.focused().is_some()) {
         return;

@@ -61,7 +61,7 @@ impl Layout {
         views
     }
 
-    /// The tiles, for those who show them.
+    /// The tiles.
     pub(crate) fn tree(&self) -> &Tree<ViewKind> {
         &self.tree
     }

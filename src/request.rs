@@ -70,7 +70,7 @@ pub enum Request {
     PointAt(Option<f64>),
 }
 
-/// What the legend of all plots can show or hide.
+/// An entry of the legend of all plots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LegendEntry {
     /// The truth.

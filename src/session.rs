@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use analysis::Analysis;
 pub use analysis::{Bound, Wanted};
 
-/// What is shown of the record.
+/// The part of the record that is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
     /// The record grows as time goes on.
@@ -98,7 +98,7 @@ impl Session {
         self.generation
     }
 
-    /// What the estimates that are kept are worth, one a filter, as far as that is wanted.
+    /// The diagnostics of the estimates that are kept, one a filter, if they are wanted.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         self.analysis.diagnostics()
     }
@@ -129,7 +129,7 @@ impl Session {
         self.analysis.smoothed()
     }
 
-    /// What the run's sensors measure.
+    /// The quantities that the run's sensors measure.
     pub fn sensors(&self) -> Vec<Quantity> {
         self.run.record().sensors().to_vec()
     }

@@ -190,7 +190,7 @@ fn kind(view: View) -> ViewKind {
     }
 }
 
-/// Where to begin, for someone who is here for the first time.
+/// An invitation to the first lesson, for the first visit.
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
     let link = ui.add(Button::new(text).frame(false).wrap_mode(TextWrapMode::Extend));

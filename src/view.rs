@@ -1,4 +1,4 @@
-//! What a view is, and what it may read.
+//! The interface of a view, and the context that it may read.
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
@@ -19,7 +19,7 @@ pub struct ViewContext<'a> {
     pub session: &'a Session,
     /// The colours of the theme.
     pub palette: &'a Palette,
-    /// What the legend has switched on.
+    /// The entries of the legend that are switched on.
     pub visible: &'a Visibility,
     /// The common time axis.
     pub axis: &'a TimeAxis,
@@ -28,7 +28,7 @@ pub struct ViewContext<'a> {
 }
 
 impl<'a> ViewContext<'a> {
-    /// What there is to read in this frame.
+    /// The context of this frame.
     pub fn new(session: &'a Session, palette: &'a Palette, visible: &'a Visibility, axis: &'a TimeAxis) -> Self {
         let mut hasher = DefaultHasher::new();
         (session.generation(), session.run().len(), session.bounds().len(), visible, palette).hash(&mut hasher);
@@ -36,7 +36,7 @@ impl<'a> ViewContext<'a> {
         Self { session, palette, visible, axis, version: hasher.finish() }
     }
 
-    /// What its charts read of it.
+    /// The part of it that charts read.
     pub(crate) fn plot_input(&self) -> PlotInput<'a> {
         let Self { session, palette, visible: _, axis, version } = *self;
         PlotInput { session, palette, axis, version }
@@ -72,7 +72,7 @@ pub trait View: Sync {
     /// In three lines what is drawn and how to read it.
     fn help(&self) -> [&'static str; 3];
 
-    /// What must be computed for it beside the estimates.
+    /// The computations beside the estimates that it needs.
     fn wanted(&self) -> Wanted {
         Wanted::NOTHING
     }

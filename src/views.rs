@@ -36,7 +36,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
     }
 }
 
-/// What must be computed for some views beside the estimates.
+/// The computations beside the estimates that some views need.
 pub fn wanted(views: &[ViewKind]) -> Wanted {
     views.iter().map(|kind| view(*kind).wanted()).fold(Wanted::NOTHING, Wanted::and)
 }

@@ -1,4 +1,4 @@
-//! What the legend, a key or a lesson has switched on or off in all plots.
+//! The parts of all plots that can be switched on and off: by the legend, a key or a lesson.
 
 use std::collections::BTreeSet;
 

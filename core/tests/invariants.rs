@@ -257,7 +257,8 @@ proptest! {
     }
 
     #[test]
-    fn a_file_gives_the_scenario_back(scenario in scenario()) {
+    fn a_file_gives_the_scenario_back(mut scenario in scenario()) {
+        scenario.number_filters();
         let text = scenario.to_toml().unwrap();
         prop_assert_eq!(Scenario::from_toml(&text), Ok(scenario), "{}", text);
     }

@@ -1,4 +1,4 @@
-//! What a filter believes at first, and how far it trusts model and sensors: initial mean and std, Q and R.
+//! A filter's initial belief, and its trust in model and sensors: initial mean and std, Q and R.
 
 use egui::{Grid, RichText, Ui, Vec2};
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PerChannel, PlantKind, Sensor};

@@ -1,9 +1,9 @@
-//! What else a filter can be told: its plant, its propagation, logarithms, learning, the size of its ensemble.
+//! The less common settings of a filter: its plant, its propagation, logarithms, learning, the size of its ensemble.
 
 use egui::{Checkbox, ComboBox, DragValue, Ui};
 use kalmanscope_core::{FilterKind, FilterSettings, PlantKind, Propagation};
 
-/// The most members of an ensemble that a frame has time for.
+/// The most members of an ensemble: a frame has time for no more.
 const MOST_MEMBERS: usize = 2000;
 
 /// The less common settings of a filter.

@@ -21,11 +21,11 @@ use crate::session::Mode;
 /// Ticks' labels are drawn in full from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
-/// What one chart shows.
+/// One chart: its heading and its layers.
 pub(crate) struct Chart<'a> {
     /// Unique among all charts on screen.
     pub(crate) key: String,
-    /// What is told to those who cannot see it.
+    /// Its name for screen readers.
     pub(crate) title: String,
     pub(crate) symbol: String,
     pub(crate) name: String,
@@ -40,7 +40,7 @@ pub(crate) struct Chart<'a> {
     pub(crate) logarithmic: bool,
 }
 
-/// What the user does with a chart.
+/// The user's gestures on a chart.
 pub(crate) struct ChartResponse {
     /// The time that the user points at \[s\].
     pub(crate) pointed: Option<f64>,

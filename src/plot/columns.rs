@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// What a series has in one pixel column.
+/// The values of a series in one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Column {
     /// The first and the last sample of the column.
@@ -29,7 +29,7 @@ impl Column {
     }
 }
 
-/// What a band has in one pixel column.
+/// The edges of a band in one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BandColumn {
     /// The first and the last sample of the column.
@@ -107,7 +107,7 @@ pub(crate) fn reduce_between<I: Iterator<Item = (f64, f64)>>(
     })
 }
 
-/// What `column` makes of the samples of each column.
+/// Applies `column` to the samples of each column.
 #[inline]
 fn by_column<C>(range: Range<usize>, columns: usize, column: impl Fn(Range<usize>) -> Option<C>) -> Vec<C> {
     let width = stride(range.len(), columns);

@@ -1,4 +1,4 @@
-//! What a chart draws in one window, from its layers down to the marks of a frame.
+//! The drawing of a chart in one window, from its layers down to the marks of a frame.
 
 use egui_plot::PlotUi;
 use kalmanscope_core::Record;
@@ -14,7 +14,7 @@ use super::window::Window;
 pub(crate) struct Drawing {
     marks: Vec<Mark>,
     painted: PaintedShapes,
-    /// What the vertical axis should show.
+    /// The range that the vertical axis should show.
     pub(crate) range: Option<(f64, f64)>,
 }
 

@@ -5,7 +5,7 @@ use egui::{InputState, Sense, Ui};
 /// Least room at the left of a plot for the labels of its ticks \[points\].
 pub(crate) const Y_AXIS: f32 = 44.0;
 
-/// What a plot senses: where there are fingers a drag scrolls the page, and two zoom.
+/// The gestures that a plot senses: where there are fingers a drag scrolls the page, and two zoom.
 pub(crate) fn sense(ui: &Ui) -> Sense {
     if ui.input(InputState::has_touch_screen) { Sense::click() } else { Sense::click_and_drag() }
 }

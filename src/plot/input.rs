@@ -4,7 +4,7 @@ use crate::plot::time_axis::TimeAxis;
 use crate::session::Session;
 use crate::theme::Palette;
 
-/// What a chart draws from, besides its own layers.
+/// The context of a chart, besides its own layers.
 #[derive(Clone, Copy)]
 pub(crate) struct PlotInput<'a> {
     /// The record, and where playback stands in it.

@@ -9,7 +9,7 @@ use super::window::Window;
 
 /// One thing that a chart shows, at every sample; the first of a list are the lowest.
 pub(crate) enum Layer<'a> {
-    /// What is between two edges. A line as wide as `under`, if it is not zero, will hide the middle \[points\].
+    /// The area between two edges. A line as wide as `under`, if that is not zero, will hide the middle \[points\].
     Band { band: Band<'a>, color: Color32, under: f32 },
     /// Single values.
     Dots { series: Series<'a>, color: Color32 },

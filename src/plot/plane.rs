@@ -11,7 +11,7 @@ use crate::theme::Palette;
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Scale {
     Linear,
-    /// What is drawn are logarithms to the base of ten.
+    /// All coordinates are logarithms to the base of ten.
     Logarithmic,
 }
 

@@ -34,20 +34,20 @@ impl<'a> Series<'a> {
         Self { len, reduce: Box::new(reduce) }
     }
 
-    /// At most so many columns of what the window, from when to when \[s\], shows of it.
+    /// At most `columns` columns of the part that the window shows, `(from, to)` \[s\].
     pub(crate) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
         (self.reduce)(samples_in(record, window, self.len), columns)
     }
 }
 
-/// Two edges at every sample, and what is between them.
+/// Two edges at every sample.
 pub(crate) struct Band<'a> {
     len: usize,
     reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<BandColumn> + 'a>,
 }
 
 impl<'a> Band<'a> {
-    /// What is within two standard deviations of the means.
+    /// Two standard deviations on either side of the means.
     pub(crate) fn around(means: &'a [f64], variances: &'a [f64]) -> Self {
         let edges = |(mean, variance): (&f64, &f64)| {
             let half = 2.0 * variance.sqrt();
@@ -57,7 +57,7 @@ impl<'a> Band<'a> {
         Self { len: means.len(), reduce: Box::new(move |range, columns| reduce_between(range, columns, edges)) }
     }
 
-    /// What is within two standard deviations of zero; `variances` gives those of some of the samples up to `len`.
+    /// Two standard deviations on either side of zero; `variances` gives those of some of the samples up to `len`.
     pub(crate) fn around_zero<I: Iterator<Item = f64>>(len: usize, variances: impl Fn(Range<usize>) -> I + 'a) -> Self {
         // One root a column, not one a sample.
         let around = |column: Column| {
@@ -70,7 +70,7 @@ impl<'a> Band<'a> {
         Self { len, reduce: Box::new(reduce) }
     }
 
-    /// At most so many columns of what the window, from when to when \[s\], shows of it.
+    /// At most `columns` columns of the part that the window shows, `(from, to)` \[s\].
     pub(crate) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<BandColumn> {
         (self.reduce)(samples_in(record, window, self.len), columns)
     }

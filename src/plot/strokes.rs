@@ -64,7 +64,7 @@ impl Strokes {
         }
     }
 
-    /// What has been drawn.
+    /// All strokes as one shape.
     pub(crate) fn into_shape(self) -> Shape {
         Shape::mesh(self.mesh)
     }

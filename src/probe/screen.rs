@@ -1,4 +1,4 @@
-//! What the app shows, as data: for tests that drive it from outside.
+//! The state of the screen as data: for tests that drive it from outside.
 
 use kalmanscope_core::{Channel, Estimates};
 use serde::Serialize;

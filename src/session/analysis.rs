@@ -1,4 +1,4 @@
-//! What is computed from a run beside its estimates.
+//! Diagnostics, bounds and smoothed estimates: everything computed from a run beside its estimates.
 
 use kalmanscope_core::diagnostics::{Depth, Diagnostics};
 use kalmanscope_core::{CramerRao, Estimates, Run, Scenario};
@@ -11,7 +11,7 @@ pub struct Bound {
     pub filters: Vec<u32>,
 }
 
-/// What is to be computed beside the estimates.
+/// The computations beside the estimates that are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wanted {
     /// The Cramér-Rao bounds, which cost as much as a filter.
@@ -32,7 +32,7 @@ impl Wanted {
         Self { bounds: false, diagnostics: Some(depth) }
     }
 
-    /// What serves both.
+    /// The computations that serve both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self { bounds: self.bounds || other.bounds, diagnostics: self.diagnostics.max(other.diagnostics) }
@@ -60,7 +60,7 @@ pub(super) struct Analysis {
     smoothed: Vec<Estimates>,
 }
 
-/// What the bounds are still valid for.
+/// How much of what the bounds were computed from is still the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 enum StillValid {
     /// The truth has changed.
@@ -113,7 +113,9 @@ impl Analysis {
     pub(super) fn begin_filters_anew(&mut self, ids: &[u32]) {
         self.filters.iter_mut().filter(|id| ids.contains(id)).for_each(|id| *id = 0);
         self.validity = self.validity.min(StillValid::Truth);
-        self.smoothed.clear();
+        if !ids.is_empty() {
+            self.smoothed.clear();
+        }
     }
 
     /// Takes in what is new of a run. Bounds and hindsight need the scenario that it is of, and hindsight all of it.
@@ -123,6 +125,7 @@ impl Analysis {
         if let Some(depth) = wanted.diagnostics {
             follow_filters(diagnostics, filters, depth, run);
         }
+        smoothed.retain(|smoothed| run.estimates().iter().any(|estimates| estimates.id() == smoothed.id()));
         if !whole {
             smoothed.clear();
         } else if let Some(scenario) = scenario.filter(|_| smoothed.is_empty()) {

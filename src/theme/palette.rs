@@ -20,11 +20,11 @@ pub struct Palette {
     pub text: Color32,
     /// Text that stands back.
     pub weak: Color32,
-    /// What is selected.
+    /// Selected widgets.
     pub accent: Color32,
     /// Text on what is selected.
     pub on_accent: Color32,
-    /// What is wrong.
+    /// Warnings.
     pub warning: Color32,
     /// The truth.
     pub truth: Color32,

@@ -12,7 +12,7 @@ use crate::request::Request;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
-/// What a unit of innovation does to each channel.
+/// The effect of an innovation on each channel.
 pub(super) struct Gain;
 
 impl View for Gain {

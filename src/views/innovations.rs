@@ -1,4 +1,4 @@
-//! What each measurement told: innovations within ±2√S.
+//! Innovations within ±2√S: what each measurement adds.
 
 use egui::Ui;
 use kalmanscope_core::Quantity;

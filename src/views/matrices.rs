@@ -96,7 +96,7 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize) {
     );
 }
 
-/// What each sensor said and what was expected of it.
+/// The measurement, its expectation and the innovation of each sensor.
 fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize) {
     let m = estimates.sensors().len();
     if record.forgotten() + k == 0 || m == 0 {
@@ -128,7 +128,7 @@ fn at_right(ui: &mut Ui, text: RichText) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(text));
 }
 
-/// What a number stands for, with its unit.
+/// The name of a number, with its unit.
 fn name_ui(ui: &mut Ui, symbol: &str, unit: &str, name: &str) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;

@@ -92,7 +92,7 @@ struct Row {
     name: String,
     hint: &'static str,
     values: Vec<Option<f64>>,
-    /// What is best: nearest to this, or the largest.
+    /// The best value: the nearest to this, or the largest where this is infinite.
     ideal: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What holds a mass: spring, damper and, where the spring remembers, a slider.
+//! The link that holds a mass: spring, damper and, where the spring remembers, a slider.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -7,7 +7,7 @@ use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 use super::stage::Stage;
 use crate::plot::strokes::Strokes;
 
-/// What a link is made of.
+/// The parts of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Link {
     /// A linear spring and a damper.

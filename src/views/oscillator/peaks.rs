@@ -28,7 +28,7 @@ pub(super) struct Peaks {
 #[derive(Clone, Copy, Debug)]
 struct Block {
     peak: Peak,
-    /// What the last samples were: another record has others.
+    /// Identifies the last samples: another record has others.
     mark: Mark,
 }
 

@@ -1,4 +1,4 @@
-//! What is on the stage at one moment.
+//! Everything on the stage at one moment.
 
 use egui::{Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::{Channel, Estimates, Quantity, Record};
@@ -150,7 +150,7 @@ struct Filter<'a> {
 }
 
 impl Filter<'_> {
-    /// What it believes at sample `k`, if anything.
+    /// Its estimate at sample `k`, if there is one.
     fn belief(&self, k: usize) -> Option<Belief> {
         let Self { estimates, at, color } = *self;
         let mean = (k < estimates.len()).then(|| estimates.mean(k)[at]).filter(|mean| mean.is_finite())?;
@@ -158,7 +158,7 @@ impl Filter<'_> {
     }
 }
 
-/// What the true spring is like, with the mass at `x` \[m\].
+/// The kind of the true spring, with the mass at `x` \[m\].
 fn link_kind(record: &Record, x: f64, k: usize) -> Link {
     if let Some(z) = record.truth(Channel::HystereticDisplacement).and_then(|z| z.get(k)).filter(|z| z.is_finite()) {
         Link::Slipping(x - z)

@@ -10,7 +10,7 @@ use crate::theme::Palette;
 /// Paper that passes in a second \[points\].
 const SPEED: f32 = 64.0;
 
-/// About so many points make a line, and so many all of them where there are many lines.
+/// About the number of points in a line, and the most in all lines together.
 const POINTS: usize = 160;
 const ALL_POINTS: usize = 2000;
 
@@ -26,7 +26,7 @@ pub(super) struct Trail<'a> {
 }
 
 impl<'a> Trail<'a> {
-    /// The paper below `stage` up to sample `now`, for so many `lines`.
+    /// The paper below `stage` up to sample `now`, for this number of lines.
     pub(super) fn new(
         stage: &'a Stage,
         painter: &Painter,
