@@ -41,7 +41,7 @@ impl CramerRao {
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
         let (input, hold) = (scenario.input, scenario.hold);
-        let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed: scenario.seed, place };
+        let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed: scenario.seed, stream: 0 };
         let recursion = with_model(&settings, &context, Start { settings: &settings, context })?;
         Some(Self { settings, channels: plant.channels(), recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }

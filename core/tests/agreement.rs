@@ -1,12 +1,17 @@
 //! Different ways to the same numbers agree.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Sensor, Signal, Update, Values,
 };
+
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
+use run::finished;
 
 fn parameters_known() -> Values {
     Values::ZERO.with([(Channel::DISPLACEMENT, 0.3), (Channel::VELOCITY, 1.0)])
@@ -45,13 +50,6 @@ fn eventful(dt: f64) -> Scenario {
     scenario.filters.push(eta);
     scenario.filters.push(FilterSettings { kind: FilterKind::KF, ..scenario.filters[0].clone() });
     scenario
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    assert_eq!(run.len(), scenario.samples());
-    run
 }
 
 /// Every number of some estimates, to the bit.
@@ -306,18 +304,22 @@ fn an_updated_run_is_a_new_run() {
         ..FilterSettings::default()
     });
     scenario.filters.extend(more);
-    let count = scenario.filters.len();
+    scenario.number_filters();
     let mut run = Run::new(&scenario).unwrap();
     run.advance_to(200);
     type Edit = fn(&mut Scenario);
-    let edits: [(Edit, Update); 8] = [
+    let edits: [(Edit, Update); 9] = [
         (|_| {}, Update::Filters(vec![])),
-        (|s| s.filters[1].fading = 1.01, Update::Filters(vec![1])),
+        (|s| s.filters[1].fading = 1.01, Update::Filters(vec![2])),
         (|s| s.sensors[0].noise_std = 0.02, Update::Everything),
-        (|s| s.filters[3].sensor_std[1] = 0.2, Update::Filters(vec![3])),
-        (|s| drop(s.filters.remove(0)), Update::Filters((0..count - 1).collect())),
+        (|s| s.filters[3].sensor_std[1] = 0.2, Update::Filters(vec![4])),
+        (|s| drop(s.filters.remove(0)), Update::Filters(vec![])),
+        (|s| s.filters.swap(0, 2), Update::Filters(vec![])),
         (|s| s.filters.truncate(4), Update::Filters(vec![])),
-        (|s| s.filters.push(FilterSettings { name: "new".into(), ..s.filters[0].clone() }), Update::Filters(vec![4])),
+        (
+            |s| s.filters.push(FilterSettings { id: 1, name: "new".into(), ..s.filters[0].clone() }),
+            Update::Filters(vec![1]),
+        ),
         (|s| s.plant.disturbance_std = 0.5, Update::Everything),
     ];
     for (i, (edit, computed)) in edits.into_iter().enumerate() {

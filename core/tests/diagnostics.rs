@@ -1,6 +1,9 @@
 //! Diagnostics of whole runs: against direct computations, in any portions, in the canonical form.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::diagnostics::{Depth, LAGS, Tally};
@@ -8,11 +11,7 @@ use kalmanscope_core::{
     Channel, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Summary,
 };
 
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
-}
+use run::finished;
 
 /// Frequency 6 rad/s, damping 0.05, an EKF with a first guess of the frequency.
 fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {

@@ -3,6 +3,8 @@
 
 #[path = "common/health.rs"]
 mod health;
+#[path = "common/run.rs"]
+mod run;
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -14,6 +16,7 @@ use kalmanscope_core::{
 };
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
+use run::finished;
 
 /// The same cases every time, so that a test fails for a reason.
 fn config(cases: u32) -> ProptestConfig {
@@ -55,12 +58,6 @@ proptest! {
         text.splice(at..at + cut, by.chars());
         check_file(&text.into_iter().collect::<String>()).map_err(TestCaseError::fail)?;
     }
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
 }
 
 fn built_in(name: &str) -> Scenario {

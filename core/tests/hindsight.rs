@@ -1,11 +1,16 @@
 //! The smoother and the Cramér-Rao bound.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use kalmanscope_core::{
     Channel, CramerRao, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor,
     Signal, Values,
 };
+
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use run::finished;
 
 /// A KF, or another filter told the same, of an oscillator whose parameters it knows.
 fn known(kind: FilterKind, samples: usize) -> Scenario {
@@ -22,12 +27,6 @@ fn known(kind: FilterKind, samples: usize) -> Scenario {
     }];
     scenario.filters[0].fading = 1.0;
     scenario
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
 }
 
 fn smoothed(run: &Run) -> Estimates {

@@ -1,6 +1,9 @@
 //! What holds for every scenario that is valid.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::scenario::Motion;
@@ -9,8 +12,10 @@ use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Record, Run, Scenario, Sensor, Signal,
     Values,
 };
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use run::finished;
 
 /// The same cases every time, so that a test fails for a reason.
 fn config(cases: u32) -> ProptestConfig {
@@ -139,12 +144,6 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     })
 }
 
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
-}
-
 /// The record with some measurements left out.
 fn with_gaps(record: &Record, missing: impl Fn(usize, usize) -> bool) -> Record {
     let mut text = "t,force".to_owned();
@@ -258,7 +257,8 @@ proptest! {
     }
 
     #[test]
-    fn a_file_gives_the_scenario_back(scenario in scenario()) {
+    fn a_file_gives_the_scenario_back(mut scenario in scenario()) {
+        scenario.number_filters();
         let text = scenario.to_toml().unwrap();
         prop_assert_eq!(Scenario::from_toml(&text), Ok(scenario), "{}", text);
     }

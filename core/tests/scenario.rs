@@ -39,6 +39,7 @@ fn the_sample_says_what_it_says() {
             Sensor { measures: Quantity::VELOCITY, noise_std: 0.06 },
         ],
         filters: vec![FilterSettings {
+            id: 1,
             name: "EKF with fading memory".to_owned(),
             kind: FilterKind::EKF,
             fading: 1.005,
@@ -63,6 +64,16 @@ fn an_empty_file_is_the_default() {
 }
 
 #[test]
+fn ids_are_written_where_places_do_not_give_them() {
+    let mut scenario = Scenario::default();
+    assert!(!scenario.to_toml().unwrap().contains("id = "));
+    scenario.filters.remove(0);
+    let text = scenario.to_toml().unwrap();
+    assert!(text.contains("id = 2"), "{text}");
+    assert_eq!(parsed(&text), scenario);
+}
+
+#[test]
 fn what_is_left_out_follows_from_the_rest() {
     let scenario = parsed(
         "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.2\n[[sensors]]\nmeasures = \"displacement\"\n\
@@ -70,6 +81,7 @@ fn what_is_left_out_follows_from_the_rest() {
     );
     let [ukf, second] = scenario.filters.as_slice() else { panic!("two filters") };
     assert_eq!((ukf.name.as_str(), second.name.as_str()), ("UKF", "a"));
+    assert_eq!((ukf.id, second.id), (1, 2));
     assert_eq!(ukf.initial_std, Values::INITIAL_STD.with([(Channel::VELOCITY, 9.0)]));
     assert_eq!(second.initial_std, Values::INITIAL_STD);
     assert_eq!(ukf.sensor_std[0], 0.2);
@@ -179,7 +191,7 @@ fn unknown_keys_are_named_with_those_that_there_are() {
         ),
         (
             "[[filters]]\n[[filters]]\nlambda = 1",
-            "line 3: unknown key `filters[1].lambda`; it can be `name`, `kind`, `color`, `plant`, `log_parameters`, `propagation`, \
+            "line 3: unknown key `filters[1].lambda`; it can be `id`, `name`, `kind`, `color`, `plant`, `log_parameters`, `propagation`, \
              `iterations`, `ensemble_size`, `adaptation`, `smoother`, `fading`, `eta`, `sensor_std`, `initial_mean`, \
              `initial_std`, `process_std`",
         ),

@@ -19,7 +19,7 @@ pub struct Adjustment {
     pub remove_sensors: Vec<Quantity>,
     /// Sensors to be added. Every filter is told their true noise.
     pub add_sensors: Vec<Sensor>,
-    /// Values by their paths, such as `"filters.EKF.fading" = 1.005` or `"filters.*.process_std[Channel::NATURAL_FREQUENCY]" = 1e-3`.
+    /// Values by their paths, such as `"filters.EKF.fading" = 1.005` or `"filters.*.process_std.natural_frequency" = 1e-3`.
     pub set: Table,
 }
 
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn values_are_set_by_their_paths() {
         let scenario = apply(
-            "[set]\n\"filters.*.fading\" = 1\n\"filters.UKF.initial_mean[Channel::NATURAL_FREQUENCY]\" = 12\nduration = 10\n\
+            "[set]\n\"filters.*.fading\" = 1\n\"filters.UKF.initial_mean.natural_frequency\" = 12\nduration = 10\n\
              force = { none = {} }\n\"plant.natural_frequency\" = { step = { from = 6, to = 5, at = 2 } }",
         )
         .unwrap();

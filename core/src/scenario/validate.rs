@@ -107,6 +107,7 @@ impl Plant {
 impl FilterSettings {
     fn validate(&self, path: &str, sensors: usize, truth: PlantKind) -> Result<(), ScenarioError> {
         let Self {
+            id: _,
             name: _,
             kind,
             color: _,

@@ -28,13 +28,6 @@ pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
     scenario
 }
 
-pub(crate) fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    assert_eq!(run.len(), scenario.samples());
-    run
-}
-
 /// The record with some measurements left out.
 pub(crate) fn with_gaps(record: &Record, missing: impl Fn(usize, usize) -> bool) -> Arc<Record> {
     let mut text = "t,force".to_owned();

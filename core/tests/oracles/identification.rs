@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, Scenario, Signal};
 
-use crate::cases::finished;
+use crate::run::finished;
 
 const NONLINEAR: [FilterKind; 4] = [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF, FilterKind::ENKF];
 

@@ -2,7 +2,8 @@
 
 use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario, Signal};
 
-use crate::cases::{finished, scenario};
+use crate::cases::scenario;
+use crate::run::finished;
 
 fn last(run: &Run) -> Vec<f64> {
     let estimates = &run.estimates()[0];

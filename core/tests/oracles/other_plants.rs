@@ -5,7 +5,8 @@ use kalmanscope_core::{
 };
 
 use crate::by_the_book::DETERMINISTIC;
-use crate::cases::{deviation, finished, scenario};
+use crate::cases::{deviation, scenario};
+use crate::run::finished;
 use crate::textbook;
 
 fn numbers(estimates: &Estimates) -> Vec<f64> {

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, Run, Scenario, Signal, Values};
 
-use crate::cases::finished;
+use crate::run::finished;
 
 /// A linear oscillator with known parameters, followed by a KF and by a sampling filter of several sizes.
 fn linear(kind: FilterKind, sizes: &[usize], seed: u64, fading: f64) -> Scenario {
