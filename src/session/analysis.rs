@@ -128,10 +128,8 @@ impl Analysis {
         smoothed.retain(|smoothed| run.estimates().iter().any(|estimates| estimates.id() == smoothed.id()));
         if !whole {
             smoothed.clear();
-        } else if let Some(scenario) = scenario.filter(|_| smoothed.is_empty()) {
-            if scenario.filters.iter().any(|filter| filter.smoother) {
-                *smoothed = run.smoothed();
-            }
+        } else if scenario.is_some() && smoothed.is_empty() {
+            *smoothed = run.smoothed();
         }
         if let Some(scenario) = scenario.filter(|_| wanted.bounds) {
             if *validity != StillValid::Everything {

@@ -80,5 +80,5 @@ fn removing_a_filter_changes_nothing_about_the_others() {
     let after = numbers(session);
     assert_eq!(after.len(), 2);
     assert!(after.iter().all(|(id, numbers)| before[id] == *numbers), "{before:?}, then {after:?}");
-    assert_eq!(session.smoothed().iter().map(|smoothed| smoothed.id()).collect::<Vec<_>>(), [2]);
+    assert_eq!(session.smoothed().iter().map(kalmanscope_core::Estimates::id).collect::<Vec<_>>(), [2]);
 }
