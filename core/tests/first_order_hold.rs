@@ -62,5 +62,8 @@ fn a_plant_with_hardly_any_cubic_stiffness_answers_like_a_linear_one() {
     run.finish();
     let [x, reference] = [&run, &linear].map(|run| run.record().truth(Channel::DISPLACEMENT).unwrap());
     let size = reference.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-    assert!(x.iter().zip(reference).all(|(a, b)| (a - b).abs() < 1e-9 * size), "Runge-Kutta steps against the exact response");
+    assert!(
+        x.iter().zip(reference).all(|(a, b)| (a - b).abs() < 1e-9 * size),
+        "Runge-Kutta steps against the exact response"
+    );
 }
