@@ -86,5 +86,5 @@ fn a_day_passes_in_bounded_memory() {
     let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(ekf.mean(last)), bits(other.mean(end)));
     assert_eq!(bits(ekf.cov(last)), bits(other.cov(end)));
-    assert_eq!(run.record().force()[last].to_bits(), plain.record().force()[end].to_bits());
+    assert_eq!(run.record().force(last).to_bits(), plain.record().force(end).to_bits());
 }

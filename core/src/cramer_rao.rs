@@ -2,10 +2,10 @@
 
 use crate::estimator::FilterContext;
 use crate::kernel::estimator::{build_filter, initial_belief, with_model};
-use crate::kernel::{Belief, Correction, Filter, Linearised};
 use crate::kernel::gaussian::Vector;
 use crate::kernel::model::Model;
 use crate::kernel::plant::Visitor;
+use crate::kernel::{Belief, Correction, Filter, Linearised};
 use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, Scenario};
 
 /// The posterior Cramér-Rao bound for one filter of a scenario: no unbiased filter that begins with its initial belief and

@@ -17,10 +17,10 @@ fn finished(scenario: &Scenario) -> Run {
 /// Frequency 6 rad/s, damping 0.05, an EKF with a first guess of the frequency.
 fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
     let mut scenario = Scenario::default();
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.filters.truncate(1);
-    scenario.filters[0].initial_mean.natural_frequency = natural_frequency;
-    scenario.filters[0].initial_mean.damping_ratio = damping_ratio;
+    scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = natural_frequency;
+    scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = damping_ratio;
     scenario
 }
 

@@ -19,7 +19,7 @@ pub struct Adjustment {
     pub remove_sensors: Vec<Quantity>,
     /// Sensors to be added. Every filter is told their true noise.
     pub add_sensors: Vec<Sensor>,
-    /// Values by their paths, such as `"filters.EKF.fading" = 1.005` or `"filters.*.process_std.natural_frequency" = 1e-3`.
+    /// Values by their paths, such as `"filters.EKF.fading" = 1.005` or `"filters.*.process_std[Channel::NATURAL_FREQUENCY]" = 1e-3`.
     pub set: Table,
 }
 
@@ -149,12 +149,15 @@ mod tests {
     #[test]
     fn values_are_set_by_their_paths() {
         let scenario = apply(
-            "[set]\n\"filters.*.fading\" = 1\n\"filters.UKF.initial_mean.natural_frequency\" = 12\nduration = 10\n\
+            "[set]\n\"filters.*.fading\" = 1\n\"filters.UKF.initial_mean[Channel::NATURAL_FREQUENCY]\" = 12\nduration = 10\n\
              force = { none = {} }\n\"plant.natural_frequency\" = { step = { from = 6, to = 5, at = 2 } }",
         )
         .unwrap();
         assert!(scenario.filters.iter().all(|f| f.fading == 1.0));
-        assert_eq!(scenario.filters.iter().map(|f| f.initial_mean.natural_frequency).collect::<Vec<_>>(), [8.0, 12.0]);
+        assert_eq!(
+            scenario.filters.iter().map(|f| f.initial_mean[Channel::NATURAL_FREQUENCY]).collect::<Vec<_>>(),
+            [8.0, 12.0]
+        );
         assert_eq!((scenario.duration, scenario.force), (10.0, Force::None));
         assert_eq!(scenario.plant.natural_frequency.at(2.0), 5.0);
         let constant = apply("set = { \"plant.natural_frequency\" = 5 }").unwrap();
@@ -171,7 +174,10 @@ mod tests {
         .unwrap();
         let [ekf, pf] = &scenario.filters[..] else { panic!("{:?}", scenario.filters) };
         assert_eq!((ekf.name.as_str(), pf.name.as_str(), pf.kind), ("EKF", "P", FilterKind::PF));
-        assert_eq!((pf.fading, pf.initial_std.velocity, pf.initial_std.natural_frequency), (1.005, 7.0, 2.0));
+        assert_eq!(
+            (pf.fading, pf.initial_std[Channel::VELOCITY], pf.initial_std[Channel::NATURAL_FREQUENCY]),
+            (1.005, 7.0, 2.0)
+        );
         assert!(scenario.filters.iter().all(|f| f.sensor_std == [0.01, 0.5]));
     }
 

@@ -1,4 +1,4 @@
-//! Settings of a scenario by their path, as in `filters.EKF.process_std.natural_frequency`.
+//! Settings of a scenario by their path, as in `filters.EKF.process_std[Channel::NATURAL_FREQUENCY]`.
 
 use toml::{Table, Value};
 

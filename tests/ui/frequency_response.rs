@@ -33,12 +33,12 @@ fn values_are_those_of_the_frequency_pointed_at_else_of_the_peak() {
 #[test]
 fn every_scenario_has_a_response_and_strange_ones_do_no_harm() {
     let mut undamped = Scenario::default();
-    undamped.plant.damping_ratio = Signal::Constant(0.0);
-    undamped.filters[0].initial_mean.natural_frequency = 0.0;
-    undamped.filters[0].initial_std.damping_ratio = 0.0;
+    undamped.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.0));
+    undamped.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 0.0;
+    undamped.filters[0].initial_std[Channel::DAMPING_RATIO] = 0.0;
     let loose = {
         let mut loose = undamped.clone();
-        loose.plant.natural_frequency = Signal::Constant(1e-3);
+        loose.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(1e-3));
         loose
     };
     let coarse = Scenario { dt: 0.5, ..Scenario::default() };

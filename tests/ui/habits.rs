@@ -24,7 +24,7 @@ fn a_double_click_takes_a_number_back_to_what_it_was() {
     let mut screen = workbench();
     let numbers = |screen: &Screen| {
         let filter = &scenario(screen).filters[0];
-        (filter.fading, filter.initial_std.natural_frequency, scenario(screen).sensors[0].noise_std)
+        (filter.fading, filter.initial_std[Channel::NATURAL_FREQUENCY], scenario(screen).sensors[0].noise_std)
     };
     let before = numbers(&screen);
     for (control, double_clicked) in [

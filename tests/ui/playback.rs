@@ -62,7 +62,7 @@ impl eframe::Storage for Memory {
 #[test]
 fn settings_survive_and_what_cannot_be_read_is_the_default() {
     let mut edited = Scenario { seed: 5, force: Force::None, ..Scenario::default() };
-    edited.plant.natural_frequency = Signal::Constant(3.0);
+    edited.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(3.0));
     edited.add_sensor(kalmanscope_core::Sensor { measures: Quantity::ACCELERATION, noise_std: 0.2 });
     let mut app = App::with_scenario(edited.clone()).expect("the scenario can be run");
     app.session_mut().set_mode(Mode::Whole);

@@ -136,7 +136,7 @@ fn troubles_are_told() {
     assert!(screen.query_by_label_contains("the covariance winds up").is_some());
     let mut runaway = Scenario::default();
     runaway.set_plant(PlantKind::DUFFING);
-    runaway.plant.cubic_stiffness = Signal::Constant(-300.0);
+    runaway.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
     runaway.plant.initial.displacement = 0.5;
     screen.state_mut().session_mut().set_scenario(runaway);
     screen.run_steps(3);

@@ -3,9 +3,7 @@
 use super::gaussian::{Gaussian, Matrix, Vector};
 use super::model::{Model, Output};
 use super::plant::{Visitor, visit_log};
-use super::{
-    Belief, Correction, Ensemble, Filter, Linearised, MAX_SENSORS, Noise, Particles, SigmaPoints, SquareRoot,
-};
+use super::{Belief, Correction, Ensemble, Filter, Linearised, MAX_SENSORS, Noise, Particles, SigmaPoints, SquareRoot};
 use crate::estimator::{Estimator, Failed, FilterContext};
 use crate::filter::Rule;
 use crate::model::Hold;

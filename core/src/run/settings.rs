@@ -23,7 +23,15 @@ impl Settings {
     }
 
     pub(super) fn context(&self, dt: f64, place: usize) -> FilterContext<'_> {
-        FilterContext { plant: self.truth.plant.kind, input: self.truth.input, hold: self.truth.hold, sensors: &self.quantities, dt, seed: self.truth.seed, place }
+        FilterContext {
+            plant: self.truth.plant.kind,
+            input: self.truth.input,
+            hold: self.truth.hold,
+            sensors: &self.quantities,
+            dt,
+            seed: self.truth.seed,
+            place,
+        }
     }
 
     fn model(&self, filter: &FilterSettings) -> Model {

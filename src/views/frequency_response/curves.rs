@@ -133,7 +133,7 @@ impl Force {
         let Self { taken, times, spectrum } = self;
         let run = session.run();
         let now = (run.record().dt(), LONGEST * session.end());
-        let force = &run.record().force()[..run.len()];
+        let force = &run.record().force(..run.len());
         let follows = *times == now && force.starts_with(taken);
         let spectrum = match spectrum {
             Some(spectrum) if follows => spectrum,

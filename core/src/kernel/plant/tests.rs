@@ -1,6 +1,6 @@
 //! Rules that every plant keeps.
 
-use super::{Visitor, visit, visit_log};
+use super::{ALL, Visitor, visit, visit_log};
 use crate::PlantKind;
 use crate::integrate::{Integrals, exponential_integrals};
 use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
@@ -13,26 +13,15 @@ fn state<P: Model<N>, const N: usize>(model: &P, seed: usize) -> Vector<N> {
     let usual = Vector::<N>::from_fn(|i, _| {
         let channel = P::CHANNELS[i];
         let number = libm::sin(1.7 * (seed * N + i) as f64 + 0.4);
-        let size =
-            if channel.is_parameter() { crate::Values::INITIAL_MEAN } else { crate::Values::INITIAL_STD };
+        let size = if channel.is_parameter() { crate::Values::INITIAL_MEAN } else { crate::Values::INITIAL_STD };
         size[channel] * if channel.is_parameter() { 1.0 + 0.5 * number } else { number }
     });
     model.to_state(&usual).0
 }
 
-/// The plants that have a kernel.
-const KINDS: [PlantKind; 6] = [
-    PlantKind::SDOF,
-    PlantKind::DUFFING,
-    PlantKind::BOUC_WEN,
-    PlantKind::SHEAR_2,
-    PlantKind::SHEAR_3,
-    PlantKind::SHEAR_4,
-];
-
 /// Does the same with every plant, with and without decay, in plain and in logarithmic parameters.
 fn with_each(visit: impl Fn(PlantKind, f64, bool)) {
-    for kind in KINDS {
+    for kind in ALL {
         for eta in [0.0, 0.02, 3.0] {
             for log in [false, true] {
                 visit(kind, eta, log);
@@ -76,7 +65,12 @@ fn jacobians_agree_with_differences() {
 }
 
 /// `Φ` and the mean after a step of local linearisation, by one exponential of all of A.
-fn dense_step<P: Model<N>, const N: usize>(model: &P, at: &Vector<N>, force: f64, dt: f64) -> (Vector<N>, Matrix<N, N>) {
+fn dense_step<P: Model<N>, const N: usize>(
+    model: &P,
+    at: &Vector<N>,
+    force: f64,
+    dt: f64,
+) -> (Vector<N>, Matrix<N, N>) {
     let jacobian = model.jacobian(at);
     let dense = linalg::Matrix::from_fn(N, N, |i, j| jacobian[(i, j)]);
     let Integrals { transition, constant, .. } = exponential_integrals(&dense, dt);
@@ -134,7 +128,7 @@ fn states_without_bounds_give_no_number_and_no_endless_loop() {
             !(mean.sum() + transition.sum()).is_finite()
         }
     }
-    for kind in KINDS {
+    for kind in ALL {
         for eta in [0.0, 0.02, 3.0] {
             for number in [f64::NAN, f64::INFINITY, 1e307, -1e200] {
                 assert_eq!(visit(kind, eta, Overflows(number)), Some(true), "{kind:?}, η = {eta}, {number}");
@@ -174,7 +168,7 @@ fn a_linear_plants_exact_response_is_that_of_many_small_steps() {
             Some((exact - small).amax() / small.amax())
         }
     }
-    for kind in KINDS {
+    for kind in ALL {
         let error = visit(kind, 0.0, Response).expect("the plant has a kernel");
         let linear = kind.info().is_linear;
         assert_eq!(error.is_some(), linear, "{kind:?}");

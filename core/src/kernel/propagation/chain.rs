@@ -147,11 +147,8 @@ impl<const M: usize> Chain<M> {
             let Parts { displaced, pulled, kept, .. } = self.parts(&response);
             let ChainResponse { value: h, integral: q, decaying: r } = response;
             let integral = q + displaced * q + h * h;
-            let decaying = if eta == 0.0 {
-                integral
-            } else {
-                displaced * r + h * (h - r * eta) + r * libm::exp(-eta * t)
-            };
+            let decaying =
+                if eta == 0.0 { integral } else { displaced * r + h * (h - r * eta) + r * libm::exp(-eta * t) };
             response = ChainResponse { value: h + pulled * q + kept * h, integral, decaying };
             t *= 2.0;
         }

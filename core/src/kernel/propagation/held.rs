@@ -60,8 +60,7 @@ fn decaying_oscillator_step<const N: usize>(
     let (speed, decay) = (h - eta * r, libm::exp(-eta * dt));
     let share: f64 = (2..N).map(|j| jacobian[(1, j)] * state[j]).sum();
     let mut mean = state * decay;
-    [mean[0], mean[1]] =
-        ImpulseResponse { value: h, integral: q }.advance(a, b, [state[0], state[1]], rate[1] - share);
+    [mean[0], mean[1]] = ImpulseResponse { value: h, integral: q }.advance(a, b, [state[0], state[1]], rate[1] - share);
     mean[0] += r * share;
     mean[1] += speed * share;
     let mut transition = Matrix::identity() * decay;
