@@ -12,7 +12,7 @@ use settings::Settings;
 use crate::estimator::{Estimator, estimator};
 use crate::quantity::MAX_SENSORS;
 use crate::simulate::{Simulator, TruthStop};
-use crate::kernel::smoother::smooth;
+use crate::smoother::smooth;
 use crate::{Channel, Estimates, FilterSettings, Quantity, Record, Scenario, ScenarioError};
 
 /// Why a run cannot begin.
