@@ -46,8 +46,8 @@ pub(crate) struct FilterContext<'a> {
     pub(crate) dt: f64,
     /// Seed of the scenario.
     pub(crate) seed: u64,
-    /// The filter's place among the scenario's.
-    pub(crate) place: usize,
+    /// The number of the filter's own stream of random numbers, from 0 on.
+    pub(crate) stream: usize,
 }
 
 impl FilterContext<'_> {

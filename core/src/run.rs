@@ -47,8 +47,8 @@ pub struct Run {
 pub enum Update {
     /// The truth and every filter.
     Everything,
-    /// The filters at these places; the truth and all other filters are as they were, but for those at the end that are gone.
-    Filters(Vec<usize>),
+    /// The filters with these ids; the truth and all other filters are as they were, but for those that are gone.
+    Filters(Vec<u32>),
 }
 
 enum Source {
@@ -110,18 +110,18 @@ impl Run {
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let sensors = quantities.iter().map(|&q| place(q)).collect::<Result<Vec<_>, _>>()?;
         let dt = record.dt();
-        let filters = &scenario.filters;
         let settings = Settings::new(scenario, quantities);
+        let filters = &settings.filters;
         let mut old = old.into_iter();
         let estimates = |filter: &FilterSettings| {
             let mut estimates = settings.estimates(filter);
             estimates.recycle(old.next(), samples);
             estimates
         };
-        let build = |(place, filter)| estimator(filter, settings.context(dt, place));
+        let build = |filter: &FilterSettings| estimator(filter, settings.context(dt, filter));
         Ok(Self {
             estimates: filters.iter().map(estimates).collect(),
-            estimators: filters.iter().enumerate().map(build).collect(),
+            estimators: filters.iter().map(build).collect(),
             settings,
             source,
             samples,
@@ -143,17 +143,19 @@ impl Run {
             return Ok(Update::Everything);
         }
         scenario.validate()?;
-        let before = std::mem::replace(&mut self.settings.filters, scenario.filters.clone());
+        let before = self.settings.replace_filters(scenario);
         let Self { source, samples, done, sensors, estimators, estimates, settings } = self;
         let record = source.record();
-        let mut old = std::mem::take(estimators).into_iter().zip(std::mem::take(estimates)).zip(before);
+        let old = std::mem::take(estimators).into_iter().zip(std::mem::take(estimates)).zip(before);
+        let mut old: Vec<_> = old.collect();
         let mut changed = Vec::new();
-        for (place, filter) in settings.filters.iter().enumerate() {
-            let (followed, new) = match old.next() {
-                Some((same, settings)) if settings == *filter => same,
+        for filter in &settings.filters {
+            let of_this_id = old.iter().position(|(_, before)| before.id == filter.id);
+            let (followed, new) = match of_this_id.map(|at| old.swap_remove(at)) {
+                Some((same, before)) if before == *filter => same,
                 other => {
-                    changed.push(place);
-                    let mut followed = estimator(filter, settings.context(record.dt(), place));
+                    changed.push(filter.id);
+                    let mut followed = estimator(filter, settings.context(record.dt(), filter));
                     let mut new = settings.estimates(filter);
                     new.recycle(other.map(|((_, old), _)| old), *samples);
                     follow(followed.as_mut(), &mut new, record, sensors, 0..*done);
@@ -262,12 +264,12 @@ impl Run {
         if record.forgotten() > 0 {
             return Vec::new();
         }
-        let of = |(place, filter): (usize, &FilterSettings)| {
+        let of = |filter: &FilterSettings| {
             let mut smoothed = settings.smoothed(filter);
-            smooth(filter, settings.context(record.dt(), place), record, *done, &mut smoothed);
+            smooth(filter, settings.context(record.dt(), filter), record, *done, &mut smoothed);
             smoothed
         };
-        settings.filters.iter().enumerate().filter(|(_, f)| f.smoother).map(of).collect()
+        settings.filters.iter().filter(|filter| filter.smoother).map(of).collect()
     }
 
     /// Every channel that the truth or a filter has.

@@ -22,7 +22,9 @@ pub(crate) fn smooth(
     samples: usize,
     estimates: &mut Estimates,
 ) {
-    if samples > 0 && !settings.kind.is_sampled() && !kernel::smoother::smooth(settings, context, record, samples, estimates)
+    if samples > 0
+        && !settings.kind.is_sampled()
+        && !kernel::smoother::smooth(settings, context, record, samples, estimates)
     {
         filter::smoother::smooth(settings, &context, record, samples, estimates);
     }

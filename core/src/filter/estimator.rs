@@ -91,7 +91,7 @@ pub(super) fn initial_belief(
     settings: &FilterSettings,
     context: &FilterContext<'_>,
 ) -> Result<Box<dyn Belief>, FilterError> {
-    let normal = Normal::new(context.seed, Purpose::Ensemble(context.place));
+    let normal = Normal::new(context.seed, Purpose::Ensemble(context.stream));
     (settings.kind.info().begin)(initial_gaussian(&context.model(settings), settings), settings, normal)
 }
 

@@ -70,7 +70,12 @@ fn local_linearisation(model: &Model, state: &Vector, step: Step) -> (Vector, Ma
     mean.rows_mut(0, moving).gemv(1.0, &constant, &rate.rows(0, moving), 1.0);
     let mut whole = Matrix::identity(n, n);
     whole.view_mut((0, 0), (moving, moving)).copy_from(&transition);
-    whole.view_mut((0, moving), (moving, n - moving)).gemm(1.0, &constant, &a.view((0, moving), (moving, n - moving)), 0.0);
+    whole.view_mut((0, moving), (moving, n - moving)).gemm(
+        1.0,
+        &constant,
+        &a.view((0, moving), (moving, n - moving)),
+        0.0,
+    );
     if step.slope() != 0.0 {
         let by_force = &slope * model.by_force(state.as_slice()).rows(0, moving) * step.slope();
         mean.rows_mut(0, moving).axpy(model.gain(state.as_slice()), &by_force, 1.0);

@@ -20,31 +20,14 @@ pub(crate) fn smooth(
         Err(reason) => return estimates.stop_at(reason),
     };
     let model = context.model(settings);
-    let Way { filtered, steps, stop } =
-        forth(build_filter(belief, settings, context), context, record, samples);
+    let Way { filtered, steps, stop } = forth(build_filter(belief, settings, context), context, record, samples);
     for belief in back(filtered, &steps) {
         let (belief, _) = in_units(&model, &belief);
-        push_belief(&belief, estimates);
+        estimates.push(&Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice()));
     }
     if let Some(reason) = stop {
         estimates.stop_at(reason);
     }
-}
-
-/// Writes a belief down that no measurement belongs to.
-fn push_belief(belief: &Gaussian, estimates: &mut Estimates) {
-    estimates.push(&Sample {
-        mean: belief.mean.as_slice(),
-        cov: belief.cov.as_slice(),
-        innovation: &[],
-        innovation_cov: &[],
-        gain: &[],
-        nis: f64::NAN,
-        determinant: f64::NAN,
-        log_likelihood: f64::NAN,
-        effective_samples: f64::NAN,
-        noise: None,
-    });
 }
 
 /// What a smoother must know of a filter's way.

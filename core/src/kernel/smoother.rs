@@ -2,12 +2,12 @@
 
 use super::estimator::{build_filter, initial_belief, with_model};
 use crate::estimator::FilterContext;
-use crate::sink::Sample;
-use crate::kernel::{Correction, Filter, Linearised, SigmaPoints, Smoothable};
+use crate::filter::Rule;
 use crate::kernel::gaussian::{Factor, Gaussian, Matrix, mirrored};
 use crate::kernel::model::Model;
-use crate::filter::Rule;
 use crate::kernel::plant::Visitor;
+use crate::kernel::{Correction, Filter, Linearised, SigmaPoints, Smoothable};
+use crate::sink::Sample;
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Record};
 
 /// Smooths a filter's estimates over the first `samples` of a record, as [`crate::smoother`] says. Returns whether a kernel
@@ -51,29 +51,13 @@ impl Visitor for Smooth<'_> {
         let stop = way.stop;
         for belief in back(way) {
             let (belief, _) = model.to_units(&belief);
-            push_belief(&belief, estimates);
+            estimates.push(&Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice()));
         }
         if let Some(reason) = stop {
             estimates.stop_at(reason);
         }
         true
     }
-}
-
-/// Writes a belief down that no measurement belongs to.
-fn push_belief<const N: usize>(belief: &Gaussian<N>, estimates: &mut Estimates) {
-    estimates.push(&Sample {
-        mean: belief.mean.as_slice(),
-        cov: belief.cov.as_slice(),
-        innovation: &[],
-        innovation_cov: &[],
-        gain: &[],
-        nis: f64::NAN,
-        determinant: f64::NAN,
-        log_likelihood: f64::NAN,
-        effective_samples: f64::NAN,
-        noise: None,
-    });
 }
 
 /// What a smoother must know of a filter's way.

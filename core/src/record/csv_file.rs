@@ -119,7 +119,8 @@ impl Record {
         let mut writer = csv::Writer::from_writer(output);
         let sensors = self.sensors.iter().map(|s| s.key().to_owned());
         let truth = self.truth_channels.iter().map(|c| format!("true_{}", c.key()));
-        writer.write_record(["t".to_owned(), input_name(self.kind).to_owned()].into_iter().chain(sensors).chain(truth))?;
+        writer
+            .write_record(["t".to_owned(), input_name(self.kind).to_owned()].into_iter().chain(sensors).chain(truth))?;
         for k in 0..self.len() {
             let columns = self.measured.iter().chain(&self.truth).map(|column| column[k]);
             let row = [self.time(k), self.input[k]].into_iter().chain(columns);
