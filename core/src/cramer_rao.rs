@@ -1,6 +1,9 @@
 //! The floor for ±σ: how well any filter could know the state at best.
 
+use std::borrow::Cow;
+
 use crate::estimator::FilterContext;
+use crate::filter;
 use crate::kernel::estimator::{build_filter, initial_belief, with_model};
 use crate::kernel::gaussian::Vector;
 use crate::kernel::model::Model;
@@ -9,8 +12,9 @@ use crate::kernel::{Belief, Correction, Filter, Linearised};
 use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, Scenario};
 
 /// The posterior Cramér-Rao bound for one filter of a scenario: no unbiased filter that begins with its initial belief and
-/// takes its process noise for true has smaller covariances. The sensors' noise is the true one, the plant the truth's, and
-/// nothing is forgotten.
+/// takes its process noise for true has smaller covariances. The sensors' noise is the true one, with the disturbance that an
+/// accelerometer feels, the plant the truth's, and nothing is forgotten. An augmentation of the truth that the filter lacks is
+/// taken for known.
 ///
 /// ```text
 /// J⁻ₖ₊₁ = (Φₖ Jₖ⁻¹ Φₖᵀ + Q)⁻¹,  Jₖ₊₁ = J⁻ₖ₊₁ + Hₖ₊₁ᵀ R⁻¹ Hₖ₊₁
@@ -24,7 +28,7 @@ use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, 
 /// equations 21 and 34.
 pub struct CramerRao {
     settings: FilterSettings,
-    channels: &'static [Channel],
+    channels: Vec<Channel>,
     recursion: Box<dyn Recursion>,
     std: Vec<f64>,
     /// How many samples the record had forgotten when it was last followed.
@@ -42,8 +46,10 @@ impl CramerRao {
         let plant = scenario.plant.kind;
         let (input, hold) = (scenario.input, scenario.hold);
         let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed: scenario.seed, stream: 0 };
-        let recursion = with_model(&settings, &context, Start { settings: &settings, context })?;
-        Some(Self { settings, channels: plant.channels(), recursion, std: Vec::new(), forgotten: 0, stopped: false })
+        let channels = context.model(&settings).channels().to_vec();
+        let recursion = with_model(&settings, &context, Start { settings: &settings, context })
+            .unwrap_or_else(|| Box::new(ToldByTheBook::new(&settings, &context)));
+        Some(Self { settings, channels, recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }
 
     /// Takes over the memory of a bound that is no longer needed, before the first sample.
@@ -68,19 +74,26 @@ impl CramerRao {
         let gone = (record.forgotten() - *forgotten) * channels.len();
         std.drain(..gone.min(std.len()));
         *forgotten = record.forgotten();
-        let truth: Option<Vec<&[f64]>> = channels.iter().map(|&c| record.truth(c)).collect();
+        let samples = record.len();
+        let usual = |channel: Channel| Cow::Owned(vec![channel.usual_truth(); samples]);
+        let of = |&channel: &Channel| match record.truth(channel) {
+            // A truth without an augmentation has its usual value.
+            None if channel.is_augmentation() => Some(usual(channel)),
+            truth => truth.map(Cow::Borrowed),
+        };
+        let truth: Option<Vec<Cow<'_, [f64]>>> = channels.iter().map(of).collect();
         let Some(truth) = truth.filter(|_| !*stopped) else { return };
         // The sample before the first new one must still be there, unless there never was one.
         let seen = std.len() / channels.len();
         *stopped = (seen == 0 && *forgotten > 0) || recursion.follow(&truth, record, seen, std).is_err();
     }
 
-    /// The channels of the bound: all of the truth's.
+    /// The channels of the bound: all of the truth's, and the augmentations that the filter estimates besides.
     pub fn channels(&self) -> &[Channel] {
-        self.channels
+        &self.channels
     }
 
-    /// The place of a channel, if the truth has it.
+    /// The place of a channel, if the bound has it.
     pub fn place(&self, channel: Channel) -> Option<usize> {
         self.channels.iter().position(|&c| c == channel)
     }
@@ -103,10 +116,18 @@ impl CramerRao {
 
 /// What of a filter's settings the bound takes over.
 fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
-    let FilterSettings { kind, initial_mean, initial_std, process_std, eta, .. } = scenario.filters.get(place)?.clone();
+    let FilterSettings { kind, augment, mut initial_std, mut process_std, initial_mean, eta, .. } =
+        scenario.filters.get(place)?.clone();
+    let of_truth: Vec<Channel> = scenario.plant.parameters().filter(|channel| channel.is_augmentation()).collect();
+    for &known in of_truth.iter().filter(|channel| !augment.contains(channel)) {
+        initial_std[known] = 0.0;
+        process_std[known] = 0.0;
+    }
+    let besides = augment.iter().copied().filter(|channel| !of_truth.contains(channel));
     Some(FilterSettings {
         name: String::new(),
         kind: if kind == FilterKind::KF { kind } else { FilterKind::EKF },
+        augment: of_truth.iter().copied().chain(besides).collect(),
         initial_mean,
         initial_std,
         process_std,
@@ -120,8 +141,13 @@ fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
 trait Recursion: Send {
     /// Goes through the samples of a record from number `from` on, with the truth of every channel, and appends the
     /// standard deviations of each.
-    fn follow(&mut self, truth: &[&[f64]], record: &Record, from: usize, std: &mut Vec<f64>)
-    -> Result<(), FilterError>;
+    fn follow(
+        &mut self,
+        truth: &[Cow<'_, [f64]>],
+        record: &Record,
+        from: usize,
+        std: &mut Vec<f64>,
+    ) -> Result<(), FilterError>;
 }
 
 struct Start<'a> {
@@ -149,7 +175,7 @@ struct Told<P, const N: usize> {
 impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
     fn follow(
         &mut self,
-        truth: &[&[f64]],
+        truth: &[Cow<'_, [f64]>],
         record: &Record,
         from: usize,
         std: &mut Vec<f64>,
@@ -170,6 +196,46 @@ impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
                 filter.update(record.force(k), &sample, &mut correction)?;
             }
             let belief = Belief::<P, N>::gaussian(filter.belief());
+            std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
+        }
+        Ok(())
+    }
+}
+
+/// A filter of any model that is told the truth.
+struct ToldByTheBook {
+    filter: filter::Filter<filter::Linearised>,
+    sensors: Vec<Quantity>,
+}
+
+impl ToldByTheBook {
+    fn new(settings: &FilterSettings, context: &FilterContext<'_>) -> Self {
+        let initial = filter::estimator::initial_gaussian(&context.model(settings), settings);
+        let belief = Box::new(filter::Linearised::new(initial, settings.propagation, 1));
+        let filter = filter::estimator::build_filter(belief, settings, context);
+        Self { filter, sensors: context.sensors.to_vec() }
+    }
+}
+
+impl Recursion for ToldByTheBook {
+    fn follow(
+        &mut self,
+        truth: &[Cow<'_, [f64]>],
+        record: &Record,
+        from: usize,
+        std: &mut Vec<f64>,
+    ) -> Result<(), FilterError> {
+        let Self { filter, sensors } = self;
+        let truth = |k: usize| crate::linalg::Vector::from_fn(truth.len(), |channel, _| truth[channel][k]);
+        let mut correction = filter::Correction::default();
+        for k in from..record.len() {
+            if let Some(before) = k.checked_sub(1) {
+                filter.belief_mut().move_to(truth(before));
+                filter.predict([record.force(before), record.force(k)])?;
+                filter.belief_mut().move_to(truth(k));
+                filter.update(record.force(k), &record.sample(k, sensors), &mut correction)?;
+            }
+            let belief = filter::Belief::gaussian(filter.belief());
             std.extend(belief.cov.diagonal().iter().map(|variance| variance.sqrt()));
         }
         Ok(())

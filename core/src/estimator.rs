@@ -1,7 +1,7 @@
 //! A filter of any kind over any plant, as its settings say, with its types and sizes erased.
 
 use crate::model::{Hold, InputKind, Model};
-use crate::{Estimates, FilterError, FilterSettings, PlantKind, Quantity, kernel};
+use crate::{Estimates, FilterError, FilterSettings, PlantKind, Quantity, filter, kernel};
 
 /// A filter that can be stepped.
 pub(crate) trait Estimator: Send {
@@ -59,5 +59,5 @@ impl FilterContext<'_> {
 
 /// Builds the filter of some settings: a tuned kernel where there is one, else the book.
 pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
-    kernel::estimator::estimator(settings, context).unwrap_or_else(|| Box::new(Failed(FilterError::TooLarge)))
+    kernel::estimator::estimator(settings, context).unwrap_or_else(|| filter::estimator::estimator(settings, &context))
 }

@@ -1,16 +1,49 @@
 //! The textbook: predict and update as the books have them, for any plant, any size and any augmentation.
+//!
+//! ```text
+//! predict   y⁻ = g-step of y,  P⁻ = λ cov(g-step of y) + Q
+//! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
+//! ```
+//!
+//! [`Filter`] has what all filters share. A method of filtering is a [`Belief`]: how it moves, and how it takes in
+//! measurements. Each has a file of its own, which ends with what is known of its kind; [`kind`] lists the kinds.
 
 mod adaptation;
-mod kind;
+mod ensemble;
+pub(crate) mod estimator;
+mod gaussian;
+pub mod kalman;
+pub mod kind;
 mod linearised;
+mod noise;
+mod observation;
+mod particles;
 mod sigma_points;
+pub(crate) mod smoother;
+mod square_root;
+mod step;
+
+use std::borrow::Cow;
 
 use thiserror::Error;
 
+use crate::linalg::{Matrix, RootError};
+use crate::model::{Hold, Model};
+use crate::quantity::Quantity;
+
+pub use crate::random::Normal;
 pub use adaptation::Adaptation;
+pub use ensemble::Ensemble;
+pub use gaussian::Gaussian;
+pub use kalman::{Correction, Expected};
 pub use kind::{FilterInfo, FilterKind};
-pub use linearised::Propagation;
-pub use sigma_points::Rule;
+pub use linearised::{Linearised, Propagation};
+pub use noise::Noise;
+pub use observation::Observation;
+pub use particles::Particles;
+pub use sigma_points::{Rule, SigmaPoints};
+pub use square_root::SquareRoot;
+pub use step::Step;
 
 /// Why a filter cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -40,4 +73,168 @@ pub enum FilterError {
     /// The force is infinite or undefined.
     #[error("the force is not a finite number")]
     UndefinedForce,
+}
+
+impl From<RootError> for FilterError {
+    /// The error of a covariance without a root.
+    fn from(error: RootError) -> Self {
+        match error {
+            RootError::NotFinite => Self::NotFinite,
+            RootError::Indefinite => Self::IndefiniteCovariance,
+        }
+    }
+}
+
+/// A method of filtering: how a filter holds its belief over the n components of a model's state.
+pub trait Belief: Send {
+    /// Carries the belief over one step and adds noise: `P ← λ P + Q`.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
+    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError>;
+
+    /// Conditions the belief on measurements, of which there is at least one, and reports in `correction` how.
+    ///
+    /// # Errors
+    /// Any [`FilterError`].
+    fn condition(
+        &mut self,
+        model: &Model,
+        observation: &Observation,
+        correction: &mut Correction,
+    ) -> Result<(), FilterError>;
+
+    /// Mean and covariance.
+    fn gaussian(&self) -> Cow<'_, Gaussian>;
+
+    /// The covariance of the state with the state that a step makes of it, n × n: what a smoother must know. From sigma
+    /// points of mean and covariance, unless the method has a better way.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root.
+    fn cross(&self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
+        sigma_points::cross(&self.gaussian(), Rule::Unscented, model, step)
+    }
+}
+
+/// A recursive estimator of the n-component state of a model, at k = 0 and after.
+///
+/// ```
+/// use kalmanscope_core::filter::{Adaptation, Correction, Filter, Gaussian, Noise, Rule, SigmaPoints};
+/// use kalmanscope_core::linalg::{Matrix, Vector};
+/// use kalmanscope_core::{Hold, Model, PlantKind, Quantity};
+/// # fn main() -> Result<(), kalmanscope_core::FilterError> {
+/// let model = Model::new(PlantKind::SDOF);
+/// let (mean, std) = ([0.0, 0.0, 8.0, 0.1], [0.1, 0.3, 2.0, 0.1]);
+/// let initial = Gaussian::independent(mean.to_vec().into(), &std.to_vec().into());
+/// let noise = Noise { process: Matrix::identity(4, 4) * 1e-8, sensors: vec![1e-4], fading: 1.0 };
+/// let belief = Box::new(SigmaPoints::new(initial, Rule::Unscented));
+/// let mut filter = Filter::new(model, belief, 0.01, Hold::Zero, noise, &[Quantity::DISPLACEMENT], Adaptation::default());
+/// let mut correction = Correction::default();
+/// filter.predict([1.0, 1.0])?;
+/// filter.update(1.0, &[0.002], &mut correction)?;
+/// assert!(correction.nis < 1.0);
+/// # Ok(())
+/// # }
+/// ```
+pub struct Filter<B: Belief + ?Sized = dyn Belief> {
+    model: Model,
+    dt: f64,
+    hold: Hold,
+    noise: Noise,
+    observation: Observation,
+    adaptation: Adaptation,
+    belief: Box<B>,
+}
+
+impl<B: Belief + ?Sized> Filter<B> {
+    /// A filter at k = 0, with `dt` \[s\] between samples. A sensor for a quantity that the model does not have tells it
+    /// nothing.
+    pub fn new(
+        model: Model,
+        belief: Box<B>,
+        dt: f64,
+        hold: Hold,
+        noise: Noise,
+        sensors: &[Quantity],
+        adaptation: Adaptation,
+    ) -> Self {
+        let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
+        Self { model, belief, dt, hold, noise, observation: Observation::of(readings), adaptation }
+    }
+
+    /// The belief after the last predict or update.
+    pub fn belief(&self) -> &B {
+        &self.belief
+    }
+
+    /// The belief, to be changed.
+    pub fn belief_mut(&mut self) -> &mut B {
+        &mut self.belief
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The noise that the filter assumes by now.
+    pub fn noise(&self) -> &Noise {
+        &self.noise
+    }
+
+    /// Whether the filter learns its noise.
+    pub(crate) fn is_adaptive(&self) -> bool {
+        self.adaptation.is_on()
+    }
+
+    /// The step from a sample to the next with the recorded forces over mass of both \[m/s²\].
+    pub(crate) fn step(&self, [begin, end]: [f64; 2]) -> Step {
+        let end = match self.hold {
+            Hold::Zero => begin,
+            Hold::First => end,
+        };
+        Step { forces: [begin, end], dt: self.dt }
+    }
+
+    /// Carries the belief over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\].
+    /// Where the force is held the second does not matter.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn,
+    /// [`FilterError::UndefinedForce`]. Any other prediction that overflows is found by the update.
+    pub fn predict(&mut self, forces: [f64; 2]) -> Result<(), FilterError> {
+        let step = self.step(forces);
+        if !step.forces.iter().all(|force| force.is_finite()) {
+            return Err(FilterError::UndefinedForce);
+        }
+        self.belief.predict(&self.model, step, &self.noise)
+    }
+
+    /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A
+    /// measurement that is NaN skips its sensor.
+    ///
+    /// # Errors
+    /// [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`] where S is not positive definite;
+    /// [`FilterError::IndefiniteCovariance`] where sigma points cannot be drawn or a variance comes out negative;
+    /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
+    /// does; [`FilterError::InfiniteMeasurement`].
+    pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
+        let Self { model, noise, observation, adaptation, belief, .. } = self;
+        correction.clear(model.size(), noise.sensors.len());
+        observation.take(force, measured, &noise.sensors)?;
+        if observation.is_empty() {
+            return belief.gaussian().check();
+        }
+        belief.condition(model, observation, correction)?;
+        // A factor of S has a finite ln det S.
+        if !correction.nis.is_finite() || correction.log_likelihood.is_infinite() {
+            let surprising = observation.sensors().iter().all(|&sensor| correction.innovation[sensor].is_finite());
+            return Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite });
+        }
+        if adaptation.is_on() {
+            adaptation.adapt(observation, correction, noise);
+        }
+        Ok(())
+    }
 }

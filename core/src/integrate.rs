@@ -6,7 +6,7 @@ mod runge_kutta;
 
 pub use exponential::{Integrals, exponential_integrals};
 pub use impulse_response::ImpulseResponse;
-pub use runge_kutta::runge_kutta;
+pub use runge_kutta::{RungeKutta, runge_kutta};
 
 /// 1/n! for n = 0..=16.
 pub(crate) const INVERSE_FACTORIAL: [f64; 17] = {

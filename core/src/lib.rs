@@ -49,6 +49,7 @@ mod by_channel;
 mod estimator;
 mod likelihood;
 mod random;
+mod smoother;
 
 pub use channel::Channel;
 pub use cramer_rao::CramerRao;

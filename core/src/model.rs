@@ -263,9 +263,14 @@ impl Model {
         with
     }
 
+    /// `∂F/∂f`: the input gain in a state, 1 where there is none.
+    pub fn gain(&self, state: &[f64]) -> f64 {
+        self.gain.map_or(1.0, |place| state[place])
+    }
+
     /// `∂g/∂f`, n numbers: [`Self::by_force`] times the gain.
     pub fn by_recorded_force(&self, state: &[f64]) -> Vector {
-        self.by_force(state) * self.gain.map_or(1.0, |place| state[place])
+        self.by_force(state) * self.gain(state)
     }
 
     /// Where a sensor for `quantity` reads, if the plant has it.
@@ -292,12 +297,18 @@ impl Model {
 
     /// [`Self::read`] where a force over mass acts besides that nobody records \[m/s²\].
     pub fn read_disturbed(&self, reading: &Reading, state: &[f64], force: f64, disturbance: f64) -> f64 {
+        if reading.is_of_components() {
+            return self.read_moving(reading, state, &[], force);
+        }
+        let rate = self.rate_under(state, self.acting_force(state, force) + disturbance);
+        self.read_moving(reading, state, rate.as_slice(), force)
+    }
+
+    /// [`Self::read`] in a state that moves at this rate, which only readings of rates look at.
+    pub fn read_moving(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
         let Reading { state: components, rates, ground } = reading;
         let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
-        if !rates.is_empty() {
-            let rate = self.rate_under(state, self.acting_force(state, force) + disturbance);
-            sum += rates.iter().map(|&(place, factor)| factor * rate[place]).sum::<f64>();
-        }
+        sum += rates.iter().map(|&(place, factor)| factor * rate[place]).sum::<f64>();
         if *ground != 0.0 {
             // The force over mass is the negative of the ground's acceleration.
             sum -= ground * self.recorded_force(state, force);

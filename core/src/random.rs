@@ -31,9 +31,9 @@ impl Purpose {
     }
 }
 
-/// An endless stream of independent standard normal numbers.
+/// An endless stream of independent standard normal numbers: the same for the same seed, on every platform.
 #[derive(Clone, Debug)]
-pub(crate) struct Normal {
+pub struct Normal {
     rng: ChaCha8Rng,
     spare: Option<f64>,
 }
@@ -45,13 +45,18 @@ impl Normal {
         Self { rng, spare: None }
     }
 
+    /// A stream of your own.
+    pub fn from_seed(seed: u64) -> Self {
+        Self { rng: ChaCha8Rng::seed_from_u64(seed), spare: None }
+    }
+
     /// A number uniform in (0, 1], of 53 random bits.
-    pub(crate) fn uniform(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         ((self.rng.next_u64() >> 11) + 1) as f64 / (1_u64 << 53) as f64
     }
 
     /// The next number.
-    pub(crate) fn sample(&mut self) -> f64 {
+    pub fn sample(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
         }

@@ -10,9 +10,9 @@ use thiserror::Error;
 use settings::Settings;
 
 use crate::estimator::{Estimator, estimator};
-use crate::kernel::smoother::smooth;
 use crate::quantity::MAX_SENSORS;
 use crate::simulate::{Simulator, TruthStop};
+use crate::smoother::smooth;
 use crate::{Channel, Estimates, FilterSettings, Quantity, Record, Scenario, ScenarioError};
 
 /// Why a run cannot begin.

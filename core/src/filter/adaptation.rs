@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{Correction, Noise, Observation};
+use crate::linalg::{Ldl, Matrix, Vector};
+
 /// Estimates R, Q or both while filtering, with exponential forgetting.
 ///
 /// ```text
@@ -36,5 +39,29 @@ impl Adaptation {
     /// Whether anything is learnt.
     pub fn is_on(&self) -> bool {
         self.sensor_noise || self.process_noise
+    }
+    /// Learns from a correction by these measurements.
+    pub(super) fn adapt(&self, observation: &Observation, correction: &Correction, noise: &mut Noise) {
+        let keep = self.forgetting;
+        let sensors = observation.sensors();
+        let m = sensors.len();
+        let innovation = Vector::from_fn(m, |i, _| correction.innovation[sensors[i]]);
+        if self.process_noise {
+            let mut shift = Vector::zeros(correction.gain.nrows());
+            for (&sensor, &e) in sensors.iter().zip(innovation.iter()) {
+                shift.axpy(e, &correction.gain.column(sensor), 1.0);
+            }
+            noise.process.ger(1.0 - keep, &shift, &shift, keep);
+        }
+        if self.sensor_noise {
+            let cov = Matrix::from_fn(m, m, |i, j| correction.innovation_cov[(sensors[i], sensors[j])]);
+            let Some(inverse) = Ldl::new(&cov).map(|factor| factor.divide(&Matrix::identity(m, m))) else { return };
+            let white = &inverse * innovation;
+            for (row, (&sensor, &r)) in sensors.iter().zip(observation.variances()).enumerate() {
+                let residual = r * white[row];
+                let seen = r - r * r * inverse[(row, row)];
+                noise.sensors[sensor] = keep * r + (1.0 - keep) * (residual * residual + seen.max(0.0));
+            }
+        }
     }
 }

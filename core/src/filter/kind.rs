@@ -5,6 +5,9 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use super::{Belief, FilterError, Gaussian, Normal, ensemble, linearised, particles, sigma_points, square_root};
+use crate::FilterSettings;
+
 /// All that is known of a kind of filter.
 #[derive(Debug)]
 pub struct FilterInfo {
@@ -18,13 +21,21 @@ pub struct FilterInfo {
     pub reference: &'static str,
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub is_sampled: bool,
+    /// How often a filter with these settings evaluates `g(y, f)` of an n-component state to predict one step.
+    pub evaluations: fn(&FilterSettings, usize) -> usize,
+    /// The belief that a filter with these settings begins with, from its mean and covariance; random numbers, if it needs
+    /// any, come from the stream.
+    pub begin: Begin,
 }
+
+/// Makes the belief that a filter begins with.
+pub type Begin = fn(Gaussian, &FilterSettings, Normal) -> Result<Box<dyn Belief>, FilterError>;
 
 /// A kind of filter, by what it is called.
 #[derive(Clone, Copy)]
 pub struct FilterKind(&'static FilterInfo);
 
-/// The registry: a constant for each kind, and all of them.
+/// The registry: a constant for each kind, whose description stands in the file of its method, and all of them.
 macro_rules! registry {
     ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
         impl FilterKind {
@@ -37,69 +48,21 @@ macro_rules! registry {
 }
 registry! {
     /// Kalman filter: the parameters are known, so their standard deviations and `eta` are taken as zero.
-    KF = FilterInfo {
-        key: "kf",
-        name: "KF",
-        description: "takes the parameters for known; optimal on a linear plant",
-        reference: "Kalman (1960), A new approach to linear filtering and prediction problems",
-        is_sampled: false,
-    };
+    KF = linearised::KF;
     /// Extended Kalman filter: local linearisation.
-    EKF = FilterInfo {
-        key: "ekf",
-        name: "EKF",
-        description: "linearises plant and sensors at the mean",
-        reference: "Huang and Yuen (2023), Bayesian Real-Time System Identification",
-        is_sampled: false,
-    };
+    EKF = linearised::EKF;
     /// Iterated extended Kalman filter: the sensors are linearised where the update leads.
-    IEKF = FilterInfo {
-        key: "iekf",
-        name: "IEKF",
-        description: "linearises the sensors again where the update leads, by Gauss-Newton",
-        reference: "Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method",
-        is_sampled: false,
-    };
+    IEKF = linearised::IEKF;
     /// Unscented Kalman filter: scaled sigma points.
-    UKF = FilterInfo {
-        key: "ukf",
-        name: "UKF",
-        description: "moves 2n + 1 sigma points",
-        reference: "Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation",
-        is_sampled: false,
-    };
+    UKF = sigma_points::UKF;
     /// Unscented Kalman filter on the root of its covariance.
-    SR_UKF = FilterInfo {
-        key: "sr_ukf",
-        name: "SR-UKF",
-        description: "a UKF on the root of its covariance, which no rounding makes indefinite",
-        reference: "van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation",
-        is_sampled: false,
-    };
+    SR_UKF = square_root::SR_UKF;
     /// Cubature Kalman filter.
-    CKF = FilterInfo {
-        key: "ckf",
-        name: "CKF",
-        description: "moves 2n cubature points",
-        reference: "Arasaratnam and Haykin (2009), Cubature Kalman filters",
-        is_sampled: false,
-    };
+    CKF = sigma_points::CKF;
     /// Ensemble Kalman filter.
-    ENKF = FilterInfo {
-        key: "enkf",
-        name: "EnKF",
-        description: "moves an ensemble and corrects each member",
-        reference: "Evensen (2003), The ensemble Kalman filter: theoretical formulation and practical implementation",
-        is_sampled: true,
-    };
+    ENKF = ensemble::ENKF;
     /// Bootstrap particle filter, regularised.
-    PF = FilterInfo {
-        key: "pf",
-        name: "PF",
-        description: "moves weighted particles and resamples them systematically",
-        reference: "Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation",
-        is_sampled: true,
-    };
+    PF = particles::PF;
 }
 
 impl FilterKind {

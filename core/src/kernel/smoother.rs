@@ -1,4 +1,4 @@
-//! Estimates with hindsight: the whole record tells of every sample.
+//! Estimates with hindsight: the whole record tells of every sample. The tuned twin.
 
 use super::estimator::{build_filter, initial_belief, with_model};
 use crate::estimator::FilterContext;
@@ -10,26 +10,16 @@ use crate::kernel::{Correction, Filter, Linearised, SigmaPoints, Smoothable};
 use crate::sink::Sample;
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Record};
 
-/// Smooths a filter's estimates over the first `samples` of a record: the filter goes forward, the smoother back.
-///
-/// ```text
-/// G = C (P⁻ₖ₊₁)⁻¹,  C = cov(yₖ, y⁻ₖ₊₁)
-/// yₖˢ = yₖ + G (yˢₖ₊₁ - y⁻ₖ₊₁),  Pₖˢ = Pₖ + G (Pˢₖ₊₁ - P⁻ₖ₊₁) Gᵀ
-/// ```
-///
-/// `C = P Φᵀ` for the KF, EKF and IEKF, and comes from the sigma points for UKF, SR-UKF and CKF. Sampled filters have no
-/// smoother here: they give no estimates. Where the filter stops, the smoother begins with the last sample before.
-///
-/// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented
-/// Rauch-Tung-Striebel smoother.
+/// Smooths a filter's estimates over the first `samples` of a record, as [`crate::smoother`] says. Returns whether a kernel
+/// serves the filter; if not, there are no estimates.
 pub(crate) fn smooth(
     settings: &FilterSettings,
     context: FilterContext<'_>,
     record: &Record,
     samples: usize,
     estimates: &mut Estimates,
-) {
-    with_model(settings, &context, Smooth { settings, context, record, samples, estimates });
+) -> bool {
+    with_model(settings, &context, Smooth { settings, context, record, samples, estimates }).unwrap_or(false)
 }
 
 struct Smooth<'a> {
@@ -41,25 +31,22 @@ struct Smooth<'a> {
 }
 
 impl Visitor for Smooth<'_> {
-    type Output = ();
+    type Output = bool;
 
-    fn visit<P: Model<N>, const N: usize>(self, model: P) {
+    fn visit<P: Model<N>, const N: usize>(self, model: P) -> bool {
         let Self { settings, context, record, samples, estimates } = self;
         let belief = initial_belief(&model, settings);
         let linearised = |iterations| Linearised::new(belief.clone(), settings.propagation, iterations);
         let sigma_points = |rule| SigmaPoints::new(belief.clone(), rule);
         let pass = Pass { settings, context: &context, record, samples };
-        if samples == 0 {
-            return;
-        }
         let way = match settings.kind {
-            kind if kind.is_sampled() => return,
             kind if kind == FilterKind::UKF || kind == FilterKind::SR_UKF => {
                 pass.forth(&model, sigma_points(Rule::Unscented))
             }
             kind if kind == FilterKind::CKF => pass.forth(&model, sigma_points(Rule::Cubature)),
             kind if kind == FilterKind::IEKF => pass.forth(&model, linearised(settings.iterations)),
-            _ => pass.forth(&model, linearised(1)),
+            kind if kind == FilterKind::KF || kind == FilterKind::EKF => pass.forth(&model, linearised(1)),
+            _ => return false,
         };
         let stop = way.stop;
         for belief in back(way) {
@@ -69,6 +56,7 @@ impl Visitor for Smooth<'_> {
         if let Some(reason) = stop {
             estimates.stop_at(reason);
         }
+        true
     }
 }
 

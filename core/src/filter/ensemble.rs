@@ -1,0 +1,145 @@
+//! Beliefs as a sample of states, all of the same weight: EnKF.
+
+use std::borrow::Cow;
+
+use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman};
+use crate::Model;
+use crate::linalg::{Matrix, Vector, lower_root, symmetric};
+
+/// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain of
+/// the ensemble's own covariances, as if its sensors had read their values and a draw of R.
+///
+/// ```text
+/// C = cov(yᵢ, h(yᵢ)),  S = cov(h(yᵢ)) + R,  K = C S⁻¹,  yᵢ ← yᵢ + K (z + rᵢ - h(yᵢ))
+/// ```
+///
+/// Draws are centred, so that they move no mean. Fading stretches the ensemble about its mean.
+///
+/// Source: Evensen (2003), The ensemble Kalman filter: theoretical formulation and practical implementation; Burgers, van
+/// Leeuwen and Evensen (1998), Analysis scheme in the ensemble Kalman filter.
+#[derive(Clone, Debug)]
+pub struct Ensemble {
+    /// Each a column.
+    members: Matrix,
+    normal: Normal,
+    /// The belief that the ensemble was drawn from, until it first moves.
+    origin: Option<Gaussian>,
+}
+
+/// The least of sensors that every member draws a number for, used or not: up to this many, another sensor does not
+/// reshuffle the draws of Q.
+const DRAWN_SENSORS: usize = 4;
+
+impl Ensemble {
+    /// `size` members drawn from a Gaussian; at least 2.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the Gaussian's covariance has no root.
+    pub fn new(belief: Gaussian, size: usize, mut normal: Normal) -> Result<Self, FilterError> {
+        let mut members = Matrix::from_fn(belief.size(), size.max(2), |i, _| belief.mean[i]);
+        let draws = centred_draws(belief.size(), members.ncols(), &mut normal);
+        members.gemm(1.0, &lower_root(&belief.cov)?, &draws, 1.0);
+        Ok(Self { members, normal, origin: Some(belief) })
+    }
+
+    /// `P ← λ P + Q`
+    fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
+        let Self { members, normal, .. } = self;
+        if *fading != 1.0 {
+            stretch(members, &mean(members), fading.sqrt());
+        }
+        let draws = centred_draws(members.nrows(), members.ncols(), normal);
+        members.gemm(1.0, &lower_root(process)?, &draws, 1.0);
+        Ok(())
+    }
+}
+
+impl Belief for Ensemble {
+    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
+        self.origin = None;
+        step.advance(model, &mut self.members);
+        self.spread(noise)
+    }
+
+    fn condition(
+        &mut self,
+        model: &Model,
+        observation: &Observation,
+        correction: &mut Correction,
+    ) -> Result<(), FilterError> {
+        let Self { members, normal, .. } = self;
+        let degrees = (members.ncols() - 1) as f64;
+        let readings = observation.read_all(model, members);
+        let reading_mean = mean(&readings);
+        let deviations = about(&readings, &reading_mean).transpose();
+        let cross = about(members, &mean(members)) * &deviations / degrees;
+        let mut innovation_cov = symmetric(deviations.tr_mul(&deviations) / degrees);
+        observation.add_noise(&mut innovation_cov);
+
+        let factor = kalman::factor(&innovation_cov)?;
+        let gain = factor.divide(&cross);
+        let innovation = observation.innovation(&reading_mean);
+        let draws = centred_draws(observation.all_sensors().max(DRAWN_SENSORS), members.ncols(), normal);
+        let errors = Matrix::from_fn(observation.len(), members.ncols(), |i, member| {
+            observation.values()[i] + observation.variances()[i].sqrt() * draws[(i, member)] - readings[(i, member)]
+        });
+        members.gemm(1.0, &gain, &errors, 1.0);
+        correction.report(observation, &innovation, &innovation_cov, &factor, &gain);
+        self.gaussian().check()
+    }
+
+    fn gaussian(&self) -> Cow<'_, Gaussian> {
+        if let Some(origin) = &self.origin {
+            return Cow::Borrowed(origin);
+        }
+        let mean = mean(&self.members);
+        let deviations = about(&self.members, &mean);
+        let cov = &deviations * deviations.transpose() / (self.members.ncols() - 1) as f64;
+        Cow::Owned(Gaussian { mean, cov: symmetric(cov) })
+    }
+}
+
+/// The mean of the columns, taken about the first so that a component that does not vary is its own mean to the last bit.
+fn mean(sample: &Matrix) -> Vector {
+    let first = sample.column(0);
+    let mut sum = Vector::zeros(sample.nrows());
+    for element in sample.column_iter() {
+        sum += element - first;
+    }
+    first + sum / sample.ncols() as f64
+}
+
+/// The columns' distances from a point.
+pub(super) fn about(sample: &Matrix, centre: &Vector) -> Matrix {
+    let mut deviations = sample.clone();
+    for mut element in deviations.column_iter_mut() {
+        element -= centre;
+    }
+    deviations
+}
+
+/// Makes the columns' distances from a point longer.
+pub(super) fn stretch(sample: &mut Matrix, centre: &Vector, factor: f64) {
+    for mut element in sample.column_iter_mut() {
+        for (x, centre) in element.iter_mut().zip(centre.iter()) {
+            *x = centre + (*x - centre) * factor;
+        }
+    }
+}
+
+/// Standard normal numbers in `count` columns of `n`, whose mean is zero.
+fn centred_draws(n: usize, count: usize, normal: &mut Normal) -> Matrix {
+    let draws = Matrix::from_fn(n, count, |_, _| normal.sample());
+    // Centring takes one degree of freedom.
+    about(&draws, &mean(&draws)) * (count as f64 / (count as f64 - 1.0)).sqrt()
+}
+
+pub(super) static ENKF: FilterInfo = FilterInfo {
+    key: "enkf",
+    name: "EnKF",
+    description: "moves an ensemble and corrects each member",
+    reference: "Evensen (2003), The ensemble Kalman filter: theoretical formulation and practical implementation",
+    is_sampled: true,
+    evaluations: |settings, _| 4 * settings.ensemble_size,
+    begin: |initial, settings, normal| Ok(Box::new(Ensemble::new(initial, settings.ensemble_size, normal)?)),
+};

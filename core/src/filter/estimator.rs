@@ -1,0 +1,131 @@
+//! A filter as its settings say, reporting to its estimates.
+
+use super::{Belief, Correction, Filter, FilterError, Gaussian, Noise};
+use crate::estimator::{Estimator, Failed, FilterContext};
+use crate::linalg::{Matrix, Vector};
+use crate::random::{Normal, Purpose};
+use crate::sink::{AssumedNoise, Sample};
+use crate::{Estimates, FilterSettings, Model, Values};
+
+/// A filter and what its last measurement told.
+struct Followed {
+    filter: Filter,
+    correction: Correction,
+}
+
+impl Estimator for Followed {
+    fn begin(&self, estimates: &mut Estimates) {
+        let Noise { process, sensors, fading: _ } = self.filter.noise();
+        let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
+        if !is_finite || self.report(estimates).is_err() {
+            estimates.stop_at(FilterError::TooLarge);
+        }
+    }
+
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        estimates: &mut Estimates,
+    ) -> Result<(), FilterError> {
+        self.filter.predict([force_before, force])?;
+        self.filter.update(force, measured, &mut self.correction)?;
+        self.report(estimates)
+    }
+}
+
+impl Followed {
+    /// Writes the belief down, in the channels' units.
+    fn report(&self, estimates: &mut Estimates) -> Result<(), FilterError> {
+        let Self { filter, correction } = self;
+        let (belief, unit) = in_units(filter.model(), &filter.belief().gaussian());
+        let mut gain = correction.gain.clone();
+        for mut column in gain.column_iter_mut() {
+            column.component_mul_assign(&unit);
+        }
+        if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        let process = filter.noise().process.diagonal();
+        let noise = AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors };
+        estimates.push(&Sample {
+            mean: belief.mean.as_slice(),
+            cov: belief.cov.as_slice(),
+            innovation: correction.innovation.as_slice(),
+            innovation_cov: correction.innovation_cov.as_slice(),
+            gain: gain.as_slice(),
+            nis: correction.nis,
+            determinant: correction.determinant,
+            log_likelihood: correction.log_likelihood,
+            effective_samples: correction.effective_samples,
+            noise: filter.is_adaptive().then_some(noise),
+        });
+        Ok(())
+    }
+}
+
+/// A belief in the channels' units, to first order, and what a unit of each component is in them.
+pub(super) fn in_units(model: &Model, belief: &Gaussian) -> (Gaussian, Vector) {
+    let (mean, unit) = model.to_units(belief.mean.as_slice());
+    let n = belief.size();
+    let cov = Matrix::from_fn(n, n, |i, j| belief.cov[(i, j)] * (unit[i] * unit[j]));
+    (Gaussian { mean, cov }, unit)
+}
+
+/// Builds the filter of some settings.
+pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext<'_>) -> Box<dyn Estimator> {
+    match initial_belief(settings, context).map(|belief| build_filter(belief, settings, context)) {
+        Ok(filter) => {
+            let correction = Correction::nothing(filter.model().size(), context.sensors.len());
+            Box::new(Followed { filter, correction })
+        }
+        // At the beginning there is but a diagonal, and its root lacks nothing but numbers.
+        Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
+        Err(error) => Box::new(Failed(error)),
+    }
+}
+
+/// The belief that a filter of some settings begins with.
+pub(super) fn initial_belief(
+    settings: &FilterSettings,
+    context: &FilterContext<'_>,
+) -> Result<Box<dyn Belief>, FilterError> {
+    let normal = Normal::new(context.seed, Purpose::Ensemble(context.stream));
+    (settings.kind.info().begin)(initial_gaussian(&context.model(settings), settings), settings, normal)
+}
+
+/// Mean and covariance that some settings begin with, in the model's state.
+pub(crate) fn initial_gaussian(model: &Model, settings: &FilterSettings) -> Gaussian {
+    let (mean, unit) = initial_state(model, settings);
+    Gaussian::independent(mean, &spread(model, settings, &settings.initial_std).component_mul(&unit))
+}
+
+/// The filter of some settings that begins with this belief.
+pub(crate) fn build_filter<B: Belief + ?Sized>(
+    belief: Box<B>,
+    settings: &FilterSettings,
+    context: &FilterContext<'_>,
+) -> Filter<B> {
+    let model = context.model(settings);
+    let (_, unit) = initial_state(&model, settings);
+    let process = spread(&model, settings, &settings.process_std).component_mul(&unit);
+    let noise = Noise {
+        process: Matrix::from_diagonal(&process.component_mul(&process)),
+        sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
+        fading: settings.fading,
+    };
+    Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation)
+}
+
+/// The initial mean as a state, and what a unit of each channel is in the state's.
+fn initial_state(model: &Model, settings: &FilterSettings) -> (Vector, Vector) {
+    let mean: Vec<f64> = model.channels().iter().map(|&c| settings.initial_mean[c]).collect();
+    model.to_state(&mean)
+}
+
+/// Standard deviations of a model's components; those that the filter knows have none.
+fn spread(model: &Model, settings: &FilterSettings, std: &Values) -> Vector {
+    let of = |&channel| if settings.knows(channel) { 0.0 } else { std[channel] };
+    Vector::from_iterator(model.size(), model.channels().iter().map(of))
+}

@@ -1,0 +1,45 @@
+//! Normal distributions over states.
+
+use super::FilterError;
+use crate::linalg::{Matrix, Vector};
+
+/// A normal distribution over n components.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gaussian {
+    /// Mean, n numbers.
+    pub mean: Vector,
+    /// Covariance, n × n, symmetric to the last bit.
+    pub cov: Matrix,
+}
+
+impl Gaussian {
+    /// Independent components with the given standard deviations.
+    pub fn independent(mean: Vector, std: &Vector) -> Self {
+        Self { mean, cov: Matrix::from_diagonal(&std.map(|s| s * s)) }
+    }
+
+    /// n, the number of components.
+    pub fn size(&self) -> usize {
+        self.mean.len()
+    }
+
+    /// Whether every number of it is finite.
+    pub fn is_finite(&self) -> bool {
+        // A sum is finite only if all its terms are, short of an overflow, which is as bad.
+        (self.mean.sum() + self.cov.sum()).is_finite()
+    }
+
+    /// Whether the numbers can be those of a belief.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`] and, where a variance is below zero, [`FilterError::IndefiniteCovariance`].
+    pub fn check(&self) -> Result<(), FilterError> {
+        if !self.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        if (0..self.size()).any(|i| self.cov[(i, i)] < 0.0) {
+            return Err(FilterError::IndefiniteCovariance);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,29 @@
+//! The noise that a filter takes for true.
+
+use crate::linalg::Matrix;
+
+/// The noise that a filter ascribes to model and sensors, and how fast it forgets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    /// Q, the covariance that each step adds, n × n, in the state's units squared.
+    pub process: Matrix,
+    /// Diagonal of R, in the sensors' order and units squared.
+    pub sensors: Vec<f64>,
+    /// Fading factor λ ≥ 1 on the predicted covariance.
+    pub fading: f64,
+}
+
+impl Noise {
+    /// Makes of the covariance P the covariance `λ P + Q`, symmetric to the last bit. A variance that is zero but for
+    /// rounding may have come out on the wrong side: it becomes zero.
+    pub fn spread(&self, cov: &mut Matrix) {
+        let Self { process, sensors: _, fading } = self;
+        for (cov, process) in cov.iter_mut().zip(process.iter()) {
+            *cov = *cov * fading + process;
+        }
+        for i in 0..cov.nrows() {
+            cov[(i, i)] = if cov[(i, i)] < 0.0 { 0.0 } else { cov[(i, i)] };
+        }
+        cov.fill_upper_triangle_with_lower_triangle();
+    }
+}

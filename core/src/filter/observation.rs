@@ -1,0 +1,141 @@
+//! The measurements of one sample.
+
+use super::FilterError;
+use crate::Model;
+use crate::linalg::{Matrix, Vector};
+use crate::model::Reading;
+
+/// The m measurements of one sample that are not missing.
+#[derive(Clone, Debug)]
+pub struct Observation {
+    /// Where every sensor reads, measured or not.
+    readings: Vec<Option<Reading>>,
+    sensors: Vec<usize>,
+    values: Vec<f64>,
+    variances: Vec<f64>,
+    force: f64,
+}
+
+impl Observation {
+    /// No measurement yet, of sensors that read here.
+    pub(super) fn of(readings: Vec<Option<Reading>>) -> Self {
+        Self { readings, sensors: Vec::new(), values: Vec::new(), variances: Vec::new(), force: 0.0 }
+    }
+
+    /// Takes in a sample: a number for each sensor, NaN where it is missing, and the variance of each.
+    ///
+    /// # Errors
+    /// [`FilterError::InfiniteMeasurement`]
+    pub(super) fn take(&mut self, new_force: f64, measured: &[f64], noise: &[f64]) -> Result<(), FilterError> {
+        let Self { readings, sensors, values, variances, force } = self;
+        *force = new_force;
+        sensors.clear();
+        values.clear();
+        variances.clear();
+        for (sensor, (&value, &variance)) in measured.iter().zip(noise).enumerate() {
+            if value.is_nan() || readings[sensor].is_none() {
+                continue;
+            }
+            if value.is_infinite() {
+                return Err(FilterError::InfiniteMeasurement);
+            }
+            sensors.push(sensor);
+            values.push(value);
+            variances.push(variance);
+        }
+        Ok(())
+    }
+
+    /// m, the number of measurements.
+    pub fn len(&self) -> usize {
+        self.sensors.len()
+    }
+
+    /// Whether nothing was measured.
+    pub fn is_empty(&self) -> bool {
+        self.sensors.is_empty()
+    }
+
+    /// The place of each measurement's sensor among all sensors.
+    pub fn sensors(&self) -> &[usize] {
+        &self.sensors
+    }
+
+    /// The number of all sensors, those that measured nothing among them.
+    pub fn all_sensors(&self) -> usize {
+        self.readings.len()
+    }
+
+    /// z, in the sensors' units.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The diagonal of R, in the sensors' units squared.
+    pub fn variances(&self) -> &[f64] {
+        &self.variances
+    }
+
+    /// The recorded force over mass that acts meanwhile \[m/s²\].
+    pub fn force(&self) -> f64 {
+        self.force
+    }
+
+    fn readings(&self) -> impl Iterator<Item = &Reading> {
+        self.sensors.iter().filter_map(|&sensor| self.readings[sensor].as_ref())
+    }
+
+    /// Whether every sensor is linear in the state, whatever the plant.
+    pub fn is_linear(&self) -> bool {
+        self.readings().all(Reading::is_of_components)
+    }
+
+    /// `h(y, f)`, the m numbers that the sensors would read in a state.
+    pub fn read(&self, model: &Model, state: &[f64]) -> Vector {
+        let mut rate = Vector::zeros(model.size());
+        let mut values = Vector::zeros(self.len());
+        self.read_into(model, state, rate.as_mut_slice(), values.as_mut_slice());
+        values
+    }
+
+    /// [`Self::read`] of several states, each a column; m rows.
+    pub fn read_all(&self, model: &Model, states: &Matrix) -> Matrix {
+        let mut rate = Vector::zeros(model.size());
+        let mut values = Matrix::zeros(self.len(), states.ncols());
+        let columns = values.as_mut_slice().chunks_exact_mut(self.len());
+        for (state, values) in states.as_slice().chunks_exact(model.size()).zip(columns) {
+            self.read_into(model, state, rate.as_mut_slice(), values);
+        }
+        values
+    }
+
+    fn read_into(&self, model: &Model, state: &[f64], rate: &mut [f64], values: &mut [f64]) {
+        if !self.is_linear() {
+            model.rate_into(state, self.force, rate);
+        }
+        for (value, reading) in values.iter_mut().zip(self.readings()) {
+            *value = model.read_moving(reading, state, rate, self.force);
+        }
+    }
+
+    /// `H = ∂h/∂y`, m × n, in a state.
+    pub fn jacobian(&self, model: &Model, state: &[f64]) -> Matrix {
+        let mut jacobian = Matrix::zeros(self.len(), model.size());
+        for (row, reading) in self.readings().enumerate() {
+            jacobian.set_row(row, &model.read_gradient(reading, state, self.force).transpose());
+        }
+        jacobian
+    }
+
+    /// Adds R to a covariance of the readings, m × m.
+    pub fn add_noise(&self, cov: &mut Matrix) {
+        for (row, variance) in self.variances.iter().enumerate() {
+            cov[(row, row)] += variance;
+        }
+    }
+
+    /// The innovation `e = z - h` where h is expected.
+    pub fn innovation(&self, expected: &Vector) -> Vector {
+        Vector::from_iterator(self.len(), self.values.iter().zip(expected.iter()).map(|(z, h)| z - h))
+    }
+}

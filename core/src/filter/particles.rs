@@ -1,0 +1,226 @@
+//! Beliefs as a weighted sample of states: the bootstrap particle filter.
+
+use std::borrow::Cow;
+
+use super::ensemble::{about, stretch};
+use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman};
+use crate::Model;
+use crate::linalg::{Matrix, Vector, lower_root, symmetric};
+
+/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is weighted
+/// by the likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles, they are
+/// resampled systematically and spread by a normal kernel, without which parameters that do not change would soon be left
+/// with a single value. Fading stretches the sample about its mean.
+///
+/// Innovation, S and gain are those of a Gaussian with the sample's moments, for diagnostics; the log likelihood is the
+/// particles' own.
+///
+/// Source: Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation; Kitagawa
+/// (1996), Monte Carlo filter and smoother for non-Gaussian nonlinear state space models (systematic resampling); Musso,
+/// Oudjane and Le Gland (2001), Improving regularised particle filters; Liu and West (2001), Combined parameter and state
+/// estimation in simulation-based filtering (a kernel that keeps mean and covariance).
+#[derive(Clone, Debug)]
+pub struct Particles {
+    /// Each a column.
+    particles: Matrix,
+    weights: Vec<f64>,
+    normal: Normal,
+    /// The belief that the particles were drawn from, until they first move.
+    origin: Option<Gaussian>,
+}
+
+impl Particles {
+    /// `size` particles drawn from a Gaussian; at least 2.
+    ///
+    /// # Errors
+    /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the Gaussian's covariance has no root.
+    pub fn new(belief: Gaussian, size: usize, mut normal: Normal) -> Result<Self, FilterError> {
+        let size = size.max(2);
+        let mut particles = Matrix::from_fn(belief.size(), size, |i, _| belief.mean[i]);
+        add_draws(&mut particles, &lower_root(&belief.cov)?, &mut normal);
+        Ok(Self { particles, weights: vec![1.0 / size as f64; size], normal, origin: Some(belief) })
+    }
+
+    fn mean(&self) -> Vector {
+        weighted_mean(&self.particles, &self.weights)
+    }
+
+    fn moments(&self) -> Gaussian {
+        let mean = self.mean();
+        let deviations = about(&self.particles, &mean);
+        let cov = weighted(&deviations, &self.weights) * deviations.transpose();
+        Gaussian { mean, cov: symmetric(cov) }
+    }
+
+    /// Makes the weights' sum one.
+    fn normalise(&mut self) -> Result<(), FilterError> {
+        let total: f64 = self.weights.iter().sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        for weight in &mut self.weights {
+            *weight /= total;
+        }
+        Ok(())
+    }
+
+    /// Draws as many particles anew, each as often as its weight says, give or take one, and moves each by a draw from a
+    /// kernel, so that copies part. Drawing them together first leaves mean and covariance as they were.
+    fn resample(&mut self) {
+        let Gaussian { mean, cov } = self.moments();
+        let Self { particles, weights, normal, .. } = self;
+        let (n, count) = particles.shape();
+        let offset = normal.uniform();
+        let mut drawn = Vec::with_capacity(count);
+        let (mut at, mut reached) = (0, weights[0]);
+        for i in 0..count {
+            let target = (i as f64 + offset) / count as f64;
+            while reached < target && at + 1 < count {
+                at += 1;
+                reached += weights[at];
+            }
+            drawn.push(at);
+        }
+        *particles = particles.select_columns(&drawn);
+        let square = bandwidth_square(n, count);
+        // A sample so thin that rounding gives its covariance no root stays as it is drawn.
+        if let Ok(root) = lower_root(&(cov * square)) {
+            stretch(particles, &mean, (1.0 - square).sqrt());
+            add_draws(particles, &root, normal);
+        }
+        weights.fill(1.0 / count as f64);
+    }
+
+    /// `P ← λ P + Q`
+    fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
+        if *fading != 1.0 {
+            let mean = self.mean();
+            stretch(&mut self.particles, &mean, fading.sqrt());
+        }
+        add_draws(&mut self.particles, &lower_root(process)?, &mut self.normal);
+        Ok(())
+    }
+
+    /// Multiplies the weights by the particles' likelihoods and returns the logarithm of the mean of these.
+    fn weigh(&mut self, readings: &Matrix, observation: &Observation) -> Result<f64, FilterError> {
+        let log_likelihood = |reading: &[f64]| {
+            let errors = observation.values().iter().zip(reading).map(|(value, reading)| value - reading);
+            -0.5 * errors.zip(observation.variances()).map(|(error, variance)| error * error / variance).sum::<f64>()
+        };
+        let log_likelihoods: Vec<f64> =
+            readings.as_slice().chunks_exact(observation.len()).map(log_likelihood).collect();
+        // Relative to the best, lest all underflow.
+        let best = log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for (weight, log_likelihood) in self.weights.iter_mut().zip(&log_likelihoods) {
+            *weight *= libm::exp(log_likelihood - best);
+        }
+        let total: f64 = self.weights.iter().sum();
+        if best == f64::NEG_INFINITY && readings.column_iter().all(|reading| reading.sum().is_finite()) {
+            return Err(FilterError::ImpossibleMeasurement);
+        }
+        if !best.is_finite() {
+            return Err(FilterError::NotFinite);
+        }
+        self.normalise()?;
+        let ln_noise: f64 = observation.variances().iter().map(|r| libm::log(std::f64::consts::TAU * r)).sum();
+        Ok(best + libm::log(total) - 0.5 * ln_noise)
+    }
+}
+
+impl Belief for Particles {
+    fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
+        self.origin = None;
+        let mut moved = self.particles.clone();
+        step.advance(model, &mut moved);
+        // A particle that runs away is no explanation of anything and loses its weight.
+        let mut lost = false;
+        for (place, next) in moved.column_iter().enumerate() {
+            if next.norm_squared().is_finite() {
+                self.particles.set_column(place, &next);
+            } else {
+                (self.weights[place], lost) = (0.0, true);
+            }
+        }
+        if lost {
+            self.normalise()?;
+        }
+        self.spread(noise)
+    }
+
+    fn condition(
+        &mut self,
+        model: &Model,
+        observation: &Observation,
+        correction: &mut Correction,
+    ) -> Result<(), FilterError> {
+        let readings = observation.read_all(model, &self.particles);
+        let reading_mean = weighted_mean(&readings, &self.weights);
+        let deviations = weighted(&about(&readings, &reading_mean), &self.weights).transpose();
+        let cross = about(&self.particles, &self.mean()) * &deviations;
+        let mut innovation_cov = symmetric(about(&readings, &reading_mean) * deviations);
+        observation.add_noise(&mut innovation_cov);
+        if observation.variances().contains(&0.0) {
+            // Not even a particle that reads the very value has a likelihood then.
+            return Err(FilterError::SingularInnovation);
+        }
+        let factor = kalman::factor(&innovation_cov)?;
+        let gain = factor.divide(&cross);
+        if !gain.sum().is_finite() {
+            // It moves no particle, so that no other number would tell.
+            return Err(FilterError::NotFinite);
+        }
+        correction.report(observation, &observation.innovation(&reading_mean), &innovation_cov, &factor, &gain);
+
+        correction.log_likelihood = self.weigh(&readings, observation)?;
+        correction.effective_samples = 1.0 / self.weights.iter().map(|w| w * w).sum::<f64>();
+        if correction.effective_samples < 0.5 * self.weights.len() as f64 {
+            self.resample();
+        }
+        self.gaussian().check()
+    }
+
+    fn gaussian(&self) -> Cow<'_, Gaussian> {
+        self.origin.as_ref().map_or_else(|| Cow::Owned(self.moments()), Cow::Borrowed)
+    }
+}
+
+/// The square of the bandwidth of a normal kernel around each of `count` particles of n components, in the sample's standard
+/// deviations.
+///
+/// Source: Silverman (1986), *Density Estimation for Statistics and Data Analysis*, equation 4.14.
+fn bandwidth_square(n: usize, count: usize) -> f64 {
+    let n = n as f64;
+    libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)
+}
+
+/// The columns, each times its weight.
+fn weighted(sample: &Matrix, weights: &[f64]) -> Matrix {
+    Matrix::from_fn(sample.nrows(), sample.ncols(), |i, j| sample[(i, j)] * weights[j])
+}
+
+/// The weighted mean of the columns, taken about the first so that a component that does not vary is its own mean to the
+/// last bit.
+fn weighted_mean(sample: &Matrix, weights: &[f64]) -> Vector {
+    let first = sample.column(0);
+    let mut sum = Vector::zeros(sample.nrows());
+    for (element, &weight) in sample.column_iter().zip(weights) {
+        sum += (element - first) * weight;
+    }
+    first + sum
+}
+
+/// Adds an independent draw from a normal distribution, whose covariance has this root, to every column.
+fn add_draws(sample: &mut Matrix, root: &Matrix, normal: &mut Normal) {
+    let draws = Matrix::from_fn(sample.nrows(), sample.ncols(), |_, _| normal.sample());
+    sample.gemm(1.0, root, &draws, 1.0);
+}
+
+pub(super) static PF: FilterInfo = FilterInfo {
+    key: "pf",
+    name: "PF",
+    description: "moves weighted particles and resamples them systematically",
+    reference: "Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation",
+    is_sampled: true,
+    evaluations: |settings, _| 4 * settings.ensemble_size,
+    begin: |initial, settings, normal| Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?)),
+};
