@@ -1,5 +1,7 @@
 //! The floor for ±σ: how well any filter could know the state at best.
 
+use std::ops::Range;
+
 use crate::estimator::FilterContext;
 use crate::kernel::estimator::{build_filter, initial_belief, with_model};
 use crate::kernel::{Belief, Correction, Filter, Linearised};
@@ -64,15 +66,21 @@ impl CramerRao {
     /// has forgotten. Without the truth of every channel there is no bound, and none from a sample on that the record has
     /// forgotten before it was seen here.
     pub fn follow(&mut self, record: &Record) {
+        self.follow_to(record.len(), record);
+    }
+
+    /// The same up to sample `end` of those that are kept. Returns whether there is nothing left to take in before it.
+    pub(crate) fn follow_to(&mut self, end: usize, record: &Record) -> bool {
         let Self { settings: _, channels, recursion, std, forgotten, stopped } = self;
         let gone = (record.forgotten() - *forgotten) * channels.len();
         std.drain(..gone.min(std.len()));
         *forgotten = record.forgotten();
         let truth: Option<Vec<&[f64]>> = channels.iter().map(|&c| record.truth(c)).collect();
-        let Some(truth) = truth.filter(|_| !*stopped) else { return };
+        let Some(truth) = truth.filter(|_| !*stopped) else { return true };
         // The sample before the first new one must still be there, unless there never was one.
         let seen = std.len() / channels.len();
-        *stopped = (seen == 0 && *forgotten > 0) || recursion.follow(&truth, record, seen, std).is_err();
+        *stopped = (seen == 0 && *forgotten > 0) || recursion.follow(&truth, record, seen..end, std).is_err();
+        *stopped || std.len() / channels.len() >= record.len()
     }
 
     /// The channels of the bound: all of the truth's.
@@ -118,10 +126,14 @@ fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
 
 /// The recursion with its size erased.
 trait Recursion: Send {
-    /// Goes through the samples of a record from number `from` on, with the truth of every channel, and appends the
-    /// standard deviations of each.
-    fn follow(&mut self, truth: &[&[f64]], record: &Record, from: usize, std: &mut Vec<f64>)
-    -> Result<(), FilterError>;
+    /// Goes through some samples of a record, with the truth of every channel, and appends the standard deviations of each.
+    fn follow(
+        &mut self,
+        truth: &[&[f64]],
+        record: &Record,
+        samples: Range<usize>,
+        std: &mut Vec<f64>,
+    ) -> Result<(), FilterError>;
 }
 
 struct Start<'a> {
@@ -151,7 +163,7 @@ impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
         &mut self,
         truth: &[&[f64]],
         record: &Record,
-        from: usize,
+        samples: Range<usize>,
         std: &mut Vec<f64>,
     ) -> Result<(), FilterError> {
         let Self { filter, sensors } = self;
@@ -159,7 +171,7 @@ impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
         let measured: Vec<Option<&[f64]>> = sensors.iter().map(|&q| record.measured_quantity(q)).collect();
         let mut sample = vec![f64::NAN; measured.len()];
         let mut correction = Correction::NOTHING.clone();
-        for k in from..record.len() {
+        for k in samples.start..samples.end.min(record.len()) {
             if let Some(before) = k.checked_sub(1) {
                 filter.belief_mut().move_to(truth(before));
                 filter.predict(record.force(before))?;

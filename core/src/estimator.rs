@@ -1,12 +1,13 @@
 //! A filter of any kind over any plant, as its settings say, with its types and sizes erased.
 
 use crate::model::{Hold, InputKind, Model};
-use crate::{Estimates, FilterError, FilterSettings, PlantKind, Quantity, kernel};
+use crate::sink::Sink;
+use crate::{FilterError, FilterSettings, PlantKind, Quantity, Scenario, kernel};
 
 /// A filter that can be stepped.
 pub(crate) trait Estimator: Send {
     /// Reports the initial belief.
-    fn begin(&self, estimates: &mut Estimates);
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// Predicts from the last sample with its force, updates with this sample's measurements, and reports.
     fn step(
@@ -14,7 +15,7 @@ pub(crate) trait Estimator: Send {
         force_before: f64,
         force: f64,
         measured: &[f64],
-        estimates: &mut Estimates,
+        sink: &mut dyn Sink,
     ) -> Result<(), FilterError>;
 }
 
@@ -22,11 +23,11 @@ pub(crate) trait Estimator: Send {
 pub(crate) struct Failed(pub(crate) FilterError);
 
 impl Estimator for Failed {
-    fn begin(&self, estimates: &mut Estimates) {
-        estimates.stop_at(self.0);
+    fn begin(&self, _: &mut dyn Sink) -> Result<(), FilterError> {
+        Err(self.0)
     }
 
-    fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut Estimates) -> Result<(), FilterError> {
+    fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(self.0)
     }
 }
@@ -50,7 +51,14 @@ pub(crate) struct FilterContext<'a> {
     pub(crate) place: usize,
 }
 
-impl FilterContext<'_> {
+impl<'a> FilterContext<'a> {
+    /// The context of a scenario's filter at `place`, with `dt` \[s\] between samples; `sensors` are what the scenario's
+    /// measure.
+    pub(crate) fn new(scenario: &Scenario, sensors: &'a [Quantity], dt: f64, place: usize) -> Self {
+        let Scenario { seed, plant, input, hold, .. } = scenario;
+        Self { plant: plant.kind, input: *input, hold: *hold, sensors, dt, seed: *seed, place }
+    }
+
     /// The model of a filter with these settings.
     pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
         settings.model(self.plant, self.input)
