@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use eframe::App as _;
 use egui::{Context, Event, Pos2, RawInput, Rect, Theme, Vec2, pos2};
 use kalmanscope::App;
+use kalmanscope::layout::Layout;
+use kalmanscope::request::ViewKind;
 use kalmanscope::session::Mode;
-use kalmanscope::views::{Layout, ViewKind};
 use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 
 const FRAMES: usize = 200;

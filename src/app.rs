@@ -1,28 +1,24 @@
 //! The app: one session, its controls and its views.
 
-mod commands;
+mod apply;
+mod window;
 
 use egui::util::undoer::Undoer;
-use egui::{CentralPanel, Color32, Frame, Margin, Panel, ThemePreference, Ui};
+use egui::{ThemePreference, Ui};
 use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::Lesson;
 
-use crate::bar::Bar;
-use crate::command::Command;
-use crate::controls::controls_ui;
 use crate::keys;
-use crate::saved::Saved;
+use crate::layout::Layout;
+use crate::plot::time_axis::TimeAxis;
+use crate::probe::ScreenState;
+use crate::request::Request;
+use crate::saved::{self, Found, Saved};
 use crate::session::{Mode, Session};
-use crate::summary::Summary;
-use crate::theme::{self, Palette};
-use crate::tutor::{self, Tutor};
-use crate::views::{Layout, Shown, TimeAxis, ViewContext, legend};
-
-/// Below this width the settings are a drawer under the plots \[points\].
-const NARROW: f32 = 720.0;
-
-/// Below this width a lesson has the settings' room, unless someone wants to see them \[points\].
-const WIDE: f32 = 1500.0;
+use crate::theme;
+use crate::tutor::Tutor;
+use crate::views;
+use crate::visibility::Visibility;
 
 /// How much larger everything is in presenter mode.
 const LARGE: f32 = 1.4;
@@ -31,7 +27,7 @@ const LARGE: f32 = 1.4;
 pub struct App {
     session: Session,
     axis: TimeAxis,
-    shown: Shown,
+    visible: Visibility,
     layout: Layout,
     lessons: Vec<Lesson>,
     tutor: Option<Tutor>,
@@ -47,7 +43,11 @@ pub struct App {
     cleared: bool,
     /// Whether a newcomer is shown where to begin.
     inviting: bool,
-    commands: Vec<Command>,
+    /// A sentence about something that could not be done, until it is dismissed.
+    notice: Option<String>,
+    /// A saved session that could not be read in full: the next save keeps it.
+    unreadable: Option<String>,
+    requests: Vec<Request>,
 }
 
 impl App {
@@ -58,30 +58,35 @@ impl App {
     pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
         let ctx = &creation.egui_ctx;
         theme::install(ctx);
-        let saved = Saved::load(creation.storage);
-        saved.apply_theme(ctx);
-        if saved.presenting {
+        let found = Saved::load(creation.storage);
+        found.saved.apply_theme(ctx);
+        if found.saved.presenting {
             ctx.set_zoom_factor(LARGE);
         }
-        Self::from_saved(&saved)
+        Self::from_found(found)
     }
 
-    /// The explorer as [`eframe::App::save`] left it in `storage`, without fonts and styles. What cannot be read or run any
-    /// more is the default.
+    /// The explorer as [`eframe::App::save`] left it in `storage`, without fonts and styles. A part that cannot be read is
+    /// its default, a sentence says so, and the next save keeps the text.
     ///
     /// # Errors
     /// [`RunError`] where not even the default scenario can be run.
     pub fn restored(storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
-        Self::from_saved(&Saved::load(storage))
+        Self::from_found(Saved::load(storage))
     }
 
-    fn from_saved(saved: &Saved) -> Result<Self, RunError> {
-        let mut app = Self::with_scenario(Scenario::from_toml(&saved.scenario).unwrap_or_default())?;
+    fn from_found(Found { saved, new_here, unreadable }: Found) -> Result<Self, RunError> {
+        let mut app = Self::with_scenario(saved.scenario)?;
         app.session.set_mode(saved.mode);
         app.session.set_speed(saved.speed);
         app.presenting = saved.presenting;
-        app.layout = saved.layout();
-        app.inviting = saved.new_here;
+        app.layout = saved.layout;
+        app.inviting = new_here;
+        if let Some((text, reason)) = unreadable {
+            app.notice =
+                Some(format!("The last session could not be restored in full, but its text is kept: {reason}."));
+            app.unreadable = Some(text);
+        }
         Ok(app)
     }
 
@@ -93,7 +98,7 @@ impl App {
         Ok(Self {
             session: Session::new(scenario)?,
             axis: TimeAxis::default(),
-            shown: Shown::default(),
+            visible: Visibility::default(),
             layout: Layout::default(),
             lessons: kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect(),
             tutor: None,
@@ -101,15 +106,17 @@ impl App {
             controls_open: None,
             presenting: false,
             keys_open: false,
-            width: WIDE,
+            width: window::WIDE,
             theme: ThemePreference::System,
             cleared: false,
             inviting: false,
-            commands: Vec::new(),
+            notice: None,
+            unreadable: None,
+            requests: Vec::new(),
         })
     }
 
-    /// For those who do not want things to move by themselves: begins paused with all of the record on screen, and nothing
+    /// For users who want nothing to move by itself: begins paused with all of the record on screen, and nothing
     /// glides into place.
     pub fn reduce_motion(&mut self, ctx: &egui::Context) {
         ctx.all_styles_mut(|style| style.animation_time = 0.0);
@@ -145,43 +152,27 @@ impl App {
         &self.axis
     }
 
-    /// What is on screen, as data.
-    pub fn summary(&self, ctx: &egui::Context) -> Summary {
-        Summary::new(&self.session, ctx)
+    /// The sentence on screen about something that could not be done, until it is dismissed.
+    pub fn notice(&self) -> Option<&str> {
+        self.notice.as_deref()
     }
 
-    fn controls_open(&self) -> bool {
-        let room = if self.tutor.is_some() { WIDE } else { NARROW };
-        self.controls_open.unwrap_or(self.width >= room && !self.presenting)
-    }
-
-    fn keys_ui(&mut self, ctx: &egui::Context) {
-        if self.keys_open {
-            let window = egui::Window::new("Keys").collapsible(false).resizable(false).open(&mut self.keys_open);
-            window.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).show(ctx, keys::list_ui);
-        }
-    }
-
-    fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, shown, layout, commands, inviting, .. } = self;
-        legend::legend_ui(ui, session, shown, palette, |ui| {
-            if *inviting {
-                tutor::invitation_ui(ui, commands);
-            }
-        });
-        layout.ui(ui, &ViewContext::new(session, palette, shown, axis), commands, narrow);
+    /// The state of the screen, as data.
+    pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
+        ScreenState::new(&self.session, ctx)
     }
 }
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        keys::keys(ctx, &self.session, &mut self.commands);
-        for command in std::mem::take(&mut self.commands) {
-            self.apply(command, ctx);
+        keys::keys(ctx, &self.session, &mut self.requests);
+        for request in std::mem::take(&mut self.requests) {
+            self.apply(request, ctx);
         }
+        self.visible.forget_filters_but(&self.session.scenario().filters);
         // What is dragged becomes one step of the history once it has come to rest.
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
-        self.session.want(self.layout.wanted());
+        self.session.want(views::wanted(&self.layout.shown()));
         // A frame that took long (a hidden tab, a breakpoint) must not swallow the story.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         self.session.advance(elapsed);
@@ -191,54 +182,7 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
-        let estimates = self.session.run().estimates();
-        let colors = estimates.iter().enumerate().map(|(place, estimates)| estimates.color(place));
-        let palette = Palette::of(ui.ctx().theme()).with_filters(colors);
-        self.width = ui.available_width();
-        let narrow = self.width < NARROW;
-        self.theme = ui.ctx().options(|options| options.theme_preference);
-        let open = self.controls_open();
-        let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
-        let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
-        let Self { session, layout, lessons, presenting, commands, .. } = self;
-        let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow };
-        Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, commands));
-
-        let mut edited = None;
-        if open {
-            // A drawer leaves the plots in sight, so that one sees what one does.
-            let panel = if narrow {
-                Panel::bottom("drawer")
-                    .default_size(0.46 * ui.available_height())
-                    .size_range(120.0..=600.0)
-                    .resizable(true)
-            } else {
-                Panel::left("controls").default_size(340.0).size_range(300.0..=460.0)
-            };
-            panel.frame(frame).show(ui, |ui| {
-                let mut scenario = self.session.scenario().clone();
-                if controls_ui(ui, &mut scenario, &palette) {
-                    edited = Some(scenario);
-                }
-            });
-        }
-        if let Some(tutor) = self.tutor.as_ref().filter(|_| !(open && narrow)) {
-            let commands = &mut self.commands;
-            let panel = if narrow {
-                Panel::bottom("lesson").default_size(260.0)
-            } else {
-                Panel::right("lesson").default_size(290.0).size_range(240.0..=420.0)
-            };
-            panel.frame(frame).show(ui, |ui| tutor.ui(ui, &palette, commands));
-        }
-        CentralPanel::default().frame(frame).show(ui, |ui| self.centre_ui(ui, &palette, narrow));
-        self.keys_ui(ui.ctx());
-        if let Some(scenario) = edited {
-            self.session.set_scenario(scenario);
-        }
-        if !self.commands.is_empty() {
-            ui.ctx().request_repaint();
-        }
+        self.window_ui(ui);
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
@@ -246,7 +190,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        let Self { session, layout, presenting, theme, .. } = self;
-        Saved::new(session, layout, *presenting, *theme).save(storage);
+        let Self { session, layout, presenting, theme, unreadable, .. } = self;
+        saved::save(storage, session, layout, *presenting, *theme, unreadable.as_deref());
     }
 }

@@ -2,21 +2,21 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, PopupCloseBehavior, RichText, Ui};
-use kalmanscope_lessons::Lesson;
+use kalmanscope_lessons::{BUILT_IN, Lesson};
 
-use crate::command::Command;
-use crate::library;
-use crate::places;
+use crate::layout::Layout;
+use crate::probe;
+use crate::request::{Arrangement, Request, ViewKind};
 use crate::session::Session;
 use crate::theme;
 use crate::transport;
 use crate::tutor;
-use crate::views::{Arrangement, Layout, ViewKind};
+use crate::views::view;
 
 /// The width from which on there is room for the program's name \[points\].
 const ROOMY: f32 = 1000.0;
 
-/// What the bar tells of.
+/// Everything that the bar shows.
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
     pub(crate) layout: &'a Layout,
@@ -28,37 +28,37 @@ pub(crate) struct Bar<'a> {
 }
 
 impl Bar<'_> {
-    pub(crate) fn ui(&self, ui: &mut Ui, commands: &mut Vec<Command>) {
+    pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
         let Self { session, layout, lessons, controls, presenting, narrow } = *self;
         ui.horizontal_wrapped(|ui| {
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
             toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
-            places::remember(ui.ctx(), "Settings", toggle.rect);
+            probe::remember(ui.ctx(), "Settings", toggle.rect);
             if toggle.clicked() {
-                commands.push(Command::ToggleControls);
+                requests.push(Request::ToggleControls);
             }
             if !presenting && ui.max_rect().width() > ROOMY {
                 ui.label(RichText::new("Kalmanscope").family(theme::strong()).size(17.0));
             }
-            scenario_menu_ui(ui, session, commands);
-            views_menu_ui(ui, layout, commands);
-            tutor::menu_ui(ui, lessons, commands);
-            more_menu_ui(ui, presenting, commands);
+            scenario_menu_ui(ui, session, requests);
+            views_menu_ui(ui, layout, requests);
+            tutor::menu_ui(ui, lessons, requests);
+            more_menu_ui(ui, presenting, requests);
             if narrow {
                 ui.end_row();
             } else {
                 ui.separator();
             }
-            transport::transport_ui(ui, session, narrow, commands);
+            transport::transport_ui(ui, session, narrow, requests);
         });
     }
 }
 
-fn scenario_menu_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+fn scenario_menu_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     ui.menu_button("Scenario", |ui| {
-        for entry in library::ENTRIES {
-            if ui.button(entry.name).on_hover_text(entry.description()).clicked() {
-                commands.push(Command::Open(entry));
+        for entry in BUILT_IN {
+            if ui.button(entry.title).on_hover_text(entry.description()).clicked() {
+                requests.push(Request::Open(*entry));
                 ui.close();
             }
         }
@@ -72,43 +72,43 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>)
     });
 }
 
-fn views_menu_ui(ui: &mut Ui, layout: &Layout, commands: &mut Vec<Command>) {
+fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
     // One shows and hides several: the menu stays until something else is clicked.
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new("Views").config(stays).ui(ui, |ui| {
         for arrangement in Arrangement::ALL {
             if ui.button(arrangement.name()).clicked() {
-                commands.push(Command::Arrange(arrangement));
+                requests.push(Request::Arrange(arrangement));
                 ui.close();
             }
         }
         ui.separator();
         let shown = layout.shown();
-        for view in ViewKind::ALL {
-            let mut on = shown.contains(&view);
-            let checkbox = ui.checkbox(&mut on, view.view().name());
-            places::remember(ui.ctx(), view.view().name(), checkbox.rect);
+        for kind in ViewKind::ALL {
+            let mut on = shown.contains(&kind);
+            let checkbox = ui.checkbox(&mut on, view(kind).name());
+            probe::remember(ui.ctx(), view(kind).name(), checkbox.rect);
             if checkbox.changed() {
-                commands.push(Command::ToggleView(view));
+                requests.push(Request::ToggleView(kind));
             }
         }
     });
-    places::remember(ui.ctx(), "Views", button.rect);
+    probe::remember(ui.ctx(), "Views", button.rect);
 }
 
 /// How it looks, and help.
-fn more_menu_ui(ui: &mut Ui, presenting: bool, commands: &mut Vec<Command>) {
+fn more_menu_ui(ui: &mut Ui, presenting: bool, requests: &mut Vec<Request>) {
     theme_ui(ui);
     let mut presenter = presenting;
     let toggle = ui.toggle_value(&mut presenter, "Aa").on_hover_text("Presenter mode: large type (P)");
     toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Presenter mode"));
     if toggle.clicked() {
-        commands.push(Command::TogglePresenter);
+        requests.push(Request::TogglePresenter);
     }
     let keys = ui.add(Button::new("?")).on_hover_text("List of keys (?)");
     keys.ctx.accesskit_node_builder(keys.id, |node| node.set_label("List of keys"));
     if keys.clicked() {
-        commands.push(Command::ToggleKeys);
+        requests.push(Request::ToggleKeys);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use egui::{Grid, Key, Modifiers, RichText, Ui};
 
-use crate::command::Command;
+use crate::request::{LegendEntry, Request};
 use crate::session::{Mode, Session};
 use crate::theme;
 
@@ -13,7 +13,7 @@ struct Shortcut {
     what: &'static str,
     keys: &'static [Key],
     modifiers: Modifiers,
-    command: fn(&Session) -> Command,
+    request: fn(&Session) -> Request,
 }
 
 /// A key that is pressed alone, or with what it takes to get at its sign.
@@ -21,45 +21,45 @@ const fn plain(
     name: &'static str,
     what: &'static str,
     keys: &'static [Key],
-    command: fn(&Session) -> Command,
+    request: fn(&Session) -> Request,
 ) -> Shortcut {
-    Shortcut { name, what, keys, modifiers: Modifiers::NONE, command }
+    Shortcut { name, what, keys, modifiers: Modifiers::NONE, request }
 }
 
 const SHORTCUTS: &[Shortcut] = &[
-    plain("Space", "play or pause", &[Key::Space], |_| Command::TogglePlay),
-    plain("→", "one sample forward", &[Key::ArrowRight], |_| Command::Step),
-    plain("←", "one sample back", &[Key::ArrowLeft], |_| Command::StepBack),
-    plain("R", "back to the start", &[Key::R, Key::Home], |_| Command::Restart),
+    plain("Space", "play or pause", &[Key::Space], |_| Request::TogglePlay),
+    plain("→", "one sample forward", &[Key::ArrowRight], |_| Request::Step),
+    plain("←", "one sample back", &[Key::ArrowLeft], |_| Request::StepBack),
+    plain("R", "back to the start", &[Key::R, Key::Home], |_| Request::Restart),
     plain("L", "live, or the whole record", &[Key::L], |session| {
-        Command::SetMode(if session.mode() == Mode::Live { Mode::Whole } else { Mode::Live })
+        Request::SetMode(if session.mode() == Mode::Live { Mode::Whole } else { Mode::Live })
     }),
-    plain("+", "faster", &[Key::Plus, Key::Equals], |session| Command::SetSpeed(session.next_speed(true))),
-    plain("−", "slower", &[Key::Minus], |session| Command::SetSpeed(session.next_speed(false))),
-    plain("S", "show or hide the settings", &[Key::S], |_| Command::ToggleControls),
-    plain("P", "presenter mode: large type", &[Key::P], |_| Command::TogglePresenter),
-    plain("?", "this list", &[Key::Questionmark], |_| Command::ToggleKeys),
-    plain("Esc", "leave this list, or an enlarged view", &[Key::Escape], |_| Command::Leave),
+    plain("+", "faster", &[Key::Plus, Key::Equals], |session| Request::SetSpeed(session.next_speed(true))),
+    plain("−", "slower", &[Key::Minus], |session| Request::SetSpeed(session.next_speed(false))),
+    plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
+    plain("P", "presenter mode: large type", &[Key::P], |_| Request::TogglePresenter),
+    plain("?", "this list", &[Key::Questionmark], |_| Request::ToggleKeys),
+    plain("Esc", "leave this list, or an enlarged view", &[Key::Escape], |_| Request::Leave),
     Shortcut {
         name: "Ctrl+Shift+Z",
         what: "make the change again",
         keys: &[Key::Z],
         modifiers: Modifiers::COMMAND.plus(Modifiers::SHIFT),
-        command: |_| Command::Redo,
+        request: |_| Request::Redo,
     },
     Shortcut {
         name: "Ctrl+Z",
         what: "take back the last change of a setting",
         keys: &[Key::Z],
         modifiers: Modifiers::COMMAND,
-        command: |_| Command::Undo,
+        request: |_| Request::Undo,
     },
 ];
 
 /// The keys that show and hide the filters, in their order.
 const DIGITS: [Key; 6] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
 
-/// What is done without a command.
+/// Gestures, which ask for what they do by themselves.
 const GESTURES: &[(&str, &str)] = &[
     ("1 to 6", "show or hide a filter"),
     ("Drag in a plot", "zoom in"),
@@ -70,24 +70,24 @@ const GESTURES: &[(&str, &str)] = &[
     ("Alt and wheel on a number", "turn it"),
 ];
 
-/// What the pressed keys ask for, unless something is being typed.
-pub(crate) fn keys(ctx: &egui::Context, session: &Session, commands: &mut Vec<Command>) {
+/// Pushes the requests of the pressed keys, unless something is being typed.
+pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Request>) {
     if ctx.memory(|memory| memory.focused().is_some()) {
         return;
     }
     ctx.input_mut(|input| {
-        for Shortcut { keys, modifiers, command, .. } in SHORTCUTS {
+        for Shortcut { keys, modifiers, request, .. } in SHORTCUTS {
             let alone = !input.modifiers.command && !input.modifiers.alt;
             let pressed = keys.iter().any(|&key| {
                 if modifiers.is_none() { alone && input.key_pressed(key) } else { input.consume_key(*modifiers, key) }
             });
             if pressed {
-                commands.push(command(session));
+                requests.push(request(session));
             }
         }
-        for (place, &key) in DIGITS.iter().enumerate() {
+        for (&key, filter) in DIGITS.iter().zip(&session.scenario().filters) {
             if input.modifiers.is_none() && input.key_pressed(key) {
-                commands.push(Command::ToggleFilter(place));
+                requests.push(Request::ToggleEntry(LegendEntry::Filter(filter.id)));
             }
         }
     });

@@ -1,24 +1,27 @@
 //! Kalmanscope's app: draws what the core computes.
 //!
-//! Data flows one way. The controls write the scenario, the [`session::Session`] runs it, the views draw the session and may
-//! ask for a [`command::Command`], which is carried out after the frame.
+//! Data flows one way. The controls edit a copy of the scenario, the [`session::Session`] runs it, the views draw the session.
+//! Whatever is to change is a [`request::Request`], which is carried out after the frame.
 
 pub mod app;
 mod bar;
-pub mod command;
 pub mod controls;
 mod keys;
-pub mod library;
-mod places;
-pub mod polyline;
+pub mod layout;
+mod legend;
+mod notice;
+mod panes;
+pub mod plot;
+pub mod probe;
+pub mod request;
 mod saved;
-pub mod series;
 pub mod session;
-pub mod summary;
 pub mod text;
 pub mod theme;
-pub mod transport;
+mod transport;
 pub mod tutor;
+pub mod view;
 pub mod views;
+pub mod visibility;
 
 pub use app::App;

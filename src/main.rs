@@ -61,7 +61,7 @@ mod native {
         eframe::icon_data::from_png_bytes(include_bytes!("../assets/icon-256.png")).unwrap_or_default()
     }
 
-    /// What a machine without a display can show: a table, and the plots as a file.
+    /// The report for a machine without a display: a table, and the plots as a file.
     fn report(reason: &str) -> Result<(), Box<dyn Error>> {
         let mut out = io::stdout();
         writeln!(out, "No window can be opened here ({reason}), so here is the default scenario without one.\n")?;
@@ -124,14 +124,14 @@ mod web {
         }
     }
 
-    /// What is on screen, as JSON; `null` before the app has started.
+    /// The state of the screen as JSON; `null` before the app has started.
     #[wasm_bindgen]
     #[expect(unreachable_pub, reason = "JavaScript reaches it")]
     pub fn kalmanscope_summary() -> String {
         let summary = RUNNER.with_borrow(|runner| {
             let (runner, ctx) = runner.as_ref()?;
             let page = runner.app_mut::<Page>()?;
-            serde_json::to_string(&page.0.summary(ctx)).ok()
+            serde_json::to_string(&page.0.screen_state(ctx)).ok()
         });
         summary.unwrap_or_else(|| "null".to_owned())
     }
@@ -145,7 +145,7 @@ mod web {
         });
     }
 
-    /// What the user has told the system about things that move by themselves.
+    /// Whether the user has asked the system for reduced motion.
     fn wants_reduced_motion() -> bool {
         let asked = web_sys::window().and_then(|window| window.match_media("(prefers-reduced-motion: reduce)").ok()?);
         asked.is_some_and(|query| query.matches())

@@ -1,85 +1,177 @@
-//! What survives a restart.
+//! What survives a restart, and the reasons why parts of it may not.
 
-use egui::{Context, ThemePreference};
-use serde::{Deserialize, Serialize};
+use egui::ThemePreference;
+use kalmanscope_core::Scenario;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
 
+use crate::layout::Layout;
 use crate::session::{Mode, Session};
-use crate::views::Layout;
 
-/// Where it is kept.
-pub(crate) const KEY: &str = "kalmanscope";
+/// The storage key of the saved session.
+const KEY: &str = "kalmanscope";
 
-/// What survives a restart, as JSON. What cannot be read any more is the default, each part on its own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+/// The storage key of the last text under [`KEY`] that could not be read in full, which the next save would overwrite.
+const UNREADABLE_KEY: &str = "kalmanscope-unreadable";
+
+/// The newest format. The first had no number, and its layout was JSON within JSON.
+const VERSION: u64 = 2;
+
+/// Everything that survives a restart.
 pub(crate) struct Saved {
-    /// A scenario file, which is checked when it is read.
-    pub(crate) scenario: String,
+    pub(crate) scenario: Scenario,
     pub(crate) mode: Mode,
     pub(crate) speed: f64,
     pub(crate) presenting: bool,
     /// Whether it is dark; by the system's theme if neither was chosen.
     dark: Option<bool>,
-    /// The layout, as JSON of its own.
-    layout: String,
-    /// Whether nothing had been kept.
-    #[serde(skip)]
+    pub(crate) layout: Layout,
+}
+
+/// A saved session as it was found.
+pub(crate) struct Found {
+    /// Each part as it was saved, or its default.
+    pub(crate) saved: Saved,
+    /// Whether nothing had been saved.
     pub(crate) new_here: bool,
+    /// The text, and why it could not be read in full.
+    pub(crate) unreadable: Option<(String, String)>,
+}
+
+/// What is written: a part a key.
+#[derive(Serialize)]
+struct Written<'a> {
+    version: u64,
+    /// A scenario file.
+    scenario: String,
+    mode: Mode,
+    speed: f64,
+    presenting: bool,
+    dark: Option<bool>,
+    layout: &'a Layout,
 }
 
 impl Default for Saved {
     fn default() -> Self {
-        let (scenario, layout) = (String::new(), String::new());
         Self {
-            scenario,
+            scenario: Scenario::default(),
             mode: Mode::default(),
             speed: Session::DEFAULT_SPEED,
             presenting: false,
             dark: None,
-            layout,
-            new_here: false,
+            layout: Layout::default(),
         }
     }
 }
 
 impl Saved {
-    pub(crate) fn load(storage: Option<&dyn eframe::Storage>) -> Self {
-        match storage.and_then(|storage| storage.get_string(KEY)) {
-            Some(text) => serde_json::from_str(&text).unwrap_or_default(),
-            None => Self { new_here: true, ..Self::default() },
-        }
+    /// The session that was saved last.
+    pub(crate) fn load(storage: Option<&dyn eframe::Storage>) -> Found {
+        let Some(text) = storage.and_then(|storage| storage.get_string(KEY)) else {
+            return Found { saved: Self::default(), new_here: true, unreadable: None };
+        };
+        let (saved, problems) = Self::read(&text);
+        let unreadable = (!problems.is_empty()).then(|| (text, problems.join("; ")));
+        Found { saved, new_here: false, unreadable }
     }
 
-    pub(crate) fn save(&self, storage: &mut dyn eframe::Storage) {
-        if let Ok(text) = serde_json::to_string(self) {
-            storage.set_string(KEY, text);
+    /// Each part that can be read, the others by default, and why those could not.
+    fn read(text: &str) -> (Self, Vec<String>) {
+        let parts = match serde_json::from_str(text) {
+            Ok(parts) => parts,
+            Err(error) => return (Self::default(), vec![error.to_string()]),
+        };
+        let mut reader = Reader { parts, problems: Vec::new() };
+        let version: u64 = reader.part("version", 1);
+        if version > VERSION {
+            reader.problems.push(format!("it has version {version}, and this program reads versions up to {VERSION}"));
         }
-    }
-
-    pub(crate) fn new(session: &Session, layout: &Layout, presenting: bool, theme: ThemePreference) -> Self {
-        Self {
-            scenario: session.scenario().to_toml().unwrap_or_default(),
-            mode: session.mode(),
-            speed: session.speed(),
-            presenting,
-            dark: match theme {
-                ThemePreference::Dark => Some(true),
-                ThemePreference::Light => Some(false),
-                ThemePreference::System => None,
-            },
-            layout: serde_json::to_string(layout).unwrap_or_default(),
-            new_here: false,
+        if !reader.problems.is_empty() {
+            return (Self::default(), reader.problems);
         }
-    }
-
-    pub(crate) fn layout(&self) -> Layout {
-        serde_json::from_str(&self.layout).unwrap_or_default()
+        let usual = Self::default();
+        let saved = Self {
+            scenario: reader.scenario(),
+            mode: reader.part("mode", usual.mode),
+            speed: reader.speed(usual.speed),
+            presenting: reader.part("presenting", usual.presenting),
+            dark: reader.part("dark", usual.dark),
+            layout: reader.layout(version),
+        };
+        (saved, reader.problems)
     }
 
     /// Chooses the theme again.
-    pub(crate) fn apply_theme(&self, ctx: &Context) {
+    pub(crate) fn apply_theme(&self, ctx: &egui::Context) {
         if let Some(dark) = self.dark {
             ctx.set_theme(if dark { ThemePreference::Dark } else { ThemePreference::Light });
         }
+    }
+}
+
+/// Takes one part after the other, and notes those that it cannot read.
+struct Reader {
+    parts: Map<String, Value>,
+    problems: Vec<String>,
+}
+
+impl Reader {
+    /// The part of a key, or its default where it is missing or cannot be read.
+    fn part<T: DeserializeOwned>(&mut self, key: &str, usual: T) -> T {
+        let part = self.parts.remove(key).map(serde_json::from_value);
+        part.and_then(|part| self.note(key, part)).unwrap_or(usual)
+    }
+
+    fn note<T>(&mut self, key: &str, part: Result<T, impl std::fmt::Display>) -> Option<T> {
+        part.map_err(|error| self.problems.push(format!("{key}: {error}"))).ok()
+    }
+
+    fn scenario(&mut self) -> Scenario {
+        let file: String = self.part("scenario", String::new());
+        self.note("scenario", Scenario::from_toml(&file)).unwrap_or_default()
+    }
+
+    fn speed(&mut self, usual: f64) -> f64 {
+        let speed = self.part("speed", usual);
+        let possible = if speed > 0.0 { Ok(speed) } else { Err(format!("{speed} is not above 0")) };
+        self.note("speed", possible).unwrap_or(usual)
+    }
+
+    fn layout(&mut self, version: u64) -> Layout {
+        if version > 1 {
+            return self.part("layout", Layout::default());
+        }
+        let text: String = self.part("layout", String::new());
+        let layout = (!text.is_empty()).then(|| serde_json::from_str(&text));
+        layout.and_then(|layout| self.note("layout", layout)).unwrap_or_default()
+    }
+}
+
+/// Saves a session, and under a key of its own the text of one that could not be read in full.
+pub(crate) fn save(
+    storage: &mut dyn eframe::Storage,
+    session: &Session,
+    layout: &Layout,
+    presenting: bool,
+    theme: ThemePreference,
+    unreadable: Option<&str>,
+) {
+    if let Some(text) = unreadable {
+        storage.set_string(UNREADABLE_KEY, text.to_owned());
+    }
+    let scenario = match session.scenario().to_toml() {
+        Ok(scenario) => scenario,
+        Err(error) => return log::error!("The session is not saved: {error}"),
+    };
+    let dark = match theme {
+        ThemePreference::Dark => Some(true),
+        ThemePreference::Light => Some(false),
+        ThemePreference::System => None,
+    };
+    let (mode, speed) = (session.mode(), session.speed());
+    match serde_json::to_string(&Written { version: VERSION, scenario, mode, speed, presenting, dark, layout }) {
+        Ok(text) => storage.set_string(KEY, text),
+        Err(error) => log::error!("The session is not saved: {error}"),
     }
 }

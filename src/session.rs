@@ -1,6 +1,7 @@
 //! A scenario and its run, and where playback stands in it.
 
 mod analysis;
+mod playback;
 #[cfg(test)]
 mod tests;
 
@@ -10,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use analysis::Analysis;
 pub use analysis::{Bound, Wanted};
 
-/// What is shown of the record.
+/// The part of the record that is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
     /// The record grows as time goes on.
@@ -41,7 +42,7 @@ pub struct Session {
     problem: Option<String>,
 }
 
-/// The most samples that the run takes at once, so that a frame does not freeze.
+/// The run takes at most this many samples at once, so that no frame freezes.
 const PORTION: usize = 20_000;
 
 impl Session {
@@ -51,18 +52,19 @@ impl Session {
     /// The speed at first: brisk enough to see a change half-way through a minute without waiting for it.
     pub const DEFAULT_SPEED: f64 = 2.0;
 
-    /// The most samples that live mode keeps; then it forgets the first half of so many.
+    /// Live mode keeps at most this many samples; then it forgets the first half of them.
     pub const KEPT: usize = 100_000;
 
-    /// The most times dt that a whole record is long: what a browser recomputes in the blink of an eye, and keeps in 60 MB
-    /// a filter.
+    /// A whole record is at most this many times dt long: a browser recomputes it in an instant, and keeps it in about 70 MB a
+    /// filter.
     pub const LONGEST_WHOLE: usize = 200_000;
 
     /// A session at the start of the scenario, playing.
     ///
     /// # Errors
     /// [`RunError`] where the scenario is impossible.
-    pub fn new(scenario: Scenario) -> Result<Self, RunError> {
+    pub fn new(mut scenario: Scenario) -> Result<Self, RunError> {
+        scenario.number_filters();
         let run = Run::new(&scenario)?;
         let mut session = Self {
             can_be_whole: run.samples() <= Self::LONGEST_WHOLE + 1,
@@ -96,7 +98,7 @@ impl Session {
         self.generation
     }
 
-    /// What the estimates that are kept are worth, one a filter, as far as that is wanted.
+    /// The diagnostics of the estimates that are kept, one a filter, if they are wanted.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         self.analysis.diagnostics()
     }
@@ -122,12 +124,12 @@ impl Session {
         }
     }
 
-    /// The estimates with hindsight of the whole record, with the places of their filters: of those that have a smoother.
-    pub fn smoothed(&self) -> &[(usize, Estimates)] {
+    /// The estimates with hindsight of the whole record, of the filters that have a smoother.
+    pub fn smoothed(&self) -> &[Estimates] {
         self.analysis.smoothed()
     }
 
-    /// What the run's sensors measure.
+    /// The quantities that the run's sensors measure.
     pub fn sensors(&self) -> Vec<Quantity> {
         self.run.record().sensors().to_vec()
     }
@@ -142,110 +144,15 @@ impl Session {
         self.can_be_whole
     }
 
-    /// Whether time goes on.
-    pub fn playing(&self) -> bool {
-        self.playing
-    }
-
-    /// Simulated seconds per second.
-    pub fn speed(&self) -> f64 {
-        self.speed
-    }
-
-    /// The next of [`Self::SPEEDS`] that is faster, or slower; the present one at the end of them.
-    pub fn next_speed(&self, faster: bool) -> f64 {
-        let mut speeds = Self::SPEEDS.into_iter();
-        let next = if faster { speeds.find(|s| *s > self.speed) } else { speeds.rfind(|s| *s < self.speed) };
-        next.unwrap_or(self.speed)
-    }
-
     /// Why the scenario as edited cannot be run, if so; the last one that could stays on screen.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
-    }
-
-    /// The last sample's time after the start \[s\].
-    pub fn end(&self) -> f64 {
-        self.run.samples().saturating_sub(1) as f64 * self.run.record().dt()
-    }
-
-    /// The sample at which playback stands, counted from the start.
-    pub fn position(&self) -> usize {
-        // A clock that has been set to k dt must give k, whatever the rounding.
-        ((self.clock / self.run.record().dt() + 1e-6) as usize).min(self.run.samples().saturating_sub(1))
-    }
-
-    /// The time of [`Self::position`] \[s\].
-    pub fn time(&self) -> f64 {
-        self.run.record().time_of(self.position())
-    }
-
-    /// The index, among the samples that are kept, of that at which playback stands, or of the last one where the run is
-    /// behind.
-    pub fn index(&self) -> usize {
-        let index = self.position().saturating_sub(self.run.record().forgotten());
-        index.min(self.run.len().saturating_sub(1))
     }
 
     /// Whether the run has yet to come to where playback stands. Playback waits for it, and every [`Self::advance`] brings
     /// it nearer.
     pub fn behind(&self) -> bool {
         self.run.done() < (self.position() + 1).min(self.run.samples())
-    }
-
-    /// Lets `elapsed` seconds of real time pass.
-    pub fn advance(&mut self, elapsed: f64) {
-        if self.behind() {
-            self.catch_up();
-        } else if self.playing {
-            self.clock += elapsed * self.speed;
-            if self.clock >= self.end() {
-                self.clock = self.end();
-                self.playing = false;
-            }
-            self.catch_up();
-        }
-    }
-
-    /// Plays or pauses; at the end, plays from the start.
-    pub fn toggle_play(&mut self) {
-        if !self.playing && self.clock >= self.end() {
-            self.play_from_start();
-        } else {
-            self.playing = !self.playing;
-        }
-    }
-
-    /// Lets time stand still.
-    pub fn pause(&mut self) {
-        self.playing = false;
-    }
-
-    /// Plays from the first sample.
-    pub fn play_from_start(&mut self) {
-        self.seek(0.0);
-        self.playing = true;
-    }
-
-    /// Pauses and goes one sample forward.
-    pub fn step(&mut self) {
-        self.playing = false;
-        let next = (self.position() + 1) as f64 * self.run.record().dt();
-        self.seek(next);
-    }
-
-    /// Pauses and goes one sample back.
-    pub fn step_back(&mut self) {
-        self.playing = false;
-        let before = self.position().saturating_sub(1) as f64 * self.run.record().dt();
-        self.seek(before);
-    }
-
-    /// Goes to a time after the start \[s\].
-    pub fn seek(&mut self, time: f64) {
-        self.clock = time.clamp(0.0, self.end());
-        self.go_back();
-        self.catch_up();
     }
 
     /// Shows the record as it grows, or all of it, as soon as it is short enough for that.
@@ -255,25 +162,19 @@ impl Session {
         self.catch_up();
     }
 
-    /// Sets the simulated seconds per second; what is no positive number leaves them as they are.
-    pub fn set_speed(&mut self, speed: f64) {
-        if speed.is_finite() && speed > 0.0 {
-            self.speed = speed;
-        }
-    }
-
     /// Takes over an edited scenario and recomputes what is shown. An impossible one is kept for editing, while the run
     /// stays that of the last possible one.
-    pub fn set_scenario(&mut self, scenario: Scenario) {
+    pub fn set_scenario(&mut self, mut scenario: Scenario) {
+        scenario.number_filters();
         self.scenario = scenario;
         self.generation += 1;
         let result = self.run.update(&self.scenario);
         match &result {
             Ok(Update::Everything) => self.analysis.begin_anew(),
-            Ok(Update::Filters(places)) => self.analysis.begin_filters_anew(places),
+            Ok(Update::Filters(ids)) => self.analysis.begin_filters_anew(ids),
             Err(_) => {}
         }
-        self.judge(result.err());
+        self.note_outcome(result.err());
         self.clock = self.clock.min(self.end());
         self.catch_up();
     }
@@ -282,11 +183,11 @@ impl Session {
         self.generation += 1;
         self.analysis.begin_anew();
         let result = self.run.restart(&self.scenario);
-        self.judge(result.err());
+        self.note_outcome(result.err());
     }
 
-    /// Takes note of what a new scenario has come to.
-    fn judge(&mut self, problem: Option<RunError>) {
+    /// Notes why a new scenario cannot be run, if so, and else how long its record is.
+    fn note_outcome(&mut self, problem: Option<RunError>) {
         self.problem = problem.map(|error| error.to_string());
         if self.problem.is_none() {
             self.can_be_whole = self.run.samples() <= Self::LONGEST_WHOLE + 1;

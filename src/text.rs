@@ -1,5 +1,7 @@
 //! Numbers as people read them.
 
+use kalmanscope_core::Channel;
+
 /// A number with `digits` significant digits: fixed-point where that is short, else with an exponent.
 pub fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 {
@@ -50,6 +52,17 @@ pub fn parse_clock(text: &str) -> Option<f64> {
     let mut parts = digits.split(':').map(|part| parse(part).filter(|x| *x >= 0.0));
     let time = parts.by_ref().take(3).try_fold(0.0, |time, part| Some(60.0 * time + part?))?;
     parts.next().is_none().then_some(sign * time)
+}
+
+/// Decimals that show a channel's usual values well.
+pub fn decimals(channel: Channel) -> usize {
+    match channel {
+        Channel::stiffness(0) | Channel::stiffness(1) | Channel::stiffness(2) | Channel::stiffness(3) => 1,
+        Channel::CUBIC_STIFFNESS | Channel::HYSTERESIS_BETA | Channel::HYSTERESIS_GAMMA => 1,
+        Channel::NATURAL_FREQUENCY | Channel::STOREY_DAMPING => 3,
+        _ if channel.unit() == "m/s" => 3,
+        _ => 4,
+    }
 }
 
 fn trimmed(text: &str) -> String {

@@ -2,24 +2,24 @@
 
 use egui::{Button, ComboBox, DragValue, RichText, Slider, Ui};
 
-use crate::command::Command;
-use crate::places;
+use crate::probe;
+use crate::request::Request;
 use crate::session::{Mode, Session};
 use crate::text::{clock, parse_clock, significant};
 
 /// Shows the playback's buttons; where it is narrow the time has a row of its own.
-pub fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {
+pub(crate) fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, requests: &mut Vec<Request>) {
     let (icon, name) = if session.playing() { ("⏸", "Pause") } else { ("▶", "Play") };
     if button(ui, icon, name, "Space") {
-        commands.push(Command::TogglePlay);
+        requests.push(Request::TogglePlay);
     }
     if button(ui, "⏭", "Step", "→") {
-        commands.push(Command::Step);
+        requests.push(Request::Step);
     }
     if button(ui, "↺", "Restart", "R") {
-        commands.push(Command::Restart);
+        requests.push(Request::Restart);
     }
-    speed_ui(ui, session, commands);
+    speed_ui(ui, session, requests);
     if !narrow {
         ui.separator();
     }
@@ -31,9 +31,9 @@ pub fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut
         let possible = mode == Mode::Live || session.can_be_whole();
         let too_long = format!("Too long to be recomputed at once: more than {} times Δt", Session::LONGEST_WHOLE);
         let button = ui.add_enabled(possible, button).on_hover_text(hint).on_disabled_hover_text(too_long);
-        places::remember(ui.ctx(), text, button.rect);
+        probe::remember(ui.ctx(), text, button.rect);
         if button.clicked() {
-            commands.push(Command::SetMode(mode));
+            requests.push(Request::SetMode(mode));
         }
     }
     if narrow {
@@ -41,30 +41,30 @@ pub fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut
     } else {
         ui.separator();
     }
-    time_ui(ui, session, commands);
+    time_ui(ui, session, requests);
 }
 
 fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
     let button = Button::new(RichText::new(icon).size(16.0)).min_size(egui::vec2(32.0, 26.0));
     let response = ui.add(button).on_hover_text(format!("{name} ({key})"));
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
-    places::remember(ui.ctx(), name, response.rect);
+    probe::remember(ui.ctx(), name, response.rect);
     response.clicked()
 }
 
-fn speed_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+fn speed_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let text = |speed: f64| format!("{}×", significant(speed, 3));
     let combo = ComboBox::from_id_salt("speed").selected_text(text(session.speed())).width(58.0).show_ui(ui, |ui| {
         for speed in Session::SPEEDS {
             if ui.selectable_label(session.speed() == speed, text(speed)).clicked() {
-                commands.push(Command::SetSpeed(speed));
+                requests.push(Request::SetSpeed(speed));
             }
         }
     });
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Speed"));
 }
 
-fn time_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let start = session.run().record().time_of(0);
     let mut time = session.time() - start;
     let end = start + session.end();
@@ -72,9 +72,9 @@ fn time_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.spacing_mut().slider_width = (ui.available_size_before_wrap().x - text_width).clamp(60.0, 260.0);
     let slider = ui.add(Slider::new(&mut time, 0.0..=session.end()).show_value(false));
     slider.ctx.accesskit_node_builder(slider.id, |node| node.set_label("Time"));
-    places::remember(ui.ctx(), "Time", slider.rect);
+    probe::remember(ui.ctx(), "Time", slider.rect);
     if slider.changed() {
-        commands.push(Command::Seek(time));
+        requests.push(Request::Seek(time));
     }
     if session.behind() {
         let share = 100 * session.run().done() / (session.position() + 1);
@@ -86,7 +86,7 @@ fn time_ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let field = ui.add(field.custom_parser(|text| parse_clock(text).map(|time| time - start)));
         field.ctx.accesskit_node_builder(field.id, |node| node.set_label("Time, value"));
         if field.changed() {
-            commands.push(Command::Seek(time));
+            requests.push(Request::Seek(time));
         }
         ui.label(format!("/ {}", clock(end)));
     } else {

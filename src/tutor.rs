@@ -3,11 +3,11 @@
 use egui::{Button, RichText, ScrollArea, Sense, TextWrapMode, Ui};
 use kalmanscope_lessons::{Lesson, LessonError, Mode as LessonMode, Step, View};
 
-use crate::command::Command;
-use crate::places;
+use crate::probe;
+use crate::request::{Request, ViewKind};
 use crate::session::{Mode, Session};
 use crate::theme::{self, Palette};
-use crate::views::{Shown, ViewKind};
+use crate::visibility::Visibility;
 
 /// A lesson in progress.
 pub struct Tutor {
@@ -37,10 +37,10 @@ impl Tutor {
     }
 
     /// Shows what the step is about: some channels or all, with bands or without.
-    pub fn choose(&self, shown: &mut Shown) {
+    pub fn choose(&self, visible: &mut Visibility) {
         if let Some(step) = self.current() {
-            shown.only.clone_from(&step.channels);
-            shown.bands = step.bands;
+            visible.only.clone_from(&step.channels);
+            visible.bands = step.bands;
         }
     }
 
@@ -102,13 +102,13 @@ impl Tutor {
     }
 
     /// The panel's contents.
-    pub fn ui(&self, ui: &mut Ui, palette: &Palette, commands: &mut Vec<Command>) {
+    pub fn ui(&self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) {
         let Self { lesson, step, changed } = self;
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
             let close = ui.add(Button::new("×").frame(false)).on_hover_text("Leave the lesson");
             close.ctx.accesskit_node_builder(close.id, |node| node.set_label("Leave the lesson"));
             if close.clicked() {
-                commands.push(Command::LeaveLesson);
+                requests.push(Request::LeaveLesson);
             }
             ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
                 ui.label(RichText::new(&lesson.title).family(theme::strong()).size(15.0));
@@ -130,9 +130,9 @@ impl Tutor {
                     Button::new(RichText::new(&change.label).color(palette.on_accent)).fill(palette.accent)
                 };
                 let button = ui.add(button.wrap());
-                places::remember(ui.ctx(), "Change", button.rect);
+                probe::remember(ui.ctx(), "Change", button.rect);
                 if button.clicked() {
-                    commands.push(Command::ChangeLesson);
+                    requests.push(Request::ChangeLesson);
                 }
                 ui.add_space(6.0);
             }
@@ -143,21 +143,21 @@ impl Tutor {
         });
         ui.horizontal(|ui| {
             if ui.add_enabled(*step > 0, Button::new("Back")).clicked() {
-                commands.push(Command::GoToStep(step - 1));
+                requests.push(Request::GoToStep(step - 1));
             }
             ui.weak(format!("{} of {}", step + 1, lesson.steps.len()));
             let ready = *changed || current.change.is_none();
             if step + 1 < lesson.steps.len() {
                 let next = ui.add_enabled(ready, Button::new("Next"));
-                places::remember(ui.ctx(), "Next", next.rect);
+                probe::remember(ui.ctx(), "Next", next.rect);
                 if next.clicked() {
-                    commands.push(Command::GoToStep(step + 1));
+                    requests.push(Request::GoToStep(step + 1));
                 }
             } else {
                 let done = ui.add_enabled(ready, Button::new("Done"));
-                places::remember(ui.ctx(), "Done", done.rect);
+                probe::remember(ui.ctx(), "Done", done.rect);
                 if done.clicked() {
-                    commands.push(Command::LeaveLesson);
+                    requests.push(Request::LeaveLesson);
                 }
             }
         });
@@ -190,18 +190,18 @@ fn kind(view: View) -> ViewKind {
     }
 }
 
-/// Where to begin, for someone who is here for the first time.
-pub(crate) fn invitation_ui(ui: &mut Ui, commands: &mut Vec<Command>) {
+/// An invitation to the first lesson, for the first visit.
+pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
     let link = ui.add(Button::new(text).frame(false).wrap_mode(TextWrapMode::Extend));
-    places::remember(ui.ctx(), "First lesson", link.rect);
+    probe::remember(ui.ctx(), "First lesson", link.rect);
     if link.clicked() {
-        commands.push(Command::StartLesson(0));
+        requests.push(Request::StartLesson(0));
     }
 }
 
 /// The menu of all lessons, by group.
-pub fn menu_ui(ui: &mut Ui, lessons: &[Lesson], commands: &mut Vec<Command>) {
+pub fn menu_ui(ui: &mut Ui, lessons: &[Lesson], requests: &mut Vec<Request>) {
     let menu = ui.menu_button("Lessons", |ui| {
         // All of them, as far as the window has room.
         let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);
@@ -213,13 +213,13 @@ pub fn menu_ui(ui: &mut Ui, lessons: &[Lesson], commands: &mut Vec<Command>) {
                     ui.label(RichText::new(group).small().weak());
                 }
                 let button = ui.button(&lesson.title).on_hover_text(&lesson.summary);
-                places::remember(ui.ctx(), &lesson.title, button.rect);
+                probe::remember(ui.ctx(), &lesson.title, button.rect);
                 if button.clicked() {
-                    commands.push(Command::StartLesson(place));
+                    requests.push(Request::StartLesson(place));
                     ui.close();
                 }
             }
         });
     });
-    places::remember(ui.ctx(), "Lessons", menu.response.rect);
+    probe::remember(ui.ctx(), "Lessons", menu.response.rect);
 }

@@ -24,7 +24,7 @@ fn peak_memory() -> Option<usize> {
 /// That nothing which has a value a sample has more than are kept.
 fn assert_bounded(session: &Session) {
     let (run, record) = (session.run(), session.run().record());
-    let mut lengths = BTreeSet::from([run.len(), record.len(), record.force().len()]);
+    let mut lengths = BTreeSet::from([run.len(), record.len(), record.input().len()]);
     lengths.extend((0..record.sensors().len()).map(|sensor| record.measured(sensor).len()));
     lengths.extend(Channel::all().into_iter().filter_map(|c| record.truth(c)).map(<[f64]>::len));
     for estimates in run.estimates() {
@@ -86,5 +86,5 @@ fn a_day_passes_in_bounded_memory() {
     let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(ekf.mean(last)), bits(other.mean(end)));
     assert_eq!(bits(ekf.cov(last)), bits(other.cov(end)));
-    assert_eq!(run.record().force()[last].to_bits(), plain.record().force()[end].to_bits());
+    assert_eq!(run.record().force(last).to_bits(), plain.record().force(end).to_bits());
 }

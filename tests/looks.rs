@@ -4,8 +4,10 @@ use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use kalmanscope::App;
+use kalmanscope::layout::Layout;
+use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::session::Mode;
-use kalmanscope::views::{Arrangement, Layout, ViewKind};
+use kalmanscope::views::view;
 
 const DESKTOP: Vec2 = Vec2::new(1280.0, 800.0);
 const PHONE: Vec2 = Vec2::new(390.0, 844.0);
@@ -38,25 +40,25 @@ fn it_looks_as_it_did() {
         screen.snapshot_options(name, &options);
         results.extend_harness(&mut screen);
     }
-    for view in ViewKind::ALL {
+    for kind in ViewKind::ALL {
         let mut screen = Harness::builder()
             .with_size(Vec2::new(900.0, 620.0))
             .with_theme(Theme::Light)
             .wgpu()
             .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
         let layout = screen.state_mut().layout_mut();
-        for shown in layout.shown().into_iter().chain([view]) {
+        for shown in layout.shown().into_iter().chain([kind]) {
             layout.toggle(shown);
         }
-        if !layout.shown().contains(&view) {
-            layout.toggle(view);
+        if !layout.shown().contains(&kind) {
+            layout.toggle(kind);
         }
         let session = screen.state_mut().session_mut();
         session.toggle_play();
         session.set_mode(Mode::Whole);
         session.seek(34.0);
         screen.run_steps(8);
-        screen.snapshot_options(format!("view-{}", view.view().name().replace(' ', "-").to_lowercase()), &options);
+        screen.snapshot_options(format!("view-{}", view(kind).name().replace(' ', "-").to_lowercase()), &options);
         results.extend_harness(&mut screen);
     }
     let mut screen = Harness::builder()

@@ -54,7 +54,7 @@ const PALETTE: [RGBColor; 6] = [
 ];
 /// The estimates of every filter with its colour.
 fn colored(run: &Run) -> impl Iterator<Item = (&Estimates, RGBColor)> {
-    run.estimates().iter().enumerate().map(|(place, estimates)| (estimates, PALETTE[estimates.color(place) as usize]))
+    run.estimates().iter().map(|estimates| (estimates, PALETTE[estimates.color() as usize]))
 }
 
 const TRUTH: RGBColor = RGBColor(0x3A, 0x3A, 0x3A);
@@ -180,8 +180,8 @@ fn paths(
 
 /// What was measured of a channel, if it is one that a sensor can measure.
 fn measurements(record: &Record, channel: Channel) -> Option<&[f64]> {
-    let quantity = Quantity::all().into_iter().find(|q| q.channel() == Some(channel))?;
-    record.measured_quantity(quantity)
+    let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel))?;
+    record.measured_quantity(*quantity)
 }
 
 fn font(size: u32) -> TextStyle<'static> {

@@ -14,15 +14,15 @@ const BOUND_CHUNK: usize = 2_000;
 /// Nanoseconds that diagnostics take for a sample, to within a factor of two.
 const DIAGNOSTICS_COST: f64 = 60.0;
 
-/// A Cramér-Rao bound and the places of the filters that it is for.
+/// A Cramér-Rao bound and the filters that it is for.
 pub struct Bound {
     /// The bound.
     pub bound: CramerRao,
-    /// The filters' places in the scenario.
-    pub places: Vec<usize>,
+    /// The filters' ids.
+    pub filters: Vec<u32>,
 }
 
-/// What is to be computed beside the estimates.
+/// The computations beside the estimates that are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wanted {
     /// Diagnostics, and how deep.
@@ -31,6 +31,29 @@ pub struct Wanted {
     pub smoothed: bool,
     /// The Cramér-Rao bounds, which cost as much as a filter.
     pub bounds: bool,
+}
+
+impl Wanted {
+    /// The estimates alone.
+    pub const NOTHING: Self = Self { diagnostics: None, smoothed: false, bounds: false };
+
+    /// The Cramér-Rao bounds.
+    pub const BOUNDS: Self = Self { bounds: true, ..Self::NOTHING };
+
+    /// Diagnostics of some depth.
+    pub const fn diagnostics(depth: Depth) -> Self {
+        Self { diagnostics: Some(depth), ..Self::NOTHING }
+    }
+
+    /// The computations that serve both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            diagnostics: self.diagnostics.max(other.diagnostics),
+            smoothed: self.smoothed || other.smoothed,
+            bounds: self.bounds || other.bounds,
+        }
+    }
 }
 
 impl Default for Wanted {
@@ -46,10 +69,12 @@ impl Default for Wanted {
 pub struct Analysis {
     wanted: Wanted,
     diagnostics: Vec<Diagnostics>,
+    /// The ids of their filters.
+    filters: Vec<u32>,
     /// Which of the diagnostics are those of the present estimates.
     begun: Vec<bool>,
     diagnosed: bool,
-    smoothed: Vec<(usize, Estimates)>,
+    smoothed: Vec<Estimates>,
     smoothing: Option<InProgress>,
     all_smoothed: bool,
     bounds: Vec<Bound>,
@@ -62,7 +87,6 @@ pub struct Analysis {
 
 /// A smoother on its way.
 struct InProgress {
-    place: usize,
     smoother: Box<dyn Smoothing>,
     estimates: Estimates,
 }
@@ -75,8 +99,8 @@ pub(crate) struct Subject<'a> {
     pub(crate) done: usize,
     /// Whether these are all.
     pub(crate) whole: bool,
-    /// Which filters have been analysed before.
-    pub(crate) known: &'a [bool],
+    /// The filters that have a place here have been analysed before.
+    pub(crate) known: &'a [Option<usize>],
     /// The bounds that are there.
     pub(crate) bounds: &'a [Bound],
 }
@@ -107,8 +131,8 @@ impl Analysis {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
 
-    /// The estimates with hindsight, with the places of their filters: of those that have a smoother.
-    pub fn smoothed(&self) -> &[(usize, Estimates)] {
+    /// The estimates with hindsight of the filters that have a smoother.
+    pub fn smoothed(&self) -> &[Estimates] {
         if self.all_smoothed { &self.smoothed } else { &[] }
     }
 
@@ -117,9 +141,9 @@ impl Analysis {
         if self.all_bounded { &self.bounds } else { &[] }
     }
 
-    /// The bound of the filter at a place.
-    pub fn bound(&self, place: usize) -> Option<&CramerRao> {
-        self.bounds().iter().find(|b| b.places.contains(&place)).map(|b| &b.bound)
+    /// The bound of the filter with an id.
+    pub fn bound(&self, id: u32) -> Option<&CramerRao> {
+        self.bounds().iter().find(|b| b.filters.contains(&id)).map(|b| &b.bound)
     }
 
     /// The same, complete or not.
@@ -165,26 +189,24 @@ impl Analysis {
             self.spare.append(&mut old.diagnostics);
             return;
         };
-        let filters = run.scenario().filters.len();
-        if self.wanted.diagnostics.is_some() {
-            let depth = self.wanted.diagnostics.unwrap_or_default();
-            self.diagnostics.resize_with(filters, || Diagnostics::empty(depth));
-            self.begun.resize(filters, false);
+        let ids: Vec<u32> = run.scenario().filters.iter().map(|filter| filter.id).collect();
+        if let Some(depth) = self.wanted.diagnostics {
+            self.diagnostics.resize_with(ids.len(), || Diagnostics::empty(depth));
+            self.begun.resize(ids.len(), false);
+            self.filters.clone_from(&ids);
         }
-        let mut old_diagnostics = old.diagnostics.into_iter().zip(old.begun);
-        for place in 0..self.diagnostics.len() {
-            match old_diagnostics.next() {
-                Some((diagnostics, begun)) if !changed.contains(&place) => {
-                    self.diagnostics[place] = diagnostics;
-                    self.begun[place] = begun;
-                }
-                Some((diagnostics, _)) => self.spare.push(diagnostics),
-                None => {}
+        for (id, (diagnostics, begun)) in old.filters.into_iter().zip(old.diagnostics.into_iter().zip(old.begun)) {
+            let place = ids.iter().position(|&new| new == id && !changed.contains(&id));
+            if let Some(place) = place.filter(|&place| place < self.diagnostics.len()) {
+                self.diagnostics[place] = diagnostics;
+                self.begun[place] = begun;
+            } else {
+                self.spare.push(diagnostics);
             }
         }
-        let kept = old.smoothed.into_iter().filter(|(place, _)| *place < filters && !changed.contains(place));
-        self.smoothed.extend(kept);
-        self.smoothed.sort_by_key(|(place, _)| *place);
+        let is_kept = |smoothed: &Estimates| ids.contains(&smoothed.id()) && !changed.contains(&smoothed.id());
+        self.smoothed.extend(old.smoothed.into_iter().filter(is_kept));
+        self.smoothed.sort_by_key(|smoothed| ids.iter().position(|&id| id == smoothed.id()));
         old.bounds.append(&mut self.bounds);
         self.bounds = bounds_of(run.scenario(), run.record().dt(), old.bounds, |_| true);
         self.chosen = true;
@@ -211,9 +233,11 @@ impl Analysis {
     }
 
     fn diagnose(&mut self, depth: Depth, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { diagnostics, begun, spare, .. } = self;
+        let Self { diagnostics, filters: ids, begun, spare, .. } = self;
         let Subject { bank, record, known, .. } = subject;
         let filters = bank.estimates.len();
+        ids.clear();
+        ids.extend(bank.estimates.iter().map(Estimates::id));
         spare.extend(diagnostics.drain(filters.min(diagnostics.len())..));
         diagnostics.resize_with(filters, || spare.pop().unwrap_or_else(|| Diagnostics::empty(depth)));
         begun.resize(filters, false);
@@ -239,27 +263,27 @@ impl Analysis {
     fn smooth(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { smoothed, smoothing, .. } = self;
         let Subject { bank, record, done, known, .. } = subject;
-        let scenario = bank.scenario();
-        for place in (0..scenario.filters.len()).filter(|&place| scenario.filters[place].smoother && !is_known(known, place)) {
-            if smoothed.iter().any(|(at, _)| *at == place) {
+        let Scenario { filters, plant, .. } = bank.scenario();
+        for place in (0..filters.len()).filter(|&place| filters[place].smoother && !is_known(known, place)) {
+            if smoothed.iter().any(|of| of.id() == filters[place].id) {
                 continue;
             }
-            let Some(smoother) = smoothing.take().or_else(|| {
+            let Some(current) = smoothing.take().or_else(|| {
                 let smoother = bank.smoother(place, record.dt())?;
-                Some(InProgress { place, smoother, estimates: bank.smoothed(place) })
+                Some(InProgress { smoother, estimates: bank.smoothed(place) })
             }) else {
-                smoothed.push((place, bank.smoothed(place)));
+                smoothed.push(bank.smoothed(place));
                 continue;
             };
-            let InProgress { place, mut smoother, mut estimates } = smoother;
-            let chunk = cost::chunk(2.0 * cost::of_step(&scenario.filters[place], scenario.plant.kind));
+            let InProgress { mut smoother, mut estimates } = current;
+            let chunk = cost::chunk(2.0 * cost::of_step(&filters[place], plant.kind));
             loop {
                 if smoother.advance(record, *done, chunk, &mut estimates) {
-                    smoothed.push((place, estimates));
+                    smoothed.push(estimates);
                     break;
                 }
                 if !while_time() {
-                    *smoothing = Some(InProgress { place, smoother, estimates });
+                    *smoothing = Some(InProgress { smoother, estimates });
                     return false;
                 }
             }
@@ -270,8 +294,7 @@ impl Analysis {
     fn follow_bounds(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Subject { bank, record, bounds: there, .. } = subject;
         if !self.chosen {
-            let is_missing =
-                |place: usize| !there.iter().any(|b| b.bound.is_for(bank.scenario(), place));
+            let is_missing = |place: usize| !there.iter().any(|b| b.bound.is_for(bank.scenario(), place));
             let old = std::mem::take(&mut self.bounds);
             self.bounds = bounds_of(bank.scenario(), record.dt(), old, is_missing);
             self.chosen = true;
@@ -305,8 +328,8 @@ impl Analysis {
             }
             if self.wanted.smoothed && subject.whole && filter.smoother && !filter.kind.is_sampled() {
                 let cost = 2.0 * samples * cost::of_step(filter, scenario.plant.kind);
-                let current = self.smoothing.as_ref().filter(|s| s.place == place);
-                let share = if self.smoothed.iter().any(|(at, _)| *at == place) {
+                let current = self.smoothing.as_ref().filter(|current| current.estimates.id() == filter.id);
+                let share = if self.smoothed.iter().any(|of| of.id() == filter.id) {
                     1.0
                 } else {
                     current.map_or(0.0, |current| current.smoother.progress(*done))
@@ -319,21 +342,22 @@ impl Analysis {
     }
 }
 
-fn is_known(known: &[bool], place: usize) -> bool {
-    known.get(place).copied().unwrap_or(false)
+fn is_known(known: &[Option<usize>], place: usize) -> bool {
+    known.get(place).is_some_and(Option::is_some)
 }
 
 /// The bounds of a scenario's filters: those of `old` that are for them, and new ones for places that need one.
 fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl Fn(usize) -> bool) -> Vec<Bound> {
     let mut bounds: Vec<Bound> = Vec::new();
     for place in (0..scenario.filters.len()).filter(|&place| is_needed(place)) {
+        let id = scenario.filters[place].id;
         let is_for = |b: &Bound| b.bound.is_for(scenario, place);
         if let Some(same) = bounds.iter_mut().find(|b| is_for(b)) {
-            same.places.push(place);
+            same.filters.push(id);
         } else if let Some(same) = old.iter().position(is_for) {
-            bounds.push(Bound { places: vec![place], ..old.swap_remove(same) });
+            bounds.push(Bound { filters: vec![id], ..old.swap_remove(same) });
         } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
-            bounds.push(Bound { bound, places: vec![place] });
+            bounds.push(Bound { bound, filters: vec![id] });
         }
     }
     bounds

@@ -20,16 +20,18 @@ impl Bank {
     pub(crate) fn new(scenario: &Scenario, record: &Record) -> Result<Self, RunError> {
         let quantities = scenario.sensors.iter().map(|s| s.measures).collect();
         let sensors = sensor_places(scenario, record)?;
-        Ok(Self { scenario: scenario.clone(), quantities, sensors, passes: Vec::new(), estimates: Vec::new() })
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        Ok(Self { scenario, quantities, sensors, passes: Vec::new(), estimates: Vec::new() })
     }
 
-    /// The scenario.
+    /// The scenario; each filter has an id of its own.
     pub(crate) fn scenario(&self) -> &Scenario {
         &self.scenario
     }
 
     fn context(&self, dt: f64, place: usize) -> FilterContext<'_> {
-        FilterContext::new(&self.scenario, &self.quantities, dt, place)
+        FilterContext::new(&self.scenario, &self.quantities, dt, &self.scenario.filters[place])
     }
 
     /// Adds the scenario's next filter before the first sample, with room for `samples` in the memory of estimates that are
@@ -85,8 +87,7 @@ impl Bank {
     /// Empty estimates for a smoother of the filter at a place. It knows of no innovation: they are the filter's.
     pub(crate) fn smoothed(&self, place: usize) -> Estimates {
         let filter = &self.scenario.filters[place];
-        let named = FilterSettings { name: format!("{}, smoothed", filter.name), ..filter.clone() };
         let model = filter.model(self.scenario.plant.kind, self.scenario.input);
-        Estimates::new(&named, &model, Vec::new())
+        Estimates::new(filter, &model, Vec::new()).of_smoother()
     }
 }

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use crate::estimator::FilterContext;
 use crate::kernel::estimator::{build_filter, initial_belief, with_model};
-use crate::kernel::{Belief, Correction, Filter, Linearised};
 use crate::kernel::gaussian::Vector;
 use crate::kernel::model::Model;
 use crate::kernel::plant::Visitor;
+use crate::kernel::{Belief, Correction, Filter, Linearised};
 use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, Scenario};
 
 /// The posterior Cramér-Rao bound for one filter of a scenario: no unbiased filter that begins with its initial belief and
@@ -43,7 +43,7 @@ impl CramerRao {
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
         let (input, hold) = (scenario.input, scenario.hold);
-        let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed: scenario.seed, place };
+        let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed: scenario.seed, stream: 0 };
         let recursion = with_model(&settings, &context, Start { settings: &settings, context })?;
         Some(Self { settings, channels: plant.channels(), recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }

@@ -26,6 +26,8 @@ pub struct Stop {
 /// n × m gain. At the run's first sample and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
 #[derive(Clone, Debug)]
 pub struct Estimates {
+    id: u32,
+    smoothed: bool,
     name: String,
     kind: FilterKind,
     color: Option<FilterColor>,
@@ -58,6 +60,8 @@ impl Estimates {
     pub(crate) fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
         let (plant, channels) = (model.plant(), model.channels());
         Self {
+            id: settings.id,
+            smoothed: false,
             name: settings.name.clone(),
             kind: settings.kind,
             color: settings.color,
@@ -81,6 +85,11 @@ impl Estimates {
             effective_samples: Vec::new(),
             stop: None,
         }
+    }
+
+    /// The same for what a smoother makes of the filter's record.
+    pub(crate) fn of_smoother(self) -> Self {
+        Self { name: format!("{}, smoothed", self.name), smoothed: true, ..self }
     }
 
     /// Takes over the memory of estimates that are no longer needed, with room for `samples`, or as many as are kept of a
@@ -165,7 +174,17 @@ impl Estimates {
         self.stop = Some(stop);
     }
 
-    /// The filter's name.
+    /// The filter's id.
+    pub fn id(&self) -> u32 {
+        self.id
+    }
+
+    /// Whether these are what a smoother made of the filter's record.
+    pub fn is_smoothed(&self) -> bool {
+        self.smoothed
+    }
+
+    /// The name on screen: the filter's, and whether it is smoothed.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -175,9 +194,9 @@ impl Estimates {
         self.kind
     }
 
-    /// The colour of the filter, which is at `place` among the filters.
-    pub fn color(&self, place: usize) -> FilterColor {
-        self.color.unwrap_or(FilterColor::at(place))
+    /// The colour of the filter.
+    pub fn color(&self) -> FilterColor {
+        self.color.unwrap_or(FilterColor::of(self.id))
     }
 
     /// The kind of plant that the filter takes the truth for.

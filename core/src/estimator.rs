@@ -10,13 +10,8 @@ pub(crate) trait Estimator: Send {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// Predicts from the last sample with its force, updates with this sample's measurements, and reports.
-    fn step(
-        &mut self,
-        force_before: f64,
-        force: f64,
-        measured: &[f64],
-        sink: &mut dyn Sink,
-    ) -> Result<(), FilterError>;
+    fn step(&mut self, force_before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink)
+    -> Result<(), FilterError>;
 }
 
 /// A filter that has no covariance to draw its sample from, or none that has a root, fails at the first sample.
@@ -47,16 +42,17 @@ pub(crate) struct FilterContext<'a> {
     pub(crate) dt: f64,
     /// Seed of the scenario.
     pub(crate) seed: u64,
-    /// The filter's place among the scenario's.
-    pub(crate) place: usize,
+    /// The number of the filter's own stream of random numbers, from 0 on.
+    pub(crate) stream: usize,
 }
 
 impl<'a> FilterContext<'a> {
-    /// The context of a scenario's filter at `place`, with `dt` \[s\] between samples; `sensors` are what the scenario's
-    /// measure.
-    pub(crate) fn new(scenario: &Scenario, sensors: &'a [Quantity], dt: f64, place: usize) -> Self {
+    /// The context of one of a scenario's filters, with `dt` \[s\] between samples; `sensors` are the quantities that the
+    /// scenario's measure.
+    pub(crate) fn new(scenario: &Scenario, sensors: &'a [Quantity], dt: f64, filter: &FilterSettings) -> Self {
         let Scenario { seed, plant, input, hold, .. } = scenario;
-        Self { plant: plant.kind, input: *input, hold: *hold, sensors, dt, seed: *seed, place }
+        let stream = filter.id.saturating_sub(1) as usize;
+        Self { plant: plant.kind, input: *input, hold: *hold, sensors, dt, seed: *seed, stream }
     }
 
     /// The model of a filter with these settings.

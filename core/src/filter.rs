@@ -41,4 +41,3 @@ pub enum FilterError {
     #[error("the force is not a finite number")]
     UndefinedForce,
 }
-

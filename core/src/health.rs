@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::quantity::MAX_SENSORS;
 use crate::sink::{AssumedNoise, Sample};
-use crate::{Channel, FilterKind, FilterSettings, Values, PlantKind, Quantity};
+use crate::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Values};
 
 /// Something to know about a filter that goes on all the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]

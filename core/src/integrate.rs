@@ -30,4 +30,3 @@ pub(crate) fn doublings(size: f64) -> u32 {
         0
     }
 }
-

@@ -24,10 +24,12 @@ impl Pass {
     /// [`RunError::MissingSensor`] and [`RunError::InputKind`] where the record is not one of this scenario.
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
         scenario.validate()?;
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
         let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let sensors = sensor_places(scenario, record)?;
-        let context = FilterContext::new(scenario, &quantities, record.dt(), place);
+        let sensors = sensor_places(&scenario, record)?;
+        let context = FilterContext::new(&scenario, &quantities, record.dt(), filter);
         Ok(Self::with(filter, context, sensors))
     }
 

@@ -16,7 +16,7 @@ pub(crate) enum Purpose {
     Force,
     Disturbance,
     Sensor(crate::Quantity),
-    /// The members of the ensemble of the filter at a place.
+    /// The members of a filter's ensemble, by the number of its stream.
     Ensemble(usize),
 }
 
@@ -26,7 +26,7 @@ impl Purpose {
             Self::Force => 0,
             Self::Disturbance => 1,
             Self::Sensor(quantity) => quantity.stream(),
-            Self::Ensemble(place) => 64 + place as u64,
+            Self::Ensemble(stream) => 64 + stream as u64,
         }
     }
 }

@@ -123,8 +123,18 @@ impl Record {
 
     /// Forgets the first `samples`, in place.
     pub(crate) fn forget(&mut self, samples: usize) {
-        let Self { dt: _, start: _, forgotten, kind: _, hold: _, input, sensors: _, measured, truth_channels: _, truth } =
-            self;
+        let Self {
+            dt: _,
+            start: _,
+            forgotten,
+            kind: _,
+            hold: _,
+            input,
+            sensors: _,
+            measured,
+            truth_channels: _,
+            truth,
+        } = self;
         *forgotten += samples;
         for column in std::iter::once(input).chain(measured).chain(truth) {
             column.drain(..samples);

@@ -69,8 +69,8 @@ pub struct Run {
 pub enum Update {
     /// The truth, or the way in which a given record is read, and every filter.
     Everything,
-    /// The filters at these places; the truth and all other filters are as they were, but for those at the end that are gone.
-    Filters(Vec<usize>),
+    /// The filters with these ids; the truth and all other filters are as they were, but for those that are gone.
+    Filters(Vec<u32>),
 }
 
 impl Run {

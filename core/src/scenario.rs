@@ -1,6 +1,7 @@
 //! The settings from which everything follows.
 
 mod color;
+mod identity;
 mod plant;
 mod syntax;
 mod validate;
@@ -61,11 +62,15 @@ pub struct Sensor {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FilterSettings {
+    /// The number by which the filter is known as others come and go, from 1 on; 0 or left out in a file for that of its
+    /// place. An ensemble's random numbers and the usual colour follow from it.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub id: u32,
     /// The name on screen and in files; its kind's if left empty.
     pub name: String,
     /// The kind of filter.
     pub kind: FilterKind,
-    /// The colour in which the filter is drawn; by its place among the filters if left out.
+    /// The colour in which the filter is drawn; by its id if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<FilterColor>,
     /// The kind of plant that the filter takes the truth for; the truth's own if left out.
@@ -125,6 +130,7 @@ pub enum ScenarioError {
 impl Default for FilterSettings {
     fn default() -> Self {
         Self {
+            id: 0,
             name: String::new(),
             kind: FilterKind::EKF,
             color: None,
@@ -274,6 +280,7 @@ impl Scenario {
 
     /// Completes what a file may leave out because it follows from the rest.
     fn fill_in(&mut self) {
+        self.number_filters();
         let Self { sensors, filters, plant, input, .. } = self;
         for filter in filters {
             let model = filter.model(plant.kind, *input);
@@ -298,6 +305,11 @@ fn default_filters() -> Vec<FilterSettings> {
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_zero(id: &u32) -> bool {
+    *id == 0
 }
 
 /// A sensor may be perfect, but a filter that is told so has a singular innovation covariance sooner or later.

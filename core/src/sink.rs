@@ -29,6 +29,25 @@ pub struct Sample<'a> {
     pub noise: Option<AssumedNoise<'a>>,
 }
 
+impl<'a> Sample<'a> {
+    /// A belief that no measurement belongs to.
+    pub fn unmeasured(mean: &'a [f64], cov: &'a [f64]) -> Self {
+        let nan = f64::NAN;
+        Self {
+            mean,
+            cov,
+            innovation: &[],
+            innovation_cov: &[],
+            gain: &[],
+            nis: nan,
+            determinant: nan,
+            log_likelihood: nan,
+            effective_samples: nan,
+            noise: None,
+        }
+    }
+}
+
 /// The variances that an adaptive filter assumes.
 #[derive(Clone, Copy, Debug)]
 pub struct AssumedNoise<'a> {

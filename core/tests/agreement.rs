@@ -1,34 +1,40 @@
 //! Different ways to the same numbers agree.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Sensor, Signal, Update, Values,
 };
-use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
 
-const PARAMETERS_KNOWN: Values = Values { displacement: 0.3, velocity: 1.0, ..Values::ZERO };
+use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector2, Vector3};
+use run::finished;
+
+fn parameters_known() -> Values {
+    Values::ZERO.with([(Channel::DISPLACEMENT, 0.3), (Channel::VELOCITY, 1.0)])
+}
 
 /// All sensors, parameters known to every filter.
 fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
     let mut scenario = Scenario { dt, duration: 4.0, ..Scenario::default() };
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
     let settings = |&kind: &FilterKind| FilterSettings {
         name: kind.name().to_owned(),
         kind,
         fading: 1.002,
         sensor_std: vec![0.01, 0.06, 0.5],
-        initial_mean: Values {
-            displacement: 0.2,
-            velocity: -0.5,
-            natural_frequency: 6.0,
-            damping_ratio: 0.05,
-            ..Values::ZERO
-        },
-        initial_std: PARAMETERS_KNOWN,
-        process_std: Values { natural_frequency: 0.0, damping_ratio: 0.0, ..Values::PROCESS_STD },
+        initial_mean: Values::ZERO.with([
+            (Channel::DISPLACEMENT, 0.2),
+            (Channel::VELOCITY, -0.5),
+            (Channel::NATURAL_FREQUENCY, 6.0),
+            (Channel::DAMPING_RATIO, 0.05),
+        ]),
+        initial_std: parameters_known(),
+        process_std: Values::PROCESS_STD.with([(Channel::NATURAL_FREQUENCY, 0.0), (Channel::DAMPING_RATIO, 0.0)]),
         ..FilterSettings::default()
     };
     scenario.filters = kinds.iter().map(settings).collect();
@@ -44,13 +50,6 @@ fn eventful(dt: f64) -> Scenario {
     scenario.filters.push(eta);
     scenario.filters.push(FilterSettings { kind: FilterKind::KF, ..scenario.filters[0].clone() });
     scenario
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    assert_eq!(run.len(), scenario.samples());
-    run
 }
 
 /// Every number of some estimates, to the bit.
@@ -102,8 +101,9 @@ fn difference(a: &Estimates, b: &Estimates) -> f64 {
 
 #[test]
 fn all_filters_are_one_where_the_plant_is_linear() {
-    use FilterKind::{Ckf, Ekf, Iekf, Kf, SrUkf, Ukf};
-    let run = finished(&known_parameters(&[Kf, Ekf, Iekf, Ukf, SrUkf, Ckf], 0.001));
+    const KINDS: [FilterKind; 6] =
+        [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
+    let run = finished(&known_parameters(&KINDS, 0.001));
     let [kf, ekf, others @ ..] = run.estimates() else { unreachable!("six kinds") };
     assert_eq!(bits(kf), bits(ekf));
     for other in others {
@@ -116,14 +116,13 @@ fn all_filters_are_one_where_the_plant_is_linear() {
 
 #[test]
 fn fading_is_the_same_for_every_filter() {
-    use FilterKind::{Ckf, Ekf, Enkf, Iekf, Kf, Pf, SrUkf, Ukf};
     for fading in [1.0, 1.002, 1.05] {
-        let mut scenario = known_parameters(&[Kf, Ekf, Iekf, Ukf, SrUkf, Ckf, Enkf, Pf], 0.001);
+        let mut scenario = known_parameters(&FilterKind::ALL, 0.001);
         scenario.duration = 0.3;
         for filter in &mut scenario.filters {
             (filter.fading, filter.ensemble_size) = (fading, 400);
             // Without measurements or process noise the variance is that of the free motion, times fading to the k.
-            (filter.process_std, filter.initial_std) = (Values::ZERO, PARAMETERS_KNOWN);
+            (filter.process_std, filter.initial_std) = (Values::ZERO, parameters_known());
         }
         let record = finished(&scenario).record().clone();
         scenario.sensors.clear();
@@ -158,7 +157,7 @@ fn exponential(m: Matrix3<f64>) -> Matrix3<f64> {
 /// `(I - K H) P`.
 fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
     let settings = &scenario.filters[0];
-    let (wn, zeta) = (settings.initial_mean.natural_frequency, settings.initial_mean.damping_ratio);
+    let (wn, zeta) = (settings.initial_mean[Channel::NATURAL_FREQUENCY], settings.initial_mean[Channel::DAMPING_RATIO]);
     let (a, b) = (-wn * wn, -2.0 * zeta * wn);
     let whole = exponential(Matrix3::new(0.0, 1.0, 0.0, a, b, 1.0, 0.0, 0.0, 0.0) * scenario.dt);
     let transition: Matrix2<f64> = whole.fixed_view::<2, 2>(0, 0).into();
@@ -173,10 +172,10 @@ fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64
     let mut cov = variances(&settings.initial_std);
     let mut beliefs = vec![(mean, cov)];
     for k in 1..record.len() {
-        mean = transition * mean + input * record.force()[k - 1];
+        mean = transition * mean + input * record.force(k - 1);
         cov = transition * cov * transition.transpose() * settings.fading + process;
         let z = Vector3::from_fn(|i, _| record.measured(i)[k]);
-        let feedthrough = Vector3::new(0.0, 0.0, record.force()[k]);
+        let feedthrough = Vector3::new(0.0, 0.0, record.force(k));
         let innovation = z - observation * mean - feedthrough;
         let innovation_cov = observation * cov * observation.transpose() + noise;
         let gain = cov * observation.transpose() * innovation_cov.try_inverse().unwrap();
@@ -305,18 +304,22 @@ fn an_updated_run_is_a_new_run() {
         ..FilterSettings::default()
     });
     scenario.filters.extend(more);
-    let count = scenario.filters.len();
+    scenario.number_filters();
     let mut run = Run::new(&scenario).unwrap();
     run.advance_to(200);
     type Edit = fn(&mut Scenario);
-    let edits: [(Edit, Update); 8] = [
+    let edits: [(Edit, Update); 9] = [
         (|_| {}, Update::Filters(vec![])),
-        (|s| s.filters[1].fading = 1.01, Update::Filters(vec![1])),
+        (|s| s.filters[1].fading = 1.01, Update::Filters(vec![2])),
         (|s| s.sensors[0].noise_std = 0.02, Update::Everything),
-        (|s| s.filters[3].sensor_std[1] = 0.2, Update::Filters(vec![3])),
-        (|s| drop(s.filters.remove(0)), Update::Filters((0..count - 1).collect())),
+        (|s| s.filters[3].sensor_std[1] = 0.2, Update::Filters(vec![4])),
+        (|s| drop(s.filters.remove(0)), Update::Filters(vec![])),
+        (|s| s.filters.swap(0, 2), Update::Filters(vec![])),
         (|s| s.filters.truncate(4), Update::Filters(vec![])),
-        (|s| s.filters.push(FilterSettings { name: "new".into(), ..s.filters[0].clone() }), Update::Filters(vec![4])),
+        (
+            |s| s.filters.push(FilterSettings { id: 1, name: "new".into(), ..s.filters[0].clone() }),
+            Update::Filters(vec![1]),
+        ),
         (|s| s.plant.disturbance_std = 0.5, Update::Everything),
     ];
     for (i, (edit, computed)) in edits.into_iter().enumerate() {

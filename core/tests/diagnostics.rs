@@ -1,6 +1,9 @@
 //! Diagnostics of whole runs: against direct computations, in any portions, in the canonical form.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::diagnostics::{Depth, LAGS, Tally};
@@ -8,19 +11,15 @@ use kalmanscope_core::{
     Channel, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Summary,
 };
 
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
-}
+use run::finished;
 
 /// Frequency 6 rad/s, damping 0.05, an EKF with a first guess of the frequency.
 fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
     let mut scenario = Scenario::default();
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.filters.truncate(1);
-    scenario.filters[0].initial_mean.natural_frequency = natural_frequency;
-    scenario.filters[0].initial_mean.damping_ratio = damping_ratio;
+    scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = natural_frequency;
+    scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = damping_ratio;
     scenario
 }
 

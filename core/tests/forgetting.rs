@@ -62,7 +62,7 @@ fn assert_is_end_of_run(kept: &Run, all: &Run) {
     let gone = record.forgotten();
     assert_eq!((kept.done(), kept.samples()), (all.done(), all.samples()));
     assert_eq!((kept.len(), record.len()), (all.len() - gone, all.len() - gone));
-    assert_eq!(bits(record.force()), bits(&whole.force()[gone..]));
+    assert_eq!(bits(record.input()), bits(&whole.input()[gone..]));
     for sensor in 0..record.sensors().len() {
         assert_eq!(bits(record.measured(sensor)), bits(&whole.measured(sensor)[gone..]));
     }
@@ -116,7 +116,7 @@ fn the_memory_stays_where_it_is() {
 fn a_truth_that_runs_away_does_so_at_the_same_sample() {
     let mut scenario = Scenario { force: Force::None, ..Scenario::default() };
     scenario.set_plant(PlantKind::DUFFING);
-    scenario.plant.cubic_stiffness = Signal::Constant(-300.0);
+    scenario.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
     scenario.plant.initial.displacement = 0.5;
     let mut all = Run::new(&scenario).unwrap();
     all.finish();
@@ -133,7 +133,7 @@ fn a_truth_that_runs_away_does_so_at_the_same_sample() {
 fn diagnostics_and_bounds_speak_of_what_is_kept() {
     let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
     scenario.filters.push(FilterSettings { kind: FilterKind::KF, ..scenario.filters[0].clone() });
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     let mut all = Run::new(&scenario).unwrap();
     let mut kept = Run::new(&scenario).unwrap();
     let mut following: Vec<Diagnostics> = kept.estimates().iter().map(|e| Diagnostics::new(e, kept.record())).collect();

@@ -3,17 +3,20 @@
 
 #[path = "common/health.rs"]
 mod health;
+#[path = "common/run.rs"]
+mod run;
 
 use std::cell::Cell;
 use std::sync::Arc;
 
 use health::{check_file, check_scenario, scenario_of};
 use kalmanscope_core::{
-    Adaptation, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity, Record,
-    Remark, Run, Scenario, Sensor, Signal, Stop, Trouble, TruthError, TruthStop, Values,
+    Adaptation, Aspect, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity,
+    Record, Remark, Run, Scenario, Sensor, Signal, Stop, Trouble, TruthError, TruthStop, Values,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
+use run::finished;
 
 /// The same cases every time, so that a test fails for a reason.
 fn config(cases: u32) -> ProptestConfig {
@@ -57,12 +60,6 @@ proptest! {
     }
 }
 
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
-}
-
 fn built_in(name: &str) -> Scenario {
     let path = format!("{}/../assets/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     Scenario::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap()
@@ -104,7 +101,7 @@ fn forgetting_without_excitation_winds_up_and_is_remarked_once() {
     check_scenario(&scenario, 0).unwrap();
     let run = finished(&scenario);
     for estimates in run.estimates().iter().filter(|e| e.kind() == FilterKind::EKF) {
-        let limit = 1e3 * scenario.filters[0].initial_std.natural_frequency;
+        let limit = 1e3 * scenario.filters[0].initial_std[Channel::NATURAL_FREQUENCY];
         let far = (0..estimates.len()).find(|&k| estimates.std(k, 2) > limit).unwrap();
         let wound_up = remark(estimates, Trouble::WindUp(Channel::NATURAL_FREQUENCY)).unwrap();
         assert_eq!(wound_up.sample, far, "{}", estimates.name());
@@ -147,7 +144,7 @@ fn perfect_sensors_make_s_singular_sooner_or_later() {
     scenario.sensors.push(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.0 });
     let filter = &mut scenario.filters[0];
     filter.sensor_std = vec![1e-200; 3];
-    filter.initial_std = Values { displacement: 0.1, velocity: 0.3, ..Values::ZERO };
+    filter.initial_std = Values::ZERO.with([(Channel::DISPLACEMENT, 0.1), (Channel::VELOCITY, 0.3)]);
     filter.process_std = Values::ZERO;
     // The acceleration follows from displacement and velocity.
     assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::SingularInnovation }));
@@ -159,8 +156,8 @@ fn an_indefinite_covariance_is_refused_or_remarked() {
     let nothing = Values::ZERO;
     let filter = FilterSettings {
         kind: FilterKind::EKF,
-        initial_mean: Values { natural_frequency: 61.7, damping_ratio: 0.55, ..nothing },
-        initial_std: Values { natural_frequency: 1.0, ..nothing },
+        initial_mean: nothing.with([(Channel::NATURAL_FREQUENCY, 61.7), (Channel::DAMPING_RATIO, 0.55)]),
+        initial_std: nothing.with([(Channel::NATURAL_FREQUENCY, 1.0)]),
         process_std: nothing,
         ..FilterSettings::default()
     };
@@ -186,8 +183,8 @@ fn a_divergence_is_one() {
 #[test]
 fn settings_too_large_to_square_are_said_to_be_so_at_the_first_sample() {
     for kind in FilterKind::ALL {
-        let wide = |settings: &mut FilterSettings| settings.initial_std.displacement = 1e200;
-        let noisy = |settings: &mut FilterSettings| settings.process_std.displacement = 1e200;
+        let wide = |settings: &mut FilterSettings| settings.initial_std[Channel::DISPLACEMENT] = 1e200;
+        let noisy = |settings: &mut FilterSettings| settings.process_std[Channel::DISPLACEMENT] = 1e200;
         let blind = |settings: &mut FilterSettings| settings.sensor_std[0] = 1e200;
         for change in [wide, noisy, blind] {
             let mut scenario = with_filter(kind);
@@ -211,13 +208,13 @@ fn a_measurement_without_likelihood_is_not_called_divergence() {
 
 #[test]
 fn a_plant_that_runs_away_ends_the_record_and_says_where() {
-    let plant = Plant { kind: PlantKind::DUFFING, cubic_stiffness: Signal::Constant(-300.0), ..Plant::default() };
+    let plant = Plant::default().of_kind(PlantKind::DUFFING).with(Channel::CUBIC_STIFFNESS, -300.0);
     let mut scenario = Scenario { plant, ..with_filter(FilterKind::UKF) };
     scenario.plant.initial.displacement = 1.0;
     check_scenario(&scenario, 0).unwrap();
     let run = finished(&scenario);
     let TruthStop { sample, reason } = run.truth_stop().unwrap();
-    assert!(matches!(reason, TruthError::Channel(Channel::DISPLACEMENT | Channel::VELOCITY)), "{reason:?}");
+    assert!([Channel::DISPLACEMENT, Channel::VELOCITY].map(TruthError::Channel).contains(&reason), "{reason:?}");
     assert!(reason.to_string().contains("run away"));
     assert_eq!((sample, sample), (run.len(), run.samples()));
     assert!(sample < scenario.samples());
@@ -241,7 +238,7 @@ fn a_force_and_a_sensor_that_overflow_end_the_record_and_are_named() {
 /// Every step of such a motion crosses kinks, and halving it does not help: once that took for ever.
 #[test]
 fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
-    let plant = Plant { kind: PlantKind::BOUC_WEN, natural_frequency: Signal::Constant(1e9), ..Plant::default() };
+    let plant = Plant::default().of_kind(PlantKind::BOUC_WEN).with(Channel::NATURAL_FREQUENCY, 1e9);
     let scenario = Scenario { plant, dt: 1.0, duration: 20.0, filters: vec![], ..Scenario::default() };
     check_scenario(&scenario, 0).unwrap();
 }
@@ -251,7 +248,8 @@ fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
 fn particles_too_far_apart_for_a_covariance_stop_the_filter() {
     let mut scenario = with_filter(FilterKind::PF);
     scenario.filters[0].ensemble_size = 10;
-    scenario.filters[0].initial_std = Values { velocity: 1e153, natural_frequency: 1e153, ..Values::ZERO };
+    scenario.filters[0].initial_std =
+        Values::ZERO.with([(Channel::VELOCITY, 1e153), (Channel::NATURAL_FREQUENCY, 1e153)]);
     assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::NotFinite }));
 }
 

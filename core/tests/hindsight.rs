@@ -1,33 +1,32 @@
 //! The smoother and the Cramér-Rao bound.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use kalmanscope_core::{
     Channel, CramerRao, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor,
     Signal, Values,
 };
+
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
+use run::finished;
 
 /// A KF, or another filter told the same, of an oscillator whose parameters it knows.
 fn known(kind: FilterKind, samples: usize) -> Scenario {
     let mut scenario = Scenario { duration: 0.01 * (samples - 1) as f64, ..Scenario::default() };
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.plant.disturbance_std = 2.0;
     scenario.filters = vec![FilterSettings {
         kind,
         smoother: true,
-        initial_mean: Values { natural_frequency: 6.0, damping_ratio: 0.05, ..Values::ZERO },
-        initial_std: Values { displacement: 0.3, velocity: 1.0, ..Values::ZERO },
-        process_std: Values { displacement: 1e-4, velocity: 0.02, ..Values::ZERO },
+        initial_mean: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 6.0), (Channel::DAMPING_RATIO, 0.05)]),
+        initial_std: Values::ZERO.with([(Channel::DISPLACEMENT, 0.3), (Channel::VELOCITY, 1.0)]),
+        process_std: Values::ZERO.with([(Channel::DISPLACEMENT, 1e-4), (Channel::VELOCITY, 0.02)]),
         ..scenario.filters[0].clone()
     }];
     scenario.filters[0].fading = 1.0;
     scenario
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
 }
 
 fn smoothed(run: &Run) -> Estimates {
@@ -48,14 +47,15 @@ fn batch(run: &Run, scenario: &Scenario) -> (SVector<f64, STATES>, SMatrix<f64, 
     let dh = decay * (wd * dt).cos() - zeta * wn * h;
     let transition = Matrix2::new(dh + 2.0 * zeta * wn * h, h, -wn * wn * h, dh);
     let q = (1.0 - transition[(0, 0)]) / (wn * wn);
-    let variance =
-        |per: &Values| Matrix2::from_diagonal(&Vector2::new(per.displacement, per.velocity).map(|std| std * std));
+    let variance = |per: &Values| {
+        Matrix2::from_diagonal(&Vector2::new(per[Channel::DISPLACEMENT], per[Channel::VELOCITY]).map(|std| std * std))
+    };
     let mut mean = SVector::<f64, STATES>::zeros();
     let mut cov = SMatrix::<f64, STATES, STATES>::zeros();
     cov.fixed_view_mut::<2, 2>(0, 0).copy_from(&variance(&filter.initial_std));
     for k in 1..SAMPLES {
         let before: Vector2<f64> = mean.fixed_rows::<2>(2 * k - 2).into();
-        mean.fixed_rows_mut::<2>(2 * k).copy_from(&(transition * before + Vector2::new(q, h) * record.force()[k - 1]));
+        mean.fixed_rows_mut::<2>(2 * k).copy_from(&(transition * before + Vector2::new(q, h) * record.force(k - 1)));
         for j in 0..k {
             let block: Matrix2<f64> = cov.fixed_view::<2, 2>(2 * k - 2, 2 * j).into();
             let next = transition * block;
@@ -107,7 +107,7 @@ fn hindsight_knows_the_parameters_better() {
     for kind in [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
         for log_parameters in [false, true] {
             let mut scenario = Scenario::default();
-            scenario.plant.natural_frequency = Signal::Constant(6.0);
+            scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
             let settings =
                 FilterSettings { kind, log_parameters, smoother: true, fading: 1.0, ..scenario.filters[0].clone() };
             scenario.filters = vec![settings];
@@ -175,7 +175,7 @@ fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
 #[test]
 fn the_bound_is_the_information_recursion() {
     let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     let run = finished(&scenario);
     let record = run.record();
     let bound = bound(&scenario, record);
@@ -216,7 +216,7 @@ fn the_bound_is_the_information_recursion() {
 #[test]
 fn no_filter_is_surer_than_the_bound_and_the_ekf_comes_close() {
     let mut scenario = Scenario::default();
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.filters.truncate(1);
     scenario.filters[0].fading = 1.0;
     let run = finished(&scenario);

@@ -1,6 +1,9 @@
 //! What holds for every scenario that is valid.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::scenario::Motion;
@@ -9,8 +12,10 @@ use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Record, Run, Scenario, Sensor, Signal,
     Values,
 };
+
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
+use run::finished;
 
 /// The same cases every time, so that a test fails for a reason.
 fn config(cases: u32) -> ProptestConfig {
@@ -66,35 +71,35 @@ fn sensors() -> impl Strategy<Value = Vec<Sensor>> {
 fn plant() -> impl Strategy<Value = Plant> {
     let motion = (-1.0..1.0, -5.0..5.0).prop_map(|(displacement, velocity)| Motion { displacement, velocity });
     (signal(0.1, 60.0), signal(0.0, 2.0), motion, zero_or(-3.0..1.0)).prop_map(
-        |(natural_frequency, damping_ratio, initial, disturbance_std)| Plant {
-            kind: kalmanscope_core::PlantKind::SDOF,
-            natural_frequency,
-            damping_ratio,
-            initial,
-            disturbance_std,
-            ..Plant::default()
+        |(natural_frequency, damping_ratio, initial, disturbance_std)| {
+            let plant = Plant::default().with(Channel::NATURAL_FREQUENCY, natural_frequency);
+            let mut plant = plant.with(Channel::DAMPING_RATIO, damping_ratio);
+            (plant.initial, plant.disturbance_std) = (initial, disturbance_std);
+            plant
         },
     )
 }
 
 fn per_channel<S: Strategy<Value = f64>>(of: impl Fn() -> S) -> impl Strategy<Value = Values> {
-    [of(), of(), of(), of()].prop_map(|[displacement, velocity, natural_frequency, damping_ratio]| Values {
-        displacement,
-        velocity,
-        natural_frequency,
-        damping_ratio,
-        ..Values::ZERO
+    [of(), of(), of(), of()].prop_map(|[displacement, velocity, natural_frequency, damping_ratio]| {
+        Values::ZERO.with([
+            (Channel::DISPLACEMENT, displacement),
+            (Channel::VELOCITY, velocity),
+            (Channel::NATURAL_FREQUENCY, natural_frequency),
+            (Channel::DAMPING_RATIO, damping_ratio),
+        ])
     })
 }
 
 fn initial_mean() -> impl Strategy<Value = Values> {
     (-1.0..1.0, -5.0..5.0, -5.0..80.0, -1.0..3.0).prop_map(
-        |(displacement, velocity, natural_frequency, damping_ratio)| Values {
-            displacement,
-            velocity,
-            natural_frequency,
-            damping_ratio,
-            ..Values::ZERO
+        |(displacement, velocity, natural_frequency, damping_ratio)| {
+            Values::ZERO.with([
+                (Channel::DISPLACEMENT, displacement),
+                (Channel::VELOCITY, velocity),
+                (Channel::NATURAL_FREQUENCY, natural_frequency),
+                (Channel::DAMPING_RATIO, damping_ratio),
+            ])
         },
     )
 }
@@ -139,18 +144,12 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     })
 }
 
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
-}
-
 /// The record with some measurements left out.
 fn with_gaps(record: &Record, missing: impl Fn(usize, usize) -> bool) -> Record {
     let mut text = "t,force".to_owned();
     record.sensors().iter().for_each(|s| text += &format!(",{}", s.key()));
     for k in 0..record.len() {
-        text += &format!("\n{:e},{:e}", record.time(k), record.force()[k]);
+        text += &format!("\n{:e},{:e}", record.time(k), record.force(k));
         for sensor in 0..record.sensors().len() {
             let cell = if missing(sensor, k) { String::new() } else { format!("{:e}", record.measured(sensor)[k]) };
             text += &format!(",{cell}");
@@ -258,7 +257,8 @@ proptest! {
     }
 
     #[test]
-    fn a_file_gives_the_scenario_back(scenario in scenario()) {
+    fn a_file_gives_the_scenario_back(mut scenario in scenario()) {
+        scenario.number_filters();
         let text = scenario.to_toml().unwrap();
         prop_assert_eq!(Scenario::from_toml(&text), Ok(scenario), "{}", text);
     }
@@ -290,13 +290,13 @@ proptest! {
     ) {
         let noise = |q| match q { Quantity::DISPLACEMENT => 0.01, Quantity::VELOCITY => 0.06, _ => 0.5 };
         let mut scenario = Scenario { seed, ..Scenario::default() };
-        scenario.plant.natural_frequency = Signal::Constant(wn);
-        scenario.plant.damping_ratio = Signal::Constant(zeta);
+        scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(wn));
+        scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(zeta));
         scenario.sensors = sensors.iter().map(|&q| Sensor { measures: q, noise_std: noise(q) }).collect();
         for filter in &mut scenario.filters {
             filter.sensor_std = sensors.iter().map(|&q| noise(q)).collect();
-            filter.initial_mean.natural_frequency = wn * off.0;
-            filter.initial_mean.damping_ratio = off.1;
+            filter.initial_mean[Channel::NATURAL_FREQUENCY] = wn * off.0;
+            filter.initial_mean[Channel::DAMPING_RATIO] = off.1;
         }
         for estimates in finished(&scenario).estimates() {
             prop_assert_eq!(estimates.stop(), None);
@@ -317,8 +317,8 @@ fn rounding_makes_no_variance_negative() {
     for kind in FilterKind::ALL {
         let filter = FilterSettings {
             kind,
-            initial_mean: Values { natural_frequency: 61.7, damping_ratio: 0.55, ..nothing },
-            initial_std: Values { natural_frequency: 1.0, ..nothing },
+            initial_mean: nothing.with([(Channel::NATURAL_FREQUENCY, 61.7), (Channel::DAMPING_RATIO, 0.55)]),
+            initial_std: nothing.with([(Channel::NATURAL_FREQUENCY, 1.0)]),
             process_std: nothing,
             ..FilterSettings::default()
         };

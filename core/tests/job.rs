@@ -25,6 +25,9 @@ fn scenario() -> Scenario {
             ..FilterSettings::default()
         },
     );
+    for (filter, id) in scenario.filters.iter_mut().zip([7, 2, 3]) {
+        filter.id = id;
+    }
     scenario
 }
 
@@ -77,11 +80,11 @@ fn assert_same(study: &Study, scenario: &Scenario) {
     }
     let smoothed = run.smoothed();
     assert_eq!(study.analysis().smoothed().len(), smoothed.len());
-    for ((_, one), other) in study.analysis().smoothed().iter().zip(&smoothed) {
+    for (one, other) in study.analysis().smoothed().iter().zip(&smoothed) {
         assert_eq!((one.name(), one.len(), one.checksum()), (other.name(), other.len(), other.checksum()));
     }
-    for place in 0..scenario.filters.len() {
-        let [one, other] = [study, &other].map(|s| s.analysis().bound(place).unwrap());
+    for filter in &scenario.filters {
+        let [one, other] = [study, &other].map(|s| s.analysis().bound(filter.id).unwrap());
         assert_eq!((one.len(), one.std(600, 2).to_bits()), (other.len(), other.std(600, 2).to_bits()));
     }
 }
@@ -109,12 +112,13 @@ fn what_an_edit_leaves_alone_is_not_computed_again() {
     let mut current = scenario();
     let mut study = study(&current, Source::Simulated, WINDOW);
     type Edit = fn(&mut Scenario);
-    let edits: [(Edit, &[usize]); 5] = [
-        (|s| s.filters[2].fading = 1.01, &[2]),
-        (|s| s.filters[1].iterations += 1, &[1]),
-        (|s| s.filters.push(FilterSettings { name: "new".to_owned(), ..s.filters[1].clone() }), &[3]),
-        (|s| s.filters.truncate(2), &[]),
-        (|s| s.filters[0].ensemble_size = 70, &[0]),
+    let edits: [(Edit, &[u32]); 6] = [
+        (|s| s.filters[2].fading = 1.01, &[3]),
+        (|s| s.filters[1].iterations += 1, &[2]),
+        (|s| s.filters.insert(1, FilterSettings { name: "new".to_owned(), id: 9, ..s.filters[1].clone() }), &[9]),
+        (|s| s.filters.truncate(3), &[]),
+        (|s| s.filters.swap(0, 2), &[]),
+        (|s| s.filters[2].ensemble_size = 70, &[7]),
     ];
     for (edit, changed) in edits {
         edit(&mut current);
@@ -174,8 +178,10 @@ fn a_study_with_a_window_keeps_the_same_samples_however_it_comes_there() {
         assert_eq!((study.run().done(), study.run().record().forgotten()), (1801, 1500));
         assert_eq!(study.run().checksum(), stepped.run().checksum());
         assert_eq!(study.analysis().diagnostics()[1].len(), 301);
-        assert_eq!(study.analysis().diagnostics()[1].settled(kalmanscope_core::Channel::NATURAL_FREQUENCY),
-            stepped.analysis().diagnostics()[1].settled(kalmanscope_core::Channel::NATURAL_FREQUENCY));
+        assert_eq!(
+            study.analysis().diagnostics()[1].settled(kalmanscope_core::Channel::NATURAL_FREQUENCY),
+            stepped.analysis().diagnostics()[1].settled(kalmanscope_core::Channel::NATURAL_FREQUENCY)
+        );
     }
     let mut run = finished(&scenario);
     while !jumped.advance_to(2001, &mut || false) {}
@@ -205,7 +211,7 @@ fn a_measured_record_stays_when_settings_change() {
         fresh.checksum()
     };
     current.filters[1].fading = 1.02;
-    assert_eq!(run.update(&current).unwrap(), Update::Filters(vec![1]));
+    assert_eq!(run.update(&current).unwrap(), Update::Filters(vec![2]));
     assert!(is_measured(&run) && run.checksum() == fresh(&current));
     // The truth has no part in it.
     current.duration = 99.0;
@@ -248,7 +254,7 @@ fn a_study_goes_from_a_simulation_to_a_record_and_back() {
     edited.filters[2].fading = 1.03;
     let mut job = Job::new(&mut study, &edited, None, record.len()).unwrap();
     complete(&mut job, &study, 2);
-    assert_eq!(job.finish(&mut study), Update::Filters(vec![2]));
+    assert_eq!(job.finish(&mut study), Update::Filters(vec![3]));
     assert_eq!(study.run().record(), &*record);
     let mut run = Run::on_record(&edited, record).unwrap();
     run.finish();

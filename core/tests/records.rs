@@ -19,7 +19,10 @@ fn columns_make_a_record() {
     let record = Record::new(0.5, input(&[2.0, 3.0]), measured).unwrap();
     let record = record.with_truth(vec![(Channel::VELOCITY, vec![0.9, 1.1])]).unwrap().starting_at(10.0);
     assert_eq!((record.dt(), record.len(), record.time(1)), (0.5, 2, 10.5));
-    assert_eq!((record.input(), record.sensors()), (&[2.0, 3.0][..], &[Quantity::VELOCITY, Quantity::DISPLACEMENT][..]));
+    assert_eq!(
+        (record.input(), record.sensors()),
+        (&[2.0, 3.0][..], &[Quantity::VELOCITY, Quantity::DISPLACEMENT][..])
+    );
     assert!(record.measured(0)[1].is_nan());
     assert_eq!(record.truth(Channel::VELOCITY), Some(&[0.9, 1.1][..]));
     assert_eq!(record.truth(Channel::DISPLACEMENT), None);

@@ -3,8 +3,8 @@
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity, Scenario, ScenarioError, Sensor, Signal,
-    Values,
+    Channel, FilterKind, FilterSettings, Force, Hold, InputKind, Plant, PlantKind, Quantity, Scenario, ScenarioError,
+    Sensor, Signal, Values,
 };
 
 const SAMPLE: &str = include_str!("sample.toml");
@@ -15,31 +15,31 @@ fn parsed(text: &str) -> Scenario {
 
 #[test]
 fn the_sample_says_what_it_says() {
-    let with = |[displacement, velocity, natural_frequency, damping_ratio]: [f64; 4], rest: Values| Values {
-        displacement,
-        velocity,
-        natural_frequency,
-        damping_ratio,
-        ..rest
+    let with = |[displacement, velocity, natural_frequency, damping_ratio]: [f64; 4], rest: Values| {
+        rest.with([
+            (Channel::DISPLACEMENT, displacement),
+            (Channel::VELOCITY, velocity),
+            (Channel::NATURAL_FREQUENCY, natural_frequency),
+            (Channel::DAMPING_RATIO, damping_ratio),
+        ])
     };
     let expected = Scenario {
         seed: 1,
         dt: 0.01,
         duration: 60.0,
-        plant: Plant {
-            kind: PlantKind::SDOF,
-            natural_frequency: Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }),
-            damping_ratio: Signal::Constant(0.05),
-            initial: Motion { displacement: 0.0, velocity: 0.0 },
-            disturbance_std: 0.0,
-            ..Plant::default()
-        },
+        plant: Plant::default()
+            .of_kind(PlantKind::SDOF)
+            .with(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }))
+            .with(Channel::DAMPING_RATIO, 0.05),
+        input: InputKind::Force,
+        hold: Hold::Zero,
         force: Force::WhiteNoise { std: 10.0 },
         sensors: vec![
             Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
             Sensor { measures: Quantity::VELOCITY, noise_std: 0.06 },
         ],
         filters: vec![FilterSettings {
+            id: 1,
             name: "EKF with fading memory".to_owned(),
             kind: FilterKind::EKF,
             fading: 1.005,
@@ -64,6 +64,16 @@ fn an_empty_file_is_the_default() {
 }
 
 #[test]
+fn ids_are_written_where_places_do_not_give_them() {
+    let mut scenario = Scenario::default();
+    assert!(!scenario.to_toml().unwrap().contains("id = "));
+    scenario.filters.remove(0);
+    let text = scenario.to_toml().unwrap();
+    assert!(text.contains("id = 2"), "{text}");
+    assert_eq!(parsed(&text), scenario);
+}
+
+#[test]
 fn what_is_left_out_follows_from_the_rest() {
     let scenario = parsed(
         "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.2\n[[sensors]]\nmeasures = \"displacement\"\n\
@@ -71,7 +81,8 @@ fn what_is_left_out_follows_from_the_rest() {
     );
     let [ukf, second] = scenario.filters.as_slice() else { panic!("two filters") };
     assert_eq!((ukf.name.as_str(), second.name.as_str()), ("UKF", "a"));
-    assert_eq!(ukf.initial_std, Values { velocity: 9.0, ..Values::INITIAL_STD });
+    assert_eq!((ukf.id, second.id), (1, 2));
+    assert_eq!(ukf.initial_std, Values::INITIAL_STD.with([(Channel::VELOCITY, 9.0)]));
     assert_eq!(second.initial_std, Values::INITIAL_STD);
     assert_eq!(ukf.sensor_std[0], 0.2);
     assert!(ukf.sensor_std[1] > 0.0, "a filter cannot believe in a perfect sensor");
@@ -180,7 +191,7 @@ fn unknown_keys_are_named_with_those_that_there_are() {
         ),
         (
             "[[filters]]\n[[filters]]\nlambda = 1",
-            "line 3: unknown key `filters[1].lambda`; it can be `name`, `kind`, `color`, `plant`, `log_parameters`, `propagation`, \
+            "line 3: unknown key `filters[1].lambda`; it can be `id`, `name`, `kind`, `color`, `plant`, `log_parameters`, `propagation`, \
              `iterations`, `ensemble_size`, `adaptation`, `smoother`, `fading`, `eta`, `sensor_std`, `initial_mean`, \
              `initial_std`, `process_std`",
         ),

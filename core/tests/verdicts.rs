@@ -59,7 +59,7 @@ fn verdict_without_truth(scenario: &Scenario) -> Option<Verdict> {
 /// Constant parameters and one filter that is well tuned for them.
 fn well_tuned(kind: FilterKind) -> Scenario {
     let mut scenario = Scenario::default();
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     let settings = FilterSettings { kind, fading: 1.0, ..scenario.filters[0].clone() };
     Scenario { filters: vec![settings], ..scenario }
 }
@@ -77,7 +77,7 @@ fn sensor_variance_times(scenario: &mut Scenario, factor: f64) {
 }
 
 fn stiffness_loss(scenario: &mut Scenario) {
-    scenario.plant.natural_frequency = Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 });
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to: 4.8, at: 30.0 }));
 }
 
 fn no_excitation(scenario: &mut Scenario) {
@@ -93,12 +93,12 @@ const SITUATIONS: &[Situation] = &[
     ("well tuned, 5 s", |s| s.duration = 5.0, &[Consistent]),
     ("well tuned, 1 s", |s| s.duration = 1.0, &[Consistent]),
     ("fading", |s| s.filters[0].fading = 1.005, &[Consistent]),
-    ("bad first guess", |s| s.filters[0].initial_mean.natural_frequency = 14.0, &[Consistent]),
+    ("bad first guess", |s| s.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 14.0, &[Consistent]),
     (
         "mirrored first guess",
         |s| {
-            s.filters[0].initial_mean.natural_frequency = -8.0;
-            s.filters[0].initial_mean.damping_ratio = -0.1;
+            s.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = -8.0;
+            s.filters[0].initial_mean[Channel::DAMPING_RATIO] = -0.1;
         },
         &[Consistent],
     ),
@@ -122,7 +122,7 @@ const SITUATIONS: &[Situation] = &[
     (
         "fading, frequency halved",
         |s| {
-            s.plant.natural_frequency = Signal::Step(Step { from: 6.0, to: 3.0, at: 30.0 });
+            s.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to: 3.0, at: 30.0 }));
             s.filters[0].fading = 1.005;
         },
         &[Consistent],
@@ -132,7 +132,7 @@ const SITUATIONS: &[Situation] = &[
     (
         "Q too small, drift",
         |s| {
-            s.plant.natural_frequency = Signal::Ramp(Ramp { from: 6.0, to: 5.0, start: 10.0, end: 50.0 });
+            s.plant.set(Channel::NATURAL_FREQUENCY, Signal::Ramp(Ramp { from: 6.0, to: 5.0, start: 10.0, end: 50.0 }));
             process_times(s, &PARAMETERS, 0.01);
         },
         &[Overconfident],
@@ -140,7 +140,7 @@ const SITUATIONS: &[Situation] = &[
     (
         "Q too small, swinging frequency",
         |s| {
-            s.plant.natural_frequency = Signal::Sine(Sine { mean: 6.0, amplitude: 0.5, period: 20.0 });
+            s.plant.set(Channel::NATURAL_FREQUENCY, Signal::Sine(Sine { mean: 6.0, amplitude: 0.5, period: 20.0 }));
             process_times(s, &PARAMETERS, 0.01);
         },
         &[Overconfident],
@@ -156,14 +156,14 @@ const SITUATIONS: &[Situation] = &[
         "wrong frequency held for certain",
         |s| {
             s.filters[0].kind = FilterKind::KF;
-            s.filters[0].initial_mean.natural_frequency = 5.7;
+            s.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 5.7;
         },
         &[Overconfident, Diverged],
     ),
     (
         "sure of a wrong frequency",
         |s| {
-            s.filters[0].initial_mean.natural_frequency = 40.0;
+            s.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 40.0;
             for channel in Channel::all() {
                 s.filters[0].initial_std[channel] *= 0.1;
             }

@@ -154,7 +154,10 @@ mod tests {
         )
         .unwrap();
         assert!(scenario.filters.iter().all(|f| f.fading == 1.0));
-        assert_eq!(scenario.filters.iter().map(|f| f.initial_mean.natural_frequency).collect::<Vec<_>>(), [8.0, 12.0]);
+        assert_eq!(
+            scenario.filters.iter().map(|f| f.initial_mean[Channel::NATURAL_FREQUENCY]).collect::<Vec<_>>(),
+            [8.0, 12.0]
+        );
         assert_eq!((scenario.duration, scenario.force), (10.0, Force::None));
         assert_eq!(scenario.plant.natural_frequency.at(2.0), 5.0);
         let constant = apply("set = { \"plant.natural_frequency\" = 5 }").unwrap();
@@ -171,7 +174,10 @@ mod tests {
         .unwrap();
         let [ekf, pf] = &scenario.filters[..] else { panic!("{:?}", scenario.filters) };
         assert_eq!((ekf.name.as_str(), pf.name.as_str(), pf.kind), ("EKF", "P", FilterKind::PF));
-        assert_eq!((pf.fading, pf.initial_std.velocity, pf.initial_std.natural_frequency), (1.005, 7.0, 2.0));
+        assert_eq!(
+            (pf.fading, pf.initial_std[Channel::VELOCITY], pf.initial_std[Channel::NATURAL_FREQUENCY]),
+            (1.005, 7.0, 2.0)
+        );
         assert!(scenario.filters.iter().all(|f| f.sensor_std == [0.01, 0.5]));
     }
 

@@ -59,8 +59,11 @@ pub enum Measure {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
-    /// The filter's name; with `, smoothed` at its end, what its smoother made of the whole record.
+    /// The filter's name.
     pub filter: String,
+    /// Of what the filter's smoother made of the whole record, instead of its estimates.
+    #[serde(default)]
+    pub smoothed: bool,
     /// What is measured.
     pub measure: Measure,
     /// Of which channel.
@@ -75,6 +78,9 @@ pub struct Check {
     pub to: Option<f64>,
     /// Divides by the same measure of another filter.
     pub than: Option<String>,
+    /// Divides by the same measure of smoothed estimates, of the same filter unless `than` names another.
+    #[serde(default)]
+    pub than_smoothed: bool,
     /// Divides by the same measure before the step's change.
     #[serde(default)]
     pub before: bool,
@@ -177,9 +183,17 @@ impl Check {
         if other == (Times { at: None, from: None, to: None }) { self.times() } else { other }
     }
 
+    /// The filter that it is compared with, and whether with its smoothed estimates.
+    pub(crate) fn reference_filter(&self) -> (&str, bool) {
+        match &self.than {
+            Some(than) => (than, self.than_smoothed),
+            None => (&self.filter, self.smoothed || self.than_smoothed),
+        }
+    }
+
     /// Whether it is about a ratio.
     pub fn is_relative(&self) -> bool {
-        self.before || self.than.is_some() || self.reference_times() != self.times()
+        self.before || self.than.is_some() || self.than_smoothed || self.reference_times() != self.times()
     }
 
     /// Whether it is to be made with a seed.
@@ -207,12 +221,9 @@ impl Check {
     /// # Errors
     /// [`LessonError`] where it names a filter that is not there, lacks what its measure needs, or sets no limit.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
-        let filter = |name: &str| scenario.filters.iter().any(|f| f.name == name);
-        let smoothed =
-            |name: &str| scenario.filters.iter().any(|f| f.smoother && name == format!("{}, smoothed", f.name));
-        for name in [Some(&self.filter), self.than.as_ref()].into_iter().flatten() {
-            if !filter(name) && !smoothed(name) {
-                return Err(LessonError::UnknownFilter(name.clone()));
+        for (name, smoothed) in [(self.filter.as_str(), self.smoothed), self.reference_filter()] {
+            if !scenario.filters.iter().any(|filter| filter.name == name && (filter.smoother || !smoothed)) {
+                return Err(LessonError::UnknownFilter(name.to_owned()));
             }
         }
         if let Some(sensor) = self.sensor
@@ -248,7 +259,8 @@ impl fmt::Display for Check {
             let one = |word: &str, t: Option<f64>| t.map_or(String::new(), |t| format!(" {word} {t} s"));
             one("at", at) + &one("from", from) + &one("to", to)
         };
-        write!(f, "{} of {}", self.measure.key(), self.filter)?;
+        let hindsight = |smoothed: bool| if smoothed { ", smoothed" } else { "" };
+        write!(f, "{} of {}{}", self.measure.key(), self.filter, hindsight(self.smoothed))?;
         if let Some(channel) = self.channel {
             write!(f, " in {}", channel.key())?;
         }
@@ -256,7 +268,7 @@ impl fmt::Display for Check {
         if self.is_relative() {
             let before = if self.before { " before" } else { "" };
             let other = self.than.as_deref().unwrap_or("that");
-            write!(f, ", over {other}{before}")?;
+            write!(f, ", over {other}{}{before}", hindsight(self.than_smoothed))?;
             if self.reference_times() != self.times() {
                 write!(f, "{}", time(self.reference_times()))?;
             }

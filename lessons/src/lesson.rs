@@ -5,8 +5,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use crate::adjustment::{self, Adjustment, Change};
-use crate::library::scenario_text;
-use crate::{Check, LessonError};
+use crate::{BuiltIn, Check, LessonError};
 
 /// An experiment in steps. Each begins with what the steps before have changed.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -147,8 +146,8 @@ impl Lesson {
     pub fn first_scenario(&self) -> Result<Scenario, LessonError> {
         let scenario = match &self.scenario {
             Base::Named(name) => {
-                let text = scenario_text(name).ok_or_else(|| LessonError::UnknownScenario(name.clone()))?;
-                Scenario::from_toml(text)?
+                let built_in = BuiltIn::named(name).ok_or_else(|| LessonError::UnknownScenario(name.clone()))?;
+                built_in.scenario()?
             }
             Base::Inline(table) => adjustment::read(table)?,
         };

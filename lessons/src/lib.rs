@@ -41,6 +41,7 @@
 //! ```
 
 mod adjustment;
+mod built_in;
 mod check;
 mod claim;
 mod cost;
@@ -53,11 +54,12 @@ mod path;
 mod value;
 
 pub use adjustment::{Adjustment, Change};
+pub use built_in::{BUILT_IN, BuiltIn};
 pub use check::{Check, Measure, Times};
 pub use claim::{Claim, verify};
 pub use cost::evaluations_per_step;
 pub use error::LessonError;
 pub use lesson::{Base, Lesson, Mode, Step, View};
-pub use library::{LESSONS, SCENARIOS, lessons};
+pub use library::{LESSONS, lessons};
 pub use outcome::Outcome;
 pub use value::{Expected, Value};

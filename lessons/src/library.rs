@@ -1,4 +1,4 @@
-//! The lessons that come with the program, and the scenarios that they begin with.
+//! The lessons that come with the program.
 
 use crate::{Lesson, LessonError};
 
@@ -31,32 +31,9 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "19-ekf-against-ukf",
 ];
 
-/// Every built-in scenario: the name of its file and the text.
-pub const SCENARIOS: &[(&str, &str)] = files!["scenarios":
-    "acceleration-only",
-    "bouc-wen",
-    "chirp",
-    "constant",
-    "duffing",
-    "free-vibration",
-    "hammer",
-    "known-parameters",
-    "no-excitation",
-    "q-too-large",
-    "q-too-small",
-    "r-wrong-by-ten",
-    "shear-building",
-    "slow-drift",
-    "stiffness-loss",
-];
-
 /// Every lesson in the menu's order. A test rules out that one is wrong.
 pub fn lessons() -> Vec<Result<Lesson, LessonError>> {
     LESSONS.iter().map(|(_, text)| Lesson::from_toml(text)).collect()
-}
-
-pub(crate) fn scenario_text(name: &str) -> Option<&'static str> {
-    SCENARIOS.iter().find(|(file, _)| *file == name).map(|(_, text)| *text)
 }
 
 #[cfg(test)]
@@ -73,7 +50,6 @@ mod tests {
 
     #[test]
     fn each_file_is_in_its_list() {
-        assert_eq!(files("scenarios"), SCENARIOS.iter().map(|(name, _)| *name).collect::<Vec<_>>());
         assert_eq!(files("lessons"), LESSONS.iter().map(|(name, _)| *name).collect::<Vec<_>>());
     }
 

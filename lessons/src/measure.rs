@@ -5,7 +5,7 @@ use std::ops::Range;
 use kalmanscope_core::{Channel, Trouble};
 
 use crate::check::{Check, Measure, Times};
-use crate::outcome::Seen;
+use crate::outcome::FilterOutcome;
 use crate::value::Value;
 use crate::{LessonError, Outcome, evaluations_per_step};
 
@@ -16,25 +16,24 @@ impl Check {
     /// # Errors
     /// [`LessonError::UnknownFilter`] where an outcome does not have the filter.
     pub fn value(&self, outcome: &Outcome, before: &Outcome) -> Result<Value, LessonError> {
-        let find = |outcome: &'_ Outcome, name: &str, times: Times| {
-            let seen = outcome.seen(name).ok_or_else(|| LessonError::UnknownFilter(name.to_owned()))?;
-            Ok::<_, LessonError>(self.measured(seen, times))
+        let find = |outcome: &'_ Outcome, (name, smoothed): (&str, bool), times: Times| {
+            let filter = outcome.filter(name, smoothed).ok_or_else(|| LessonError::UnknownFilter(name.to_owned()))?;
+            Ok::<_, LessonError>(self.measured(filter, times))
         };
-        let value = find(outcome, &self.filter, self.times())?;
+        let value = find(outcome, (&self.filter, self.smoothed), self.times())?;
         let Value::Number(number) = value else { return Ok(value) };
         if !self.is_relative() {
             return Ok(value);
         }
         let reference = if self.before { before } else { outcome };
-        let name = self.than.as_ref().unwrap_or(&self.filter);
-        match find(reference, name, self.reference_times())? {
+        match find(reference, self.reference_filter(), self.reference_times())? {
             Value::Number(other) => Ok(Value::Number(number / other)),
             _ => Ok(Value::Number(f64::NAN)),
         }
     }
 
-    fn measured(&self, seen: Seen<'_>, times: Times) -> Value {
-        let Seen { diagnostics, estimates, .. } = seen;
+    fn measured(&self, filter: FilterOutcome<'_>, times: Times) -> Value {
+        let FilterOutcome { diagnostics, estimates, .. } = filter;
         match self.measure {
             Measure::Verdict => {
                 let verdict = diagnostics.verdict(estimates);
@@ -46,13 +45,13 @@ impl Check {
                 keys.dedup();
                 Value::Words(if keys.is_empty() { vec!["none"] } else { keys })
             }
-            _ => Value::Number(self.number(seen, times).unwrap_or(f64::NAN)),
+            _ => Value::Number(self.number(filter, times).unwrap_or(f64::NAN)),
         }
     }
 
-    fn number(&self, seen: Seen<'_>, times: Times) -> Option<f64> {
-        let Seen { outcome, diagnostics, estimates, .. } = seen;
-        let (range, at) = (range(seen, times), sample(seen, times)?);
+    fn number(&self, filter: FilterOutcome<'_>, times: Times) -> Option<f64> {
+        let FilterOutcome { outcome, diagnostics, estimates, .. } = filter;
+        let (range, at) = (range(filter, times), sample(filter, times)?);
         let tally = |channel: Channel| diagnostics.tally(channel, range.clone());
         let place = |channel: Channel| estimates.place(channel);
         Some(match self.measure {
@@ -64,12 +63,12 @@ impl Check {
                 tally(channel)?.rmse() / sensor.noise_std
             }
             Measure::MeanError => {
-                let errors = errors(seen, self.channel?, range)?;
+                let errors = errors(filter, self.channel?, range)?;
                 (errors.iter().map(|(error, _)| error).sum::<f64>() / errors.len() as f64).abs()
             }
             Measure::ErrorInStd => {
                 let range = if times.at.is_some() { at..at + 1 } else { range };
-                let errors = errors(seen, self.channel?, range)?;
+                let errors = errors(filter, self.channel?, range)?;
                 let squares = errors.iter().map(|(error, std)| error * error / (std * std));
                 (squares.sum::<f64>() / errors.len() as f64).sqrt()
             }
@@ -77,7 +76,7 @@ impl Check {
             Measure::Std => estimates.std(at, place(self.channel?)?),
             Measure::StdOverBound => {
                 let channel = self.channel?;
-                let bound = outcome.bound(seen.place)?;
+                let bound = outcome.bound(filter.place)?;
                 let bound = (at < bound.len()).then(|| bound.place(channel).map(|place| bound.std(at, place)))??;
                 estimates.std(at, place(channel)?) / bound
             }
@@ -88,9 +87,9 @@ impl Check {
                 let first = diagnostics.whiteness().iter().map(|whiteness| whiteness.autocorrelation()[0]);
                 first.max_by(f64::total_cmp)?
             }
-            Measure::Gain => self.mean_gain(seen, range)?,
+            Measure::Gain => self.mean_gain(filter, range)?,
             Measure::Settled => {
-                let settled = diagnostics.settled(self.channel?).map_or(f64::INFINITY, |n| seen.record().time_of(n));
+                let settled = diagnostics.settled(self.channel?).map_or(f64::INFINITY, |n| filter.record().time_of(n));
                 (settled - times.from.unwrap_or(0.0)).max(0.0)
             }
             Measure::LogLikelihood => {
@@ -99,13 +98,13 @@ impl Check {
                 let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
                 sum / f64::from(count)
             }
-            Measure::Evaluations => evaluations_per_step(seen.settings(), outcome.scenario().plant.kind) as f64,
+            Measure::Evaluations => evaluations_per_step(filter.settings(), outcome.scenario().plant.kind) as f64,
             Measure::Verdict | Measure::Stopped | Measure::Remark => return None,
         })
     }
 
-    fn mean_gain(&self, seen: Seen<'_>, range: Range<usize>) -> Option<f64> {
-        let estimates = seen.estimates;
+    fn mean_gain(&self, filter: FilterOutcome<'_>, range: Range<usize>) -> Option<f64> {
+        let estimates = filter.estimates;
         let n = estimates.channels().len();
         let sensor = self.sensor.map_or(Some(0), |q| estimates.sensors().iter().position(|&s| s == q))?;
         let entry = sensor * n + estimates.place(self.channel?)?;
@@ -115,24 +114,24 @@ impl Check {
 }
 
 /// The samples from one time to another, as far as there are estimates.
-fn range(seen: Seen<'_>, times: Times) -> Range<usize> {
-    let len = seen.estimates.len();
-    let k = |t: f64| ((t / seen.record().dt()).round() as usize).min(len);
+fn range(filter: FilterOutcome<'_>, times: Times) -> Range<usize> {
+    let len = filter.estimates.len();
+    let k = |t: f64| ((t / filter.record().dt()).round() as usize).min(len);
     times.from.map_or(0, k)..times.to.map_or(len, k)
 }
 
 /// The sample at a time, if there is an estimate.
-fn sample(seen: Seen<'_>, times: Times) -> Option<usize> {
-    let last = seen.estimates.len().checked_sub(1)?;
-    let k = times.at.map_or(last, |t| (t / seen.record().dt()).round() as usize);
+fn sample(filter: FilterOutcome<'_>, times: Times) -> Option<usize> {
+    let last = filter.estimates.len().checked_sub(1)?;
+    let k = times.at.map_or(last, |t| (t / filter.record().dt()).round() as usize);
     (k <= last).then_some(k)
 }
 
 /// A channel's errors and standard deviations.
-fn errors(seen: Seen<'_>, channel: Channel, range: Range<usize>) -> Option<Vec<(f64, f64)>> {
-    let truth = seen.record().truth(channel)?;
-    let place = seen.estimates.place(channel)?;
-    let error = |k: usize| (seen.estimates.canonical_mean(k, place) - truth[k], seen.estimates.std(k, place));
+fn errors(filter: FilterOutcome<'_>, channel: Channel, range: Range<usize>) -> Option<Vec<(f64, f64)>> {
+    let truth = filter.record().truth(channel)?;
+    let place = filter.estimates.place(channel)?;
+    let error = |k: usize| (filter.estimates.canonical_mean(k, place) - truth[k], filter.estimates.std(k, place));
     Some(range.map(error).collect())
 }
 
@@ -210,8 +209,8 @@ mod tests {
         };
         assert_eq!(std("at = 1.0\nthan_at = 0.0"), std("at = 1.0") / 2.0);
         assert_eq!(std("at = 1.0\nbefore = true"), 1.0);
-        assert_eq!(std("than = \"EKF, smoothed\""), 1.0);
-        assert!(std("at = 0.2\nthan = \"EKF, smoothed\"") > 1.0, "hindsight knows better");
+        assert_eq!(std("than_smoothed = true"), 1.0);
+        assert!(std("at = 0.2\nthan = \"EKF\"\nthan_smoothed = true") > 1.0, "hindsight knows better");
         let error = "channel = \"natural_frequency\"\nmeasure = \"error_in_std\"\nat = 0.0";
         assert_eq!(number(&outcome, "EKF", error), 1.0, "8 ± 2 where 6 is true");
     }

@@ -11,14 +11,14 @@ pub struct Outcome {
     scenario: Scenario,
     run: Run,
     smoothed: Vec<Estimates>,
-    /// Of the filters, then of what the smoothers made of them.
+    /// Of the filters, then of the smoothed estimates.
     diagnostics: Vec<Diagnostics>,
     bounds: Vec<OnceCell<Option<CramerRao>>>,
 }
 
-/// One filter of an outcome, or what its smoother made of it.
+/// One filter of an outcome, with its estimates or what its smoother made of them.
 #[derive(Clone, Copy)]
-pub(crate) struct Seen<'a> {
+pub(crate) struct FilterOutcome<'a> {
     pub(crate) outcome: &'a Outcome,
     /// The filter's place in the scenario.
     pub(crate) place: usize,
@@ -51,13 +51,13 @@ impl Outcome {
         &self.run
     }
 
-    /// The filter with a name; that of smoothed estimates has `, smoothed` at its end.
-    pub(crate) fn seen(&self, name: &str) -> Option<Seen<'_>> {
+    /// The filter with a name, with its estimates or the smoothed ones.
+    pub(crate) fn filter(&self, name: &str, smoothed: bool) -> Option<FilterOutcome<'_>> {
+        let place = self.scenario.filters.iter().position(|filter| filter.name == name)?;
+        let id = self.run.estimates().get(place)?.id();
         let mut all = self.run.estimates().iter().chain(&self.smoothed).zip(&self.diagnostics);
-        let (estimates, diagnostics) = all.find(|(estimates, _)| estimates.name() == name)?;
-        let filter = name.strip_suffix(", smoothed").filter(|_| estimates.sensors().is_empty()).unwrap_or(name);
-        let place = self.scenario.filters.iter().position(|f| f.name == filter)?;
-        Some(Seen { outcome: self, place, estimates, diagnostics })
+        let (estimates, diagnostics) = all.find(|(of, _)| of.id() == id && of.is_smoothed() == smoothed)?;
+        Some(FilterOutcome { outcome: self, place, estimates, diagnostics })
     }
 
     /// The Cramér-Rao bound of the filter at a place, worked out when it is first asked for.
@@ -71,7 +71,7 @@ impl Outcome {
     }
 }
 
-impl Seen<'_> {
+impl FilterOutcome<'_> {
     pub(crate) fn settings(&self) -> &FilterSettings {
         &self.outcome.scenario.filters[self.place]
     }

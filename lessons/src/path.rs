@@ -1,10 +1,11 @@
 //! Settings of a scenario by their path, as in `filters.EKF.process_std.natural_frequency`.
 
+use kalmanscope_core::Channel;
 use toml::{Table, Value};
 
-/// The settings of a filter that a scenario leaves out where they have no value: its colour, and the plant that it takes the
-/// truth for.
-const OPTIONAL: [&str; 2] = ["color", "plant"];
+/// The settings of a filter that a scenario leaves out where they have no value: its colour, its augmentations, and
+/// the plant that it takes the truth for.
+const OPTIONAL: [&str; 3] = ["augment", "color", "plant"];
 
 /// Puts a value where a path leads, instead of what is there. Returns whether the path exists.
 ///
@@ -19,7 +20,7 @@ pub(crate) fn set(file: &mut Table, path: &str, value: &Value) -> bool {
 fn set_in_table(table: &mut Table, keys: &[&str], value: &Value, optional: bool) -> bool {
     match keys {
         [] => false,
-        [last] if optional || table.contains_key(*last) => {
+        [last] if optional || table.contains_key(*last) || Channel::from_key(last).is_some() => {
             table.insert((*last).to_owned(), value.clone());
             true
         }

@@ -1,4 +1,4 @@
-//! What a filter believes at first, and how far it trusts model and sensors: initial mean and std, Q and R.
+//! A filter's initial belief, and its trust in model and sensors: initial mean and std, Q and R.
 
 use egui::{Grid, RichText, Ui, Vec2};
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Sensor, Values};
@@ -10,9 +10,9 @@ const SYMBOL_WIDTH: f32 = 22.0;
 /// Width of the column of units \[points\].
 const UNIT_WIDTH: f32 = 36.0;
 
-/// A table with a row a channel and a row a sensor of the filter at `place`, for a truth of the given kind.
-pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, sensors: &[Sensor], truth: PlantKind) {
-    let FilterSettings { name, kind, plant, sensor_std, initial_mean, initial_std, process_std, .. } = filter;
+/// A table with a row a channel and a row a sensor of a filter, for a truth of the given kind.
+pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sensor], truth: PlantKind) {
+    let FilterSettings { id, name, kind, plant, sensor_std, initial_mean, initial_std, process_std, .. } = filter;
     let spacing = ui.spacing().item_spacing.x;
     let column = ((ui.available_width() - SYMBOL_WIDTH - UNIT_WIDTH - 4.0 * spacing) / 3.0).max(36.0);
     let cell = |ui: &mut Ui, enabled: bool, add: &mut dyn FnMut(&mut Ui)| {
@@ -25,7 +25,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, 
         ui.label(RichText::new(text).small().weak()).on_hover_text(hint);
     };
 
-    Grid::new(("belief", place)).num_columns(5).min_col_width(0.0).spacing(Vec2::new(spacing, 4.0)).show(ui, |ui| {
+    Grid::new(("belief", *id)).num_columns(5).min_col_width(0.0).spacing(Vec2::new(spacing, 4.0)).show(ui, |ui| {
         ui.label("");
         heading(ui, "initial guess", "Mean of the initial belief");
         heading(ui, "± σ of guess", "Standard deviation of the initial belief: how sure the filter is of its guess");

@@ -1,14 +1,13 @@
 //! The colour of a filter: a dot that opens the palette.
 
 use egui::{Popup, Sense, Ui, Vec2, WidgetInfo};
-use kalmanscope_core::{FilterColor, Scenario};
+use kalmanscope_core::{FilterColor, FilterSettings, Scenario};
 
 use crate::theme::Palette;
 
-/// The dot of the filter at `place`; a click offers the others.
-pub(super) fn color_ui(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
-    let Some(filter) = scenario.filters.get_mut(place) else { return };
-    let color = filter.color.unwrap_or(FilterColor::at(place));
+/// The dot of a filter; a click offers the other colours.
+pub(super) fn color_ui(ui: &mut Ui, filter: &mut FilterSettings, palette: &Palette) {
+    let color = color_of(filter);
     let label = format!("Colour of {}", filter.name);
     let dot = dot_ui(ui, palette.shade(color), &label, false).on_hover_text("Choose another colour");
     let chosen = Popup::menu(&dot).show(|ui| {
@@ -26,12 +25,20 @@ pub(super) fn color_ui(ui: &mut Ui, scenario: &mut Scenario, place: usize, palet
     }
 }
 
-/// Lets every filter keep the colour that it has by its place, before places change. Returns the first that none has.
-pub(super) fn keep_colors(scenario: &mut Scenario) -> Option<FilterColor> {
-    for (place, filter) in scenario.filters.iter_mut().enumerate() {
-        filter.color.get_or_insert(FilterColor::at(place));
+/// The colour to give to a new filter with this id: none where the usual one of its id is free, else the first that no filter
+/// has.
+pub(super) fn free_color(scenario: &Scenario, id: u32) -> Option<FilterColor> {
+    let taken: Vec<FilterColor> = scenario.filters.iter().map(color_of).collect();
+    if taken.contains(&FilterColor::of(id)) {
+        FilterColor::ALL.into_iter().find(|color| !taken.contains(color))
+    } else {
+        None
     }
-    FilterColor::ALL.into_iter().find(|color| scenario.filters.iter().all(|filter| filter.color != Some(*color)))
+}
+
+/// The filter's own colour, else the usual one of its id.
+fn color_of(filter: &FilterSettings) -> FilterColor {
+    filter.color.unwrap_or(FilterColor::of(filter.id))
 }
 
 fn dot_ui(ui: &mut Ui, color: egui::Color32, label: &str, ringed: bool) -> egui::Response {

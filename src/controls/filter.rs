@@ -5,7 +5,7 @@ use egui::{ComboBox, RichText, Ui};
 use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 
 use super::belief::belief_ui;
-use super::color::{color_ui, keep_colors};
+use super::color::{color_ui, free_color};
 use super::number::Number;
 use super::options::options_ui;
 use crate::text::significant;
@@ -13,7 +13,7 @@ use crate::theme::{self, Palette};
 
 /// The filter's section: a dot of its colour, its name and kind, its numbers.
 pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
-    let id = ui.make_persistent_id(("filter", place));
+    let id = ui.make_persistent_id(("filter", scenario.filters[place].id));
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
     let (mut match_truth, mut duplicate, mut remove) = (false, false, false);
     let several = scenario.filters.len();
@@ -21,8 +21,8 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
     let others: Vec<String> = filters.filter(|(i, _)| *i != place).map(|(_, f)| f.name.clone()).collect();
     state
         .show_header(ui, |ui| {
-            color_ui(ui, scenario, place, palette);
             let filter = &mut scenario.filters[place];
+            color_ui(ui, filter, palette);
             ui.label(RichText::new(&filter.name).family(theme::strong()).size(14.5));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| kind_ui(ui, filter, place, &others));
         })
@@ -30,9 +30,9 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             let Scenario { dt, plant, sensors, filters, .. } = scenario;
             let filter = &mut filters[place];
             memory_ui(ui, filter, *dt);
-            belief_ui(ui, filter, place, sensors, plant.kind);
+            belief_ui(ui, filter, sensors, plant.kind);
             ui.add_space(2.0);
-            options_ui(ui, filter, place);
+            options_ui(ui, filter);
             ui.add_space(2.0);
             ui.horizontal_wrapped(|ui| {
                 let hint =
@@ -52,13 +52,13 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             ui.add_space(6.0);
         });
     if duplicate {
-        let color = keep_colors(scenario);
-        let mut copy = FilterSettings { color, ..scenario.filters[place].clone() };
+        let id = scenario.free_filter_id();
+        let color = free_color(scenario, id);
+        let mut copy = FilterSettings { id, color, ..scenario.filters[place].clone() };
         copy.name = free_name(scenario, &copy.name);
         scenario.filters.insert(place + 1, copy);
     }
     if remove {
-        keep_colors(scenario);
         scenario.filters.remove(place);
         return;
     }
@@ -77,8 +77,9 @@ pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
         let kind = FilterKind::EKF;
         let sensor_std = scenario.true_sensor_std();
         let name = free_name(scenario, kind.name());
-        let color = keep_colors(scenario);
-        scenario.filters.push(FilterSettings { name, kind, color, sensor_std, ..FilterSettings::default() });
+        let id = scenario.free_filter_id();
+        let color = free_color(scenario, id);
+        scenario.filters.push(FilterSettings { id, name, kind, color, sensor_std, ..FilterSettings::default() });
     }
 }
 
@@ -108,11 +109,12 @@ fn rename_ui(ui: &mut Ui, filter: &mut FilterSettings, others: &[String]) {
 
 fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[String]) {
     let before = filter.kind;
-    let combo = ComboBox::from_id_salt(("kind", place)).selected_text(before.name()).width(64.0).show_ui(ui, |ui| {
-        for kind in FilterKind::ALL {
-            ui.selectable_value(&mut filter.kind, kind, kind.name());
-        }
-    });
+    let combo =
+        ComboBox::from_id_salt(("kind", filter.id)).selected_text(before.name()).width(64.0).show_ui(ui, |ui| {
+            for kind in FilterKind::ALL {
+                ui.selectable_value(&mut filter.kind, kind, kind.name());
+            }
+        });
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("Kind of filter {}", place + 1)));
     // A name that only says the kind goes with it, but no two filters get the same.
     let numbered = |kind: FilterKind| format!("{} {}", kind.name(), place + 1);

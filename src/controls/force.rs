@@ -5,7 +5,7 @@ use kalmanscope_core::Force;
 
 use super::number::Number;
 
-/// What each kind is called, and what it begins with.
+/// The name of each kind, and its first settings.
 const KINDS: [(&str, Force); 6] = [
     ("white noise", Force::WhiteNoise { std: 10.0 }),
     ("sine", Force::Sine { amplitude: 5.0, frequency: 6.0 }),

@@ -2,7 +2,7 @@
 
 use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
 
-use crate::places::remember;
+use crate::probe::remember;
 use crate::text::{parse, significant};
 
 /// Width of the labels, so that all sliders stand in one line \[points\].
@@ -15,12 +15,12 @@ const UNIT_WIDTH: f32 = 36.0;
 /// Decades of the sliders of standard deviations.
 const DECADES: f64 = 5.0;
 
-/// What a number is and may be.
+/// A number's name, unit and limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Number<'a> {
     /// Name on screen.
     pub label: &'a str,
-    /// Name that is unique on screen, for those who cannot see where it stands.
+    /// Name that is unique on screen, for screen readers.
     pub name: &'a str,
     /// Unit, empty for a pure number.
     pub unit: &'a str,
@@ -30,7 +30,7 @@ pub struct Number<'a> {
     pub least: f64,
     /// Whether equal steps of the slider are equal factors.
     pub logarithmic: bool,
-    /// What it means.
+    /// Its meaning.
     pub hint: &'a str,
 }
 

@@ -1,17 +1,17 @@
-//! What else a filter can be told: its plant, its propagation, logarithms, learning, the size of its ensemble.
+//! The less common settings of a filter: its plant, its propagation, logarithms, learning, the size of its ensemble.
 
 use egui::{Checkbox, ComboBox, DragValue, Ui};
 use kalmanscope_core::{FilterKind, FilterSettings, PlantKind, Propagation};
 
-/// The most members of an ensemble that a frame has time for.
+/// The most members of an ensemble: a frame has time for no more.
 const MOST_MEMBERS: usize = 2000;
 
 /// The less common settings of a filter.
-pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
-    egui::CollapsingHeader::new("Options").id_salt(("options", place)).show_unindented(ui, |ui| {
-        plant_ui(ui, filter, place);
+pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings) {
+    egui::CollapsingHeader::new("Options").id_salt(("options", filter.id)).show_unindented(ui, |ui| {
+        plant_ui(ui, filter);
         if matches!(filter.kind, FilterKind::KF | FilterKind::EKF | FilterKind::IEKF) {
-            propagation_ui(ui, filter, place);
+            propagation_ui(ui, filter);
         }
         let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, smoother, .. } = filter;
         if *kind == FilterKind::IEKF {
@@ -40,12 +40,12 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize)
     });
 }
 
-fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
-    let FilterSettings { name, plant, .. } = filter;
+fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings) {
+    let FilterSettings { id, name, plant, .. } = filter;
     let text = |plant: Option<PlantKind>| plant.map_or("as the truth", PlantKind::name);
     ui.horizontal(|ui| {
         ui.label("its plant").on_hover_text("What the filter takes the truth for");
-        let combo = ComboBox::from_id_salt(("plant", place)).selected_text(text(*plant)).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt(("plant", *id)).selected_text(text(*plant)).show_ui(ui, |ui| {
             for kind in std::iter::once(None).chain(PlantKind::ALL.map(Some)) {
                 ui.selectable_value(plant, kind, text(kind));
             }
@@ -54,8 +54,8 @@ fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
     });
 }
 
-fn propagation_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
-    let FilterSettings { name, propagation, .. } = filter;
+fn propagation_ui(ui: &mut Ui, filter: &mut FilterSettings) {
+    let FilterSettings { id, name, propagation, .. } = filter;
     let text = |propagation: Propagation| match propagation {
         Propagation::LocalLinearisation => "local linearisation",
         Propagation::RungeKutta => "Runge-Kutta",
@@ -63,7 +63,7 @@ fn propagation_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize) {
     };
     ui.horizontal(|ui| {
         ui.label("its steps").on_hover_text("How the mean moves from sample to sample");
-        let combo = ComboBox::from_id_salt(("steps", place)).selected_text(text(*propagation)).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt(("steps", *id)).selected_text(text(*propagation)).show_ui(ui, |ui| {
             for way in Propagation::ALL {
                 ui.selectable_value(propagation, way, text(way));
             }

@@ -6,7 +6,7 @@ use kalmanscope_core::signal::{Ramp, Sine, Step};
 
 use super::number::Number;
 
-/// What the parameter is.
+/// A parameter's name, unit and limits.
 pub(super) struct Parameter<'a> {
     pub(super) label: &'a str,
     pub(super) name: &'a str,

@@ -1,23 +1,42 @@
-//! What is computed from a run beside its estimates.
+//! Diagnostics, bounds and smoothed estimates: everything computed from a run beside its estimates.
 
 use kalmanscope_core::diagnostics::{Depth, Diagnostics};
 use kalmanscope_core::{CramerRao, Estimates, Run, Scenario};
 
-/// A Cramér-Rao bound and the places of the filters that it is for.
+/// A Cramér-Rao bound and the filters that it is for.
 pub struct Bound {
     /// The bound.
     pub bound: CramerRao,
-    /// The filters' places in the scenario.
-    pub places: Vec<usize>,
+    /// The filters' ids.
+    pub filters: Vec<u32>,
 }
 
-/// What is to be computed beside the estimates.
+/// The computations beside the estimates that are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wanted {
     /// The Cramér-Rao bounds, which cost as much as a filter.
     pub bounds: bool,
     /// Diagnostics, and how deep.
     pub diagnostics: Option<Depth>,
+}
+
+impl Wanted {
+    /// The estimates alone.
+    pub const NOTHING: Self = Self { bounds: false, diagnostics: None };
+
+    /// The Cramér-Rao bounds.
+    pub const BOUNDS: Self = Self { bounds: true, diagnostics: None };
+
+    /// Diagnostics of some depth.
+    pub const fn diagnostics(depth: Depth) -> Self {
+        Self { bounds: false, diagnostics: Some(depth) }
+    }
+
+    /// The computations that serve both.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self { bounds: self.bounds || other.bounds, diagnostics: self.diagnostics.max(other.diagnostics) }
+    }
 }
 
 impl Default for Wanted {
@@ -30,28 +49,27 @@ impl Default for Wanted {
 /// Diagnostics, bounds and smoothed estimates of a run's filters.
 #[derive(Default)]
 pub(super) struct Analysis {
+    /// In the order of the run's filters.
     diagnostics: Vec<Diagnostics>,
+    /// The ids of the filters that these are of; 0 where a filter has been computed anew since.
+    filters: Vec<u32>,
     wanted: Wanted,
-    /// The number of filters, from the first on, whose diagnostics are those of this run and not of an earlier one, and the
-    /// places of those in between of which that is not so.
-    begun: usize,
-    changed: Vec<usize>,
     bounds: Vec<Bound>,
     /// How much the bounds are still worth.
-    validity: Validity,
-    smoothed: Vec<(usize, Estimates)>,
+    validity: StillValid,
+    smoothed: Vec<Estimates>,
 }
 
-/// What has changed since bounds were computed.
+/// How much of what the bounds were computed from is still the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-enum Validity {
-    /// The truth.
+enum StillValid {
+    /// The truth has changed.
     #[default]
-    None,
-    /// The filters.
+    Nothing,
+    /// The truth is the same, the filters have changed.
     Truth,
-    /// Nothing.
-    All,
+    /// Nothing has changed.
+    Everything,
 }
 
 impl Analysis {
@@ -63,7 +81,7 @@ impl Analysis {
         &self.bounds
     }
 
-    pub(super) fn smoothed(&self) -> &[(usize, Estimates)] {
+    pub(super) fn smoothed(&self) -> &[Estimates] {
         &self.smoothed
     }
 
@@ -75,56 +93,49 @@ impl Analysis {
     pub(super) fn want(&mut self, wanted: Wanted) {
         if self.wanted.bounds != wanted.bounds {
             self.bounds.clear();
-            self.validity = Validity::None;
+            self.validity = StillValid::Nothing;
         }
         if self.wanted.diagnostics != wanted.diagnostics {
             self.diagnostics.clear();
-            self.begun = 0;
+            self.filters.clear();
         }
         self.wanted = wanted;
     }
 
     /// Before another run.
     pub(super) fn begin_anew(&mut self) {
-        self.begun = 0;
-        self.validity = Validity::None;
+        self.filters.fill(0);
+        self.validity = StillValid::Nothing;
         self.smoothed.clear();
     }
 
-    /// Before the same run with other filters at these places.
-    pub(super) fn begin_filters_anew(&mut self, places: &[usize]) {
-        self.changed.extend_from_slice(places);
-        self.validity = self.validity.min(Validity::Truth);
-        self.smoothed.clear();
+    /// Before the same run in which the filters with these ids are computed anew.
+    pub(super) fn begin_filters_anew(&mut self, ids: &[u32]) {
+        self.filters.iter_mut().filter(|id| ids.contains(id)).for_each(|id| *id = 0);
+        self.validity = self.validity.min(StillValid::Truth);
+        if !ids.is_empty() {
+            self.smoothed.clear();
+        }
     }
 
     /// Takes in what is new of a run. Bounds and hindsight need the scenario that it is of, and hindsight all of it.
     pub(super) fn follow(&mut self, scenario: Option<&Scenario>, run: &Run, whole: bool) {
-        let Self { diagnostics, wanted, begun, changed, bounds, validity, smoothed } = self;
+        let Self { diagnostics, filters, wanted, bounds, validity, smoothed } = self;
         let record = run.record();
         if let Some(depth) = wanted.diagnostics {
-            diagnostics.resize_with(run.estimates().len(), || Diagnostics::empty(depth));
+            follow_filters(diagnostics, filters, depth, run);
         }
-        for (place, (diagnostics, estimates)) in diagnostics.iter_mut().zip(run.estimates()).enumerate() {
-            if place < *begun && !changed.contains(&place) {
-                diagnostics.follow(estimates, record);
-            } else {
-                diagnostics.restart(estimates, record);
-            }
-        }
-        *begun = diagnostics.len();
-        changed.clear();
+        smoothed.retain(|smoothed| run.estimates().iter().any(|estimates| estimates.id() == smoothed.id()));
         if !whole {
             smoothed.clear();
-        } else if let Some(scenario) = scenario.filter(|_| smoothed.is_empty()) {
-            let with = scenario.filters.iter().enumerate().filter(|(_, filter)| filter.smoother);
-            *smoothed = with.map(|(place, _)| place).zip(run.smoothed()).collect();
+        } else if scenario.is_some() && smoothed.is_empty() {
+            *smoothed = run.smoothed();
         }
         if let Some(scenario) = scenario.filter(|_| wanted.bounds) {
-            if *validity != Validity::All {
+            if *validity != StillValid::Everything {
                 let old = std::mem::take(bounds);
-                *bounds = bounds_of(scenario, record.dt(), old, *validity == Validity::Truth);
-                *validity = Validity::All;
+                *bounds = bounds_of(scenario, record.dt(), old, *validity == StillValid::Truth);
+                *validity = StillValid::Everything;
             }
             for Bound { bound, .. } in bounds {
                 bound.follow(record);
@@ -133,18 +144,41 @@ impl Analysis {
     }
 }
 
+/// Lets the diagnostics of each filter take in what is new of its estimates. `filters` are the ids of those that the
+/// diagnostics are of; the others begin at their first sample.
+fn follow_filters(diagnostics: &mut Vec<Diagnostics>, filters: &mut Vec<u32>, depth: Depth, run: &Run) {
+    let mut old: Vec<(u32, Diagnostics)> = filters.drain(..).zip(diagnostics.drain(..)).collect();
+    for estimates in run.estimates() {
+        let same = old.iter().position(|(id, _)| *id == estimates.id()).map(|at| old.swap_remove(at).1);
+        diagnostics.push(match same {
+            Some(mut same) => {
+                same.follow(estimates, run.record());
+                same
+            }
+            None => {
+                // The memory of what is stale serves again.
+                let stale = old.iter().position(|(id, _)| *id == 0).map(|at| old.swap_remove(at).1);
+                let mut new = stale.unwrap_or_else(|| Diagnostics::empty(depth));
+                new.restart(estimates, run.record());
+                new
+            }
+        });
+        filters.push(estimates.id());
+    }
+}
+
 /// The bounds of a scenario's filters: those of `old` that are for them, if these are of the same truth; the others are
 /// before their first sample, in the memory of what is left of `old`.
 fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, same_truth: bool) -> Vec<Bound> {
     let mut bounds: Vec<Bound> = Vec::new();
-    for place in 0..scenario.filters.len() {
+    for (place, id) in scenario.filters.iter().map(|filter| filter.id).enumerate() {
         let is_for = |b: &Bound| b.bound.is_for(scenario, place);
         if let Some(same) = bounds.iter_mut().find(|b| is_for(b)) {
-            same.places.push(place);
+            same.filters.push(id);
         } else if let Some(same) = old.iter().position(|b| same_truth && is_for(b)) {
-            bounds.push(Bound { places: vec![place], ..old.swap_remove(same) });
+            bounds.push(Bound { filters: vec![id], ..old.swap_remove(same) });
         } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
-            bounds.push(Bound { bound, places: vec![place] });
+            bounds.push(Bound { bound, filters: vec![id] });
         }
     }
     for new in bounds.iter_mut().filter(|b| b.bound.is_empty()) {

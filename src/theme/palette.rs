@@ -20,11 +20,11 @@ pub struct Palette {
     pub text: Color32,
     /// Text that stands back.
     pub weak: Color32,
-    /// What is selected.
+    /// Selected widgets.
     pub accent: Color32,
     /// Text on what is selected.
     pub on_accent: Color32,
-    /// What is wrong.
+    /// Warnings.
     pub warning: Color32,
     /// The truth.
     pub truth: Color32,
@@ -33,8 +33,6 @@ pub struct Palette {
     /// The force.
     pub force: Color32,
     shades: [Color32; 6],
-    /// Of the filters on screen, by place.
-    filters: [Color32; 6],
 }
 
 const LIGHT: Palette = Palette {
@@ -51,7 +49,6 @@ const LIGHT: Palette = Palette {
     measured: Color32::from_rgba_premultiplied(0x38, 0x3e, 0x48, 0x90),
     force: Color32::from_rgb(0x80, 0x86, 0x90),
     shades: LIGHT_SHADES,
-    filters: LIGHT_SHADES,
 };
 
 const LIGHT_SHADES: [Color32; 6] = [
@@ -77,7 +74,6 @@ const DARK: Palette = Palette {
     measured: Color32::from_rgba_premultiplied(0x60, 0x66, 0x70, 0x80),
     force: Color32::from_rgb(0x90, 0x98, 0xa4),
     shades: DARK_SHADES,
-    filters: DARK_SHADES,
 };
 
 const DARK_SHADES: [Color32; 6] = [
@@ -98,27 +94,8 @@ impl Palette {
         }
     }
 
-    /// With the colours of these filters, in the order of their places.
-    pub fn with_filters(mut self, colors: impl Iterator<Item = FilterColor>) -> Self {
-        let Self { shades, filters, .. } = &mut self;
-        for (filter, color) in filters.iter_mut().zip(colors) {
-            *filter = shades[color as usize];
-        }
-        self
-    }
-
-    /// What a colour is in this theme.
+    /// The shade of a filter's colour in this theme.
     pub const fn shade(&self, color: FilterColor) -> Color32 {
         self.shades[color as usize]
-    }
-
-    /// The colour of a filter, by its place in the scenario.
-    pub const fn filter(&self, place: usize) -> Color32 {
-        self.filters[place % self.filters.len()]
-    }
-
-    /// The colour of a filter's ±2σ band, which lets what is under it through.
-    pub fn band(&self, place: usize) -> Color32 {
-        self.filter(place).gamma_multiply(0.22)
     }
 }

@@ -3,9 +3,12 @@
 use egui::Ui;
 use egui_plot::{Bar, BarChart, HLine, LineStyle};
 
-use super::plane::plane_ui;
-use super::{View, ViewContext, grid};
-use crate::command::Command;
+use crate::plot::cells::cells_ui;
+use crate::plot::plane::plane_ui;
+use crate::request::Request;
+use crate::session::Wanted;
+use crate::view::{Proportions, View, ViewContext};
+use kalmanscope_core::diagnostics::Depth;
 
 /// Autocorrelation of the innovations, sensor by sensor.
 pub(super) struct Autocorrelation;
@@ -23,20 +26,27 @@ impl View for Autocorrelation {
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
-        let ViewContext { session, palette, shown, .. } = *context;
+    fn wanted(&self) -> Wanted {
+        Wanted::diagnostics(Depth::All)
+    }
+
+    fn proportions(&self) -> Proportions {
+        Proportions::Square
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+        let ViewContext { session, palette, .. } = *context;
         let sensors = session.sensors();
         if sensors.is_empty() {
             ui.weak("Nothing is measured.");
         }
-        let filters: Vec<_> =
-            session.diagnostics().iter().enumerate().filter(|&(place, _)| shown.filter(place)).collect();
-        grid(ui, sensors.len(), |ui, sensor, last_row| {
+        let filters: Vec<_> = context.diagnostics().collect();
+        cells_ui(ui, sensors.len(), |ui, sensor, last_row| {
             let mut band = 0.0_f64;
             let (mut lowest, mut highest) = (0.0_f64, 0.0_f64);
             let mut charts = Vec::new();
             let width = 0.8 / filters.len().max(1) as f64;
-            for (i, (place, diagnostics)) in filters.iter().enumerate() {
+            for (i, (_, estimates, diagnostics)) in filters.iter().enumerate() {
                 let Some(whiteness) = diagnostics.whiteness().get(sensor) else { continue };
                 let correlations = whiteness.autocorrelation();
                 for &r in correlations.iter().filter(|r| r.is_finite()) {
@@ -46,7 +56,9 @@ impl View for Autocorrelation {
                 let offset = (i as f64 + 0.5) * width - 0.4;
                 let bar = |(lag, r): (usize, &f64)| Bar::new((lag + 1) as f64 + offset, *r).width(width);
                 let bars: Vec<Bar> = correlations.iter().enumerate().filter(|(_, r)| r.is_finite()).map(bar).collect();
-                charts.push(BarChart::new("autocorrelation", bars).color(palette.filter(*place)).allow_hover(false));
+                charts.push(
+                    BarChart::new("autocorrelation", bars).color(palette.shade(estimates.color())).allow_hover(false),
+                );
             }
             let [low, high] = [-lowest, highest].map(|r| {
                 let enough = |reach: &f64| *reach >= 1.1 * r.max(band);

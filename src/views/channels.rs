@@ -3,89 +3,75 @@
 use egui::Ui;
 use kalmanscope_core::{Channel, Quantity};
 
-use super::chart::Chart;
-use super::charts::charts_ui;
-use super::heading::Readout;
-use super::layer::{Layer, line_width};
-use super::sampled::{Band, Series};
-use super::{View, ViewContext};
-use crate::command::Command;
-use crate::text::fixed;
+use crate::plot::chart::Chart;
+use crate::plot::charts::charts_ui;
+use crate::plot::heading::Readout;
+use crate::plot::layers::{Layer, line_width};
+use crate::plot::series::{Band, Series};
+use crate::request::Request;
+use crate::text::{decimals, fixed};
+use crate::view::{View, ViewContext};
 
 /// The width of the first filter's line \[points\].
 const ESTIMATE: f32 = 2.4;
 
-/// What moves.
-pub(super) struct States;
+/// The plant's channels over time.
+pub(super) enum Channels {
+    /// The motion.
+    States,
+    /// The plant's parameters.
+    Parameters,
+}
 
-impl View for States {
+impl View for Channels {
     fn name(&self) -> &'static str {
-        "States"
+        match self {
+            Self::States => "States",
+            Self::Parameters => "Parameters",
+        }
     }
 
     fn help(&self) -> [&'static str; 3] {
-        [
-            "The motion over time: truth thick, measurements as dots, each filter's estimate with its ±2σ band.",
-            "A filter that is right about itself has the truth in its band 95 % of the time.",
-            "The estimate should be closer to the truth than the dots are: that is what filtering is for.",
-        ]
+        match self {
+            Self::States => [
+                "The motion over time: truth thick, measurements as dots, each filter's estimate with its ±2σ band.",
+                "A filter that is right about itself has the truth in its band 95 % of the time.",
+                "The estimate should be closer to the truth than the dots are: that is what filtering is for.",
+            ],
+            Self::Parameters => [
+                "The plant's parameters over time: truth thick, each filter's estimate with its ±2σ band.",
+                "Nobody measures them: a filter infers them from how the motion answers the force.",
+                "The band narrows as evidence comes in. A change of the truth is followed only by a filter that forgets or doubts.",
+            ],
+        }
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
-        channels_ui(ui, context, commands, |channel| !channel.is_parameter())
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        let is_wanted = |channel: &Channel| channel.is_parameter() == matches!(self, Self::Parameters);
+        let channels: Vec<Channel> = context.session.run().channels().into_iter().filter(is_wanted).collect();
+        let channels = context.visible.channels(channels);
+        charts_ui(ui, channels.len(), &context.plot_input(), requests, |i, last_row| {
+            chart(channels[i], context, last_row)
+        })
     }
-}
-
-/// What the plant is.
-pub(super) struct Parameters;
-
-impl View for Parameters {
-    fn name(&self) -> &'static str {
-        "Parameters"
-    }
-
-    fn help(&self) -> [&'static str; 3] {
-        [
-            "The plant's parameters over time: truth thick, each filter's estimate with its ±2σ band.",
-            "Nobody measures them: a filter infers them from how the motion answers the force.",
-            "The band narrows as evidence comes in. A change of the truth is followed only by a filter that forgets or doubts.",
-        ]
-    }
-
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
-        channels_ui(ui, context, commands, Channel::is_parameter)
-    }
-}
-
-fn channels_ui(
-    ui: &mut Ui,
-    context: &ViewContext<'_>,
-    commands: &mut Vec<Command>,
-    wanted: impl Fn(Channel) -> bool,
-) -> Option<f64> {
-    let channels: Vec<Channel> = context.session.run().channels().into_iter().filter(|c| wanted(*c)).collect();
-    let channels = context.shown.channels(channels);
-    charts_ui(ui, channels.len(), context, commands, |i, last_row| chart(channels[i], context, last_row))
 }
 
 /// One channel's chart: bands under measurements under truth under estimates.
 fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
-    let ViewContext { session, palette, shown, .. } = *context;
+    let ViewContext { session, palette, visible, .. } = *context;
     let run = session.run();
     let record = run.record();
     let mut layers: Vec<Layer<'a>> = Vec::new();
-    let filters = || run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place));
-    for (place, estimates) in filters().filter(|_| shown.bands) {
+    for (place, estimates) in context.filters().filter(|_| visible.bands) {
         let Some(at) = estimates.place(channel) else { continue };
         let band = Band::around(estimates.canonical_means(at), estimates.variances(at));
-        layers.push(Layer::Band { band, color: palette.filter(place), under: line_width(place, ESTIMATE) });
+        layers.push(Layer::Band { band, color: palette.shade(estimates.color()), under: line_width(place, ESTIMATE) });
     }
     let quantity = Quantity::all().into_iter().find(|q| q.channel() == Some(channel));
-    if let Some(z) = quantity.and_then(|q| record.measured_quantity(q)).filter(|_| shown.measured) {
+    if let Some(z) = quantity.and_then(|q| record.measured_quantity(q)).filter(|_| visible.measured) {
         layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
     }
-    // Where all agree, each line still shows beside the narrower one above it.
-    if let Some(truth) = record.truth(channel).filter(|_| shown.truth) {
+    if let Some(truth) = record.truth(channel).filter(|_| visible.truth) {
         layers.push(Layer::Line {
             series: Series::of(&truth[..run.len()]),
             color: palette.truth,
@@ -94,21 +80,21 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             bounds: true,
         });
     }
-    for (place, estimates) in filters() {
+    for (place, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         layers.push(Layer::Line {
             series: Series::of(estimates.canonical_means(at)),
-            color: palette.filter(place),
+            color: palette.shade(estimates.color()),
             width: line_width(place, ESTIMATE),
             dashed: false,
             bounds: false,
         });
     }
-    for (place, estimates) in session.smoothed().iter().filter(|(place, _)| shown.filter(*place)) {
+    for estimates in session.smoothed().iter().filter(|of| visible.filter(of.id())) {
         let Some(at) = estimates.place(channel) else { continue };
         layers.push(Layer::Line {
             series: Series::of(estimates.canonical_means(at)),
-            color: palette.filter(*place),
+            color: palette.shade(estimates.color()),
             width: 1.4,
             dashed: true,
             bounds: false,
@@ -130,7 +116,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
 
 /// Truth and estimates at the cursor, or at playback.
 fn readouts(channel: Channel, context: &ViewContext<'_>) -> Vec<Readout> {
-    let ViewContext { session, palette, shown, axis, .. } = *context;
+    let ViewContext { session, palette, axis, .. } = *context;
     let k = axis.readout(session);
     let decimals = decimals(channel);
     let truth = session.run().record().truth(channel).and_then(|truth| truth.get(k)).map(|truth| Readout {
@@ -138,22 +124,11 @@ fn readouts(channel: Channel, context: &ViewContext<'_>) -> Vec<Readout> {
         color: palette.truth,
         hint: "truth".to_owned(),
     });
-    let filters = session.run().estimates().iter().enumerate().filter_map(|(place, estimates)| {
-        let at = estimates.place(channel).filter(|_| shown.filter(place) && k < estimates.len())?;
+    let filters = context.filters().filter_map(|(_, estimates)| {
+        let at = estimates.place(channel).filter(|_| k < estimates.len())?;
         let mean = fixed(estimates.canonical_mean(k, at), decimals);
         let text = format!("{mean} ±{}", fixed(2.0 * estimates.std(k, at), decimals));
-        Some(Readout { text, color: palette.filter(place), hint: estimates.name().to_owned() })
+        Some(Readout { text, color: palette.shade(estimates.color()), hint: estimates.name().to_owned() })
     });
     truth.into_iter().chain(filters).collect()
-}
-
-/// Decimals that show a channel's usual values well.
-pub(super) fn decimals(channel: Channel) -> usize {
-    match channel {
-        Channel::stiffness(0) | Channel::stiffness(1) | Channel::stiffness(2) | Channel::stiffness(3) => 1,
-        Channel::CUBIC_STIFFNESS | Channel::HYSTERESIS_BETA | Channel::HYSTERESIS_GAMMA => 1,
-        Channel::NATURAL_FREQUENCY | Channel::STOREY_DAMPING => 3,
-        _ if channel.unit() == "m/s" => 3,
-        _ => 4,
-    }
 }

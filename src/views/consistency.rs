@@ -1,16 +1,17 @@
 //! NIS and NEES over time: whether a filter's claims fit what happens.
 
 use egui::Ui;
-use kalmanscope_core::diagnostics::{Diagnostics, Total, chi_squared};
+use kalmanscope_core::diagnostics::{Depth, Diagnostics, Total, chi_squared};
 
-use super::chart::Chart;
-use super::charts::charts_ui;
-use super::heading::Readout;
-use super::layer::{Layer, line_width};
-use super::sampled::Series;
-use super::{View, ViewContext};
-use crate::command::Command;
+use crate::plot::chart::Chart;
+use crate::plot::charts::charts_ui;
+use crate::plot::heading::Readout;
+use crate::plot::layers::{Layer, line_width};
+use crate::plot::series::Series;
+use crate::request::Request;
+use crate::session::Wanted;
 use crate::text::significant;
+use crate::view::{View, ViewContext};
 
 /// The moving mean is over this time \[s\].
 const WINDOW: f64 = 2.0;
@@ -31,8 +32,12 @@ impl View for Consistency {
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
-        charts_ui(ui, 2, context, commands, |i, last_row| {
+    fn wanted(&self) -> Wanted {
+        Wanted::diagnostics(Depth::Consistency)
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        charts_ui(ui, 2, &context.plot_input(), requests, |i, last_row| {
             if i == 0 {
                 chart("NIS", "normalised innovation squared", context, last_row, Diagnostics::nis_within)
             } else {
@@ -49,17 +54,19 @@ fn chart<'a>(
     last_row: bool,
     within: fn(&Diagnostics, std::ops::Range<usize>) -> Total,
 ) -> Chart<'a> {
-    let ViewContext { session, palette, shown, axis, .. } = *context;
+    let ViewContext { session, palette, axis, .. } = *context;
     let window = (WINDOW / session.run().record().dt()).ceil().max(1.0) as usize;
     let ratio = move |diagnostics: &Diagnostics, k: usize| {
         within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree()
     };
     let k = axis.readout(session);
-    let filters = || session.diagnostics().iter().enumerate().filter(|&(place, _)| shown.filter(place));
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.truth }];
     let mut readouts = Vec::new();
     // Independent numbers of one window for NIS, of one sample for NEES.
-    let last = filters().map(|(_, d)| within(d, d.len().saturating_sub(window)..d.len())).find(|t| t.degrees > 0);
+    let last = context
+        .diagnostics()
+        .map(|(_, _, d)| within(d, d.len().saturating_sub(window)..d.len()))
+        .find(|t| t.degrees > 0);
     if let Some(total) = last {
         let degrees = if symbol == "NIS" { total.degrees } else { total.degrees / total.samples.max(1) };
         if let Some(interval) = chi_squared::quick_interval(degrees, degrees) {
@@ -68,11 +75,11 @@ fn chart<'a>(
             }
         }
     }
-    for (place, diagnostics) in filters() {
+    for (place, estimates, diagnostics) in context.diagnostics() {
         layers.push(Layer::Line {
             series: Series::new(diagnostics.len(), move |samples| samples.map(move |k| ratio(diagnostics, k)))
                 .through(f64::log10),
-            color: palette.filter(place),
+            color: palette.shade(estimates.color()),
             width: line_width(place, 2.0),
             dashed: false,
             bounds: false,
@@ -80,8 +87,8 @@ fn chart<'a>(
         if k < diagnostics.len() {
             readouts.push(Readout {
                 text: significant(ratio(diagnostics, k), 3),
-                color: palette.filter(place),
-                hint: session.run().estimates()[place].name().to_owned(),
+                color: palette.shade(estimates.color()),
+                hint: estimates.name().to_owned(),
             });
         }
     }

@@ -4,22 +4,23 @@ mod curves;
 
 use std::sync::Arc;
 
-use egui::{Align2, RichText, Stroke, Ui, UiBuilder, vec2};
+use egui::{Align2, Color32, RichText, Stroke, Ui, UiBuilder, vec2};
 use egui_plot::{FilledArea, Line, LineStyle, PlotPoint, PlotUi, Points, Text, VLine};
+use kalmanscope_core::Estimates;
 use kalmanscope_core::frequency_response::Believed;
 
-use super::heading::{Readout, heading_ui};
-use super::plane::log_plane_ui;
-use super::{View, ViewContext};
-use crate::command::Command;
+use crate::plot::heading::{Readout, heading_ui};
+use crate::plot::plane::log_plane_ui;
+use crate::request::Request;
 use crate::text::significant;
+use crate::view::{Proportions, View, ViewContext};
 use curves::Curves;
 
 /// Height of the heading above the plot \[points\].
 const HEADING: f32 = 22.0;
 /// How much of the plot's height the spectrum has.
 const SPECTRUM: f64 = 0.22;
-/// The most that is shown of the magnitudes, and of the bands above the lines \[decades\].
+/// The most that is visible of the magnitudes, and of the bands above the lines \[decades\].
 const MOST: (f64, f64) = (6.0, 0.3);
 
 /// The least distance of a line from the edges of the plot \[decades\].
@@ -37,16 +38,20 @@ impl View for FrequencyResponse {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "How far a force of each frequency moves the first mass: the truth thick, and each filter with the band that it gives 95 % to. A nonlinear plant is shown as it is near rest.",
+            "How far a force of each frequency moves the first mass: the truth thick, and each filter with the band that it gives 95 % to. A nonlinear plant is visible as it is near rest.",
             "A peak in the wrong place is a wrong natural frequency, a peak too high or too low a wrong damping.",
             "At the bottom, on a scale of its own, is the spectrum of the force so far: a frequency that nothing excites tells a filter nothing.",
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
-        let ViewContext { session, palette, shown, axis, .. } = *context;
+    fn proportions(&self) -> Proportions {
+        Proportions::Square
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+        let ViewContext { session, palette, visible, axis, .. } = *context;
         let k = axis.readout(session);
-        let curves = Curves::at(ui, session, k, |place| shown.filter(place));
+        let curves = Curves::at(ui, session, k, |id| visible.filter(id));
         let drawn = Drawn::new(&curves, context);
         let (heading, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEADING), egui::Sense::hover());
         let labels = ["angular frequency ω [rad/s]", "|H| [s²]"];
@@ -66,31 +71,35 @@ impl View for FrequencyResponse {
 
 /// The frequency of a place and the magnitudes there.
 fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout> {
-    let ViewContext { session, palette, shown, .. } = *context;
+    let ViewContext { session, palette, visible, .. } = *context;
     let mut readouts = vec![Readout {
         text: format!("at {} rad/s", significant(curves.frequencies[i], 3)),
         color: palette.weak,
         hint: "The frequency pointed at, else that of the peak".to_owned(),
     }];
-    let truth = curves.truth.iter().filter(|_| shown.truth);
+    let truth = curves.truth.iter().filter(|_| visible.truth);
     readouts.extend(truth.map(|truth| Readout {
         text: significant(truth[i], 3),
         color: palette.truth,
         hint: "truth".to_owned(),
     }));
-    for ((place, believed), estimates) in curves.filters.iter().enumerate().zip(session.run().estimates()) {
+    for (believed, estimates) in curves.filters.iter().zip(session.run().estimates()) {
         let Some(believed) = believed else { continue };
         let name = estimates.name();
         let hint = believed.band.as_ref().map_or_else(
             || name.to_owned(),
             |(low, high)| format!("{name}, 95 %: {} to {}", significant(low[i], 3), significant(high[i], 3)),
         );
-        readouts.push(Readout { text: significant(believed.mean[i], 3), color: palette.filter(place), hint });
+        readouts.push(Readout {
+            text: significant(believed.mean[i], 3),
+            color: palette.shade(estimates.color()),
+            hint,
+        });
     }
     readouts
 }
 
-/// The curves as logarithms, and as far as they are shown.
+/// The curves as logarithms, and as far as they are visible.
 struct Drawn<'a> {
     curves: &'a Curves,
     frequencies: Vec<f64>,
@@ -98,26 +107,27 @@ struct Drawn<'a> {
     filters: Vec<Filter>,
 }
 
-/// The curves of the filter at a place.
+/// The curves of a filter.
 struct Filter {
-    place: usize,
+    color: Color32,
     mean: Vec<f64>,
     band: Option<[Vec<f64>; 2]>,
 }
 
 impl<'a> Drawn<'a> {
     fn new(curves: &'a Curves, context: &ViewContext<'_>) -> Self {
-        let shown = context.shown;
-        let of_filter = |(place, believed): (usize, &Option<Arc<Believed>>)| {
+        let visible = context.visible;
+        let of_filter = |(believed, estimates): (&Option<Arc<Believed>>, &Estimates)| {
             let Believed { mean, band } = believed.as_deref()?;
-            let band = band.as_ref().filter(|_| shown.bands).map(|(low, high)| [logarithms(low), logarithms(high)]);
-            Some(Filter { place, mean: logarithms(mean), band })
+            let band = band.as_ref().filter(|_| visible.bands).map(|(low, high)| [logarithms(low), logarithms(high)]);
+            let color = context.palette.shade(estimates.color());
+            Some(Filter { color, mean: logarithms(mean), band })
         };
         Self {
             curves,
             frequencies: logarithms(&curves.frequencies),
-            truth: curves.truth.as_ref().filter(|_| shown.truth).map(|truth| logarithms(truth)),
-            filters: curves.filters.iter().enumerate().filter_map(of_filter).collect(),
+            truth: curves.truth.as_ref().filter(|_| visible.truth).map(|truth| logarithms(truth)),
+            filters: curves.filters.iter().zip(context.session.run().estimates()).filter_map(of_filter).collect(),
         }
     }
 
@@ -147,15 +157,16 @@ impl<'a> Drawn<'a> {
         let Self { curves: _, frequencies, truth, filters } = self;
         let palette = context.palette;
         self.draw_spectrum(plot, context);
-        for Filter { place, mean: _, band } in filters {
+        for Filter { color, mean: _, band } in filters {
+            let fill = color.gamma_multiply(0.22);
             if let Some([low, high]) = band {
-                let edge = Stroke::new(0.7, palette.band(*place).gamma_multiply(0.8));
-                let area = FilledArea::new("band", frequencies, low, high).fill_color(palette.band(*place));
+                let edge = Stroke::new(0.7, fill.gamma_multiply(0.8));
+                let area = FilledArea::new("band", frequencies, low, high).fill_color(fill);
                 plot.add(area.stroke(edge).allow_hover(false));
             }
         }
         let lines = truth.iter().map(|truth| (truth, palette.truth, 3.0));
-        let lines = lines.chain(filters.iter().map(|filter| (&filter.mean, palette.filter(filter.place), 1.6)));
+        let lines = lines.chain(filters.iter().map(|filter| (&filter.mean, filter.color, 1.6)));
         for (line, color, width) in lines {
             let points: Vec<[f64; 2]> = frequencies.iter().zip(line).map(|(&x, &y)| [x, y]).collect();
             plot.line(Line::new("response", points).color(color).width(width).allow_hover(false));

@@ -3,16 +3,16 @@
 use egui::{Id, Ui};
 use kalmanscope_core::{Channel, Quantity};
 
-use super::chart::Chart;
-use super::charts::charts_ui;
-use super::heading::Readout;
-use super::layer::Layer;
-use super::sampled::Series;
-use super::{View, ViewContext};
-use crate::command::Command;
+use crate::plot::chart::Chart;
+use crate::plot::charts::charts_ui;
+use crate::plot::heading::Readout;
+use crate::plot::layers::Layer;
+use crate::plot::series::Series;
+use crate::request::Request;
 use crate::text::significant;
+use crate::view::{View, ViewContext};
 
-/// What a unit of innovation does to each channel.
+/// The effect of an innovation on each channel.
 pub(super) struct Gain;
 
 impl View for Gain {
@@ -28,16 +28,18 @@ impl View for Gain {
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
         let channels = context.session.run().channels().into_iter().filter(|c| context.in_doubt(*c));
         let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels.partition(|c| c.is_parameter());
-        let channels = context.shown.channels([parameters, states].concat());
+        let channels = context.visible.channels([parameters, states].concat());
         if context.session.scenario().sensors.is_empty() {
             ui.weak("Nothing is measured.");
             return None;
         }
         let sensor = sensor_ui(ui, &context.session.sensors());
-        charts_ui(ui, channels.len(), context, commands, |i, last_row| chart(channels[i], sensor, context, last_row))
+        charts_ui(ui, channels.len(), &context.plot_input(), requests, |i, last_row| {
+            chart(channels[i], sensor, context, last_row)
+        })
     }
 }
 
@@ -58,18 +60,18 @@ fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
 }
 
 fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
-    let ViewContext { session, palette, shown, axis, .. } = *context;
+    let ViewContext { session, palette, axis, .. } = *context;
     let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak }];
     let mut readouts = Vec::new();
-    for (place, estimates) in session.run().estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place)) {
+    for (_, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         let (n, m) = (estimates.channels().len(), estimates.sensors().len());
         let std = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
         let value = move |k: usize| estimates.gain(k)[sensor * n + at] * std(k);
         layers.push(Layer::Line {
             series: Series::new(estimates.len(), move |samples| samples.map(value)),
-            color: palette.filter(place),
+            color: palette.shade(estimates.color()),
             width: 1.2,
             dashed: false,
             bounds: false,
@@ -77,7 +79,7 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
         if k < estimates.len() {
             readouts.push(Readout {
                 text: significant(value(k), 3),
-                color: palette.filter(place),
+                color: palette.shade(estimates.color()),
                 hint: estimates.name().to_owned(),
             });
         }

@@ -1,16 +1,16 @@
-//! What each measurement told: innovations within ±2√S.
+//! Innovations within ±2√S: what each measurement adds.
 
 use egui::Ui;
 use kalmanscope_core::Quantity;
 
-use super::chart::Chart;
-use super::charts::charts_ui;
-use super::heading::Readout;
-use super::layer::Layer;
-use super::sampled::{Band, Series};
-use super::{View, ViewContext};
-use crate::command::Command;
+use crate::plot::chart::Chart;
+use crate::plot::charts::charts_ui;
+use crate::plot::heading::Readout;
+use crate::plot::layers::Layer;
+use crate::plot::series::{Band, Series};
+use crate::request::Request;
 use crate::text::significant;
+use crate::view::{View, ViewContext};
 
 /// Measurement minus prediction.
 pub(super) struct Innovations;
@@ -28,42 +28,43 @@ impl View for Innovations {
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Option<f64> {
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
         let sensors: Vec<Quantity> = context.session.sensors();
         if sensors.is_empty() {
             ui.weak("Nothing is measured.");
         }
-        charts_ui(ui, sensors.len(), context, commands, |i, last_row| chart(i, sensors[i], context, last_row))
+        charts_ui(ui, sensors.len(), &context.plot_input(), requests, |i, last_row| {
+            chart(i, sensors[i], context, last_row)
+        })
     }
 }
 
 fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
-    let ViewContext { session, palette, shown, axis, .. } = *context;
+    let ViewContext { session, palette, visible, axis, .. } = *context;
     let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = Vec::new();
     let mut readouts = Vec::new();
-    let filters = || session.run().estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place));
-    for (place, estimates) in filters() {
+    for (_, estimates) in context.filters() {
         let m = estimates.sensors().len();
         let variance = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)];
-        if shown.bands {
+        if visible.bands {
             let band = Band::around_zero(estimates.len(), move |samples| samples.map(variance));
-            layers.push(Layer::Band { band, color: palette.filter(place), under: 0.0 });
+            layers.push(Layer::Band { band, color: palette.shade(estimates.color()), under: 0.0 });
         }
         if k < estimates.len() {
             let [innovation, std] = [estimates.innovation(k)[sensor], variance(k).sqrt()].map(|x| significant(x, 2));
             readouts.push(Readout {
                 text: format!("{innovation} (√S {std})"),
-                color: palette.filter(place),
+                color: palette.shade(estimates.color()),
                 hint: estimates.name().to_owned(),
             });
         }
     }
     layers.push(Layer::Level { value: 0.0, color: palette.weak });
-    for (place, estimates) in filters() {
+    for (_, estimates) in context.filters() {
         layers.push(Layer::Line {
             series: Series::new(estimates.len(), move |samples| samples.map(move |k| estimates.innovation(k)[sensor])),
-            color: palette.filter(place).gamma_multiply(0.8),
+            color: palette.shade(estimates.color()).gamma_multiply(0.8),
             width: 0.8,
             dashed: false,
             bounds: false,

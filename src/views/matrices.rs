@@ -3,10 +3,10 @@
 use egui::{Align, Grid, Layout, RichText, ScrollArea, Ui};
 use kalmanscope_core::{Estimates, Record};
 
-use super::{View, ViewContext};
-use crate::command::Command;
+use crate::request::Request;
 use crate::text::significant;
 use crate::theme;
+use crate::view::{View, ViewContext};
 
 /// Width of a column, so that the table stands still while its numbers change \[points\].
 const COLUMN: f32 = 66.0;
@@ -27,25 +27,22 @@ impl View for Matrices {
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
-        let ViewContext { session, palette, shown, axis, .. } = *context;
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+        let ViewContext { session, palette, axis, .. } = *context;
         let k = axis.readout(session);
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-            for (place, estimates) in session.run().estimates().iter().enumerate() {
-                if !shown.filter(place) || k >= estimates.len() {
-                    continue;
-                }
+            for (_, estimates) in context.filters().filter(|(_, estimates)| k < estimates.len()) {
                 let record = session.run().record();
                 let number = record.forgotten() + k;
                 let title = format!("{}, sample {number}, t = {:.3} s", estimates.name(), record.time(k));
-                ui.label(RichText::new(title).family(theme::strong()).color(palette.filter(place)));
+                ui.label(RichText::new(title).family(theme::strong()).color(palette.shade(estimates.color())));
                 if number == 0 {
                     ui.weak("The initial belief: nothing has been predicted or measured yet.");
                 } else if k == 0 {
                     ui.weak("The sample before is no longer kept.");
                 }
-                channels_ui(ui, estimates, k, place);
-                sensors_ui(ui, estimates, record, k, place);
+                channels_ui(ui, estimates, k);
+                sensors_ui(ui, estimates, record, k);
                 ui.add_space(8.0);
             }
         });
@@ -61,7 +58,7 @@ fn header(ui: &mut Ui, names: &[&str]) {
 }
 
 /// Mean and σ of each channel before, predicted and after, and the gain.
-fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, place: usize) {
+fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize) {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
     let (gain, e, s) = (estimates.gain(k), estimates.innovation(k), estimates.innovation_cov(k));
     // K e and K S Kᵀ of the sensors that delivered.
@@ -71,38 +68,41 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize, place: usize) {
         let term = |a: usize, b: usize| gain[a * n + i] * s[a * m + b] * gain[b * n + i];
         (0..m).filter(delivered).flat_map(|a| (0..m).filter(delivered).map(move |b| term(a, b))).sum::<f64>()
     };
-    Grid::new(("predict and update", place)).striped(true).min_col_width(COLUMN).spacing([10.0, 3.0]).show(ui, |ui| {
-        let gains: Vec<String> = estimates.sensors().iter().map(|q| format!("K for e({})", q.symbol())).collect();
-        let mut names = vec!["", "y before", "± σ", "y⁻ predicted", "± σ⁻", "+ K e", "y after", "± σ"];
-        names.extend(gains.iter().map(String::as_str));
-        header(ui, &names);
-        for (i, channel) in estimates.channels().iter().enumerate() {
-            let (mean, std) = (estimates.mean(k)[i], estimates.std(k, i));
-            let predicted_std = (std * std + known(i)).sqrt();
-            name_ui(ui, channel.symbol(), channel.unit(), channel.name());
-            let before = k.checked_sub(1);
-            number(ui, before.map(|k| estimates.mean(k)[i]));
-            number(ui, before.map(|k| estimates.std(k, i)));
-            number(ui, before.map(|_| mean - shift(i)));
-            number(ui, before.map(|_| predicted_std));
-            number(ui, before.map(|_| shift(i)));
-            number(ui, Some(mean));
-            number(ui, Some(std));
-            for sensor in 0..m {
-                number(ui, before.map(|_| gain[sensor * n + i]));
+    Grid::new(("predict and update", estimates.id())).striped(true).min_col_width(COLUMN).spacing([10.0, 3.0]).show(
+        ui,
+        |ui| {
+            let gains: Vec<String> = estimates.sensors().iter().map(|q| format!("K for e({})", q.symbol())).collect();
+            let mut names = vec!["", "y before", "± σ", "y⁻ predicted", "± σ⁻", "+ K e", "y after", "± σ"];
+            names.extend(gains.iter().map(String::as_str));
+            header(ui, &names);
+            for (i, channel) in estimates.channels().iter().enumerate() {
+                let (mean, std) = (estimates.mean(k)[i], estimates.std(k, i));
+                let predicted_std = (std * std + known(i)).sqrt();
+                name_ui(ui, channel.symbol(), channel.unit(), channel.name());
+                let before = k.checked_sub(1);
+                number(ui, before.map(|k| estimates.mean(k)[i]));
+                number(ui, before.map(|k| estimates.std(k, i)));
+                number(ui, before.map(|_| mean - shift(i)));
+                number(ui, before.map(|_| predicted_std));
+                number(ui, before.map(|_| shift(i)));
+                number(ui, Some(mean));
+                number(ui, Some(std));
+                for sensor in 0..m {
+                    number(ui, before.map(|_| gain[sensor * n + i]));
+                }
+                ui.end_row();
             }
-            ui.end_row();
-        }
-    });
+        },
+    );
 }
 
-/// What each sensor said and what was expected of it.
-fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize, place: usize) {
+/// The measurement, its expectation and the innovation of each sensor.
+fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize) {
     let m = estimates.sensors().len();
     if record.forgotten() + k == 0 || m == 0 {
         return;
     }
-    Grid::new(("sensors", place)).striped(true).min_col_width(COLUMN).spacing([10.0, 3.0]).show(ui, |ui| {
+    Grid::new(("sensors", estimates.id())).striped(true).min_col_width(COLUMN).spacing([10.0, 3.0]).show(ui, |ui| {
         header(ui, &["", "z measured", "h(y⁻) expected", "e = z − h(y⁻)", "√S", "e / √S"]);
         for (sensor, quantity) in estimates.sensors().iter().enumerate() {
             let z = record.measured_quantity(*quantity).map(|z| z[k]);
@@ -128,7 +128,7 @@ fn at_right(ui: &mut Ui, text: RichText) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(text));
 }
 
-/// What a number stands for, with its unit.
+/// The name of a number, with its unit.
 fn name_ui(ui: &mut Ui, symbol: &str, unit: &str, name: &str) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;

@@ -1,11 +1,13 @@
 //! The moving masses on their springs and dampers, the force, the sensors' noise, and what each filter believes.
 
+mod arrow;
 mod body;
 mod cloud;
+mod force;
 mod ground;
 mod link;
+mod masses;
 mod peaks;
-mod push;
 mod scene;
 mod stage;
 mod trail;
@@ -13,11 +15,12 @@ mod trail;
 use egui::{Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 use kalmanscope_core::{Channel, Run};
 
+use self::masses::masses;
 use self::peaks::Peaks;
 use self::scene::Scene;
-use self::stage::{MAX_MASSES, Stage};
-use super::{View, ViewContext};
-use crate::command::Command;
+use self::stage::Stage;
+use crate::request::Request;
+use crate::view::{Proportions, View, ViewContext};
 
 /// The moving masses.
 pub(super) struct Oscillator;
@@ -35,7 +38,11 @@ impl View for Oscillator {
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
+    fn proportions(&self) -> Proportions {
+        Proportions::Flat
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
         let (width, available) = (ui.available_width().max(1.0), ui.available_height());
         let highest = 0.3 * width;
         let height = if available > highest + LEAST_TRAIL { available } else { available.min(highest) };
@@ -49,20 +56,6 @@ impl View for Oscillator {
 
 /// Where there is so much more room than the masses need, their trails are drawn below \[points\].
 const LEAST_TRAIL: f32 = 60.0;
-
-/// The channel of a mass's displacement.
-fn displacement(mass: usize) -> Channel {
-    const DISPLACEMENTS: [Channel; MAX_MASSES] =
-        [Channel::DISPLACEMENT, Channel::displacement(1), Channel::displacement(2), Channel::displacement(3)];
-    DISPLACEMENTS[mass.min(MAX_MASSES - 1)]
-}
-
-/// How many masses there are: those that truly move, or those that the filters believe in where the truth is unknown.
-fn masses(run: &Run) -> usize {
-    let known = |mass: usize| run.record().truth(displacement(mass)).is_some();
-    let there = |mass: &usize| if known(0) { known(*mass) } else { run.channels().contains(&displacement(*mass)) };
-    (0..MAX_MASSES).take_while(there).count().max(1)
-}
 
 /// A span that is worth seeing before anything has moved: half of what the surest filter takes for likely at first \[m\].
 fn first_span(run: &Run, k: usize) -> f64 {

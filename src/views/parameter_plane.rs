@@ -4,9 +4,9 @@ use egui::{Color32, Ui};
 use egui_plot::{Line, MarkerShape, Points};
 use kalmanscope_core::{Channel, Estimates};
 
-use super::plane::{around, plane_ui};
-use super::{View, ViewContext};
-use crate::command::Command;
+use crate::plot::plane::{around, plane_ui};
+use crate::request::Request;
+use crate::view::{Proportions, View, ViewContext};
 
 type Points2 = Vec<[f64; 2]>;
 
@@ -29,8 +29,12 @@ impl View for ParameterPlane {
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
-        let ViewContext { session, palette, shown, axis, .. } = *context;
+    fn proportions(&self) -> Proportions {
+        Proportions::Square
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+        let ViewContext { session, palette, visible, axis, .. } = *context;
         let run = session.run();
         let parameters: Vec<Channel> = run.channels().into_iter().filter(|c| c.is_parameter()).collect();
         let [x, y, ..] = parameters[..] else {
@@ -39,16 +43,16 @@ impl View for ParameterPlane {
         };
         let k = axis.readout(session);
         let mut paths: Vec<(Points2, Points2, Color32)> = Vec::new();
-        for (place, estimates) in run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place)) {
+        for (_, estimates) in context.filters() {
             let (Some(i), Some(j)) = (estimates.place(x), estimates.place(y)) else { continue };
             let Some(last) = estimates.len().checked_sub(1).map(|last| last.min(k)) else { continue };
             let stride = (last / 800).max(1);
             let path = (0..=last).rev().step_by(stride);
             let path = path.map(|k| [estimates.canonical_mean(k, i), estimates.canonical_mean(k, j)]).collect();
-            paths.push((path, ellipse(estimates, last, [i, j]), palette.filter(place)));
+            paths.push((path, ellipse(estimates, last, [i, j]), palette.shade(estimates.color())));
         }
         let truth = run.record().truth(x).zip(run.record().truth(y)).and_then(|(x, y)| Some([*x.get(k)?, *y.get(k)?]));
-        let truth = truth.filter(|_| shown.truth);
+        let truth = truth.filter(|_| visible.truth);
         let seen = |axis: usize| {
             // The ellipses and the truth now, and not the whole of a wide first guess.
             paths
@@ -66,7 +70,7 @@ impl View for ParameterPlane {
             for (path, ellipse, color) in paths {
                 let now = path.first().copied();
                 plot.line(Line::new("path", path).color(color.gamma_multiply(0.7)).width(1.4).allow_hover(false));
-                if shown.bands {
+                if visible.bands {
                     plot.line(Line::new("ellipse", ellipse).color(color).width(2.0).allow_hover(false));
                 }
                 if let Some(now) = now {

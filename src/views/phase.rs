@@ -4,9 +4,9 @@ use egui::Ui;
 use egui_plot::{Line, Points};
 use kalmanscope_core::Channel;
 
-use super::plane::{around, plane_ui};
-use super::{View, ViewContext};
-use crate::command::Command;
+use crate::plot::plane::{around, plane_ui};
+use crate::request::Request;
+use crate::view::{Proportions, View, ViewContext};
 
 /// How much of the past is drawn \[s\].
 const TAIL: f64 = 5.0;
@@ -27,8 +27,12 @@ impl View for Phase {
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
-        let ViewContext { session, palette, shown, axis, .. } = *context;
+    fn proportions(&self) -> Proportions {
+        Proportions::Square
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+        let ViewContext { session, palette, visible, axis, .. } = *context;
         let run = session.run();
         let record = run.record();
         let last = axis.readout(session);
@@ -36,16 +40,16 @@ impl View for Phase {
         // A few hundred points are as smooth as thousands.
         let stride = ((last - first) / 600).max(1);
         let samples = |end: usize| (first..(last + 1).min(end)).rev().step_by(stride);
-        let truth = record.truth(Channel::DISPLACEMENT).zip(record.truth(Channel::VELOCITY)).filter(|_| shown.truth);
+        let truth = record.truth(Channel::DISPLACEMENT).zip(record.truth(Channel::VELOCITY)).filter(|_| visible.truth);
         let mut paths: Vec<(Vec<[f64; 2]>, egui::Color32, f32)> = Vec::new();
         if let Some((x, v)) = truth {
             paths.push((samples(run.len()).map(|k| [x[k], v[k]]).collect(), palette.truth, 3.0));
         }
-        for (place, estimates) in run.estimates().iter().enumerate().filter(|&(place, _)| shown.filter(place)) {
+        for (_, estimates) in context.filters() {
             let at = |channel| estimates.place(channel);
             if let (Some(x), Some(v)) = (at(Channel::DISPLACEMENT), at(Channel::VELOCITY)) {
                 let path = samples(estimates.len()).map(|k| [estimates.mean(k)[x], estimates.mean(k)[v]]);
-                paths.push((path.collect(), palette.filter(place), 1.4));
+                paths.push((path.collect(), palette.shade(estimates.color()), 1.4));
             }
         }
         // All of the motion until now, so that the frame does not breathe with it.

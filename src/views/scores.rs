@@ -1,12 +1,13 @@
 //! Filters side by side: verdict and scores.
 
 use egui::{Grid, Id, RichText, ScrollArea, Ui};
-use kalmanscope_core::diagnostics::{Summary, VerdictKind};
+use kalmanscope_core::diagnostics::{Depth, Summary, VerdictKind};
 
-use super::{View, ViewContext};
-use crate::command::Command;
+use crate::request::Request;
+use crate::session::Wanted;
 use crate::text::significant;
 use crate::theme;
+use crate::view::{View, ViewContext};
 
 /// Which filter is best at what.
 pub(super) struct Scores;
@@ -24,7 +25,11 @@ impl View for Scores {
         ]
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Command>) -> Option<f64> {
+    fn wanted(&self) -> Wanted {
+        Wanted::diagnostics(Depth::All)
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
         let ViewContext { session, palette, .. } = *context;
         let (estimates, record) = (session.run().estimates(), session.run().record());
         let of = |(d, e)| Summary::of(d, e, record);
@@ -44,7 +49,11 @@ impl View for Scores {
                     ui.ctx().copy_text(as_text(&summaries, &rows));
                 }
                 for (place, summary) in &summaries {
-                    ui.label(RichText::new(&summary.name).family(theme::strong()).color(palette.filter(*place)));
+                    ui.label(
+                        RichText::new(&summary.name)
+                            .family(theme::strong())
+                            .color(palette.shade(estimates[*place].color())),
+                    );
                 }
                 ui.end_row();
                 ui.weak("verdict");
@@ -83,7 +92,7 @@ struct Row {
     name: String,
     hint: &'static str,
     values: Vec<Option<f64>>,
-    /// What is best: nearest to this, or the largest.
+    /// The best value: the nearest to this, or the largest where this is infinite.
     ideal: f64,
 }
 

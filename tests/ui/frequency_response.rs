@@ -33,18 +33,18 @@ fn values_are_those_of_the_frequency_pointed_at_else_of_the_peak() {
 #[test]
 fn every_scenario_has_a_response_and_strange_ones_do_no_harm() {
     let mut undamped = Scenario::default();
-    undamped.plant.damping_ratio = Signal::Constant(0.0);
+    undamped.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.0));
     undamped.filters[0].initial_mean.natural_frequency = 0.0;
     undamped.filters[0].initial_std.damping_ratio = 0.0;
     let loose = {
         let mut loose = undamped.clone();
-        loose.plant.natural_frequency = Signal::Constant(1e-3);
+        loose.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(1e-3));
         loose
     };
     let coarse = Scenario { dt: 0.5, ..Scenario::default() };
     let alone = Scenario { filters: vec![], force: Force::None, ..Scenario::default() };
     let strange = [undamped, loose, coarse, alone];
-    let all = kalmanscope::library::ENTRIES.iter().map(|entry| entry.scenario().unwrap()).chain(strange);
+    let all = kalmanscope_lessons::BUILT_IN.iter().map(|entry| entry.scenario().unwrap()).chain(strange);
     let mut screen = shown(Scenario::default());
     for scenario in all {
         screen.state_mut().session_mut().set_scenario(scenario);

@@ -24,7 +24,7 @@ fn a_double_click_takes_a_number_back_to_what_it_was() {
     let mut screen = workbench();
     let numbers = |screen: &Screen| {
         let filter = &scenario(screen).filters[0];
-        (filter.fading, filter.initial_std.natural_frequency, scenario(screen).sensors[0].noise_std)
+        (filter.fading, filter.initial_std[Channel::NATURAL_FREQUENCY], scenario(screen).sensors[0].noise_std)
     };
     let before = numbers(&screen);
     for (control, double_clicked) in [
@@ -40,7 +40,7 @@ fn a_double_click_takes_a_number_back_to_what_it_was() {
     // Another scenario is another beginning.
     screen.get_by_label("Scenario").click();
     screen.run_steps(3);
-    screen.get_by_label(kalmanscope::library::ENTRIES[2].name).click();
+    screen.get_by_label(kalmanscope_lessons::BUILT_IN[2].title).click();
     screen.run_steps(3);
     let opened = numbers(&screen);
     set(&mut screen, "Noise of the displacement sensor", 0.2);
@@ -158,7 +158,7 @@ fn filters_keep_their_colours_when_others_go() {
     let mut screen = workbench();
     let colors = |screen: &Screen| {
         let estimates = screen.state().session().run().estimates();
-        estimates.iter().enumerate().map(|(place, e)| (e.name().to_owned(), e.color(place))).collect::<HashMap<_, _>>()
+        estimates.iter().map(|e| (e.name().to_owned(), e.color())).collect::<HashMap<_, _>>()
     };
     let click = |screen: &mut Screen, label: &str| {
         screen.get_by_label(label).click();
@@ -208,8 +208,8 @@ fn hindsight_is_shown_of_the_whole_record() {
     assert!(screen.state().session().smoothed().is_empty(), "there is none before the record is complete");
     screen.state_mut().session_mut().set_mode(Mode::Whole);
     screen.run_steps(3);
-    let [(place, smoothed)] = screen.state().session().smoothed() else { panic!("one filter has hindsight") };
-    assert_eq!((*place, smoothed.len()), (0, 6001));
+    let [smoothed] = screen.state().session().smoothed() else { panic!("one filter has hindsight") };
+    assert_eq!((smoothed.id(), smoothed.is_smoothed(), smoothed.len()), (1, true, 6001));
 }
 
 #[test]
@@ -263,9 +263,9 @@ fn the_views_menu_stays_open_while_views_are_chosen() {
     let mut screen = screen(DESKTOP, Theme::Light);
     screen.get_by_label("Views").click();
     screen.run_steps(3);
-    for view in [ViewKind::Gain, ViewKind::Phase] {
-        screen.get_by_label(view.view().name()).click();
+    for kind in [ViewKind::Gain, ViewKind::Phase] {
+        screen.get_by_label(view(kind).name()).click();
         screen.run_steps(3);
-        assert!(screen.state_mut().layout_mut().shown().contains(&view), "{view:?}");
+        assert!(screen.state_mut().layout_mut().shown().contains(&kind), "{kind:?}");
     }
 }

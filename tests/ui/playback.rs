@@ -40,6 +40,9 @@ fn the_transport_does_what_it_says() {
     assert_eq!(screen.state().session().speed(), 10.0);
 }
 
+/// Where a session is saved.
+const KEY: &str = "kalmanscope";
+
 #[derive(Default)]
 struct Memory(HashMap<String, String>);
 
@@ -59,29 +62,97 @@ impl eframe::Storage for Memory {
     fn flush(&mut self) {}
 }
 
-#[test]
-fn settings_survive_and_what_cannot_be_read_is_the_default() {
+/// A session that is not the default one, as it was saved.
+fn saved() -> (App, Memory) {
     let mut edited = Scenario { seed: 5, force: Force::None, ..Scenario::default() };
-    edited.plant.natural_frequency = Signal::Constant(3.0);
+    edited.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(3.0));
     edited.add_sensor(kalmanscope_core::Sensor { measures: Quantity::ACCELERATION, noise_std: 0.2 });
-    let mut app = App::with_scenario(edited.clone()).expect("the scenario can be run");
+    let mut app = App::with_scenario(edited).expect("the scenario can be run");
     app.session_mut().set_mode(Mode::Whole);
     app.session_mut().set_speed(5.0);
     app.layout_mut().toggle(ViewKind::Gain);
-    let shown = app.layout_mut().shown();
     let mut memory = Memory::default();
     app.save(&mut memory);
-    let mut restored = App::restored(Some(&memory)).expect("the default can be run");
-    assert_eq!(restored.layout_mut().shown(), shown);
-    let session = restored.session();
-    assert_eq!((session.scenario(), session.mode(), session.speed()), (&edited, Mode::Whole, 5.0));
+    (app, memory)
+}
 
-    for broken in ["gibberish".to_owned(), memory.0["kalmanscope"].replacen("dt = 0.01", "dt = -1.0", 1)] {
-        assert_ne!(broken, memory.0["kalmanscope"]);
-        memory.set_string("kalmanscope", broken);
-        let restored = App::restored(Some(&memory)).expect("the default can be run");
-        assert_eq!(restored.session().scenario(), &Scenario::default());
+fn restored(memory: &Memory) -> App {
+    App::restored(Some(memory)).expect("the default can be run")
+}
+
+#[test]
+fn settings_survive() {
+    let (mut app, memory) = saved();
+    let mut restored = restored(&memory);
+    assert_eq!(restored.layout_mut().shown(), app.layout_mut().shown());
+    let session = restored.session();
+    assert_eq!((session.scenario(), session.mode(), session.speed()), (app.session().scenario(), Mode::Whole, 5.0));
+    assert_eq!(restored.notice(), None);
+}
+
+#[test]
+fn each_part_that_cannot_be_read_is_told_and_kept() {
+    let (mut app, memory) = saved();
+    let text = &memory.0[KEY];
+    let scenario = app.session().scenario().clone();
+    let changes: [(&str, &str, &str); 7] = [
+        ("dt = 0.01", "dt = -1.0", "`dt` is -1"),
+        ("\"Whole\"", "\"Sideways\"", "Sideways"),
+        ("\"speed\":5.0", "\"speed\":-5.0", "speed"),
+        ("\"Gain\"", "\"Loss\"", "Loss"),
+        ("\"version\":2", "\"version\":3", "version 3"),
+        ("\"version\":2", "\"version\":\"two\"", "version"),
+        ("{", "", ""),
+    ];
+    for (old, new, told) in changes {
+        let broken = text.replacen(old, new, 1);
+        assert_ne!(&broken, text, "{old}");
+        let mut memory = Memory::default();
+        memory.set_string(KEY, broken.clone());
+        let mut restored = restored(&memory);
+        let notice = restored.notice().expect("it is told");
+        assert!(notice.contains(told), "{notice}");
+        let whole = !told.is_empty() && !told.starts_with("version");
+        assert_eq!(restored.session().scenario() == &scenario, whole && old != "dt = 0.01", "{old}");
+        assert_eq!(restored.layout_mut().shown() == app.layout_mut().shown(), whole && old != "\"Gain\"", "{old}");
+        restored.save(&mut memory);
+        assert_eq!(memory.0["kalmanscope-unreadable"], broken);
+        assert_eq!(
+            App::restored(Some(&memory)).expect("it can be run").notice(),
+            None,
+            "what is saved now can be read"
+        );
     }
+}
+
+#[test]
+fn a_session_of_the_first_format_can_be_read() {
+    let (mut app, mut memory) = saved();
+    let serde_json::Value::Object(mut parts) = serde_json::from_str(&memory.0[KEY]).unwrap() else {
+        panic!("a session is an object")
+    };
+    parts.remove("version");
+    let layout = parts["layout"].to_string();
+    parts.insert("layout".to_owned(), layout.into());
+    memory.set_string(KEY, serde_json::Value::Object(parts).to_string());
+    let mut restored = restored(&memory);
+    assert_eq!(restored.notice(), None);
+    assert_eq!(restored.layout_mut().shown(), app.layout_mut().shown());
+}
+
+#[test]
+fn what_cannot_be_read_is_on_screen_until_it_is_dismissed() {
+    let mut memory = Memory::default();
+    memory.set_string(KEY, "gibberish".to_owned());
+    let mut screen = Harness::builder().with_size(DESKTOP).build_eframe(move |creation| {
+        kalmanscope::theme::install(&creation.egui_ctx);
+        restored(&memory)
+    });
+    screen.run_steps(2);
+    assert!(screen.query_by_label_contains("could not be restored in full").is_some());
+    screen.get_by_label("Dismiss").click();
+    screen.run_steps(3);
+    assert!(screen.query_by_label_contains("could not be restored in full").is_none());
 }
 
 #[test]
@@ -122,12 +193,12 @@ fn pointing_and_zooming_do_what_they_say() {
 #[test]
 fn every_built_in_scenario_opens_and_plays() {
     let mut screen = screen(DESKTOP, Theme::Light);
-    for entry in kalmanscope::library::ENTRIES {
+    for entry in kalmanscope_lessons::BUILT_IN {
         screen.get_by_label("Scenario").click();
         screen.run_steps(3);
-        screen.get_by_label(entry.name).click();
+        screen.get_by_label(entry.title).click();
         screen.run_steps(10);
-        assert_eq!(scenario(&screen), &entry.scenario().expect("tested with the library"), "{}", entry.name);
+        assert_eq!(scenario(&screen), &entry.scenario().expect("tested with the library"), "{}", entry.title);
         assert!(screen.state().session().playing());
     }
 }

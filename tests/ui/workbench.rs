@@ -36,21 +36,21 @@ fn every_lesson_can_be_taken_from_beginning_to_end() {
 fn every_view_can_be_shown_enlarged_and_hidden() {
     let mut screen = workbench();
     screen.state_mut().session_mut().set_mode(Mode::Whole);
-    for view in ViewKind::ALL {
-        let name = view.view().name();
+    for kind in ViewKind::ALL {
+        let name = view(kind).name();
         for arrangement in Arrangement::ALL {
             *screen.state_mut().layout_mut() = Layout::of(arrangement);
-            let shown = screen.state_mut().layout_mut().shown().contains(&view);
-            screen.state_mut().layout_mut().toggle(view);
+            let shown = screen.state_mut().layout_mut().shown().contains(&kind);
+            screen.state_mut().layout_mut().toggle(kind);
             screen.run_steps(2);
             assert_eq!(screen.query_by_label(&format!("About {name}")).is_some(), !shown, "{name}");
         }
-        let beside = if view == ViewKind::Oscillator { ViewKind::States } else { ViewKind::Oscillator };
-        *screen.state_mut().layout_mut() = Layout::column(&[view, beside]);
+        let beside = if kind == ViewKind::Oscillator { ViewKind::States } else { ViewKind::Oscillator };
+        *screen.state_mut().layout_mut() = Layout::column(&[kind, beside]);
         screen.run_steps(2);
         let top = |screen: &Screen| screen.get_by_label(&format!("Hide {name}")).rect().top();
         let before = top(&screen);
-        let about_beside = format!("About {}", beside.view().name());
+        let about_beside = format!("About {}", view(beside).name());
         screen.get_by_label(&format!("Enlarge {name}")).click();
         screen.run_steps(2);
         assert!(screen.query_by_label(&about_beside).is_none(), "{name} is not alone");
@@ -60,7 +60,7 @@ fn every_view_can_be_shown_enlarged_and_hidden() {
         screen.get_by_label(&format!("Hide {name}")).click();
         screen.run_steps(2);
         assert!(screen.query_by_label(&format!("About {name}")).is_none());
-        let help = view.view().help();
+        let help = view(kind).help();
         assert!(help.iter().all(|line| line.len() > 30 && line.ends_with('.')), "{name}");
     }
 }
@@ -127,7 +127,7 @@ fn a_change_can_be_undone_and_made_again() {
 #[test]
 fn troubles_are_told() {
     let mut screen = workbench();
-    let mut wound_up = kalmanscope::library::ENTRIES[8].scenario().unwrap();
+    let mut wound_up = kalmanscope_lessons::BUILT_IN[8].scenario().unwrap();
     assert_eq!(wound_up.force, Force::None);
     wound_up.filters[0].fading = 1.02;
     screen.state_mut().session_mut().set_mode(Mode::Whole);
@@ -136,7 +136,7 @@ fn troubles_are_told() {
     assert!(screen.query_by_label_contains("the covariance winds up").is_some());
     let mut runaway = Scenario::default();
     runaway.set_plant(PlantKind::DUFFING);
-    runaway.plant.cubic_stiffness = Signal::Constant(-300.0);
+    runaway.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
     runaway.plant.initial.displacement = 0.5;
     screen.state_mut().session_mut().set_scenario(runaway);
     screen.run_steps(3);
@@ -146,20 +146,20 @@ fn troubles_are_told() {
 #[test]
 fn views_come_back_one_by_one_when_all_have_been_hidden() {
     let mut screen = workbench();
-    for view in ViewKind::ALL {
-        if screen.state_mut().layout_mut().shown().contains(&view) {
-            screen.state_mut().layout_mut().toggle(view);
+    for kind in ViewKind::ALL {
+        if screen.state_mut().layout_mut().shown().contains(&kind) {
+            screen.state_mut().layout_mut().toggle(kind);
             screen.run_steps(3);
         }
     }
     assert!(screen.query_by_label_contains("No view is shown").is_some());
-    for (i, view) in ViewKind::ALL.into_iter().enumerate() {
-        screen.state_mut().layout_mut().toggle(view);
+    for (i, kind) in ViewKind::ALL.into_iter().enumerate() {
+        screen.state_mut().layout_mut().toggle(kind);
         screen.run_steps(3);
         let seen = ViewKind::ALL
             .into_iter()
-            .filter(|v| screen.query_by_label(&format!("About {}", v.view().name())).is_some());
-        assert_eq!(seen.count(), i + 1, "{view:?} is not seen");
+            .filter(|seen| screen.query_by_label(&format!("About {}", view(*seen).name())).is_some());
+        assert_eq!(seen.count(), i + 1, "{kind:?} is not seen");
     }
 }
 

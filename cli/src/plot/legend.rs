@@ -29,10 +29,10 @@ pub(super) fn height(run: &Run) -> u32 {
 fn entries(run: &Run) -> Vec<(Swatch, String)> {
     let record = run.record();
     let mut entries = Vec::new();
-    if Channel::all().into_iter().any(|c| record.truth(c).is_some()) {
+    if Channel::all().iter().any(|&c| record.truth(c).is_some()) {
         entries.push((Swatch::Line(TRUTH), "truth".to_owned()));
     }
-    if Channel::all().into_iter().any(|c| measurements(record, c).is_some()) {
+    if Channel::all().iter().any(|&c| measurements(record, c).is_some()) {
         entries.push((Swatch::Dots, "measurement".to_owned()));
     }
     for (estimates, color) in colored(run) {

@@ -207,24 +207,23 @@ impl Accuracy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::Correction;
-    use crate::kernel::gaussian::{Gaussian, Vector};
     use crate::random::{Normal, Purpose};
-    use crate::{FilterSettings, PlantKind, Quantity};
+    use crate::sink::Sample;
+    use crate::{FilterSettings, Hold, InputKind, Model, PlantKind};
 
     const STD: f64 = 0.5;
 
     /// The accuracy of a frequency and a damping, given as pairs of estimate and truth.
     fn of(samples: impl IntoIterator<Item = [(f64, f64); 2]>) -> Accuracy {
         let channels = vec![Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
-        let mut estimates = Estimates::new(&FilterSettings::default(), PlantKind::SDOF, Vec::new());
-        let mut record = Record::empty(0.01, Vec::<Quantity>::new(), channels);
+        let mut estimates = Estimates::new(&FilterSettings::default(), &Model::new(PlantKind::SDOF), Vec::new());
+        let mut record = Record::empty(0.01, InputKind::Force, Hold::Zero, Vec::new(), channels);
         let mut accuracy = Accuracy::default();
         accuracy.restart(&estimates, &record);
         for (k, pairs) in samples.into_iter().enumerate() {
             let [frequency, damping] = pairs.map(|(mean, _)| mean);
-            let mean = Vector::<4>::new(0.0, 0.0, frequency, damping);
-            estimates.push(&Gaussian::<4>::independent(mean, &Vector::repeat(STD)), &Correction::NOTHING);
+            let cov: Vec<f64> = (0..16).map(|i| if i % 5 == 0 { STD * STD } else { 0.0 }).collect();
+            estimates.append(&Sample::unmeasured(&[0.0, 0.0, frequency, damping], &cov));
             record.push(0.0, [], pairs.map(|(_, truth)| truth));
             accuracy.push(&estimates, &record, k);
         }

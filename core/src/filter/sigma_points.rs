@@ -26,4 +26,3 @@ impl Rule {
         (spread, 1.0 / (2.0 * spread), offset)
     }
 }
-

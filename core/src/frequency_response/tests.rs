@@ -2,7 +2,7 @@ use nalgebra::Complex;
 
 use super::*;
 use crate::random::{Normal, Purpose};
-use crate::{FilterKind, FilterSettings, Values, Run, Scenario, Signal};
+use crate::{FilterKind, FilterSettings, Run, Scenario, Signal, Values};
 
 fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(|i| from * libm::pow(to / from, i as f64 / (count - 1) as f64)).collect()
@@ -164,8 +164,8 @@ fn a_filter_that_knows_has_a_band_without_width() {
 #[test]
 fn nineteen_of_twenty_truths_are_in_the_band() {
     let frequencies = spaced(1.0, 60.0, 40);
-    use PlantKind::{Sdof, Shear2, Shear4};
-    for (kind, k) in [(Sdof, 0), (Sdof, 500), (Shear2, 500), (Shear4, 0), (Shear4, 500)] {
+    let (sdof, two, four) = (PlantKind::SDOF, PlantKind::SHEAR_2, PlantKind::SHEAR_4);
+    for (kind, k) in [(sdof, 0), (sdof, 500), (two, 500), (four, 0), (four, 500)] {
         let estimates = estimates(&scenario(kind));
         let n = kind.channels().len();
         let (low, high) = believed(&estimates, k, &frequencies).band.unwrap();
@@ -206,7 +206,7 @@ fn root_of(cov: &[f64], n: usize) -> Vec<Vec<f64>> {
 #[test]
 fn the_mirror_image_of_a_belief_has_the_same_band() {
     let mut scenario = scenario(PlantKind::SDOF);
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     let straight = estimates(&scenario);
     for channel in [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO] {
         scenario.filters[0].initial_mean[channel] *= -1.0;

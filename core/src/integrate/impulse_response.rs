@@ -160,7 +160,10 @@ mod tests {
                 let response = ImpulseResponse::new(a, b, dt);
                 let p = ImpulseResponse::second_integral(a, b, dt);
                 let size = general.slope.amax();
-                assert!((general.slope[(0, 1)] - p).abs() < 1e-12 * general.slope[(0, 1)].abs().max(1e-3 * size), "{a} {b} {dt}");
+                assert!(
+                    (general.slope[(0, 1)] - p).abs() < 1e-12 * general.slope[(0, 1)].abs().max(1e-3 * size),
+                    "{a} {b} {dt}"
+                );
                 assert!((general.constant[(0, 1)] - response.integral).abs() < 1e-12 * general.constant.amax());
             }
         }

@@ -3,9 +3,7 @@
 use super::gaussian::{Gaussian, Matrix, Vector};
 use super::model::{Model, Output};
 use super::plant::{Visitor, visit_log};
-use super::{
-    Belief, Correction, Ensemble, Filter, Linearised, MAX_SENSORS, Noise, Particles, SigmaPoints, SquareRoot,
-};
+use super::{Belief, Correction, Ensemble, Filter, Linearised, MAX_SENSORS, Noise, Particles, SigmaPoints, SquareRoot};
 use crate::estimator::{Estimator, Failed, FilterContext};
 use crate::filter::Rule;
 use crate::model::Hold;
@@ -148,9 +146,9 @@ impl Visitor for Build<'_> {
     type Output = Option<Box<dyn Estimator>>;
 
     fn visit<P: Model<N>, const N: usize>(self, model: P) -> Option<Box<dyn Estimator>> {
-        let Self { settings, context: FilterContext { seed, place, .. } } = self;
+        let Self { settings, context: FilterContext { seed, stream, .. } } = self;
         let belief = initial_belief(&model, settings);
-        let normal = || Normal::new(seed, Purpose::Ensemble(place));
+        let normal = || Normal::new(seed, Purpose::Ensemble(stream));
         let size = settings.ensemble_size;
         let linearised = |iterations| Linearised::new(belief.clone(), settings.propagation, iterations);
         match settings.kind {

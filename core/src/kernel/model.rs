@@ -1,9 +1,9 @@
 //! What a filter knows of a plant: its rate of change, the Jacobian of that, and what sensors see.
 
-use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
-use crate::model::Reading;
-use crate::kernel::propagation::{exp_and_integral, runge_kutta};
 use crate::Channel;
+use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
+use crate::kernel::propagation::{exp_and_integral, runge_kutta};
+use crate::model::Reading;
 
 /// Where a sensor's quantity stands in the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,6 +14,17 @@ use duffing::Duffing;
 use sdof::Sdof;
 use shear_chain::ShearChain;
 
+/// The plants that have a kernel.
+#[cfg(test)]
+pub(crate) const ALL: [PlantKind; 6] = [
+    PlantKind::SDOF,
+    PlantKind::DUFFING,
+    PlantKind::BOUC_WEN,
+    PlantKind::SHEAR_2,
+    PlantKind::SHEAR_3,
+    PlantKind::SHEAR_4,
+];
+
 /// Something to be done with a model, whatever its type and size.
 pub(crate) trait Visitor {
     type Output;

@@ -2,12 +2,12 @@
 
 use super::estimator::{build_filter, initial_belief, with_model};
 use crate::estimator::FilterContext;
-use crate::sink::Sample;
-use crate::kernel::{Correction, Filter, Linearised, SigmaPoints, Smoothable};
+use crate::filter::Rule;
 use crate::kernel::gaussian::{Factor, Gaussian, Matrix, mirrored};
 use crate::kernel::model::Model;
-use crate::filter::Rule;
 use crate::kernel::plant::Visitor;
+use crate::kernel::{Correction, Filter, Linearised, SigmaPoints, Smoothable};
+use crate::sink::Sample;
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Record, Stop};
 
 /// A smoother in progress: the filter goes forward, the smoother back.
@@ -130,7 +130,7 @@ impl<P: Model<N>, B: Smoothable<P, N>, const N: usize> Smoothing for Smoother<P,
                 }
                 Stage::Report(k) => {
                     let (belief, _) = self.filter.model().to_units(&self.filtered[k]);
-                    append(&belief, estimates);
+                    estimates.append(&Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice()));
                     self.stage = Stage::Report(k + 1);
                 }
             }
@@ -179,20 +179,4 @@ impl<P: Model<N>, B: Smoothable<P, N>, const N: usize> Smoother<P, B, N> {
             cov[(i, i)] = cov[(i, i)].max(0.0);
         }
     }
-}
-
-/// Writes a belief down that no measurement belongs to.
-fn append<const N: usize>(belief: &Gaussian<N>, estimates: &mut Estimates) {
-    estimates.append(&Sample {
-        mean: belief.mean.as_slice(),
-        cov: belief.cov.as_slice(),
-        innovation: &[],
-        innovation_cov: &[],
-        gain: &[],
-        nis: f64::NAN,
-        determinant: f64::NAN,
-        log_likelihood: f64::NAN,
-        effective_samples: f64::NAN,
-        noise: None,
-    });
 }

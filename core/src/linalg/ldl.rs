@@ -31,8 +31,7 @@ impl Ldl {
     fn eliminate(s: &Matrix, counts: impl Fn(f64, f64) -> bool) -> Self {
         let m = s.nrows();
         let mut rest = s.clone();
-        let mut factor =
-            Self { lower: Matrix::identity(m, m), inverse_pivots: Vector::zeros(m), determinant: 1.0 };
+        let mut factor = Self { lower: Matrix::identity(m, m), inverse_pivots: Vector::zeros(m), determinant: 1.0 };
         for j in 0..m {
             let pivot = rest[(j, j)];
             if !counts(pivot, s[(j, j)]) {

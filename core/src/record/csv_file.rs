@@ -60,7 +60,9 @@ impl Record {
         let (start, dt) = spacing(&times)?;
         let input = Input { kind, hold: Hold::Zero, values: input };
         let measured = sensors.iter().copied().zip(measured).collect();
-        Ok(Self::new(dt, input, measured)?.with_truth(truth_channels.into_iter().zip(truth).collect())?.starting_at(start))
+        Ok(Self::new(dt, input, measured)?
+            .with_truth(truth_channels.into_iter().zip(truth).collect())?
+            .starting_at(start))
     }
 
     /// Writes what [`Self::read_csv`] reads, with 17 significant digits, so that every bit survives.
@@ -71,7 +73,8 @@ impl Record {
         let mut writer = csv::Writer::from_writer(output);
         let sensors = self.sensors.iter().map(|s| s.key().to_owned());
         let truth = self.truth_channels.iter().map(|c| format!("true_{}", c.key()));
-        writer.write_record(["t".to_owned(), input_name(self.kind).to_owned()].into_iter().chain(sensors).chain(truth))?;
+        writer
+            .write_record(["t".to_owned(), input_name(self.kind).to_owned()].into_iter().chain(sensors).chain(truth))?;
         for k in 0..self.len() {
             let columns = self.measured.iter().chain(&self.truth).map(|column| column[k]);
             let row = [self.time(k), self.input[k]].into_iter().chain(columns);

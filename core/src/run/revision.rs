@@ -5,7 +5,7 @@ use crate::bank::Bank;
 use crate::cost;
 use crate::source::Recording;
 use crate::spare::Spare;
-use crate::{Estimates, Record, RunError, Scenario, Source};
+use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
 
 /// Samples of a truth that are simulated before the time is looked at: about 0.3 ms.
 const RECORD_CHUNK: usize = 500;
@@ -16,8 +16,8 @@ pub(crate) struct Revision {
     recording: Option<Recording>,
     samples: usize,
     bank: Bank,
-    /// For each filter that stays as it is, that it does.
-    kept: Vec<bool>,
+    /// For each filter that stays as it is, its place in the run.
+    kept: Vec<Option<usize>>,
     /// The places of the others, those with the cheapest step first.
     order: Vec<usize>,
     is_of_everything: bool,
@@ -43,16 +43,16 @@ impl Revision {
         let samples = if same_record { run.samples } else { current.samples(scenario) };
         let mut bank = Bank::new(scenario, current.record())?;
         let before = &run.scenario().filters;
-        let is_kept = |(place, filter)| same_filters && before.get(place) == Some(filter);
-        let kept: Vec<bool> = scenario.filters.iter().enumerate().map(is_kept).collect();
-        for &kept in &kept {
-            if kept {
+        let place_of = |filter: &FilterSettings| before.iter().position(|b| b == filter).filter(|_| same_filters);
+        let kept: Vec<Option<usize>> = bank.scenario().filters.iter().map(place_of).collect();
+        for kept in &kept {
+            if kept.is_some() {
                 bank.leave_place();
             } else {
                 bank.add(current.record(), samples, spare.estimates());
             }
         }
-        let mut order: Vec<usize> = (0..kept.len()).filter(|&place| !kept[place]).collect();
+        let mut order: Vec<usize> = (0..kept.len()).filter(|&place| kept[place].is_none()).collect();
         order.sort_by(|&a, &b| {
             let of = |place: usize| cost::of_step(&scenario.filters[place], scenario.plant.kind);
             of(a).total_cmp(&of(b))
@@ -75,14 +75,14 @@ impl Revision {
         &self.order
     }
 
-    /// For each filter, whether it stays as it is.
-    pub(crate) fn kept(&self) -> &[bool] {
+    /// For each filter that stays as it is, its place in the run.
+    pub(crate) fn kept(&self) -> &[Option<usize>] {
         &self.kept
     }
 
     /// Whether the filter at a place stays as it is.
     pub(crate) fn keeps(&self, place: usize) -> bool {
-        self.kept[place]
+        self.kept[place].is_some()
     }
 
     /// The record, where it is another one than the run's.
@@ -120,12 +120,7 @@ impl Revision {
 
     /// Goes on towards `samples` samples from the beginning: first the record, then the filters. `record` is the run's, for
     /// where it stays. Asks after each little piece of work whether there is time for another. Returns whether all is done.
-    pub(crate) fn advance_to(
-        &mut self,
-        samples: usize,
-        record: &Record,
-        while_time: &mut dyn FnMut() -> bool,
-    ) -> bool {
+    pub(crate) fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, bank, order, .. } = self;
         let goal = samples.min(*all);
         if let Some(recording) = recording {
@@ -158,10 +153,14 @@ impl Revision {
     /// Puts the result, of `done` samples, into the run, and those parts of the run that it replaces among what is spare.
     pub(crate) fn apply(self, run: &mut Run, done: usize, spare: &mut Spare) -> Update {
         let Self { recording, samples, mut bank, kept, mut order, is_of_everything } = self;
-        for place in (0..kept.len()).filter(|&place| kept[place]) {
-            std::mem::swap(&mut bank.passes[place], &mut run.bank.passes[place]);
-            std::mem::swap(&mut bank.estimates[place], &mut run.bank.estimates[place]);
+        for (place, before) in kept.into_iter().enumerate() {
+            if let Some(before) = before {
+                std::mem::swap(&mut bank.passes[place], &mut run.bank.passes[before]);
+                std::mem::swap(&mut bank.estimates[place], &mut run.bank.estimates[before]);
+            }
         }
+        order.sort_unstable();
+        let changed = order.into_iter().map(|place| bank.scenario().filters[place].id).collect();
         let old = std::mem::replace(&mut run.bank, bank);
         let record = recording.and_then(|new| std::mem::replace(&mut run.recording, new).into_simulated());
         (run.samples, run.done) = (samples, done.min(samples));
@@ -170,8 +169,7 @@ impl Revision {
         if is_of_everything {
             return Update::Everything;
         }
-        order.sort_unstable();
-        Update::Filters(order)
+        Update::Filters(changed)
     }
 
     /// The memory of what has been computed.

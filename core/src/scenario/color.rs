@@ -27,9 +27,9 @@ impl FilterColor {
     /// Every colour, in the order in which filters get them.
     pub const ALL: [Self; 6] = [Self::Blue, Self::Vermilion, Self::Green, Self::Purple, Self::Orange, Self::Sky];
 
-    /// The colour of the filter at `place` in a scenario, unless it has one of its own.
-    pub const fn at(place: usize) -> Self {
-        Self::ALL[place % Self::ALL.len()]
+    /// The colour of the filter with this id, unless it has one of its own.
+    pub const fn of(id: u32) -> Self {
+        Self::ALL[(id as usize).saturating_sub(1) % Self::ALL.len()]
     }
 
     /// The name in running text.

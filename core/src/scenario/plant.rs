@@ -56,12 +56,17 @@ impl Plant {
         Some(&mut self.signals[place].1)
     }
 
-    /// The same with another signal for a parameter or an augmentation; what moves has none.
-    #[must_use]
-    pub fn with(mut self, channel: Channel, signal: impl Into<Signal>) -> Self {
+    /// Gives a parameter or an augmentation another signal; what moves has none.
+    pub fn set(&mut self, channel: Channel, signal: impl Into<Signal>) {
         if let Some(parameter) = self.parameter_mut(channel) {
             *parameter = signal.into();
         }
+    }
+
+    /// The same with another signal for a parameter or an augmentation; what moves has none.
+    #[must_use]
+    pub fn with(mut self, channel: Channel, signal: impl Into<Signal>) -> Self {
+        self.set(channel, signal);
         self
     }
 
@@ -89,7 +94,7 @@ impl Plant {
     }
 
     /// The channels that have a signal of their own, whether the plant has them or not.
-    pub(super) fn set(&self) -> impl Iterator<Item = (Channel, Signal)> {
+    pub(super) fn signals(&self) -> impl Iterator<Item = (Channel, Signal)> {
         self.signals.iter().copied()
     }
 }
@@ -112,7 +117,7 @@ impl Serialize for Plant {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", kind)?;
         let unused = Self::default();
-        let rest = self.set().filter(|(c, signal)| unused.parameter(*c) != Some(*signal)).map(|(c, _)| c);
+        let rest = self.signals().filter(|(c, signal)| unused.parameter(*c) != Some(*signal)).map(|(c, _)| c);
         let mut written: Vec<Channel> = self.parameters().collect();
         written.extend(rest.filter(|c| !self.parameters().any(|p| p == *c)));
         for channel in written {

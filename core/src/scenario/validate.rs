@@ -3,10 +3,10 @@
 use std::fmt::Display;
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
+use crate::channel::{Role, Sign};
 use crate::filter::Adaptation;
 use crate::force::Allowed;
 use crate::quantity::MAX_SENSORS;
-use crate::channel::{Role, Sign};
 use crate::{PlantKind, Signal, Values};
 
 /// The most samples of one record: more than a day at 1 kHz. Who keeps all of so many needs tens of gigabytes a filter; a
@@ -84,7 +84,7 @@ impl Scenario {
 impl Plant {
     fn validate(&self) -> Result<(), ScenarioError> {
         let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
-        for (channel, parameter) in own.chain(self.set()) {
+        for (channel, parameter) in own.chain(self.signals()) {
             let key = format!("plant.{}", channel.key());
             signal(&key, &parameter)?;
             let low = || format!("{} at its lowest", parameter.minimum());
@@ -107,6 +107,7 @@ impl Plant {
 impl FilterSettings {
     fn validate(&self, path: &str, sensors: usize, truth: PlantKind) -> Result<(), ScenarioError> {
         let Self {
+            id: _,
             name: _,
             kind,
             color: _,

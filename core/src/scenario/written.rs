@@ -1,4 +1,5 @@
-//! A scenario as a file: what matters to its plants, without what it leaves at its default.
+//! A scenario as a file: what matters to its plants, without what it leaves at its default, and ids only where places do not
+//! give them.
 
 use super::Scenario;
 
@@ -6,7 +7,11 @@ use super::Scenario;
 pub(super) fn text(scenario: &Scenario) -> Result<String, toml::ser::Error> {
     let mut scenario = scenario.clone();
     let (truth, input) = (scenario.plant.kind, scenario.input);
+    let are_in_order = (1..).zip(&scenario.filters).all(|(number, filter)| filter.id == number);
     for filter in &mut scenario.filters {
+        if are_in_order {
+            filter.id = 0;
+        }
         let model = filter.model(truth, input);
         for values in [&mut filter.initial_mean, &mut filter.initial_std, &mut filter.process_std] {
             values.prune(model.channels());

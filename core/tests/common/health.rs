@@ -79,7 +79,7 @@ fn with_gaps(record: &Record, gap: u8) -> Result<Record, String> {
     let mut text = "t,force".to_owned();
     record.sensors().iter().for_each(|s| text += &format!(",{}", s.key()));
     for k in 0..record.len() {
-        text += &format!("\n{:e},{:e}", record.time(k), record.force()[k]);
+        text += &format!("\n{:e},{:e}", record.time(k), record.force(k));
         for sensor in 0..record.sensors().len() {
             let scattered = ((k as u32 * 4 + sensor as u32).wrapping_mul(0x9e37_79b9) >> 24) as u8;
             let cell = if scattered < gap { String::new() } else { format!("{:e}", record.measured(sensor)[k]) };
@@ -91,7 +91,7 @@ fn with_gaps(record: &Record, gap: u8) -> Result<Record, String> {
 
 fn check_record(record: &Record, k: usize) -> Finding {
     let truth = Channel::all().into_iter().filter_map(|c| Some(record.truth(c)?[k]));
-    require(record.force()[k].is_finite() && truth.into_iter().all(f64::is_finite), || format!("the truth at {k}"))?;
+    require(record.force(k).is_finite() && truth.into_iter().all(f64::is_finite), || format!("the truth at {k}"))?;
     let measured = (0..record.sensors().len()).all(|s| !record.measured(s)[k].is_infinite());
     require(measured, || format!("the measurements at {k}"))
 }
@@ -260,7 +260,7 @@ impl Dice<'_> {
 
     fn plant(&mut self, kind: PlantKind) -> Plant {
         let usual = Plant::default();
-        let mut plant = Plant { kind, natural_frequency: Signal::Constant(6.0), ..usual };
+        let mut plant = usual.of_kind(kind).with(Channel::NATURAL_FREQUENCY, 6.0);
         for channel in kind.parameters() {
             let usual = plant.parameter(channel).map_or(1.0, |signal| signal.at(0.0));
             let mut signal = self.signal(usual);

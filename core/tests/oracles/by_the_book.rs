@@ -2,7 +2,8 @@
 
 use kalmanscope_core::{Adaptation, FilterKind, FilterSettings, PlantKind, Propagation, Quantity, Run, Scenario};
 
-use crate::cases::{deviation, finished, scenario, with_gaps};
+use crate::cases::{deviation, scenario, with_gaps};
+use crate::run::finished;
 use crate::textbook::filter;
 
 pub(crate) const DETERMINISTIC: [FilterKind; 6] =

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::{
-    Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal,
+    Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal,
 };
 
 use crate::textbook::Sample;
@@ -13,7 +13,7 @@ use crate::textbook::Sample;
 pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
     let mut scenario = Scenario { dt: 0.01, duration: 2.5, ..Scenario::default() };
     scenario.set_plant(plant);
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.sensors = vec![
         Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
         Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 },
@@ -28,19 +28,12 @@ pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
     scenario
 }
 
-pub(crate) fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    assert_eq!(run.len(), scenario.samples());
-    run
-}
-
 /// The record with some measurements left out.
 pub(crate) fn with_gaps(record: &Record, missing: impl Fn(usize, usize) -> bool) -> Arc<Record> {
     let mut text = "t,force".to_owned();
     record.sensors().iter().for_each(|s| text += &format!(",{}", s.key()));
     for k in 0..record.len() {
-        text += &format!("\n{:e},{:e}", record.time(k), record.force()[k]);
+        text += &format!("\n{:e},{:e}", record.time(k), record.force(k));
         for sensor in 0..record.sensors().len() {
             let cell = if missing(sensor, k) { String::new() } else { format!("{:e}", record.measured(sensor)[k]) };
             text += &format!(",{cell}");

@@ -73,14 +73,14 @@ fn free_vibration_of_equal_storeys_is_a_sum_of_modes() {
 fn unequal_and_changing_storeys_are_matrix_exponentials() {
     for (kind, masses) in CHAINS {
         let mut scenario = Scenario { dt: 0.02, duration: 10.0, ..chain(kind) };
-        scenario.plant.stiffness_2 = Signal::Step(Step { from: 180.0, to: 90.0, at: 4.0 });
+        scenario.plant.set(Channel::stiffness(1), Signal::Step(Step { from: 180.0, to: 90.0, at: 4.0 }));
         let record = simulated(&scenario);
         let plant = Plant { kind, eta: 0.0, log: false };
         let mut state = truth(&record, kind, 0);
         for k in 0..record.len() - 1 {
             let parameters = truth(&record, kind, k);
             state[2 * masses..].copy_from_slice(&parameters[2 * masses..]);
-            let rate = plant.rate(&Dual::state(&state), record.force()[k]);
+            let rate = plant.rate(&Dual::state(&state), record.force(k));
             let (rate, a) = (values(&rate), jacobian(&rate));
             let moving = 2 * masses;
             let augmented = Matrix::from_fn(moving + 1, moving + 1, |i, j| match (i < moving, j < moving) {

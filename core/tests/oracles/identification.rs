@@ -2,14 +2,14 @@
 
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, Scenario, Signal};
 
-use crate::cases::finished;
+use crate::run::finished;
 
 const NONLINEAR: [FilterKind; 4] = [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF, FilterKind::ENKF];
 
 fn switched(plant: PlantKind, seed: u64, kinds: &[FilterKind]) -> Scenario {
     let mut scenario = Scenario { seed, duration: 40.0, ..Scenario::default() };
     scenario.set_plant(plant);
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     let usual = scenario.filters[0].clone();
     let filter = |&kind: &FilterKind| FilterSettings { name: kind.name().to_owned(), kind, ..usual.clone() };
     scenario.filters = kinds.iter().map(filter).collect();

@@ -2,7 +2,8 @@
 
 use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario, Signal};
 
-use crate::cases::{finished, scenario};
+use crate::cases::scenario;
+use crate::run::finished;
 
 fn last(run: &Run) -> Vec<f64> {
     let estimates = &run.estimates()[0];
@@ -105,7 +106,7 @@ fn a_belief_without_any_variance_moves_as_the_plant_does() {
     for plant in PlantKind::ALL {
         for kind in FilterKind::ALL {
             // Local linearisation is of second order where the plant is not linear.
-            let linear = !matches!(plant, PlantKind::DUFFING | PlantKind::BOUC_WEN);
+            let linear = plant.info().is_linear;
             let tolerance = if linear { 1e-6 } else { 1e-3 };
             let mut scenario = Scenario { duration: 1.0, dt: 0.002, ..scenario(plant, kind) };
             let settings = &mut scenario.filters[0];

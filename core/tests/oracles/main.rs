@@ -9,6 +9,8 @@ mod limits;
 mod matrix;
 mod other_plants;
 mod plants;
+#[path = "../common/run.rs"]
+mod run;
 mod sampled;
 mod taylor;
 mod textbook;

@@ -1,9 +1,12 @@
 //! Filters that take the truth for something else, or its parameters by their logarithms.
 
-use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Scenario, Sensor, Signal};
+use kalmanscope_core::{
+    Aspect, Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Scenario, Sensor, Signal,
+};
 
 use crate::by_the_book::DETERMINISTIC;
-use crate::cases::{deviation, finished, scenario};
+use crate::cases::{deviation, scenario};
+use crate::run::finished;
 use crate::textbook;
 
 fn numbers(estimates: &Estimates) -> Vec<f64> {
@@ -91,7 +94,7 @@ fn logarithms_keep_a_wild_guess_positive() {
     {
         for seed in 1..=3 {
             let mut scenario = Scenario { seed, duration: 10.0, ..scenario(PlantKind::SDOF, kind) };
-            scenario.plant.damping_ratio = Signal::Constant(0.005);
+            scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.005));
             let settings = &mut scenario.filters[0];
             settings.initial_mean[Channel::DAMPING_RATIO] = 0.05;
             settings.initial_std[Channel::DAMPING_RATIO] = 0.2;

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use kalmanscope_core::{Channel, PlantKind, Quantity};
+use kalmanscope_core::{Aspect, Channel, PlantKind, Quantity};
 
 use crate::matrix::Matrix;
 
@@ -104,17 +104,17 @@ impl Plant {
         let plain = |i: usize| if self.is_log(i) { state[i].exp() } else { state[i].clone() };
         let y: Vec<Dual> = (0..state.len()).map(plain).collect();
         let moving = match self.kind {
-            PlantKind::SDOF => {
+            kind if kind == PlantKind::SDOF => {
                 let [x, v, wn, zeta] = &y[..] else { unreachable!("four components") };
                 vec![v.clone(), linear(x, v, wn, zeta) + force]
             }
-            PlantKind::DUFFING => {
+            kind if kind == PlantKind::DUFFING => {
                 let [x, v, wn, zeta, mu] = &y[..] else { unreachable!("five components") };
                 let cubic = mu.clone() * x.clone() * x.clone() * x.clone();
                 vec![v.clone(), linear(x, v, wn, zeta) - cubic + force]
             }
-            PlantKind::BOUC_WEN => bouc_wen(&y, force),
-            PlantKind::SHEAR_2 | PlantKind::SHEAR_3 | PlantKind::SHEAR_4 => chain(&y, force),
+            kind if kind == PlantKind::BOUC_WEN => bouc_wen(&y, force),
+            _ => chain(&y, force),
         };
         let decay = |i: usize| {
             let rate = -self.eta * y[i].clone();
@@ -126,11 +126,11 @@ impl Plant {
 
     /// What a sensor reads, if the plant has that quantity.
     pub(crate) fn reading(&self, state: &[Dual], force: f64, quantity: Quantity) -> Option<Dual> {
-        let place = |quantity: Quantity| self.channels().iter().position(|&c| Some(c) == quantity.channel());
-        match quantity.integral() {
-            None => Some(state[place(quantity)?].clone()),
-            Some(velocity) => Some(self.rate(state, force)[place(velocity)?].clone()),
+        let place = |channel: Channel| self.channels().iter().position(|&c| c == channel);
+        if quantity.aspect() == Aspect::ACCELERATION {
+            return Some(self.rate(state, force)[place(Channel::velocity(quantity.mass()))?].clone());
         }
+        Some(state[place(quantity.channel()?)?].clone())
     }
 }
 

@@ -1,26 +1,25 @@
 //! Sampling filters agree with the Kalman filter where that is exact, within Monte Carlo error.
 
-use kalmanscope_core::{Estimates, FilterKind, FilterSettings, Run, Scenario, Signal, Values};
+use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, Run, Scenario, Signal, Values};
 
-use crate::cases::finished;
+use crate::run::finished;
 
 /// A linear oscillator with known parameters, followed by a KF and by a sampling filter of several sizes.
 fn linear(kind: FilterKind, sizes: &[usize], seed: u64, fading: f64) -> Scenario {
     let mut scenario = Scenario { seed, dt: 0.02, duration: 4.0, ..Scenario::default() };
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.plant.disturbance_std = 3.0;
     let known = |_| FilterSettings {
         fading,
         sensor_std: vec![0.01, 0.06],
-        initial_mean: Values {
-            displacement: 0.05,
-            velocity: -0.1,
-            natural_frequency: 6.0,
-            damping_ratio: 0.05,
-            ..Values::ZERO
-        },
-        initial_std: Values { displacement: 0.05, velocity: 0.2, ..Values::ZERO },
-        process_std: Values { displacement: 1e-3, velocity: 0.06, ..Values::ZERO },
+        initial_mean: Values::ZERO.with([
+            (Channel::DISPLACEMENT, 0.05),
+            (Channel::VELOCITY, -0.1),
+            (Channel::NATURAL_FREQUENCY, 6.0),
+            (Channel::DAMPING_RATIO, 0.05),
+        ]),
+        initial_std: Values::ZERO.with([(Channel::DISPLACEMENT, 0.05), (Channel::VELOCITY, 0.2)]),
+        process_std: Values::ZERO.with([(Channel::DISPLACEMENT, 1e-3), (Channel::VELOCITY, 0.06)]),
         ..FilterSettings::default()
     };
     let kf = FilterSettings { kind: FilterKind::KF, ..known(0) };

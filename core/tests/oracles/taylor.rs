@@ -119,7 +119,7 @@ fn deviation(record: &Record) -> f64 {
     for k in 0..record.len() - 1 {
         (state.wn, state.zeta, state.mu) = (wn[k], zeta[k], mu[k]);
         (state.alpha, state.beta, state.gamma) = (alpha[k], beta[k], gamma[k]);
-        state.advance(record.force()[k], record.dt());
+        state.advance(record.force(k), record.dt());
         let found = [x[k + 1], v[k + 1], z[k + 1]];
         let expected = [state.x, state.v, if beta[k] == 0.0 { 0.0 } else { state.z }];
         for i in 0..3 {
@@ -132,7 +132,7 @@ fn deviation(record: &Record) -> f64 {
 fn shaken(kind: PlantKind, dt: f64) -> Scenario {
     let mut scenario = Scenario { dt, duration: 20.0, ..Scenario::default() };
     scenario.set_plant(kind);
-    scenario.plant.natural_frequency = Signal::Constant(6.0);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario
 }
 
@@ -158,10 +158,12 @@ fn the_truth_of_nonlinear_plants_is_their_taylor_series() {
 fn nonlinear_plants_may_change() {
     for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
         let mut scenario = shaken(kind, 0.01);
-        scenario.plant.natural_frequency = Signal::Sine(Sine { mean: 6.0, amplitude: 2.0, period: 7.0 });
-        scenario.plant.damping_ratio = Signal::Ramp(Ramp { from: 0.02, to: 0.3, start: 3.0, end: 15.0 });
-        scenario.plant.cubic_stiffness = Signal::Ramp(Ramp { from: 800.0, to: -50.0, start: 3.0, end: 15.0 });
-        scenario.plant.hysteresis_beta = Signal::Sine(Sine { mean: 80.0, amplitude: 60.0, period: 5.0 });
+        scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Sine(Sine { mean: 6.0, amplitude: 2.0, period: 7.0 }));
+        scenario.plant.set(Channel::DAMPING_RATIO, Signal::Ramp(Ramp { from: 0.02, to: 0.3, start: 3.0, end: 15.0 }));
+        scenario
+            .plant
+            .set(Channel::CUBIC_STIFFNESS, Signal::Ramp(Ramp { from: 800.0, to: -50.0, start: 3.0, end: 15.0 }));
+        scenario.plant.set(Channel::HYSTERESIS_BETA, Signal::Sine(Sine { mean: 80.0, amplitude: 60.0, period: 5.0 }));
         let deviation = deviation(&simulated(&scenario));
         assert!(deviation < 1e-9, "{kind:?}: {deviation}");
     }
@@ -171,9 +173,9 @@ fn nonlinear_plants_may_change() {
 fn free_vibration_without_damping_keeps_its_energy() {
     for (wn, mu) in [(6.0, 0.0), (6.0, 300.0), (2.0, 5000.0), (6.0, -100.0)] {
         let mut scenario = Scenario { force: Force::None, duration: 60.0, ..shaken(PlantKind::DUFFING, 0.01) };
-        scenario.plant.natural_frequency = Signal::Constant(wn);
-        scenario.plant.damping_ratio = Signal::Constant(0.0);
-        scenario.plant.cubic_stiffness = Signal::Constant(mu);
+        scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(wn));
+        scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.0));
+        scenario.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(mu));
         scenario.plant.initial = Motion { displacement: 0.4, velocity: 0.3 };
         let record = simulated(&scenario);
         let energy = |k: usize| {
@@ -191,7 +193,7 @@ fn free_vibration_without_damping_keeps_its_energy() {
 fn a_plant_that_runs_away_ends_its_record() {
     for dt in [0.001, 0.01, 0.1, 0.5] {
         let mut scenario = Scenario { dt, ..shaken(PlantKind::DUFFING, 0.01) };
-        scenario.plant.cubic_stiffness = Signal::Constant(-300.0);
+        scenario.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
         scenario.plant.initial.displacement = 0.36;
         scenario.add_sensor(kalmanscope_core::Sensor {
             measures: kalmanscope_core::Quantity::ACCELERATION,

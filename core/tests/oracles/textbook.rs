@@ -69,7 +69,7 @@ pub(crate) fn filter(scenario: &Scenario, place: usize, record: &Record) -> Vec<
     };
     let mut samples = vec![filter.sample(f64::NAN, f64::NAN)];
     for k in 1..record.len() {
-        filter.predict(record.force()[k - 1]);
+        filter.predict(record.force(k - 1));
         let sensors = scenario.sensors.iter().map(|s| s.measures).enumerate();
         let seen = |&(i, quantity): &(usize, _)| {
             let state = Dual::state(&filter.mean);
@@ -77,7 +77,7 @@ pub(crate) fn filter(scenario: &Scenario, place: usize, record: &Record) -> Vec<
         };
         let sensors: Vec<_> = sensors.filter(seen).collect();
         let values = sensors.iter().map(|&(i, _)| record.measured(i)[k]).collect();
-        let (nis, log_likelihood) = filter.update(&Measured { sensors, values, force: record.force()[k] });
+        let (nis, log_likelihood) = filter.update(&Measured { sensors, values, force: record.force(k) });
         samples.push(filter.sample(nis, log_likelihood));
     }
     samples
@@ -95,20 +95,21 @@ impl Textbook<'_> {
         Sample { mean, cov, nis, log_likelihood }
     }
 
+    fn is_linearising(&self) -> bool {
+        [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF].contains(&self.settings.kind)
+    }
+
     fn predict(&mut self, force: f64) {
-        let cov = match self.settings.kind {
-            FilterKind::KF | FilterKind::EKF | FilterKind::IEKF => {
-                let (mean, transition) = self.linearised_step(force);
-                self.mean = mean;
-                transition.times(&self.cov).times(&transition.transposed())
-            }
-            _ => {
-                let (points, weights) = self.sigma_points();
-                let step = |y: &Vec<f64>| values(&runge_kutta(&self.plant, &Dual::state(y), force, self.dt));
-                let images: Vec<Vec<f64>> = points.iter().map(step).collect();
-                self.mean = weighted_mean(&images, &weights);
-                weighted_cov((&images, &self.mean), (&images, &self.mean), &weights)
-            }
+        let cov = if self.is_linearising() {
+            let (mean, transition) = self.linearised_step(force);
+            self.mean = mean;
+            transition.times(&self.cov).times(&transition.transposed())
+        } else {
+            let (points, weights) = self.sigma_points();
+            let step = |y: &Vec<f64>| values(&runge_kutta(&self.plant, &Dual::state(y), force, self.dt));
+            let images: Vec<Vec<f64>> = points.iter().map(step).collect();
+            self.mean = weighted_mean(&images, &weights);
+            weighted_cov((&images, &self.mean), (&images, &self.mean), &weights)
         };
         self.cov = cov.scaled(self.settings.fading).plus(&self.process);
     }
@@ -188,7 +189,7 @@ impl Textbook<'_> {
     }
 
     fn expect(&self, measured: &Measured) -> Expected {
-        if matches!(self.settings.kind, FilterKind::KF | FilterKind::EKF | FilterKind::IEKF) {
+        if self.is_linearising() {
             return self.linearised(measured, &self.mean).0;
         }
         let (points, weights) = self.sigma_points();

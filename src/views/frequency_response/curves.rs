@@ -12,7 +12,7 @@ use crate::session::Session;
 
 /// Frequencies of a curve: enough for a peak of one per cent's width.
 const POINTS: usize = 385;
-/// One frequency of the spectrum for so many of a curve: it has no sharper peaks than its windows allow.
+/// The spectrum has one frequency for this many of a curve: its windows allow no sharper peaks.
 const COARSER: usize = 2;
 /// How far the axis goes at least beyond the natural frequencies, as a ratio.
 const BEYOND: f64 = 4.0;
@@ -26,15 +26,15 @@ pub(super) struct Curves {
     pub(super) frequencies: Arc<[f64]>,
     /// |H| of the truth \[s²\], if it is known.
     pub(super) truth: Option<Arc<[f64]>>,
-    /// What each filter believes; none for one that has stopped before it began.
+    /// The response of each filter with its band; none for one that has stopped before it began.
     pub(super) filters: Vec<Option<Arc<Believed>>>,
     /// Frequencies \[rad/s\] and root of the force's density there, the largest being 1; none without a force.
     pub(super) spectrum: Option<Vec<(f64, f64)>>,
 }
 
 impl Curves {
-    /// The curves at sample `k`, for the filters of `places`; from `ui`'s memory what is the same as in the last frame.
-    pub(super) fn at(ui: &Ui, session: &Session, k: usize, is_shown: impl Fn(usize) -> bool) -> Self {
+    /// The curves at sample `k`, for the filters whose ids are shown; from `ui`'s memory what is the same as in the last frame.
+    pub(super) fn at(ui: &Ui, session: &Session, k: usize, is_shown: impl Fn(u32) -> bool) -> Self {
         let range = range(session);
         ui.data_mut(|data| {
             let memory: &mut Memory = data.get_temp_mut_or_default(Id::unique("frequency response"));
@@ -46,13 +46,13 @@ impl Curves {
     }
 }
 
-/// What was computed in the last frame.
+/// The curves of the last frame and what they were computed from.
 #[derive(Clone, Default)]
 struct Memory {
     range: Option<(f64, f64)>,
     frequencies: Arc<[f64]>,
-    truth: Remembered<TransferFunction, [f64]>,
-    filters: Vec<Remembered<Belief, Believed>>,
+    truth: Cached<TransferFunction, [f64]>,
+    filters: Vec<Cached<Belief, Believed>>,
     force: Force,
 }
 
@@ -62,41 +62,41 @@ impl Memory {
         Self { range: Some((low, high)), frequencies: (0..POINTS).map(|i| low * ratio(i)).collect(), ..Self::default() }
     }
 
-    fn curves(&mut self, session: &Session, k: usize, is_shown: impl Fn(usize) -> bool) -> Curves {
+    fn curves(&mut self, session: &Session, k: usize, is_shown: impl Fn(u32) -> bool) -> Curves {
         let Self { range: _, frequencies, truth, filters, force } = self;
         let run = session.run();
-        filters.resize_with(run.estimates().len(), Remembered::default);
-        let of_filter = |(place, (estimates, remembered)): (usize, (&Estimates, &mut Remembered<_, _>))| {
+        filters.resize_with(run.estimates().len(), Cached::default);
+        let of_filter = |(estimates, cached): (&Estimates, &mut Cached<_, _>)| {
             let k = k.min(estimates.len().checked_sub(1)?);
             let make = || Arc::new(believed(estimates, k, frequencies));
-            is_shown(place).then(|| remembered.get(Belief::new(estimates, k), make))
+            is_shown(estimates.id()).then(|| cached.get(Belief::new(estimates, k), make))
         };
         let truth_now = true_transfer_function(session.scenario().plant.kind, run.record(), k);
         Curves {
             frequencies: frequencies.clone(),
             truth: truth_now.map(|now| truth.get(now, || now.magnitude(frequencies).into())),
-            filters: run.estimates().iter().zip(filters).enumerate().map(of_filter).collect(),
+            filters: run.estimates().iter().zip(filters).map(of_filter).collect(),
             spectrum: force.spectrum(session, frequencies),
         }
     }
 }
 
 /// A value and what it was made from.
-struct Remembered<K, V: ?Sized>(Option<(K, Arc<V>)>);
+struct Cached<K, V: ?Sized>(Option<(K, Arc<V>)>);
 
-impl<K, V: ?Sized> Default for Remembered<K, V> {
+impl<K, V: ?Sized> Default for Cached<K, V> {
     fn default() -> Self {
         Self(None)
     }
 }
 
-impl<K: Clone, V: ?Sized> Clone for Remembered<K, V> {
+impl<K: Clone, V: ?Sized> Clone for Cached<K, V> {
     fn clone(&self) -> Self {
         Self(self.0.clone())
     }
 }
 
-impl<K: PartialEq, V: ?Sized> Remembered<K, V> {
+impl<K: PartialEq, V: ?Sized> Cached<K, V> {
     fn get(&mut self, key: K, make: impl FnOnce() -> Arc<V>) -> Arc<V> {
         match &self.0 {
             Some((known, value)) if *known == key => value.clone(),
@@ -133,7 +133,7 @@ impl Force {
         let Self { taken, times, spectrum } = self;
         let run = session.run();
         let now = (run.record().dt(), LONGEST * session.end());
-        let force = &run.record().force()[..run.len()];
+        let force = &run.record().force(..run.len());
         let follows = *times == now && force.starts_with(taken);
         let spectrum = match spectrum {
             Some(spectrum) if follows => spectrum,
@@ -196,7 +196,7 @@ mod tests {
         session
     }
 
-    fn remembered(memory: &mut Memory, session: &Session, k: usize) -> Curves {
+    fn curves_of(memory: &mut Memory, session: &Session, k: usize) -> Curves {
         memory.curves(session, k, |_| true)
     }
 
@@ -214,34 +214,34 @@ mod tests {
         let same = |a: &Curves, b: &Curves, place: usize| {
             Arc::ptr_eq(a.filters[place].as_ref().unwrap(), b.filters[place].as_ref().unwrap())
         };
-        let before = remembered(&mut memory, &session, 200);
-        let after = remembered(&mut memory, &session, 200);
+        let before = curves_of(&mut memory, &session, 200);
+        let after = curves_of(&mut memory, &session, 200);
         assert!(same(&before, &after, 0) && same(&before, &after, 1));
         assert!(Arc::ptr_eq(&before.truth.unwrap(), after.truth.as_ref().unwrap()));
         let mut edited = session.scenario().clone();
         edited.filters[1].fading = 1.02;
         session.set_scenario(edited);
-        let edited = remembered(&mut memory, &session, 200);
+        let edited = curves_of(&mut memory, &session, 200);
         assert!(same(&after, &edited, 0) && !same(&after, &edited, 1));
-        assert!(!same(&edited, &remembered(&mut memory, &session, 201), 0));
+        assert!(!same(&edited, &curves_of(&mut memory, &session, 201), 0));
     }
 
     #[test]
     fn the_spectrum_is_that_of_the_force_so_far_however_one_came_there() {
         let (mut session, mut memory) = (session(), Memory::over((1.0, 50.0)));
-        let whole = remembered(&mut memory, &session, 0).spectrum;
+        let whole = curves_of(&mut memory, &session, 0).spectrum;
         session.seek(0.0);
         session.set_mode(Mode::Live);
-        let early = remembered(&mut memory, &session, 0).spectrum;
+        let early = curves_of(&mut memory, &session, 0).spectrum;
         assert_ne!(early, whole);
         for _ in 0..700 {
             session.step();
-            remembered(&mut memory, &session, 0);
+            curves_of(&mut memory, &session, 0);
         }
-        assert_eq!(remembered(&mut memory, &session, 0).spectrum, whole);
+        assert_eq!(curves_of(&mut memory, &session, 0).spectrum, whole);
         let mut silent = session.scenario().clone();
         silent.force = kalmanscope_core::Force::None;
         session.set_scenario(silent);
-        assert_eq!(remembered(&mut memory, &session, 0).spectrum, None);
+        assert_eq!(curves_of(&mut memory, &session, 0).spectrum, None);
     }
 }

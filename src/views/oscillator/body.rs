@@ -44,7 +44,7 @@ fn shaded(rect: Rect, radius: f32, top: Color32, bottom: Color32) -> Shape {
     Shape::mesh(mesh)
 }
 
-/// What a filter believes about where a mass is.
+/// A filter's estimate of a mass's displacement.
 #[derive(Clone, Copy)]
 pub(super) struct Belief {
     /// \[m\]
@@ -84,7 +84,7 @@ pub(super) fn ghosts(stage: &Stage, painter: &Painter, mass: usize, beliefs: &[B
     }
 }
 
-/// Writes the name of the only mass into the first of so many slices, if it fits.
+/// Writes the name of the only mass into the first of its slices, if it fits.
 pub(super) fn name(painter: &Painter, body: Rect, slices: usize, palette: &Palette) {
     let height = body.height() / slices.max(1) as f32;
     let size = (0.62 * height).min(0.24 * body.width()).min(22.0);

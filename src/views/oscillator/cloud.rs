@@ -4,10 +4,10 @@ use egui::{Color32, Painter, Shape, pos2};
 
 use super::stage::Stage;
 
-/// So many readings are drawn.
+/// The number of readings that are drawn.
 const READINGS: usize = 40;
 
-/// So many where the truth is unknown or hidden: these stay where they were read, while the mass moves on.
+/// The number where the truth is unknown or hidden: these readings stay where they were read, while the mass moves on.
 const BARE_READINGS: usize = 8;
 
 /// Draws the last readings up to sample `k`, the older the fainter. Each is as far from the mass at `x` \[m\] as it was from

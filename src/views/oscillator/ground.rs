@@ -2,9 +2,10 @@
 
 use egui::{Align2, Color32, Painter, Rect, Shape, Stroke, pos2, vec2};
 
-use super::stage::{MAX_MASSES, Stage};
+use super::masses::MAX_MASSES;
+use super::stage::Stage;
+use crate::plot::ticks::{tick, ticks};
 use crate::theme::Palette;
-use crate::views::ticks::{tick, ticks};
 
 /// Draws the wall, the ground with its scale, and where each mass is at rest.
 pub(super) fn ground(stage: &Stage, painter: &Painter, palette: &Palette) {

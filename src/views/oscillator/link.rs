@@ -1,13 +1,13 @@
-//! What holds a mass: spring, damper and, where the spring remembers, a slider.
+//! The link that holds a mass: spring, damper and, where the spring remembers, a slider.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 
 use super::stage::Stage;
-use crate::views::pen::Pen;
+use crate::plot::strokes::Strokes;
 
-/// What a link is made of.
+/// The parts of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Link {
     /// A linear spring and a damper.
@@ -100,16 +100,16 @@ fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
     let (behind, before) = (half(-FRAC_PI_2), half(FRAC_PI_2));
     let back = Stroke::new(width, ink.back);
     let front = Stroke::new(1.15 * width, ink.line);
-    let mut pen = Pen::new(painter.ctx());
+    let mut strokes = Strokes::new(painter.ctx());
     for turn in 0..=coils {
-        pen.line(&behind(turn), back);
+        strokes.line(&behind(turn), back);
     }
     for turn in 0..coils {
-        pen.line(&before(turn), front);
+        strokes.line(&before(turn), front);
     }
-    pen.line(&[pos2(from, y), pos2(first, y)], front);
-    pen.line(&[pos2(first + length, y), pos2(to, y)], front);
-    painter.add(pen.into_shape());
+    strokes.line(&[pos2(from, y), pos2(first, y)], front);
+    strokes.line(&[pos2(first + length, y), pos2(to, y)], front);
+    painter.add(strokes.into_shape());
 }
 
 /// A piston in a cylinder; the rod ends at `end`.

@@ -2,7 +2,8 @@
 
 use kalmanscope_core::Record;
 
-use super::{displacement, push};
+use super::force;
+use super::masses::displacement;
 
 /// The largest of some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -11,7 +12,7 @@ pub(super) struct Peak {
     pub(super) reach: f64,
     /// Stretch of any link \[m\].
     pub(super) drift: f64,
-    /// Mean force over mass within [`push::SPELL`] \[m/s²\].
+    /// Mean force over mass within [`force::SPELL`] \[m/s²\].
     pub(super) force: f64,
 }
 
@@ -27,7 +28,7 @@ pub(super) struct Peaks {
 #[derive(Clone, Copy, Debug)]
 struct Block {
     peak: Peak,
-    /// What the last samples were: another record has others.
+    /// Identifies the last samples: another record has others.
     mark: Mark,
 }
 
@@ -38,11 +39,11 @@ impl Peaks {
     /// grows.
     pub(super) fn up_to(&mut self, record: &Record, masses: usize, k: usize) -> Peak {
         let Self { blocks } = self;
-        let window = push::window(record);
+        let window = force::window(record);
         let size = window * BLOCK.div_ceil(window);
         let mark = |end: usize| -> Mark {
             let last = |values: Option<&[f64]>| values.and_then(|x| x.get(end - 1)).map_or(0, |x| x.to_bits());
-            (last(record.truth(displacement(masses - 1))), last(Some(record.force())), size)
+            (last(record.truth(displacement(masses - 1))), last(Some(record.input())), size)
         };
         blocks.truncate(record.len() / size);
         if blocks.last().is_some_and(|block| block.mark != mark(blocks.len() * size)) {
@@ -84,7 +85,7 @@ fn peak(record: &Record, masses: usize, from: usize, to: usize, window: usize) -
         };
         before = Some(x);
     }
-    let force = record.force().get(from..to).unwrap_or_default().chunks_exact(window);
+    let force = record.input().get(from..to).unwrap_or_default().chunks_exact(window);
     peak.force = force.map(|f| f.iter().sum::<f64>().abs() / window as f64).fold(0.0, f64::max);
     peak
 }

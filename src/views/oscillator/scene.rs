@@ -1,16 +1,19 @@
-//! What is on the stage at one moment.
+//! Everything on the stage at one moment.
 
 use egui::{Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::{Channel, Estimates, Quantity, Record};
 
+use super::arrow::arrow;
 use super::body::{Belief, body, ghosts, name};
 use super::cloud::cloud;
+use super::force;
 use super::ground::ground;
 use super::link::{Ink, Link, link};
+use super::masses::displacement;
 use super::stage::Stage;
 use super::trail::Trail;
-use super::{displacement, push};
-use crate::views::ViewContext;
+
+use crate::view::ViewContext;
 
 /// One moment, and where it is drawn.
 pub(super) struct Scene<'a> {
@@ -25,10 +28,10 @@ impl<'a> Scene<'a> {
     /// Draws ground and masses; the largest force so far has a long arrow \[m/s²\].
     pub(super) fn masses(&self, largest_force: f64) {
         let Self { stage, painter, context, k } = *self;
-        let ViewContext { palette, shown, .. } = *context;
+        let ViewContext { palette, visible, .. } = *context;
         ground(stage, painter, palette);
         let record = self.record();
-        let force = push::recent(record, k);
+        let force = force::recent(record, k);
         let share = force / largest_force.max(force.abs()).max(1e-12);
         let mut before = (stage.wall, 0.0);
         for mass in 0..stage.masses() {
@@ -49,21 +52,21 @@ impl<'a> Scene<'a> {
                 }
                 before = (at.right(), x);
             }
-            ghosts(stage, painter, mass, &beliefs, shown.bands);
+            ghosts(stage, painter, mass, &beliefs, visible.bands);
             if known.is_some() && stage.masses() == 1 {
                 name(painter, stage.body(mass, before.1), beliefs.len(), palette);
             }
             if let Some(readings) = self.readings(mass) {
                 cloud(stage, painter, mass, readings, truth, k, palette.measured);
             }
-            push::arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
+            arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
         }
     }
 
     /// Draws where the masses have been onto `paper`.
     pub(super) fn trail(&self, paper: Rect) {
         let Self { stage, painter, context, k } = *self;
-        let ViewContext { palette, shown, .. } = *context;
+        let ViewContext { palette, visible, .. } = *context;
         let lines = stage.masses() * (1 + self.filters(0).count());
         let trail = Trail::new(stage, painter, paper, self.record(), k, lines);
         trail.paper(palette);
@@ -75,7 +78,7 @@ impl<'a> Scene<'a> {
                 trail.line(mass, 3.0, palette.truth, |k| truth.get(k).copied());
             }
             for filter in self.filters(mass) {
-                if shown.bands {
+                if visible.bands {
                     let band = |k| filter.belief(k).map(|belief| (belief.mean, 2.0 * belief.std));
                     trail.band(mass, filter.color.gamma_multiply(0.22), band);
                 }
@@ -89,28 +92,27 @@ impl<'a> Scene<'a> {
     }
 
     fn truth(&self, mass: usize) -> Option<&'a [f64]> {
-        self.record().truth(displacement(mass)).filter(|_| self.context.shown.truth)
+        self.record().truth(displacement(mass)).filter(|_| self.context.visible.truth)
     }
 
     fn readings(&self, mass: usize) -> Option<&'a [f64]> {
         let sensor = Quantity::all().into_iter().find(|q| q.channel() == Some(displacement(mass)))?;
-        self.record().measured_quantity(sensor).filter(|_| self.context.shown.measured)
+        self.record().measured_quantity(sensor).filter(|_| self.context.visible.measured)
     }
 
     fn filters(&self, mass: usize) -> impl Iterator<Item = Filter<'a>> {
-        let ViewContext { session, palette, shown, .. } = *self.context;
-        session.run().estimates().iter().enumerate().filter(|(place, _)| shown.filter(*place)).filter_map(
-            move |(place, estimates)| {
-                Some(Filter { estimates, at: estimates.place(displacement(mass))?, color: palette.filter(place) })
-            },
-        )
+        let palette = self.context.palette;
+        self.context.filters().filter_map(move |(_, estimates)| {
+            let color = palette.shade(estimates.color());
+            Some(Filter { estimates, at: estimates.place(displacement(mass))?, color })
+        })
     }
 
     /// Writes the equation and what is measured above the spring, where there is room. Tells whether there was for the
     /// equation.
     pub(super) fn captions(&self) -> bool {
         let Self { stage, painter, context, .. } = *self;
-        let ViewContext { session, palette, shown, .. } = *context;
+        let ViewContext { session, palette, visible, .. } = *context;
         let corner = stage.rect.left_top() + vec2(10.0, 4.0 * stage.unit);
         let far = pos2(stage.rest(0) - stage.travel - stage.body.x, stage.body(0, 0.0).top());
         let room = Rect::from_min_max(corner, far);
@@ -133,7 +135,7 @@ impl<'a> Scene<'a> {
             fits
         };
         let told = write(equation.to_owned());
-        if shown.measured && !sensors.is_empty() {
+        if visible.measured && !sensors.is_empty() {
             write(format!("measured: {measured}"));
         }
         told
@@ -148,7 +150,7 @@ struct Filter<'a> {
 }
 
 impl Filter<'_> {
-    /// What it believes at sample `k`, if anything.
+    /// Its estimate at sample `k`, if there is one.
     fn belief(&self, k: usize) -> Option<Belief> {
         let Self { estimates, at, color } = *self;
         let mean = (k < estimates.len()).then(|| estimates.mean(k)[at]).filter(|mean| mean.is_finite())?;
@@ -156,7 +158,7 @@ impl Filter<'_> {
     }
 }
 
-/// What the true spring is like, with the mass at `x` \[m\].
+/// The kind of the true spring, with the mass at `x` \[m\].
 fn link_kind(record: &Record, x: f64, k: usize) -> Link {
     if let Some(z) = record.truth(Channel::HYSTERETIC_DISPLACEMENT).and_then(|z| z.get(k)).filter(|z| z.is_finite()) {
         Link::Slipping(x - z)

@@ -4,9 +4,6 @@ use egui::{Pos2, Rect, Vec2, pos2, vec2};
 
 use super::peaks::Peak;
 
-/// The most masses that a plant has.
-pub(super) const MAX_MASSES: usize = 4;
-
 /// How far the last mass of a chain goes, as a multiple of how far each link stretches, per mass before it.
 const REACH_PER_LINK: f32 = 0.55;
 
@@ -135,7 +132,7 @@ impl Stage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::views::oscillator::displacement;
+    use crate::views::oscillator::masses::{MAX_MASSES, displacement, masses};
     use crate::views::oscillator::peaks::Peaks;
     use kalmanscope_core::{PlantKind, Run, Scenario};
 
@@ -188,7 +185,7 @@ mod tests {
             scenario.filters.clear();
             let mut run = Run::new(&scenario).unwrap();
             run.finish();
-            let (record, masses) = (run.record(), crate::views::oscillator::masses(&run));
+            let (record, masses) = (run.record(), masses(&run));
             let peak = Peaks::default().up_to(record, masses, run.len() - 1);
             for size in SIZES {
                 let stage = Stage::new(Rect::from_min_size(Pos2::ZERO, size), masses, span(masses, peak, 0.0));

@@ -4,13 +4,13 @@ use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 use kalmanscope_core::Record;
 
 use super::stage::Stage;
+use crate::plot::strokes::Strokes;
 use crate::theme::Palette;
-use crate::views::pen::Pen;
 
 /// Paper that passes in a second \[points\].
 const SPEED: f32 = 64.0;
 
-/// About so many points make a line, and so many all of them where there are many lines.
+/// About the number of points in a line, and the most in all lines together.
 const POINTS: usize = 160;
 const ALL_POINTS: usize = 2000;
 
@@ -26,7 +26,7 @@ pub(super) struct Trail<'a> {
 }
 
 impl<'a> Trail<'a> {
-    /// The paper below `stage` up to sample `now`, for so many `lines`.
+    /// The paper below `stage` up to sample `now`, for this number of lines.
     pub(super) fn new(
         stage: &'a Stage,
         painter: &Painter,
@@ -77,9 +77,9 @@ impl<'a> Trail<'a> {
     pub(super) fn line(&self, mass: usize, width: f32, color: Color32, x: impl Fn(usize) -> Option<f64>) {
         let at = |k| Some(self.at(mass, x(k).filter(|x| x.is_finite())?, k));
         let points: Vec<Pos2> = self.samples().filter_map(at).collect();
-        let mut pen = Pen::new(self.painter.ctx());
-        pen.line(&points, Stroke::new(width * self.stage.unit.min(1.5), color));
-        self.painter.add(pen.into_shape());
+        let mut strokes = Strokes::new(self.painter.ctx());
+        strokes.line(&points, Stroke::new(width * self.stage.unit.min(1.5), color));
+        self.painter.add(strokes.into_shape());
     }
 
     /// Draws a band around a path, whose middle and half width at sample k are `x(k)` \[m\].
@@ -89,9 +89,9 @@ impl<'a> Trail<'a> {
             Some([self.at(mass, middle - half, k), self.at(mass, middle + half, k)])
         };
         let edges: Vec<[Pos2; 2]> = self.samples().filter_map(at).collect();
-        let mut pen = Pen::new(self.painter.ctx());
-        pen.area(&edges, color);
-        self.painter.add(pen.into_shape());
+        let mut strokes = Strokes::new(self.painter.ctx());
+        strokes.area(&edges, color);
+        self.painter.add(strokes.into_shape());
     }
 
     /// Draws readings as dots.

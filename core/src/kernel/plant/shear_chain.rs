@@ -25,7 +25,8 @@ pub struct ShearChain<const MASSES: usize> {
 const DISPLACEMENTS: [Channel; 4] =
     [Channel::DISPLACEMENT, Channel::displacement(1), Channel::displacement(2), Channel::displacement(3)];
 const VELOCITIES: [Channel; 4] = [Channel::VELOCITY, Channel::velocity(1), Channel::velocity(2), Channel::velocity(3)];
-const STIFFNESSES: [Channel; 4] = [Channel::stiffness(0), Channel::stiffness(1), Channel::stiffness(2), Channel::stiffness(3)];
+const STIFFNESSES: [Channel; 4] =
+    [Channel::stiffness(0), Channel::stiffness(1), Channel::stiffness(2), Channel::stiffness(3)];
 
 /// The channels of a chain of `masses`, with `N = 3 masses + 1`.
 const fn channels<const N: usize>(masses: usize) -> [Channel; N] {

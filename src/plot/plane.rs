@@ -3,7 +3,7 @@
 use egui::{Id, Shape, Stroke, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
 
-use super::chart::{Y_AXIS, touched};
+use super::frame::{Y_AXIS, sense};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
 
@@ -11,13 +11,13 @@ use crate::theme::Palette;
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Scale {
     Linear,
-    /// What is drawn are logarithms to the base of ten.
+    /// All coordinates are logarithms to the base of ten.
     Logarithmic,
 }
 
 /// Draws a plot into all of `ui`. `range` is what it shows unless the user has zoomed, `[x, y]`, each low and high; a double
 /// click goes back to it.
-pub(super) fn plane_ui(
+pub(crate) fn plane_ui(
     ui: &mut Ui,
     key: &str,
     labels: [&str; 2],
@@ -30,7 +30,7 @@ pub(super) fn plane_ui(
 
 /// [`plane_ui`] of logarithms to the base of ten, range and all; the axes are labelled with the numbers themselves. Returns
 /// what `draw` does.
-pub(super) fn log_plane_ui<R>(
+pub(crate) fn log_plane_ui<R>(
     ui: &mut Ui,
     key: &str,
     labels: [&str; 2],
@@ -66,7 +66,7 @@ fn scaled_plane_ui<R>(
         .show_x(false)
         .show_y(false)
         .show_background(false)
-        .sense(touched(ui))
+        .sense(sense(ui))
         .custom_x_axes(vec![axis(AxisHints::new_x().label(x_label.to_owned()), size.x - Y_AXIS, Side::Bottom)])
         .custom_y_axes(vec![axis(
             AxisHints::new_y().label(y_label.to_owned()).min_thickness(Y_AXIS),
@@ -104,7 +104,7 @@ fn scaled_plane_ui<R>(
 }
 
 /// A range around some values, with a margin; none without values.
-pub(super) fn around(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+pub(crate) fn around(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let (low, high) = values.filter(|x| x.is_finite()).map(|x| (x, x)).reduce(|(l, h), (x, _)| (l.min(x), h.max(x)))?;
     let margin = 0.08 * (high - low).max(1e-9 + 0.02 * high.abs());
     Some((low - margin, high + margin))

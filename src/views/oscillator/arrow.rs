@@ -1,24 +1,8 @@
 //! The force, as an arrow from the mast of each mass.
 
 use egui::{Align2, Color32, Painter, Shape, Stroke, pos2, vec2};
-use kalmanscope_core::Record;
 
 use super::stage::Stage;
-
-/// The arrow is the mean of the force over this time, because an arrow that followed white noise would only flicker \[s\].
-pub(super) const SPELL: f64 = 0.1;
-
-/// The number of samples in a [`SPELL`], at least one.
-pub(super) fn window(record: &Record) -> usize {
-    (SPELL / record.dt()).round().clamp(1.0, 1e5) as usize
-}
-
-/// The mean force over mass within the [`SPELL`] that ends with sample `k` \[m/s²\].
-pub(super) fn recent(record: &Record, k: usize) -> f64 {
-    let first = (k + 1).saturating_sub(window(record));
-    let force = record.force().get(first..=k).unwrap_or_default();
-    force.iter().sum::<f64>() / window(record) as f64
-}
 
 /// Draws the arrow of a force that is `share` of the largest, for the mass whose middle is at `x`.
 pub(super) fn arrow(stage: &Stage, painter: &Painter, x: f32, share: f64, color: Color32) {

@@ -1,59 +1,64 @@
-//! What the app does when it is asked to.
+//! Carries out requests.
 
 use super::{App, LARGE};
-use crate::command::Command;
 use crate::controls::number;
+use crate::layout::Layout;
+use crate::plot::time_axis::TimeAxis;
+use crate::request::Request;
 use crate::tutor::Tutor;
-use crate::views::{Layout, Shown, TimeAxis};
+use crate::visibility::Visibility;
 
 impl App {
     /// Carries out what a view, a menu or a key has asked for.
-    pub(super) fn apply(&mut self, command: Command, ctx: &egui::Context) {
-        let Self { session, axis, shown, layout, lessons, tutor, history, .. } = self;
-        match command {
-            Command::TogglePlay => session.toggle_play(),
-            Command::Step => session.step(),
-            Command::StepBack => session.step_back(),
-            Command::Restart => {
+    pub(super) fn apply(&mut self, request: Request, ctx: &egui::Context) {
+        let Self { session, axis, visible, layout, lessons, tutor, history, .. } = self;
+        match request {
+            Request::TogglePlay => session.toggle_play(),
+            Request::Step => session.step(),
+            Request::StepBack => session.step_back(),
+            Request::Restart => {
                 session.seek(0.0);
                 *axis = TimeAxis::default();
             }
-            Command::Seek(time) => session.seek(time),
-            Command::SetMode(mode) => {
+            Request::Seek(time) => session.seek(time),
+            Request::SetMode(mode) => {
                 session.set_mode(mode);
                 *axis = TimeAxis::default();
             }
-            Command::SetSpeed(speed) => session.set_speed(speed),
-            Command::Open(entry) => {
-                if let Ok(scenario) = entry.scenario() {
+            Request::SetSpeed(speed) => session.set_speed(speed),
+            Request::Open(built_in) => match built_in.scenario() {
+                Ok(scenario) => {
                     session.set_scenario(scenario);
                     session.play_from_start();
                     *axis = TimeAxis::default();
+                    *visible = Visibility::default();
                     number::begin_anew(ctx);
                 }
-            }
-            Command::Undo => {
+                Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title)),
+            },
+            Request::Edit(scenario) => session.set_scenario(*scenario),
+            Request::Undo => {
                 if let Some(scenario) = history.undo(session.scenario()).cloned() {
                     session.set_scenario(scenario);
                 }
             }
-            Command::Redo => {
+            Request::Redo => {
                 if let Some(scenario) = history.redo(session.scenario()).cloned() {
                     session.set_scenario(scenario);
                 }
             }
-            Command::StartLesson(place) => {
+            Request::StartLesson(place) => {
                 self.inviting = false;
                 *tutor = lessons.get(place).cloned().map(Tutor::new);
-                *shown = Shown::default();
+                *visible = Visibility::default();
                 self.go_to_step(0);
                 number::begin_anew(ctx);
             }
-            Command::GoToStep(step) => {
+            Request::GoToStep(step) => {
                 self.go_to_step(step);
                 number::begin_anew(ctx);
             }
-            Command::ChangeLesson => {
+            Request::ChangeLesson => {
                 if let Some(lesson) = tutor
                     && lesson.change(session).is_err()
                 {
@@ -65,44 +70,49 @@ impl App {
                     axis.framed = lesson.frame(session);
                 }
             }
-            Command::LeaveLesson => {
+            Request::LeaveLesson => {
                 *tutor = None;
                 axis.framed = None;
-                *shown = Shown::default();
+                *visible = Visibility::default();
             }
-            Command::ToggleFilter(place) => shown.toggle_filter(place),
-            Command::ToggleControls => self.controls_open = Some(!self.controls_open()),
-            Command::TogglePresenter => {
+            Request::ToggleEntry(entry) => visible.toggle(entry),
+            Request::ShowAllChannels => visible.only.clear(),
+            Request::ToggleControls => self.controls_open = Some(!self.controls_open()),
+            Request::TogglePresenter => {
                 self.presenting = !self.presenting;
                 ctx.set_zoom_factor(ctx.zoom_factor() * if self.presenting { LARGE } else { 1.0 / LARGE });
                 self.controls_open = None;
             }
-            Command::ToggleKeys => self.keys_open = !self.keys_open,
-            Command::Leave => {
+            Request::ToggleKeys => self.keys_open = !self.keys_open,
+            Request::DismissNotice => self.notice = None,
+            Request::Leave => {
                 if !std::mem::take(&mut self.keys_open) {
                     layout.leave_enlarged();
                 }
             }
-            Command::ToggleView(view) => layout.toggle(view),
-            Command::Arrange(arrangement) => *layout = Layout::of(arrangement),
+            Request::ToggleView(view) => layout.toggle(view),
+            Request::Arrange(arrangement) => *layout = Layout::of(arrangement),
+            Request::Rearrange(tree) => layout.rearrange(*tree),
+            Request::ToggleEnlarged(view) => layout.toggle_enlarged(view),
             // The first time back to what is of interest, then to all.
-            Command::Follow if axis.follows => axis.framed = None,
-            Command::Follow => axis.follows = true,
-            Command::Unfollow => axis.follows = false,
-            Command::PointAt(time) => axis.pointed = time,
+            Request::Follow if axis.follows => axis.framed = None,
+            Request::Follow => axis.follows = true,
+            Request::Unfollow => axis.follows = false,
+            Request::PointAt(time) => axis.pointed = time,
         }
     }
 
     /// Goes to a step of the lesson in progress; without one, or to one that cannot be taken, nowhere.
     fn go_to_step(&mut self, step: usize) {
-        let Self { session, axis, shown, layout, tutor, .. } = self;
+        let Self { session, axis, visible, layout, tutor, .. } = self;
         let Some(lesson) = tutor else { return };
-        if lesson.go_to(step, session).is_err() {
+        if let Err(error) = lesson.go_to(step, session) {
+            self.notice = Some(format!("This step of the lesson cannot be shown: {error}."));
             *tutor = None;
             return;
         }
         *axis = TimeAxis { framed: lesson.frame(session), ..TimeAxis::default() };
-        lesson.choose(shown);
+        lesson.choose(visible);
         let views = lesson.views();
         if !views.is_empty() {
             *layout = Layout::column(&views);

@@ -2,27 +2,28 @@
 
 use egui::Ui;
 
+use super::cells::cells_ui;
 use super::chart::Chart;
-use super::{ViewContext, grid};
-use crate::command::Command;
+use super::input::PlotInput;
+use crate::request::Request;
 
 /// Fills `ui` with charts, or with the one that the user wants to see alone. `chart` makes one from its number and from
 /// whether none is below it. Returns the time that the user points at \[s\].
-pub(super) fn charts_ui<'a>(
+pub(crate) fn charts_ui<'a>(
     ui: &mut Ui,
     count: usize,
-    context: &ViewContext<'a>,
-    commands: &mut Vec<Command>,
+    input: &PlotInput<'_>,
+    requests: &mut Vec<Request>,
     chart: impl Fn(usize, bool) -> Chart<'a>,
 ) -> Option<f64> {
     let id = ui.scope_id().with("alone");
     let mut alone: Option<usize> = ui.data(|data| data.get_temp(id)).filter(|place| *place < count);
     let (first, shown) = alone.map_or((0, count), |place| (place, 1));
     let mut pointed = None;
-    grid(ui, shown, |ui, i, last_row| {
-        let seen = chart(first + i, last_row).show(ui, context, commands);
-        pointed = seen.pointed.or(pointed);
-        if seen.alone {
+    cells_ui(ui, shown, |ui, i, last_row| {
+        let response = chart(first + i, last_row).show(ui, input, requests);
+        pointed = response.pointed.or(pointed);
+        if response.alone {
             alone = if alone.is_none() { Some(first + i) } else { None };
         }
     });

@@ -7,7 +7,7 @@ use egui_plot::GridMark;
 use crate::text::{fixed, significant};
 
 /// Multiples of 1, 2 or 5 times a power of ten, about `count` of them, and two where they fit: one alone tells no scale.
-pub(super) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
+pub(crate) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
     let rough = (high - low) / f64::from(count.max(2.0));
     if !rough.is_finite() || rough <= 0.0 {
         return Vec::new();
@@ -26,7 +26,7 @@ pub(super) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
 }
 
 /// [`tick`], but for a mark whose text would be cut off at the right or run into the texts of the other axis at the bottom.
-pub(super) fn tick_inside(mark: GridMark, range: &RangeInclusive<f64>, length: f32, side: Side) -> String {
+pub(crate) fn tick_inside(mark: GridMark, range: &RangeInclusive<f64>, length: f32, side: Side) -> String {
     let text = tick(mark.value, mark.step_size);
     let share = (mark.value - range.start()) / (range.end() - range.start());
     let (room, least) = match side {
@@ -38,7 +38,7 @@ pub(super) fn tick_inside(mark: GridMark, range: &RangeInclusive<f64>, length: f
 
 /// Where an axis is.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(crate) enum Side {
     Bottom,
     Left,
 }
@@ -47,11 +47,11 @@ pub(super) enum Side {
 const HALF_DIGIT: f32 = 3.4;
 const HALF_LINE: f32 = 4.0;
 
-/// So many times as many ticks as asked for still have legible labels.
+/// Labels stay legible up to this multiple of the number of ticks asked for.
 const CROWDED: f32 = 2.2;
 
 /// A tick's text, with just the digits that tell it from its neighbours.
-pub(super) fn tick(value: f64, step: f64) -> String {
+pub(crate) fn tick(value: f64, step: f64) -> String {
     if step < 1e-4 && value.abs() < 100.0 * step {
         return significant(if value.abs() < 1e-3 * step { 0.0 } else { value }, 3);
     }
@@ -62,7 +62,7 @@ pub(super) fn tick(value: f64, step: f64) -> String {
 /// Multiples of powers of ten along an axis `length` long that shows their logarithms: all where labels `apart` from each
 /// other fit at 1, 2 and 5, else the powers alone; round numbers of any kind where there is less than a decade to see
 /// \[points\].
-pub(super) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec<GridMark> {
+pub(crate) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec<GridMark> {
     let decade = f64::from(length / apart) / (high - low);
     if !decade.is_finite() || decade <= 0.0 {
         return Vec::new();
@@ -89,7 +89,7 @@ pub(super) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec
 }
 
 /// Labels of a logarithmic axis are chosen with its ticks; only where none would fit do they fade \[points\].
-pub(super) const LOG_TICKS_FADE: egui::Rangef = egui::Rangef { min: 6.0, max: 10.0 };
+pub(crate) const LOG_TICKS_FADE: egui::Rangef = egui::Rangef { min: 6.0, max: 10.0 };
 /// Up to here the multiples of a power of ten would be too few \[decades\].
 const LESS_THAN_A_DECADE: f64 = 0.7;
 /// The step of a tick of [`log_ticks`] that is no power of ten, with a label and without.
@@ -97,7 +97,7 @@ const LABELLED: f64 = 0.3;
 const UNLABELLED: f64 = 0.05;
 
 /// The text of a tick of [`log_ticks`].
-pub(super) fn log_tick(mark: GridMark) -> String {
+pub(crate) fn log_tick(mark: GridMark) -> String {
     if mark.step_size >= LABELLED { significant(10_f64.powf(mark.value), 3) } else { String::new() }
 }
 

@@ -1,14 +1,14 @@
-//! What the app shows, as data: for tests that drive it from outside.
+//! The state of the screen as data: for tests that drive it from outside.
 
 use kalmanscope_core::{Channel, Estimates};
 use serde::Serialize;
 
-use crate::places;
+use super::places;
 use crate::session::{Mode, Session};
 
 /// The state of the screen.
 #[derive(Clone, Debug, Serialize)]
-pub struct Summary {
+pub struct ScreenState {
     /// `live` or `whole`.
     pub mode: &'static str,
     /// Whether time goes on.
@@ -60,7 +60,7 @@ pub struct Control {
     pub height: f32,
 }
 
-impl Summary {
+impl ScreenState {
     /// Sums up what is on screen.
     pub fn new(session: &Session, ctx: &egui::Context) -> Self {
         let estimates = session.run().estimates();

@@ -1,30 +1,30 @@
-//! Quantities at every sample, on their way to the pixel columns of a screen.
+//! Quantities at every sample, which can be reduced to the pixel columns of a screen.
 
 use std::ops::Range;
 
 use kalmanscope_core::Record;
 
-use crate::series::{BandColumn, Column, reduce, reduce_between};
+use super::columns::{BandColumn, Column, reduce, reduce_between};
 
 /// A quantity at every sample, NaN where there is none.
-pub(super) struct Series<'a> {
+pub(crate) struct Series<'a> {
     len: usize,
     reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<Column> + 'a>,
 }
 
 impl<'a> Series<'a> {
     /// `values` gives those of some of the samples up to `len`.
-    pub(super) fn new<I: Iterator<Item = f64>>(len: usize, values: impl Fn(Range<usize>) -> I + 'a) -> Self {
+    pub(crate) fn new<I: Iterator<Item = f64>>(len: usize, values: impl Fn(Range<usize>) -> I + 'a) -> Self {
         Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &values)) }
     }
 
     /// All of these values.
-    pub(super) fn of(values: &'a [f64]) -> Self {
+    pub(crate) fn of(values: &'a [f64]) -> Self {
         Self::new(values.len(), |samples| values[samples].iter().copied())
     }
 
     /// The series through a function that preserves order, which then is asked for the extremes only.
-    pub(super) fn through(self, function: fn(f64) -> f64) -> Self {
+    pub(crate) fn through(self, function: fn(f64) -> f64) -> Self {
         let Self { len, reduce } = self;
         let through = move |column: Column| {
             let (low, high) = (function(column.low), function(column.high));
@@ -34,21 +34,21 @@ impl<'a> Series<'a> {
         Self { len, reduce: Box::new(reduce) }
     }
 
-    /// At most so many columns of what the window, from when to when \[s\], shows of it.
-    pub(super) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
+    /// At most `columns` columns of the part that the window shows, `(from, to)` \[s\].
+    pub(crate) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
         (self.reduce)(samples_in(record, window, self.len), columns)
     }
 }
 
-/// Two edges at every sample, and what is between them.
-pub(super) struct Band<'a> {
+/// Two edges at every sample.
+pub(crate) struct Band<'a> {
     len: usize,
     reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<BandColumn> + 'a>,
 }
 
 impl<'a> Band<'a> {
-    /// What is within two standard deviations of the means.
-    pub(super) fn around(means: &'a [f64], variances: &'a [f64]) -> Self {
+    /// Two standard deviations on either side of the means.
+    pub(crate) fn around(means: &'a [f64], variances: &'a [f64]) -> Self {
         let edges = |(mean, variance): (&f64, &f64)| {
             let half = 2.0 * variance.sqrt();
             (mean - half, mean + half)
@@ -57,8 +57,8 @@ impl<'a> Band<'a> {
         Self { len: means.len(), reduce: Box::new(move |range, columns| reduce_between(range, columns, edges)) }
     }
 
-    /// What is within two standard deviations of zero; `variances` gives those of some of the samples up to `len`.
-    pub(super) fn around_zero<I: Iterator<Item = f64>>(len: usize, variances: impl Fn(Range<usize>) -> I + 'a) -> Self {
+    /// Two standard deviations on either side of zero; `variances` gives those of some of the samples up to `len`.
+    pub(crate) fn around_zero<I: Iterator<Item = f64>>(len: usize, variances: impl Fn(Range<usize>) -> I + 'a) -> Self {
         // One root a column, not one a sample.
         let around = |column: Column| {
             let edges = |variance: f64| (-2.0 * variance.sqrt(), 2.0 * variance.sqrt());
@@ -70,8 +70,8 @@ impl<'a> Band<'a> {
         Self { len, reduce: Box::new(reduce) }
     }
 
-    /// At most so many columns of what the window, from when to when \[s\], shows of it.
-    pub(super) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<BandColumn> {
+    /// At most `columns` columns of the part that the window shows, `(from, to)` \[s\].
+    pub(crate) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<BandColumn> {
         (self.reduce)(samples_in(record, window, self.len), columns)
     }
 }

@@ -1,4 +1,4 @@
-//! What was computed for the last frame and still holds in this one.
+//! Values of the last frame that still hold in this one.
 
 use std::any::Any;
 use std::hash::{DefaultHasher, Hash, Hasher as _};
@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use egui::{Context, Id};
 
-/// What `make` makes, made anew only when `depends_on` has changed since the last frame.
-pub(super) fn kept<T: Any + Send + Sync>(
+/// The value of `make`, computed anew only when `depends_on` has changed since the last frame.
+pub(crate) fn cached<T: Any + Send + Sync>(
     ctx: &Context,
     id: Id,
     depends_on: impl Hash,

@@ -1,4 +1,4 @@
-//! Polylines with no more points than their picture takes: every segment is triangles to fill.
+//! Polylines with no more points than their picture needs: every segment is triangles to fill.
 
 /// How far a point that is left out may be from the line in its place \[points of the screen\].
 const TOLERANCE: f64 = 0.35;
@@ -8,7 +8,7 @@ const TOLERANCE: f64 = 0.35;
 ///
 /// From a point that is kept on, those are left out that a single line passes within the tolerance, as long as they lead
 /// away from it. Williams (1978), An efficient algorithm for the piecewise linear approximation of planar curves.
-pub fn telling(points: impl IntoIterator<Item = (f64, f64)>) -> Vec<usize> {
+pub(crate) fn simplify(points: impl IntoIterator<Item = (f64, f64)>) -> Vec<usize> {
     let mut points = points.into_iter().enumerate();
     let mut kept = Vec::with_capacity(points.size_hint().0);
     let Some((_, first)) = points.next() else { return kept };
@@ -83,24 +83,24 @@ mod tests {
     #[test]
     fn straight_lines_need_their_ends() {
         let line: Vec<_> = (0..100).map(|i| (f64::from(i), 0.5 * f64::from(i))).collect();
-        assert_eq!(telling(line.iter().copied()), [0, 99]);
-        assert_eq!(telling(line[..2].iter().copied()), [0, 1]);
-        assert_eq!(telling(line[..1].iter().copied()), [0]);
-        assert!(telling([]).is_empty());
+        assert_eq!(simplify(line.iter().copied()), [0, 99]);
+        assert_eq!(simplify(line[..2].iter().copied()), [0, 1]);
+        assert_eq!(simplify(line[..1].iter().copied()), [0]);
+        assert!(simplify([]).is_empty());
     }
 
     #[test]
     fn peaks_and_corners_stay() {
         let corner = [(0.0, 0.0), (5.0, 0.0), (10.0, 0.0), (10.0, 5.0), (10.0, 10.0)];
-        assert_eq!(telling(corner), [0, 2, 4]);
+        assert_eq!(simplify(corner), [0, 2, 4]);
         let needle = [(0.0, 0.0), (1.0, 0.0), (1.0, 30.0), (1.0, 10.0), (1.0, 0.0), (9.0, 0.0)];
-        assert_eq!(telling(needle), [0, 1, 2, 4, 5]);
+        assert_eq!(simplify(needle), [0, 1, 2, 4, 5]);
     }
 
     #[test]
     fn no_point_is_far_from_the_line() {
         let wave: Vec<_> = (0..800).map(|i| (0.5 * f64::from(i), 40.0 * (0.05 * f64::from(i)).sin())).collect();
-        let kept = telling(wave.iter().copied());
+        let kept = simplify(wave.iter().copied());
         assert!(kept.len() < wave.len() / 3, "{} points are left", kept.len());
         for ends in kept.windows(2) {
             let (a, b) = (wave[ends[0]], wave[ends[1]]);

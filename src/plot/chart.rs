@@ -6,60 +6,55 @@ use std::sync::Arc;
 use egui::{Id, Sense, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, LineStyle, Plot, VLine};
 
-use super::ViewContext;
+use super::cache::cached;
+use super::drawing::Drawing;
+use super::frame::{Y_AXIS, sense};
+use super::grid::Grid;
 use super::heading::{Readout, heading_ui};
-use super::kept::kept;
-use super::layer::{Drawn, Layer, Window};
-use super::picture::Grid;
+use super::input::PlotInput;
+use super::layers::Layer;
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
-use crate::command::Command;
+use super::window::Window;
+use crate::request::Request;
 use crate::session::Mode;
 
 /// Ticks' labels are drawn in full from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
-/// Least room at the left of a plot for the labels of its ticks \[points\].
-pub(super) const Y_AXIS: f32 = 44.0;
-
-/// What a plot does with fingers and pointers: where there are fingers a drag scrolls the page, and two zoom.
-pub(super) fn touched(ui: &Ui) -> Sense {
-    if ui.input(egui::InputState::has_touch_screen) { Sense::click() } else { Sense::click_and_drag() }
-}
-
-/// What one chart shows.
-pub(super) struct Chart<'a> {
+/// One chart: its heading and its layers.
+pub(crate) struct Chart<'a> {
     /// Unique among all charts on screen.
-    pub(super) key: String,
-    /// What is told to those who cannot see it.
-    pub(super) title: String,
-    pub(super) symbol: String,
-    pub(super) name: String,
-    pub(super) unit: &'static str,
-    pub(super) readouts: Vec<Readout>,
-    pub(super) layers: Vec<Layer<'a>>,
+    pub(crate) key: String,
+    /// Its name for screen readers.
+    pub(crate) title: String,
+    pub(crate) symbol: String,
+    pub(crate) name: String,
+    pub(crate) unit: &'static str,
+    pub(crate) readouts: Vec<Readout>,
+    pub(crate) layers: Vec<Layer<'a>>,
     /// Whether no chart of the view is below this one: it has the time axis for those above it.
-    pub(super) last_row: bool,
+    pub(crate) last_row: bool,
     /// The least that the vertical axis shows.
-    pub(super) least: Option<(f64, f64)>,
+    pub(crate) least: Option<(f64, f64)>,
     /// Whether the values are logarithms to the base of ten, which the vertical axis labels with the numbers themselves.
-    pub(super) logarithmic: bool,
+    pub(crate) logarithmic: bool,
 }
 
-/// What the user does with a chart.
-pub(super) struct Seen {
+/// The user's gestures on a chart.
+pub(crate) struct ChartResponse {
     /// The time that the user points at \[s\].
-    pub(super) pointed: Option<f64>,
+    pub(crate) pointed: Option<f64>,
     /// Whether the user wants it to be alone, or with the others again.
-    pub(super) alone: bool,
+    pub(crate) alone: bool,
 }
 
 impl Chart<'_> {
     /// Draws the chart with its heading into all of `ui`.
-    pub(super) fn show(self, ui: &mut Ui, context: &ViewContext<'_>, commands: &mut Vec<Command>) -> Seen {
+    pub(crate) fn show(self, ui: &mut Ui, input: &PlotInput<'_>, requests: &mut Vec<Request>) -> ChartResponse {
         let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &self.readouts);
         let alone =
             symbol.interact(Sense::click()).on_hover_text("Click: this plot alone, or all of them again").clicked();
-        let ViewContext { session, palette, axis, .. } = *context;
+        let PlotInput { session, palette, axis, version } = *input;
         let size = ui.available_size().max(Vec2::splat(1.0));
         let followed = axis.followed(session);
         let position = session.time();
@@ -86,7 +81,7 @@ impl Chart<'_> {
             .show_y(false)
             .show_axes([self.last_row, true])
             .show_background(false)
-            .sense(touched(ui))
+            .sense(sense(ui))
             .link_axis(group, Vec2b::new(true, false))
             .link_cursor(group, Vec2b::new(true, false))
             .custom_x_axes(vec![
@@ -96,15 +91,15 @@ impl Chart<'_> {
                     .label_spacing(TICKS_FADE),
             ])
             .custom_y_axes(vec![values])
-            .x_grid_spacer(move |input| grid.times(input.bounds))
-            .y_grid_spacer(move |input| grid.values(input.bounds))
+            .x_grid_spacer(move |axis| grid.times(axis.bounds))
+            .y_grid_spacer(move |axis| grid.values(axis.bounds))
             .show_grid(false)
             .boxed_zoom_pointer_button(egui::PointerButton::Primary)
             .pan_pointer_button(egui::PointerButton::Secondary)
             .allow_scroll(false)
             .allow_double_click_reset(false)
             .label_formatter(|_| None);
-        let drawn: OnceCell<Arc<Drawn>> = OnceCell::new();
+        let drawn: OnceCell<Arc<Drawing>> = OnceCell::new();
         let response = plot.show(ui, |plot| {
             let bounds = plot.plot_bounds();
             let [times, values] = [0, 1].map(|axis| (bounds.min()[axis], bounds.max()[axis]));
@@ -115,8 +110,8 @@ impl Chart<'_> {
             };
             let record = session.run().record();
             let id = Id::unique(("drawn", &self.key));
-            let make = || Drawn::new(&self.layers, record, &window, self.least);
-            let drawn = drawn.get_or_init(|| kept(plot.ctx(), id, (context.version, window.key()), make));
+            let make = || Drawing::new(&self.layers, record, &window, self.least);
+            let drawn = drawn.get_or_init(|| cached(plot.ctx(), id, (version, window.key()), make));
             if axis.follows {
                 plot.set_plot_bounds_x(followed.0..=followed.1);
                 if let Some((low, high)) = drawn.range {
@@ -134,10 +129,10 @@ impl Chart<'_> {
         let response = response.response;
         response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {}", self.title)));
         if response.double_clicked() {
-            commands.push(Command::Follow);
+            requests.push(Request::Follow);
         } else if response.drag_started() || (response.hovered() && response.ctx.input(|i| i.zoom_delta() != 1.0)) {
-            commands.push(Command::Unfollow);
+            requests.push(Request::Unfollow);
         }
-        Seen { pointed, alone }
+        ChartResponse { pointed, alone }
     }
 }

@@ -2,52 +2,10 @@
 
 use egui::{Button, Color32, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
 
-use kalmanscope_core::Channel;
-
+use crate::request::{LegendEntry, Request};
 use crate::session::Session;
 use crate::theme::Palette;
-
-/// What is drawn.
-#[derive(Clone, Debug, PartialEq, Hash)]
-pub struct Shown {
-    /// The truth.
-    pub truth: bool,
-    /// The measurements.
-    pub measured: bool,
-    /// The ±2σ bands.
-    pub bands: bool,
-    /// The channels that there are charts of, or none for all.
-    pub only: Vec<Channel>,
-    hidden_filters: Vec<usize>,
-}
-
-impl Default for Shown {
-    fn default() -> Self {
-        Self { truth: true, measured: true, bands: true, only: Vec::new(), hidden_filters: Vec::new() }
-    }
-}
-
-impl Shown {
-    /// Those of `channels` that are wanted; all where none is, since a view is not left empty.
-    pub fn channels(&self, channels: Vec<Channel>) -> Vec<Channel> {
-        let wanted: Vec<Channel> = channels.iter().copied().filter(|channel| self.only.contains(channel)).collect();
-        if wanted.is_empty() { channels } else { wanted }
-    }
-
-    /// Whether the filter at `place` is drawn.
-    pub fn filter(&self, place: usize) -> bool {
-        !self.hidden_filters.contains(&place)
-    }
-
-    /// Shows the filter at `place`, or hides it.
-    pub fn toggle_filter(&mut self, place: usize) {
-        if self.filter(place) {
-            self.hidden_filters.push(place);
-        } else {
-            self.hidden_filters.retain(|&p| p != place);
-        }
-    }
-}
+use crate::visibility::Visibility;
 
 #[derive(Clone, Copy)]
 enum Mark {
@@ -56,39 +14,43 @@ enum Mark {
     Band,
 }
 
-/// One row of entries with `add_contents` at its end, and below it why a filter has stopped, or what else there is to know of it.
-pub fn legend_ui(
+/// One row of entries with `add_contents` at its end, and below it the troubles of the run.
+pub(crate) fn legend_ui(
     ui: &mut Ui,
     session: &Session,
-    shown: &mut Shown,
+    visible: &Visibility,
     palette: &Palette,
-    add_contents: impl FnOnce(&mut Ui),
+    requests: &mut Vec<Request>,
+    add_contents: impl FnOnce(&mut Ui, &mut Vec<Request>),
 ) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 12.0;
-        if entry(ui, "truth", Mark::Line, palette.truth, shown.truth) {
-            shown.truth = !shown.truth;
-        }
-        if entry(ui, "measured", Mark::Dots, palette.weak, shown.measured) {
-            shown.measured = !shown.measured;
-        }
-        for (place, estimates) in session.run().estimates().iter().enumerate() {
-            if entry(ui, estimates.name(), Mark::Band, palette.filter(place), shown.filter(place)) {
-                shown.toggle_filter(place);
+        let mut entry = |ui: &mut Ui, entry: LegendEntry, name: &str, mark: Mark, color: Color32, on: bool| {
+            if entry_ui(ui, name, mark, color, on) {
+                requests.push(Request::ToggleEntry(entry));
             }
+        };
+        entry(ui, LegendEntry::Truth, "truth", Mark::Line, palette.truth, visible.truth);
+        entry(ui, LegendEntry::Measured, "measured", Mark::Dots, palette.weak, visible.measured);
+        for estimates in session.run().estimates() {
+            let (color, on) = (palette.shade(estimates.color()), visible.filter(estimates.id()));
+            entry(ui, LegendEntry::Filter(estimates.id()), estimates.name(), Mark::Band, color, on);
         }
-        if entry(ui, "±2σ", Mark::Band, palette.weak, shown.bands) {
-            shown.bands = !shown.bands;
-        }
-        if !shown.only.is_empty() {
-            let symbols: Vec<&str> = shown.only.iter().map(|channel| channel.symbol()).collect();
+        entry(ui, LegendEntry::Bands, "±2σ", Mark::Band, palette.weak, visible.bands);
+        if !visible.only.is_empty() {
+            let symbols: Vec<&str> = visible.only.iter().map(|channel| channel.symbol()).collect();
             let all = Button::new(format!("only {} ×", symbols.join(", "))).small();
             if ui.add(all).on_hover_text("Click to show all quantities").clicked() {
-                shown.only.clear();
+                requests.push(Request::ShowAllChannels);
             }
         }
-        add_contents(ui);
+        add_contents(ui, requests);
     });
+    troubles_ui(ui, session, palette);
+}
+
+/// Why a filter or the truth has stopped, what else there is to know of them, and why an edited scenario cannot be run.
+fn troubles_ui(ui: &mut Ui, session: &Session, palette: &Palette) {
     let record = session.run().record();
     if let Some(stop) = session.run().truth_stop() {
         let time = record.time_of(stop.sample);
@@ -110,7 +72,8 @@ pub fn legend_ui(
     }
 }
 
-fn entry(ui: &mut Ui, name: &str, mark: Mark, color: Color32, on: bool) -> bool {
+/// Returns whether it was clicked.
+fn entry_ui(ui: &mut Ui, name: &str, mark: Mark, color: Color32, on: bool) -> bool {
     let font = egui::TextStyle::Body.resolve(ui.style());
     let text_color = if on { ui.visuals().text_color() } else { ui.visuals().weak_text_color().gamma_multiply(0.6) };
     let galley = ui.painter().layout_no_wrap(name.to_owned(), font, text_color);

@@ -1,7 +1,7 @@
-//! Lines with soft edges, in two triangles a segment: what is drawn of every frame anew is many lines.
+//! Lines with soft edges, in two triangles a segment, because every frame draws many lines anew.
 //!
-//! egui gives a line three strips of triangles, the outer ones fading to nothing. Here there is one strip, and a texture has
-//! the cross-sections of lines of all widths.
+//! egui gives a line three strips of triangles, the outer ones fading to nothing. Here a line has one strip, and a texture
+//! holds the cross-sections of lines of all widths.
 
 use egui::epaint::Vertex;
 use egui::{
@@ -16,24 +16,24 @@ const ROWS: usize = 64;
 const COLUMNS: usize = 64;
 
 /// Collects lines and areas for one mesh.
-pub(super) struct Pen {
+pub(crate) struct Strokes {
     mesh: Mesh,
     /// Size of a pixel \[points\].
     pixel: f32,
 }
 
-impl Pen {
-    pub(super) fn new(ctx: &Context) -> Self {
+impl Strokes {
+    pub(crate) fn new(ctx: &Context) -> Self {
         Self { mesh: Mesh::with_texture(profiles(ctx).id()), pixel: 1.0 / ctx.pixels_per_point() }
     }
 
     /// Where a straight line as wide as a pixel is to be so that it covers one.
-    pub(super) fn on_a_pixel(&self, position: f32) -> f32 {
+    pub(crate) fn on_a_pixel(&self, position: f32) -> f32 {
         ((position / self.pixel).floor() + 0.5) * self.pixel
     }
 
     /// Draws a line through points; a single one is a dot as wide.
-    pub(super) fn line(&mut self, points: &[Pos2], stroke: Stroke) {
+    pub(crate) fn line(&mut self, points: &[Pos2], stroke: Stroke) {
         if let &[alone] = points {
             let half = vec2(0.5 * stroke.width, 0.0);
             return self.line(&[alone - half, alone + half], stroke);
@@ -46,7 +46,7 @@ impl Pen {
     }
 
     /// Draws a dashed line.
-    pub(super) fn dashed(&mut self, points: &[Pos2], stroke: Stroke, (dash, gap): (f32, f32)) {
+    pub(crate) fn dashed(&mut self, points: &[Pos2], stroke: Stroke, (dash, gap): (f32, f32)) {
         for dash in Shape::dashed_line(points, stroke, dash, gap) {
             if let Shape::LineSegment { points, stroke } = dash {
                 self.line(&points, stroke);
@@ -55,7 +55,7 @@ impl Pen {
     }
 
     /// Fills what is between the lower and the upper end of columns, from left to right.
-    pub(super) fn area(&mut self, columns: &[[Pos2; 2]], fill: Color32) {
+    pub(crate) fn area(&mut self, columns: &[[Pos2; 2]], fill: Color32) {
         let Self { mesh, pixel: _ } = self;
         reserve(mesh, columns.len());
         for (i, ends) in columns.iter().enumerate() {
@@ -64,8 +64,8 @@ impl Pen {
         }
     }
 
-    /// What has been drawn.
-    pub(super) fn into_shape(self) -> Shape {
+    /// All strokes as one shape.
+    pub(crate) fn into_shape(self) -> Shape {
         Shape::mesh(self.mesh)
     }
 }
@@ -215,14 +215,14 @@ mod tests {
     }
 
     #[test]
-    fn a_pen_takes_two_triangles_a_segment() {
+    fn they_take_two_triangles_a_segment() {
         let ctx = Context::default();
-        let mut pen = Pen::new(&ctx);
+        let mut strokes = Strokes::new(&ctx);
         let stroke = Stroke::new(2.0, Color32::RED);
-        pen.line(&[pos2(0.0, 0.0), pos2(10.0, 0.0), pos2(20.0, 5.0)], stroke);
-        pen.line(&[pos2(5.0, 5.0)], stroke);
-        pen.area(&[[pos2(0.0, 0.0), pos2(0.0, 1.0)], [pos2(1.0, 0.0), pos2(1.0, 1.0)]], Color32::BLUE);
-        assert_eq!(pen.mesh.indices.len(), 3 * 2 * (2 + 1 + 1));
-        assert!(pen.mesh.is_valid());
+        strokes.line(&[pos2(0.0, 0.0), pos2(10.0, 0.0), pos2(20.0, 5.0)], stroke);
+        strokes.line(&[pos2(5.0, 5.0)], stroke);
+        strokes.area(&[[pos2(0.0, 0.0), pos2(0.0, 1.0)], [pos2(1.0, 0.0), pos2(1.0, 1.0)]], Color32::BLUE);
+        assert_eq!(strokes.mesh.indices.len(), 3 * 2 * (2 + 1 + 1));
+        assert!(strokes.mesh.is_valid());
     }
 }

@@ -2,19 +2,19 @@
 
 use std::ops::Range;
 
-/// What a series has in one pixel column.
+/// The values of a series in one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Column {
+pub(crate) struct Column {
     /// The first and the last sample of the column.
-    pub samples: (usize, usize),
+    pub(crate) samples: (usize, usize),
     /// Smallest value.
-    pub low: f64,
+    pub(crate) low: f64,
     /// Largest value.
-    pub high: f64,
+    pub(crate) high: f64,
     /// Whether it ends no lower than it begins: then a line goes from the smallest to the largest value.
-    pub rising: bool,
+    pub(crate) rising: bool,
     /// Whether the smallest and the largest value are those at the ends.
-    pub at_ends: bool,
+    pub(crate) at_ends: bool,
 }
 
 impl Column {
@@ -24,24 +24,24 @@ impl Column {
     }
 
     /// The values where it begins and where it ends, if these are its extremes.
-    pub fn ends(&self) -> Option<[f64; 2]> {
+    pub(crate) fn ends(&self) -> Option<[f64; 2]> {
         self.at_ends.then_some(if self.rising { [self.low, self.high] } else { [self.high, self.low] })
     }
 }
 
-/// What a band has in one pixel column.
+/// The edges of a band in one pixel column.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BandColumn {
+pub(crate) struct BandColumn {
     /// The first and the last sample of the column.
-    pub samples: (usize, usize),
+    pub(crate) samples: (usize, usize),
     /// Smallest value of the lower edge.
-    pub low: f64,
+    pub(crate) low: f64,
     /// Largest value of the upper edge.
-    pub high: f64,
+    pub(crate) high: f64,
     /// Both edges where it begins and where it ends, if nothing is outside of these.
-    pub ends: Option<[(f64, f64); 2]>,
+    pub(crate) ends: Option<[(f64, f64); 2]>,
     /// The largest distance between the edges.
-    pub widest: f64,
+    pub(crate) widest: f64,
 }
 
 impl BandColumn {
@@ -54,7 +54,7 @@ impl BandColumn {
 
 /// Reduces a series to at most `columns` + 1 columns; `values` gives those of some samples. Values that are not finite are
 /// left out. Columns begin at multiples of their width, so that they stay put while the range slides.
-pub fn reduce<I: Iterator<Item = f64>>(
+pub(crate) fn reduce<I: Iterator<Item = f64>>(
     range: Range<usize>,
     columns: usize,
     values: impl Fn(Range<usize>) -> I,
@@ -85,7 +85,7 @@ pub fn reduce<I: Iterator<Item = f64>>(
 }
 
 /// The same of everything between two edges, the lower first. A column with a value that is not finite is left out.
-pub fn reduce_between<I: Iterator<Item = (f64, f64)>>(
+pub(crate) fn reduce_between<I: Iterator<Item = (f64, f64)>>(
     range: Range<usize>,
     columns: usize,
     edges: impl Fn(Range<usize>) -> I,
@@ -107,7 +107,7 @@ pub fn reduce_between<I: Iterator<Item = (f64, f64)>>(
     })
 }
 
-/// What `column` makes of the samples of each column.
+/// Applies `column` to the samples of each column.
 #[inline]
 fn by_column<C>(range: Range<usize>, columns: usize, column: impl Fn(Range<usize>) -> Option<C>) -> Vec<C> {
     let width = stride(range.len(), columns);
@@ -130,7 +130,7 @@ fn stride(samples: usize, columns: usize) -> usize {
 
 /// The range that holds all values but the outermost `share` at either end: a few extreme samples must not flatten the
 /// rest.
-pub fn central_range(mut values: Vec<f64>, share: f64) -> Option<(f64, f64)> {
+pub(crate) fn central_range(mut values: Vec<f64>, share: f64) -> Option<(f64, f64)> {
     if values.is_empty() {
         return None;
     }

@@ -1,17 +1,18 @@
-//! What the vertical axis of a chart shows.
+//! The range of a chart's vertical axis.
 
-use super::layer::{Columns, Layer};
-use crate::series::central_range;
+use super::columns::central_range;
+use super::layers::{Layer, LayerColumns};
 
 /// Share of the values at either end that the axis does not bend to: the first instants of a wide guess.
 const OUTLIERS: f64 = 0.006;
 
-/// A layer's values count as the extremes of no more pieces: enough to know where most are.
+/// A layer counts as the extremes of at most this many pieces: enough to know where most values are.
 const PIECES: usize = 250;
 
-/// All of the lines that count, and the rest but for its outermost values; dots only where there is nothing else.
-pub(super) fn vertical_range<'a>(
-    layers: impl Iterator<Item = (&'a Layer<'a>, &'a Columns)>,
+/// A range that holds all of the lines marked so, and the other layers but for their outermost values; dots count only where
+/// there is nothing else.
+pub(crate) fn value_range<'a>(
+    layers: impl Iterator<Item = (&'a Layer<'a>, &'a LayerColumns)>,
     least: Option<(f64, f64)>,
 ) -> Option<(f64, f64)> {
     let (mut whole, mut robust, mut dots) = (Vec::new(), Vec::with_capacity(16 * PIECES), Vec::new());
@@ -22,9 +23,9 @@ pub(super) fn vertical_range<'a>(
             _ => &mut robust,
         };
         match columns {
-            Columns::Band(columns) => add_extremes(columns, |column| (column.low, column.high), values),
-            Columns::Series(columns) => add_extremes(columns, |column| (column.low, column.high), values),
-            Columns::Level => {}
+            LayerColumns::Band(columns) => add_extremes(columns, |column| (column.low, column.high), values),
+            LayerColumns::Series(columns) => add_extremes(columns, |column| (column.low, column.high), values),
+            LayerColumns::Level => {}
         }
     }
     let all = whole.into_iter().map(|x| (x, x)).chain(central_range(robust, OUTLIERS)).chain(least);

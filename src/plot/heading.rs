@@ -5,11 +5,11 @@ use egui::{Align, Color32, Id, Layout, Response, RichText, TextStyle, Ui, vec2};
 use crate::theme;
 
 /// A value in a heading.
-pub(super) struct Readout {
-    pub(super) text: String,
-    pub(super) color: Color32,
+pub(crate) struct Readout {
+    pub(crate) text: String,
+    pub(crate) color: Color32,
     /// Whose value it is.
-    pub(super) hint: String,
+    pub(crate) hint: String,
 }
 
 /// Space between the parts of a heading \[points\].
@@ -19,7 +19,7 @@ const ELLIPSIS: f32 = 20.0;
 
 /// Name and unit at the left, values at the cursor or at playback at the right: as much of them as there is room for, the
 /// values first. Returns the symbol, at the very left.
-pub(super) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) -> Response {
+pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) -> Response {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = GAP;
         let label = ui.label(RichText::new(symbol).family(theme::strong()).size(15.0));

@@ -1,0 +1,92 @@
+//! The scenarios that come with the program.
+
+use kalmanscope_core::{Scenario, ScenarioError};
+
+/// A scenario that comes with the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BuiltIn {
+    /// The name of its file.
+    pub file: &'static str,
+    /// Its name in menus.
+    pub title: &'static str,
+    toml: &'static str,
+}
+
+macro_rules! built_in {
+    ($($title:literal: $file:literal),* $(,)?) => {
+        &[$(BuiltIn {
+            title: $title,
+            file: $file,
+            toml: include_str!(concat!("../../assets/scenarios/", $file, ".toml")),
+        }),*]
+    };
+}
+
+/// Every built-in scenario, in the menu's order.
+pub const BUILT_IN: &[BuiltIn] = built_in![
+    "Sudden stiffness loss": "stiffness-loss",
+    "Constant parameters": "constant",
+    "Slow drift": "slow-drift",
+    "Acceleration only": "acceleration-only",
+    "Free vibration": "free-vibration",
+    "Hammer blows": "hammer",
+    "Chirp": "chirp",
+    "Known parameters": "known-parameters",
+    "No excitation": "no-excitation",
+    "Duffing oscillator": "duffing",
+    "Bouc-Wen hysteresis": "bouc-wen",
+    "Shear building": "shear-building",
+    "Q too small": "q-too-small",
+    "Q too large": "q-too-large",
+    "R wrong by ten": "r-wrong-by-ten",
+];
+
+impl BuiltIn {
+    /// The scenario with this file name.
+    pub fn named(file: &str) -> Option<&'static Self> {
+        BUILT_IN.iter().find(|scenario| scenario.file == file)
+    }
+
+    /// What one sees, in a sentence: the file's first comment.
+    pub fn description(&self) -> &'static str {
+        self.toml.lines().next().unwrap_or_default().trim_start_matches(['#', ' '])
+    }
+
+    /// The file's text.
+    pub const fn toml(&self) -> &'static str {
+        self.toml
+    }
+
+    /// The scenario.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] where the file is wrong, which a test rules out.
+    pub fn scenario(&self) -> Result<Scenario, ScenarioError> {
+        Scenario::from_toml(self.toml)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_file_is_in_the_list() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/scenarios");
+        let name = |file: std::io::Result<std::fs::DirEntry>| file.unwrap().file_name().into_string().unwrap();
+        let mut files: Vec<String> = std::fs::read_dir(folder).unwrap().map(name).collect();
+        files.sort();
+        let mut built_in: Vec<String> = BUILT_IN.iter().map(|scenario| format!("{}.toml", scenario.file)).collect();
+        built_in.sort();
+        assert_eq!(files, built_in);
+    }
+
+    #[test]
+    fn each_built_in_scenario_can_be_read_and_has_a_description() {
+        for built_in in BUILT_IN {
+            assert!(built_in.scenario().is_ok(), "{}: {:?}", built_in.title, built_in.scenario());
+            assert!(built_in.description().len() > 20, "{}: {}", built_in.title, built_in.description());
+        }
+        assert_eq!(BUILT_IN[0].scenario().unwrap(), Scenario::default(), "the first is what opens");
+    }
+}

@@ -1,0 +1,101 @@
+//! The window: bar, settings, lesson and views.
+
+use egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, Ui};
+
+use super::App;
+use crate::bar::Bar;
+use crate::controls::controls_ui;
+use crate::keys;
+use crate::legend::legend_ui;
+use crate::notice::notice_ui;
+use crate::panes::panes_ui;
+use crate::request::Request;
+use crate::theme::Palette;
+use crate::tutor;
+use crate::view::ViewContext;
+
+/// Below this width the settings are a drawer under the plots \[points\].
+const NARROW: f32 = 720.0;
+
+/// Below this width a lesson has the settings' room, unless someone wants to see them \[points\].
+pub(super) const WIDE: f32 = 1500.0;
+
+impl App {
+    /// Fills the window.
+    pub(super) fn window_ui(&mut self, ui: &mut Ui) {
+        let palette = Palette::of(ui.ctx().theme());
+        self.width = ui.available_width();
+        let narrow = self.width < NARROW;
+        self.theme = ui.ctx().options(|options| options.theme_preference);
+        let open = self.controls_open();
+        let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
+        let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
+        let Self { session, layout, lessons, presenting, requests, .. } = self;
+        let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow };
+        Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
+        if open {
+            self.controls_panel_ui(ui, frame, &palette, narrow);
+        }
+        if !(open && narrow) {
+            self.lesson_panel_ui(ui, frame, &palette, narrow);
+        }
+        CentralPanel::default().frame(frame).show(ui, |ui| self.centre_ui(ui, &palette, narrow));
+        self.keys_ui(ui.ctx());
+        if !self.requests.is_empty() {
+            ui.ctx().request_repaint();
+        }
+    }
+
+    /// Whether the settings are shown.
+    pub(super) fn controls_open(&self) -> bool {
+        let room = if self.tutor.is_some() { WIDE } else { NARROW };
+        self.controls_open.unwrap_or(self.width >= room && !self.presenting)
+    }
+
+    fn controls_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {
+        // A drawer leaves the plots in sight, so that one sees what one does.
+        let panel = if narrow {
+            Panel::bottom("drawer").default_size(0.46 * ui.available_height()).size_range(120.0..=600.0).resizable(true)
+        } else {
+            Panel::left("controls").default_size(340.0).size_range(300.0..=460.0)
+        };
+        let Self { session, requests, .. } = self;
+        panel.frame(frame).show(ui, |ui| {
+            let mut scenario = session.scenario().clone();
+            if controls_ui(ui, &mut scenario, palette) {
+                requests.push(Request::Edit(Box::new(scenario)));
+            }
+        });
+    }
+
+    fn lesson_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {
+        let Self { tutor: Some(tutor), requests, .. } = self else { return };
+        let panel = if narrow {
+            Panel::bottom("lesson").default_size(260.0)
+        } else {
+            Panel::right("lesson").default_size(290.0).size_range(240.0..=420.0)
+        };
+        panel.frame(frame).show(ui, |ui| tutor.ui(ui, palette, requests));
+    }
+
+    /// Legend and views.
+    fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
+        let Self { session, axis, visible, layout, requests, inviting, notice, .. } = self;
+        if let Some(notice) = notice {
+            notice_ui(ui, notice, palette, requests);
+        }
+        legend_ui(ui, session, visible, palette, requests, |ui, requests| {
+            if *inviting {
+                tutor::invitation_ui(ui, requests);
+            }
+        });
+        panes_ui(ui, layout, &ViewContext::new(session, palette, visible, axis), requests, narrow);
+    }
+
+    fn keys_ui(&mut self, ctx: &Context) {
+        if self.keys_open {
+            let window = egui::Window::new("Keys").collapsible(false).resizable(false).open(&mut self.keys_open);
+            window.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).show(ctx, keys::list_ui);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Which views are shown, and where: a tree of tiles, as data.
+
+use egui::Id;
+use egui_tiles::{LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
+use serde::{Deserialize, Serialize};
+
+use crate::request::{Arrangement, ViewKind};
+use crate::view::Proportions;
+use crate::views::view;
+
+/// The views on screen.
+#[derive(Serialize, Deserialize)]
+pub struct Layout {
+    tree: Tree<ViewKind>,
+    #[serde(skip)]
+    enlarged: Option<ViewKind>,
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self::of(Arrangement::default())
+    }
+}
+
+impl Layout {
+    /// A ready-made arrangement.
+    pub fn of(arrangement: Arrangement) -> Self {
+        Self { tree: tree(rows(arrangement)), enlarged: None }
+    }
+
+    /// Some views one below the other, the first with the most room; a plane is beside the view before it.
+    pub fn column(views: &[ViewKind]) -> Self {
+        let proportions = |kind: &ViewKind| view(*kind).proportions();
+        let share = |i: usize, row: &[ViewKind]| match row {
+            [kind] if proportions(kind) == Proportions::Flat => 0.5,
+            _ if i == 0 => 1.3,
+            _ => 1.0,
+        };
+        let is_plane = |kind: &ViewKind| proportions(kind) == Proportions::Square;
+        let rows = views.chunk_by(|before, next| is_plane(next) && !is_plane(before)).enumerate();
+        let rows: Vec<(f32, &[ViewKind])> = rows.map(|(i, row)| (share(i, row), row)).collect();
+        Self { tree: tree(&rows), enlarged: None }
+    }
+
+    /// The views that are shown.
+    pub fn shown(&self) -> Vec<ViewKind> {
+        shown(&self.tree)
+    }
+
+    /// The views that are shown, from top to bottom and left to right.
+    pub(crate) fn in_order(&self) -> Vec<ViewKind> {
+        let mut to_come: Vec<TileId> = self.tree.root().into_iter().collect();
+        let mut views = Vec::new();
+        while let Some(id) = to_come.pop() {
+            match self.tree.tiles.get(id) {
+                Some(Tile::Pane(view)) => views.push(*view),
+                Some(Tile::Container(container)) => to_come.extend(container.children_vec().into_iter().rev()),
+                None => {}
+            }
+        }
+        views
+    }
+
+    /// The tiles.
+    pub(crate) fn tree(&self) -> &Tree<ViewKind> {
+        &self.tree
+    }
+
+    /// The view that is shown alone, if one is.
+    pub(crate) fn enlarged(&self) -> Option<ViewKind> {
+        self.enlarged
+    }
+
+    /// Takes over the tiles as the user has dragged or resized them, unless other views are shown since.
+    pub(crate) fn rearrange(&mut self, tree: Tree<ViewKind>) {
+        if shown(&tree) == self.shown() {
+            self.tree = tree;
+        }
+    }
+
+    /// Shows one view alone, or all of them again.
+    pub(crate) fn toggle_enlarged(&mut self, view: ViewKind) {
+        self.enlarged = if self.enlarged.is_some() { None } else { Some(view) };
+    }
+
+    /// Leaves the enlarged view. Returns whether there was one.
+    pub fn leave_enlarged(&mut self) -> bool {
+        self.enlarged.take().is_some()
+    }
+
+    /// Shows a view or hides it.
+    pub fn toggle(&mut self, view: ViewKind) {
+        let Self { tree, enlarged } = self;
+        *enlarged = None;
+        if let Some(tile) = tree.tiles.find_pane(&view) {
+            tree.remove_recursively(tile);
+            tree.simplify(&simplification());
+            return;
+        }
+        let tile = tree.tiles.insert_pane(view);
+        match tree.root() {
+            Some(root) if tree.tiles.get_container(root).is_some() => {
+                tree.move_tile_to_container(tile, root, usize::MAX, true);
+            }
+            // A single view is alone, without a container.
+            Some(root) => {
+                let both = tree.tiles.insert_vertical_tile(vec![root, tile]);
+                *tree = Tree::new(Id::unique("views"), both, std::mem::take(&mut tree.tiles));
+            }
+            None => *tree = Tree::new(Id::unique("views"), tile, std::mem::take(&mut tree.tiles)),
+        }
+    }
+}
+
+/// Rows of views, each with its share of the height.
+type Rows<'a> = &'a [(f32, &'a [ViewKind])];
+
+/// The rows of an arrangement.
+const fn rows(arrangement: Arrangement) -> Rows<'static> {
+    use ViewKind::{Consistency, Errors, Innovations, Oscillator, ParameterPlane, Parameters, Scores, States};
+    match arrangement {
+        Arrangement::Teach => &[(0.19, &[Oscillator]), (0.44, &[Parameters]), (0.37, &[States])],
+        Arrangement::Tune => &[(0.5, &[Parameters, Consistency]), (0.5, &[Innovations, Errors])],
+        Arrangement::Compare => &[(0.5, &[Parameters, Scores]), (0.5, &[Errors, ParameterPlane])],
+    }
+}
+
+/// The tiles of rows.
+fn tree(rows: Rows<'_>) -> Tree<ViewKind> {
+    let mut tiles = Tiles::default();
+    let mut column = egui_tiles::Linear::new(LinearDir::Vertical, Vec::new());
+    for (share, views) in rows {
+        let panes: Vec<TileId> = views.iter().map(|view| tiles.insert_pane(*view)).collect();
+        let row = if let [pane] = panes[..] { pane } else { tiles.insert_horizontal_tile(panes) };
+        column.add_child(row);
+        column.shares.set_share(row, *share);
+    }
+    let root = tiles.insert_container(column);
+    let mut tree = Tree::new(Id::unique("views"), root, tiles);
+    tree.simplify(&simplification());
+    tree
+}
+
+/// Containers of one tile, and of none, are not kept.
+pub(crate) fn simplification() -> SimplificationOptions {
+    SimplificationOptions { all_panes_must_have_tabs: false, ..SimplificationOptions::default() }
+}
+
+/// The views of a tree.
+fn shown(tree: &Tree<ViewKind>) -> Vec<ViewKind> {
+    let shown: Vec<ViewKind> = tree.tiles.tiles().filter_map(pane).collect();
+    ViewKind::ALL.into_iter().filter(|view| shown.contains(view)).collect()
+}
+
+fn pane(tile: &Tile<ViewKind>) -> Option<ViewKind> {
+    match tile {
+        Tile::Pane(view) => Some(*view),
+        Tile::Container(_) => None,
+    }
+}

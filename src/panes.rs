@@ -1,0 +1,159 @@
+//! The views on screen: tiles that can be dragged, resized, closed and enlarged.
+
+use egui::{Button, Color32, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetText, vec2};
+use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
+
+use crate::layout::{Layout, simplification};
+use crate::request::{Request, ViewKind};
+use crate::view::{Proportions, ViewContext};
+use crate::views::view;
+
+/// The height for each of several views, one below the other, from which on all are seen at once; else they scroll
+/// \[points\].
+const ENOUGH: f32 = 180.0;
+
+/// Share of a row's height that a flat view has where views stand one below the other.
+const FLAT: f32 = 0.3;
+
+/// The least height of a view that is not flat where views scroll \[points\].
+const LEAST_HEIGHT: f32 = 300.0;
+
+/// Fills the rest of `ui` with the views: as tiles, or one below the other where it is narrow.
+pub(crate) fn panes_ui(
+    ui: &mut Ui,
+    layout: &Layout,
+    context: &ViewContext<'_>,
+    requests: &mut Vec<Request>,
+    narrow: bool,
+) {
+    let area = ui.available_size();
+    if area.x < 1.0 || area.y < 1.0 {
+        return;
+    }
+    let mut panes = Panes { context, requests, pointed: None, draggable: !narrow };
+    if let Some(kind) = layout.enlarged() {
+        panes.draggable = false;
+        panes.show(ui, kind);
+    } else if narrow {
+        panes.show_column(ui, &layout.in_order());
+    } else if layout.tree().is_empty() {
+        ui.weak("No view is shown: choose some in the menu above.");
+    } else {
+        // The tiles change while they are dragged: a copy does, and is asked for if it has become another tree.
+        let mut tree = layout.tree().clone();
+        tree.ui(&mut panes, ui);
+        if tree != *layout.tree() {
+            panes.requests.push(Request::Rearrange(Box::new(tree)));
+        }
+    }
+    let Panes { pointed, requests, .. } = panes;
+    if pointed != context.axis.pointed {
+        requests.push(Request::PointAt(pointed));
+    }
+}
+
+/// Shows each view under its bar.
+struct Panes<'a> {
+    context: &'a ViewContext<'a>,
+    requests: &'a mut Vec<Request>,
+    pointed: Option<f64>,
+    draggable: bool,
+}
+
+impl Panes<'_> {
+    /// Shows views one below the other; where they would be too low they scroll.
+    fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
+        let height = ui.available_height();
+        let scrolls = height <= ENOUGH * kinds.len() as f32;
+        let least = if scrolls { LEAST_HEIGHT } else { 1.0 };
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            let share = |kind: ViewKind| if view(kind).proportions() == Proportions::Flat { FLAT } else { 1.0 };
+            let all: f32 = kinds.iter().map(|kind| share(*kind)).sum();
+            let gaps = ui.spacing().item_spacing.y * kinds.len() as f32;
+            let width = ui.available_width() - if scrolls { ui.spacing().scroll.bar_width } else { 0.0 };
+            for &kind in kinds {
+                let height = ((height - gaps) * share(kind) / all).max(least * share(kind));
+                let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
+                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name()).max_rect(rect));
+                self.show(&mut child, kind);
+            }
+        });
+    }
+
+    /// Returns whether the user begins to drag the view.
+    fn show(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
+        let view = view(kind);
+        let dragged = self.bar_ui(ui, kind);
+        self.pointed = view.ui(ui, self.context, self.requests).or(self.pointed);
+        dragged
+    }
+
+    /// Name, explanation, enlarging and closing.
+    fn bar_ui(&mut self, ui: &mut Ui, kind: ViewKind) -> bool {
+        let view = view(kind);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            ui.spacing_mut().interact_size.y = 16.0;
+            let name = RichText::new(view.name()).small().weak();
+            let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
+            let title = ui.add(egui::Label::new(name).selectable(false).sense(sense));
+            let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
+            let [what, good, then] = view.help();
+            let small = |icon: &str| Button::new(RichText::new(icon).small().weak()).frame(false);
+            let help = ui.add(small("?")).on_hover_ui(|ui| {
+                ui.set_max_width(380.0);
+                for line in [what, good, then] {
+                    ui.label(line);
+                }
+            });
+            help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name())));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let close = ui.add(small("×")).on_hover_text("Hide this view");
+                close.ctx.accesskit_node_builder(close.id, |node| node.set_label(format!("Hide {}", view.name())));
+                if close.clicked() {
+                    self.requests.push(Request::ToggleView(kind));
+                }
+                let enlarge = ui.add(small("⛶")).on_hover_text("As large as can be, and back");
+                enlarge.ctx.accesskit_node_builder(enlarge.id, |node| {
+                    node.set_label(format!("Enlarge {}", view.name()));
+                });
+                if enlarge.clicked() || title.double_clicked() {
+                    self.requests.push(Request::ToggleEnlarged(kind));
+                }
+            });
+            title.drag_started()
+        })
+        .inner
+    }
+}
+
+impl Behavior<ViewKind> for Panes<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _: TileId, kind: &mut ViewKind) -> UiResponse {
+        if self.show(ui, *kind) { UiResponse::DragStarted } else { UiResponse::None }
+    }
+
+    fn tab_title_for_pane(&mut self, kind: &ViewKind) -> WidgetText {
+        view(*kind).name().into()
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        simplification()
+    }
+
+    fn gap_width(&self, _: &egui::Style) -> f32 {
+        14.0
+    }
+
+    fn tab_bar_color(&self, _: &egui::Visuals) -> Color32 {
+        self.context.palette.ground
+    }
+
+    /// The gap between views shows the ground; only while it is moved it shows that.
+    fn resize_stroke(&self, style: &egui::Style, state: ResizeState) -> Stroke {
+        match state {
+            ResizeState::Idle => Stroke::NONE,
+            ResizeState::Hovering => style.visuals.widgets.hovered.fg_stroke,
+            ResizeState::Dragging => style.visuals.widgets.active.fg_stroke,
+        }
+    }
+}

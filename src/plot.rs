@@ -1,0 +1,24 @@
+//! Drawing, mostly over time: series become pixel columns, these become marks, and the marks of a chart one item of a plot.
+
+mod cache;
+pub(crate) mod cells;
+pub(crate) mod chart;
+pub(crate) mod charts;
+mod columns;
+mod drawing;
+mod frame;
+mod grid;
+pub(crate) mod heading;
+pub(crate) mod input;
+mod item;
+pub(crate) mod layers;
+mod marks;
+pub(crate) mod plane;
+mod projection;
+mod range;
+pub(crate) mod series;
+mod simplify;
+pub(crate) mod strokes;
+pub(crate) mod ticks;
+pub mod time_axis;
+mod window;

@@ -1,0 +1,47 @@
+//! Several plots in one view: how they share its room.
+
+use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
+
+/// The least height of a plot where there are many: then they scroll \[points\].
+const LEAST_HEIGHT: f32 = 72.0;
+/// Height of the time axis, which the last row has \[points\].
+const AXIS: f32 = 18.0;
+/// Space between rows of plots \[points\].
+const GAP: f32 = 6.0;
+/// Space between columns of plots \[points\].
+const GUTTER: f32 = 16.0;
+/// The width from which on plots are in two columns, and the width from which on they are so that they do not become lower
+/// than [`LOW`] \[points\].
+const TWO_COLUMNS: [f32; 2] = [640.0, 480.0];
+/// The height of a plot below which two columns tell more than one \[points\].
+const LOW: f32 = 120.0;
+
+/// Fills `ui` with `count` cells in two columns, or one where it is narrow. Tells each cell its number and whether it is in
+/// the last row.
+pub(crate) fn cells_ui(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut Ui, usize, bool)) {
+    let area = ui.available_size();
+    if area.x < 1.0 || area.y < 1.0 || count == 0 {
+        return;
+    }
+    let low = area.y / (count as f32) < LOW;
+    let columns = if area.x < TWO_COLUMNS[usize::from(low)] { 1 } else { 2.min(count) };
+    let rows = count.div_ceil(columns);
+    let gaps = GAP * (rows - 1) as f32;
+    let least = if rows <= 2 { 1.0 } else { LEAST_HEIGHT };
+    let height = ((area.y - gaps - AXIS) / rows as f32).max(least);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        let top = ui.max_rect().min;
+        let bar = if height == least { ui.spacing().scroll.bar_width } else { 0.0 };
+        let width = ((ui.available_width() - bar - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
+        for i in 0..count {
+            let (row, column) = (i / columns, i % columns);
+            let offset = vec2(column as f32 * (width + GUTTER), row as f32 * (height + GAP));
+            let axis = if row + 1 == rows { AXIS } else { 0.0 };
+            let cell = Rect::from_min_size(top + offset, vec2(width, height + axis));
+            let mut child = ui.new_child(UiBuilder::new().id_salt(i).max_rect(cell));
+            cell_ui(&mut child, i, row + 1 == rows);
+        }
+        let all = vec2(ui.available_width(), rows as f32 * height + gaps + AXIS);
+        ui.allocate_rect(Rect::from_min_size(top, all), Sense::hover());
+    });
+}

@@ -1,0 +1,37 @@
+//! The drawing of a chart in one window, from its layers down to the marks of a frame.
+
+use egui_plot::PlotUi;
+use kalmanscope_core::Record;
+
+use super::grid::Grid;
+use super::item::{DrawingItem, PaintedShapes};
+use super::layers::{Layer, LayerColumns};
+use super::marks::Mark;
+use super::range::value_range;
+use super::window::Window;
+
+/// A chart's layers, reduced to marks on a screen.
+pub(crate) struct Drawing {
+    marks: Vec<Mark>,
+    painted: PaintedShapes,
+    /// The range that the vertical axis should show.
+    pub(crate) range: Option<(f64, f64)>,
+}
+
+impl Drawing {
+    /// Reduces `layers` to what the window shows. `least` is the least that the vertical axis shows.
+    pub(crate) fn new(layers: &[Layer<'_>], record: &Record, window: &Window, least: Option<(f64, f64)>) -> Self {
+        let columns: Vec<LayerColumns> = layers.iter().map(|layer| LayerColumns::new(layer, record, window)).collect();
+        let range = value_range(layers.iter().zip(&columns), least);
+        // Without a scale nothing has a value.
+        let marks = window.scale(range).map_or(Vec::new(), |scale| {
+            layers.iter().zip(&columns).filter_map(|(layer, c)| Mark::new(layer, c, record, scale)).collect()
+        });
+        Self { range, marks, painted: PaintedShapes::default() }
+    }
+
+    /// Adds a grid and the marks to a plot.
+    pub(crate) fn show<'a>(&'a self, grid: Grid, plot: &mut PlotUi<'a>) {
+        plot.add(DrawingItem::new(grid, &self.marks, &self.painted));
+    }
+}

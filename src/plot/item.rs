@@ -1,0 +1,119 @@
+//! Everything that a chart draws, as one item of the plot.
+
+use std::ops::RangeInclusive;
+
+use egui::mutex::Mutex;
+use egui::{Color32, Context, Rect, Shape, Stroke, Ui, pos2};
+use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotTransform};
+
+use super::grid::Grid;
+use super::marks::Mark;
+use super::projection::{DASH, Projection};
+use super::strokes::Strokes;
+
+/// Radius of a dot, and of one among few \[points\].
+const DOT: f32 = 1.3;
+const LARGE_DOT: f32 = 2.2;
+
+/// Dots are large where there are at most this many.
+const FEW: usize = 300;
+
+/// The grid and all marks of a chart as one item of the plot: points are transformed once, and no hover search runs.
+pub(crate) struct DrawingItem<'a> {
+    base: PlotItemBase,
+    grid: Grid,
+    marks: &'a [Mark],
+    painted: &'a PaintedShapes,
+}
+
+impl<'a> DrawingItem<'a> {
+    /// `painted` keeps the shapes of the same marks from the last frame.
+    pub(crate) fn new(grid: Grid, marks: &'a [Mark], painted: &'a PaintedShapes) -> Self {
+        Self { base: PlotItemBase::new("drawing".to_owned()), grid, marks, painted }
+    }
+
+    fn paint(&self, ctx: &Context, transform: &PlotTransform) -> Vec<Shape> {
+        let projection = Projection::new(transform);
+        let mut shapes = Vec::new();
+        let mut strokes = Strokes::new(ctx);
+        self.grid.paint(&projection, transform, &mut strokes);
+        for mark in self.marks {
+            match mark {
+                Mark::Band { parts, color, steep } => {
+                    parts.iter().for_each(|rungs| projection.band(rungs, *color, !steep, &mut strokes));
+                }
+                Mark::Dots { points, color } => {
+                    let radius = if points.len() > FEW { DOT } else { LARGE_DOT };
+                    let below = std::mem::replace(&mut strokes, Strokes::new(ctx));
+                    shapes.push(below.into_shape());
+                    shapes.extend(
+                        points
+                            .iter()
+                            .map(|point| Shape::circle_filled(projection.at(point.x, point.y), radius, *color)),
+                    );
+                }
+                Mark::Line { points, color, width, dense: true, dashed: false } => {
+                    projection.dense_line(points, Stroke::new(*width, *color), &mut strokes);
+                }
+                Mark::Line { points, color, width, dashed, .. } => {
+                    projection.line(points, Stroke::new(*width, *color), *dashed, &mut strokes);
+                }
+                Mark::Level { value, color } => {
+                    let (frame, y) = (transform.frame(), projection.y(*value));
+                    if frame.y_range().contains(y) {
+                        let ends = [pos2(frame.left(), y), pos2(frame.right(), y)];
+                        strokes.dashed(&ends, Stroke::new(1.0, *color), DASH);
+                    }
+                }
+            }
+        }
+        shapes.push(strokes.into_shape());
+        shapes
+    }
+}
+
+/// The shapes of the last frame and where they stand: they serve again as long as the plot stays there.
+#[derive(Default)]
+pub(crate) struct PaintedShapes(Mutex<Option<(Place, Vec<Shape>)>>);
+
+/// Where a plot is, what it shows, and the size of a pixel.
+type Place = (Rect, [f64; 2], [f64; 2], f32);
+
+impl PlotItem for DrawingItem<'_> {
+    fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+        let bounds = transform.bounds();
+        let place = (*transform.frame(), bounds.min(), bounds.max(), ui.pixels_per_point());
+        let mut painted = self.painted.0.lock();
+        if painted.as_ref().is_none_or(|(before, _)| *before != place) {
+            *painted = Some((place, self.paint(ui.ctx(), transform)));
+        }
+        shapes.extend(painted.iter().flat_map(|(_, shapes)| shapes.iter().cloned()));
+    }
+
+    fn initialize(&mut self, _: RangeInclusive<f64>) {}
+
+    fn color(&self) -> Color32 {
+        Color32::TRANSPARENT
+    }
+
+    fn allow_hover(&self) -> bool {
+        false
+    }
+
+    fn geometry(&self) -> PlotGeometry<'_> {
+        PlotGeometry::None
+    }
+
+    /// The chart sets the plot's bounds.
+    fn bounds(&self) -> PlotBounds {
+        PlotBounds::NOTHING
+    }
+
+    fn base(&self) -> &PlotItemBase {
+        &self.base
+    }
+
+    fn base_mut(&mut self) -> &mut PlotItemBase {
+        &mut self.base
+    }
+}

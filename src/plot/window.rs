@@ -1,0 +1,44 @@
+//! The part of a record that a plot shows, and the scale at which it shows it.
+
+use std::hash::Hash;
+
+use egui::Vec2;
+
+use super::frame::Y_AXIS;
+
+/// The part of the record that a plot shows.
+#[derive(Clone, Copy)]
+pub(crate) struct Window {
+    /// From when to when \[s\].
+    pub(crate) times: (f64, f64),
+    /// The vertical axis, where the user has chosen it.
+    pub(crate) values: Option<(f64, f64)>,
+    /// The plot's size \[points\].
+    pub(crate) size: Vec2,
+}
+
+impl Window {
+    /// The number of its columns, a point wide each.
+    pub(crate) fn columns(&self) -> usize {
+        ((self.size.x - Y_AXIS) as usize).max(16)
+    }
+
+    /// The scale of the screen, where the vertical axis shows `range` unless the user has chosen it.
+    pub(crate) fn scale(&self, range: Option<(f64, f64)>) -> Option<Scale> {
+        let per = |(low, high): (f64, f64), length: f32| f64::from(length) / (high - low);
+        Some(Scale { x: per(self.times, self.size.x), y: per(self.values.or(range)?, self.size.y) })
+    }
+
+    /// Everything that a drawing depends on.
+    pub(crate) fn key(&self) -> impl Hash + use<> {
+        let bits = |(low, high): (f64, f64)| [low.to_bits(), high.to_bits()];
+        (bits(self.times), self.values.map(bits), self.size.x.to_bits(), self.size.y.to_bits())
+    }
+}
+
+/// Points of the screen per unit of either axis.
+#[derive(Clone, Copy)]
+pub(crate) struct Scale {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+}

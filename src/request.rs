@@ -1,0 +1,160 @@
+//! Everything that a view, the controls or a key may ask for: data only, below all that draws.
+
+use egui_tiles::Tree;
+use kalmanscope_core::Scenario;
+use kalmanscope_lessons::BuiltIn;
+use serde::{Deserialize, Serialize};
+
+use crate::session::Mode;
+
+/// A request, carried out after the frame in which it was made.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Play if paused, pause if playing; from the start if at the end.
+    TogglePlay,
+    /// One sample forward, paused.
+    Step,
+    /// One sample back, paused.
+    StepBack,
+    /// Back to the start, playing on if playing.
+    Restart,
+    /// Go to a time after the start \[s\].
+    Seek(f64),
+    /// Show the record as it grows, or all of it.
+    SetMode(Mode),
+    /// Simulated seconds per second.
+    SetSpeed(f64),
+    /// Play a built-in scenario from its start.
+    Open(BuiltIn),
+    /// Take over an edited scenario.
+    Edit(Box<Scenario>),
+    /// Take back the last change of the scenario.
+    Undo,
+    /// Make it again.
+    Redo,
+    /// Begin the lesson at a place in the menu.
+    StartLesson(usize),
+    /// Go to a step of the lesson.
+    GoToStep(usize),
+    /// Make the change of the lesson's step.
+    ChangeLesson,
+    /// Leave the lesson, and everything as it is.
+    LeaveLesson,
+    /// Show something of the legend in all plots, or hide it.
+    ToggleEntry(LegendEntry),
+    /// Show charts of all channels again.
+    ShowAllChannels,
+    /// Show the settings or hide them.
+    ToggleControls,
+    /// Large type, or back to normal.
+    TogglePresenter,
+    /// Show the list of keys or hide it.
+    ToggleKeys,
+    /// Take away the sentence about what could not be done.
+    DismissNotice,
+    /// Leave the list of keys, or the enlarged view.
+    Leave,
+    /// Show a view or hide it.
+    ToggleView(ViewKind),
+    /// Show the views of a ready-made arrangement.
+    Arrange(Arrangement),
+    /// Take over the tiles as the user has dragged or resized them.
+    Rearrange(Box<Tree<ViewKind>>),
+    /// Show one view as large as can be, or all of them again.
+    ToggleEnlarged(ViewKind),
+    /// Let the time axis follow the playback again.
+    Follow,
+    /// Leave the time axis where the user has put it.
+    Unfollow,
+    /// Show the values at this time \[s\], or where playback stands.
+    PointAt(Option<f64>),
+}
+
+/// An entry of the legend of all plots.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LegendEntry {
+    /// The truth.
+    Truth,
+    /// The measurements.
+    Measured,
+    /// The ±2σ bands.
+    Bands,
+    /// The filter with an id.
+    Filter(u32),
+}
+
+/// The views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum ViewKind {
+    /// The moving mass.
+    Oscillator,
+    /// Parameters over time.
+    Parameters,
+    /// States over time.
+    States,
+    /// Errors within ±2σ and the Cramér-Rao bound.
+    Errors,
+    /// Innovations within ±2√S.
+    Innovations,
+    /// NIS and NEES.
+    Consistency,
+    /// Autocorrelation of the innovations.
+    Autocorrelation,
+    /// Kalman gain over time.
+    Gain,
+    /// Velocity over displacement.
+    Phase,
+    /// Two parameters with their covariance.
+    ParameterPlane,
+    /// Frequency response over the force's spectrum.
+    FrequencyResponse,
+    /// Predict and update in numbers.
+    Matrices,
+    /// Filters side by side.
+    Scores,
+}
+
+impl ViewKind {
+    /// Every view, in the menu's order.
+    pub const ALL: [Self; 13] = [
+        Self::Oscillator,
+        Self::Parameters,
+        Self::States,
+        Self::Errors,
+        Self::Innovations,
+        Self::Consistency,
+        Self::Autocorrelation,
+        Self::Gain,
+        Self::Phase,
+        Self::ParameterPlane,
+        Self::FrequencyResponse,
+        Self::Matrices,
+        Self::Scores,
+    ];
+}
+
+/// A ready-made choice of views.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arrangement {
+    /// The story: the moving mass, parameters and states.
+    #[default]
+    Teach,
+    /// What one tunes Q and R by: parameters, innovations, NIS and NEES, errors.
+    Tune,
+    /// Filters against each other: scores, parameters, errors, the parameter plane.
+    Compare,
+}
+
+impl Arrangement {
+    /// Every arrangement.
+    pub const ALL: [Self; 3] = [Self::Teach, Self::Tune, Self::Compare];
+
+    /// Its name in the menu.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Teach => "Teach",
+            Self::Tune => "Tune",
+            Self::Compare => "Compare",
+        }
+    }
+}

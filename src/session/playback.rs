@@ -1,0 +1,107 @@
+//! Where playback stands, and how it moves.
+
+use super::Session;
+
+impl Session {
+    /// Whether time goes on.
+    pub fn playing(&self) -> bool {
+        self.playing
+    }
+
+    /// Simulated seconds per second.
+    pub fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// The next of [`Self::SPEEDS`] that is faster, or slower; the present one at the end of them.
+    pub fn next_speed(&self, faster: bool) -> f64 {
+        let mut speeds = Self::SPEEDS.into_iter();
+        let next = if faster { speeds.find(|s| *s > self.speed) } else { speeds.rfind(|s| *s < self.speed) };
+        next.unwrap_or(self.speed)
+    }
+
+    /// The last sample's time after the start \[s\].
+    pub fn end(&self) -> f64 {
+        self.run.samples().saturating_sub(1) as f64 * self.run.record().dt()
+    }
+
+    /// The sample at which playback stands, counted from the start.
+    pub fn position(&self) -> usize {
+        // A clock that has been set to k dt must give k, whatever the rounding.
+        ((self.clock / self.run.record().dt() + 1e-6) as usize).min(self.run.samples().saturating_sub(1))
+    }
+
+    /// The time of [`Self::position`] \[s\].
+    pub fn time(&self) -> f64 {
+        self.run.record().time_of(self.position())
+    }
+
+    /// The index, among the samples that are kept, of that at which playback stands, or of the last one where the run is
+    /// behind.
+    pub fn index(&self) -> usize {
+        let index = self.position().saturating_sub(self.run.record().forgotten());
+        index.min(self.run.len().saturating_sub(1))
+    }
+
+    /// Lets `elapsed` seconds of real time pass.
+    pub fn advance(&mut self, elapsed: f64) {
+        if self.behind() {
+            self.catch_up();
+        } else if self.playing {
+            self.clock += elapsed * self.speed;
+            if self.clock >= self.end() {
+                self.clock = self.end();
+                self.playing = false;
+            }
+            self.catch_up();
+        }
+    }
+
+    /// Plays or pauses; at the end, plays from the start.
+    pub fn toggle_play(&mut self) {
+        if !self.playing && self.clock >= self.end() {
+            self.play_from_start();
+        } else {
+            self.playing = !self.playing;
+        }
+    }
+
+    /// Lets time stand still.
+    pub fn pause(&mut self) {
+        self.playing = false;
+    }
+
+    /// Plays from the first sample.
+    pub fn play_from_start(&mut self) {
+        self.seek(0.0);
+        self.playing = true;
+    }
+
+    /// Pauses and goes one sample forward.
+    pub fn step(&mut self) {
+        self.playing = false;
+        let next = (self.position() + 1) as f64 * self.run.record().dt();
+        self.seek(next);
+    }
+
+    /// Pauses and goes one sample back.
+    pub fn step_back(&mut self) {
+        self.playing = false;
+        let before = self.position().saturating_sub(1) as f64 * self.run.record().dt();
+        self.seek(before);
+    }
+
+    /// Goes to a time after the start \[s\].
+    pub fn seek(&mut self, time: f64) {
+        self.clock = time.clamp(0.0, self.end());
+        self.go_back();
+        self.catch_up();
+    }
+
+    /// Sets the simulated seconds per second; what is no positive number leaves them as they are.
+    pub fn set_speed(&mut self, speed: f64) {
+        if speed.is_finite() && speed > 0.0 {
+            self.speed = speed;
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! The interface of a view, and the context that it may read.
+
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+
+use egui::Ui;
+use kalmanscope_core::{Channel, Diagnostics, Estimates};
+
+use crate::plot::input::PlotInput;
+use crate::plot::time_axis::TimeAxis;
+use crate::request::Request;
+use crate::session::{Session, Wanted};
+use crate::theme::Palette;
+use crate::visibility::Visibility;
+
+/// Everything that a view may read.
+#[derive(Clone, Copy)]
+pub struct ViewContext<'a> {
+    /// The scenario and its run.
+    pub session: &'a Session,
+    /// The colours of the theme.
+    pub palette: &'a Palette,
+    /// The entries of the legend that are switched on.
+    pub visible: &'a Visibility,
+    /// The common time axis.
+    pub axis: &'a TimeAxis,
+    /// A number that changes with everything that is drawn over time.
+    version: u64,
+}
+
+impl<'a> ViewContext<'a> {
+    /// The context of this frame.
+    pub fn new(session: &'a Session, palette: &'a Palette, visible: &'a Visibility, axis: &'a TimeAxis) -> Self {
+        let mut hasher = DefaultHasher::new();
+        (session.generation(), session.run().len(), session.bounds().len(), visible, palette).hash(&mut hasher);
+        session.run().estimates().iter().for_each(|estimates| estimates.color().hash(&mut hasher));
+        Self { session, palette, visible, axis, version: hasher.finish() }
+    }
+
+    /// The part of it that charts read.
+    pub(crate) fn plot_input(&self) -> PlotInput<'a> {
+        let Self { session, palette, visible: _, axis, version } = *self;
+        PlotInput { session, palette, axis, version }
+    }
+
+    /// The estimates of the filters that are drawn, each with its place among all filters.
+    pub(crate) fn filters(&self) -> impl Iterator<Item = (usize, &'a Estimates)> + use<'a> {
+        let Self { session, visible, .. } = *self;
+        session.run().estimates().iter().enumerate().filter(|(_, estimates)| visible.filter(estimates.id()))
+    }
+
+    /// The diagnostics of the filters that are drawn, each with its filter's place and estimates; none where they are not
+    /// wanted.
+    pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {
+        let all = self.session.diagnostics();
+        self.filters().filter_map(|(place, estimates)| Some((place, estimates, all.get(place)?)))
+    }
+
+    /// Whether any filter has a doubt about a channel, at first or in the end: of others there is nothing to be seen.
+    pub(crate) fn in_doubt(&self, channel: Channel) -> bool {
+        self.session.run().estimates().iter().any(|estimates| {
+            let std = |k: usize| estimates.place(channel).map_or(0.0, |at| estimates.std(k, at));
+            !estimates.is_empty() && (std(0) != 0.0 || std(estimates.len() - 1) != 0.0)
+        })
+    }
+}
+
+/// A way to look at a run.
+pub trait View: Sync {
+    /// Its name in the menu and above it.
+    fn name(&self) -> &'static str;
+
+    /// In three lines what is drawn and how to read it.
+    fn help(&self) -> [&'static str; 3];
+
+    /// The computations beside the estimates that it needs.
+    fn wanted(&self) -> Wanted {
+        Wanted::NOTHING
+    }
+
+    /// Its shape where it may choose.
+    fn proportions(&self) -> Proportions {
+        Proportions::Wide
+    }
+
+    /// Draws it into all of `ui`. Returns the time that the user points at \[s\].
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64>;
+}
+
+/// The shape that suits a view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Proportions {
+    /// Plots over time, the wider the better.
+    Wide,
+    /// One plot over something else than time, which is best about as high as wide.
+    Square,
+    /// A picture that is much wider than high.
+    Flat,
+}

@@ -1,0 +1,20 @@
+//! The masses that a plant has, and the channels of their motion.
+
+use kalmanscope_core::{Channel, Run};
+
+/// The most masses that a plant has.
+pub(super) const MAX_MASSES: usize = 4;
+
+/// The channel of a mass's displacement.
+pub(super) fn displacement(mass: usize) -> Channel {
+    const DISPLACEMENTS: [Channel; MAX_MASSES] =
+        [Channel::DISPLACEMENT, Channel::displacement(1), Channel::displacement(2), Channel::displacement(3)];
+    DISPLACEMENTS[mass.min(MAX_MASSES - 1)]
+}
+
+/// How many masses there are: those that truly move, or those that the filters believe in where the truth is unknown.
+pub(super) fn masses(run: &Run) -> usize {
+    let known = |mass: usize| run.record().truth(displacement(mass)).is_some();
+    let there = |mass: &usize| if known(0) { known(*mass) } else { run.channels().contains(&displacement(*mass)) };
+    (0..MAX_MASSES).take_while(there).count().max(1)
+}

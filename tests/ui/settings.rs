@@ -1,0 +1,188 @@
+//! Every control writes what it says to the scenario.
+
+use super::*;
+
+#[test]
+fn every_number_changes_the_scenario_and_with_it_the_estimates() {
+    let mut screen = workbench();
+    type Read = fn(&Scenario) -> f64;
+    let numbers: &[(&str, f64, Read)] = &[
+        ("Damping ratio, value", 0.11, |s| s.plant.damping_ratio.at(0.0)),
+        ("Natural frequency, before", 7.5, |s| s.plant.natural_frequency.at(0.0)),
+        ("Natural frequency, after", 3.5, |s| s.plant.natural_frequency.at(59.0)),
+        ("Natural frequency, changes at", 12.0, |s| match s.plant.natural_frequency {
+            Signal::Step(step) => step.at,
+            _ => f64::NAN,
+        }),
+        ("Initial displacement", 0.25, |s| s.plant.initial.displacement),
+        ("Initial velocity", -1.5, |s| s.plant.initial.velocity),
+        ("Disturbance", 2.0, |s| s.plant.disturbance_std),
+        ("Force, ± σ", 20.0, |s| match s.force {
+            Force::WhiteNoise { std } => std,
+            _ => f64::NAN,
+        }),
+        ("Noise of the displacement sensor", 0.02, |s| s.sensors[0].noise_std),
+        ("Noise of the velocity sensor", 0.1, |s| s.sensors[1].noise_std),
+        ("EKF fading factor", 1.02, |s| s.filters[0].fading),
+        ("EKF parameter decay", 0.05, |s| s.filters[0].eta),
+        ("UKF fading factor", 1.03, |s| s.filters[1].fading),
+        ("UKF parameter decay", 0.04, |s| s.filters[1].eta),
+        ("EKF sensor std of displacement", 0.03, |s| s.filters[0].sensor_std[0]),
+        ("EKF sensor std of velocity", 0.2, |s| s.filters[0].sensor_std[1]),
+        ("UKF sensor std of displacement", 0.04, |s| s.filters[1].sensor_std[0]),
+        ("Duration", 30.0, |s| s.duration),
+        ("Sampling time", 0.02, |s| s.dt),
+        ("Seed", 7.0, |s| s.seed as f64),
+    ];
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    for &(name, value, read) in numbers {
+        let before = screen.state().session().run().checksum();
+        set(&mut screen, name, value);
+        let found = read(scenario(&screen));
+        assert!((found - value).abs() < 1e-9, "{name} is {found} after it was set to {value}");
+        assert_eq!(screen.state().session().problem(), None, "{name}");
+        let after = screen.state().session().run().checksum();
+        assert_ne!(before, after, "{name} has no effect on the estimates");
+    }
+}
+
+#[test]
+fn every_number_of_a_belief_changes_the_scenario() {
+    let mut screen = workbench();
+    for (place, filter) in ["EKF", "UKF"].into_iter().enumerate() {
+        for &channel in PlantKind::SDOF.channels() {
+            let filters = |screen: &Screen| scenario(screen).filters[place].clone();
+            set(&mut screen, &format!("{filter} initial guess of {}", channel.name()), 0.7);
+            assert_eq!(filters(&screen).initial_mean[channel], 0.7);
+            set(&mut screen, &format!("{filter} initial std of {}", channel.name()), 0.9);
+            assert_eq!(filters(&screen).initial_std[channel], 0.9);
+            set(&mut screen, &format!("{filter} process std of {}", channel.name()), 0.002);
+            assert_eq!(filters(&screen).process_std[channel], 0.002);
+        }
+    }
+}
+
+#[test]
+fn no_number_can_be_set_to_what_the_core_refuses() {
+    let mut screen = workbench();
+    let names: Vec<String> = screen
+        .root()
+        .children_recursive()
+        .filter(|node| matches!(node.accesskit_node().role(), accesskit::Role::Slider | accesskit::Role::SpinButton))
+        .filter_map(|node| node.accesskit_node().label())
+        .collect();
+    assert!(names.len() > 40, "only {} numbers found: {names:?}", names.len());
+    for name in names.iter().filter(|name| *name != "Time") {
+        for value in [-1e9, 0.0, 1e9] {
+            let Some(node) = screen.query_by_label(name) else { continue };
+            node.set_value_accesskit(value);
+            screen.run_steps(2);
+            assert_eq!(screen.state().session().problem(), None, "{name} = {value}");
+        }
+        screen.state_mut().session_mut().set_scenario(Scenario::default());
+    }
+}
+
+#[test]
+fn sensors_can_be_added_and_removed() {
+    let mut screen = workbench();
+    screen.get_by_label("acceleration").click();
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen).sensors.len(), 3);
+    assert_eq!(scenario(&screen).filters[1].sensor_std.len(), 3);
+    for quantity in PlantKind::SDOF.quantities() {
+        screen.get_by_label(quantity.key()).click();
+        screen.run_steps(3);
+    }
+    assert!(scenario(&screen).sensors.is_empty());
+    assert!(screen.query_by_label_contains("only predict").is_some());
+    assert_eq!(screen.state().session().problem(), None);
+}
+
+#[test]
+fn shapes_forces_and_kinds_can_be_chosen() {
+    let mut screen = workbench();
+    for (shape, check) in [
+        ("constant", (|s| matches!(s, Signal::Constant(_))) as fn(&Signal) -> bool),
+        ("ramp", |s| matches!(s, Signal::Ramp(_))),
+        ("sine", |s| matches!(s, Signal::Sine(_))),
+        ("step", |s| matches!(s, Signal::Step(_))),
+    ] {
+        choose(&mut screen, "Natural frequency over time", shape);
+        assert!(check(&scenario(&screen).plant.natural_frequency), "{shape}");
+    }
+    for (kind, check) in [
+        ("sine", (|f| matches!(f, Force::Sine { .. })) as fn(&Force) -> bool),
+        ("chirp", |f| matches!(f, Force::Chirp { .. })),
+        ("hammer blows", |f| matches!(f, Force::ImpulseTrain { .. })),
+        ("step", |f| matches!(f, Force::Step { .. })),
+        ("none", |f| matches!(f, Force::None)),
+        ("white noise", |f| matches!(f, Force::WhiteNoise { .. })),
+    ] {
+        choose(&mut screen, "Force over time", kind);
+        assert!(check(&scenario(&screen).force), "{kind}");
+        assert_eq!(screen.state().session().problem(), None, "{kind}");
+    }
+    choose(&mut screen, "Kind of filter 1", "KF");
+    let first = |screen: &Screen| (scenario(screen).filters[0].kind, scenario(screen).filters[0].name.clone());
+    assert_eq!(first(&screen), (FilterKind::KF, "KF".to_owned()));
+    choose(&mut screen, "Kind of filter 1", "UKF");
+    assert_eq!(first(&screen), (FilterKind::UKF, "UKF 1".to_owned()), "the second filter has the name already");
+    choose(&mut screen, "Kind of filter 1", "EKF");
+    assert_eq!(first(&screen), (FilterKind::EKF, "EKF".to_owned()));
+}
+
+#[test]
+fn matching_the_truth_sets_q_and_r() {
+    let mut screen = workbench();
+    set(&mut screen, "Noise of the velocity sensor", 0.2);
+    set(&mut screen, "Disturbance", 3.0);
+    screen.get_all_by_label("Match the truth").next().expect("a button in each filter").click();
+    screen.run_steps(3);
+    let scenario = scenario(&screen);
+    let (sensor_std, process_std) = scenario.true_noise();
+    assert_eq!((&scenario.filters[0].sensor_std, scenario.filters[0].process_std), (&sensor_std, process_std));
+    assert_eq!(sensor_std, [0.01, 0.2]);
+    assert!((process_std.velocity - 0.03).abs() < 1e-12 && process_std.natural_frequency > 0.0);
+    assert_ne!(scenario.filters[1].sensor_std, sensor_std, "the other filter keeps its own");
+}
+
+#[test]
+fn a_day_can_be_set_and_is_live_only() {
+    let mut screen = workbench();
+    screen.get_by_label("Whole record").click();
+    screen.run_steps(3);
+    assert_eq!(screen.state().session().mode(), Mode::Whole);
+    screen.get_by_label("1 day").click();
+    screen.run_steps(3);
+    assert_eq!((scenario(&screen).duration, screen.state().session().end()), (86_400.0, 86_400.0));
+    assert_eq!(screen.state().session().mode(), Mode::Live);
+    assert!(screen.get_by_label("Whole record").accesskit_node().is_disabled());
+    assert!(screen.query_by_label("/ 24:00:00").is_some());
+
+    let field = screen.get_by_label("Time, value");
+    field.focus();
+    screen.run_steps(2);
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    screen.get_by_label("Time, value").type_text("0:16:40");
+    screen.key_press(Key::Enter);
+    screen.run_steps(2);
+    let session = screen.state().session();
+    assert_eq!((session.time(), session.behind(), session.playing()), (1000.0, true, false));
+    assert!(screen.query_by_label_contains("computing, ").is_some());
+    screen.run_steps(8);
+    assert_eq!(screen.state().session().run().done(), 100_001);
+    assert!(screen.query_by_label_contains("computing, ").is_none());
+    for arrangement in Arrangement::ALL {
+        *screen.state_mut().layout_mut() = Layout::of(arrangement);
+        screen.run_steps(8);
+    }
+    screen.remove_cursor();
+    assert!(screen.try_run().is_ok(), "nothing moves, but frame after frame is drawn");
+
+    set(&mut screen, "Duration, value", 1e9);
+    assert_eq!(scenario(&screen).duration, 86_400.0);
+    screen.get_by_label("1 min").click();
+    screen.run_steps(3);
+    assert_eq!((screen.state().session().mode(), screen.state().session().run().len()), (Mode::Whole, 6001));
+}

@@ -1,0 +1,77 @@
+//! Every view at any size, with anything to show or nothing.
+
+use super::*;
+
+const SIZES: [Vec2; 6] =
+    [DESKTOP, PHONE, Vec2::new(1920.0, 1080.0), Vec2::new(200.0, 120.0), Vec2::new(1.0, 1.0), Vec2::ZERO];
+
+#[test]
+fn plots_of_the_first_arrangement_have_room_at_any_size() {
+    for size in SIZES {
+        for theme in [Theme::Light, Theme::Dark] {
+            for mode in [Mode::Live, Mode::Whole] {
+                let mut screen = screen(size, theme);
+                screen.state_mut().session_mut().set_mode(mode);
+                screen.state_mut().session_mut().seek(31.0);
+                screen.run_steps(5);
+                if size.min_elem() > 300.0 {
+                    for plot in PlantKind::SDOF.channels() {
+                        let name = format!("Plot of the {}", plot.name());
+                        let rect = screen.get_by_label(&name).rect();
+                        assert!(rect.width() > 250.0 && rect.height() > 80.0, "{name} has only {rect} of {size}");
+                        assert!(
+                            rect.right() <= size.x && rect.bottom() <= size.y,
+                            "{name} is cut off: {rect} of {size}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The default scenario, and those with less and less to show.
+fn scenarios() -> [Scenario; 4] {
+    let usual = Scenario { duration: 10.0, ..Scenario::default() };
+    let unmeasured = {
+        let mut unmeasured = usual.clone();
+        Quantity::all().into_iter().for_each(|quantity| unmeasured.remove_sensor(quantity));
+        unmeasured
+    };
+    let without_filters = Scenario { filters: Vec::new(), ..usual.clone() };
+    let empty = Scenario { filters: Vec::new(), duration: usual.dt, ..unmeasured.clone() };
+    [usual, unmeasured, without_filters, empty]
+}
+
+#[test]
+fn five_frames_of_every_view_at_any_size() {
+    for (size, theme) in SIZES.into_iter().zip([Theme::Light, Theme::Dark].into_iter().cycle()) {
+        let mut screen = screen(size, theme);
+        for (scenario, mode) in scenarios().into_iter().zip([Mode::Whole, Mode::Live].into_iter().cycle()) {
+            let session = screen.state_mut().session_mut();
+            session.set_scenario(scenario);
+            session.set_mode(mode);
+            session.pause();
+            session.seek(5.0);
+            for kind in ViewKind::ALL {
+                *screen.state_mut().layout_mut() = Layout::column(&[kind]);
+                screen.run_steps(5);
+                let about = format!("About {}", view(kind).name());
+                let has_room = size.min_elem() > 300.0;
+                assert!(!has_room || screen.query_by_label(&about).is_some(), "{kind:?} at {size}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stopped_filter_says_so_and_the_rest_goes_on() {
+    let mut screen = workbench();
+    let mut wild = Scenario::default();
+    wild.filters[0].fading = 1e100;
+    screen.state_mut().session_mut().set_scenario(wild);
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    screen.run_steps(3);
+    assert!(screen.query_by_label_contains("EKF stopped at").is_some());
+    assert_eq!(screen.state().session().run().estimates()[1].len(), 6001);
+}
