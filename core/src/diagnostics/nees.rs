@@ -3,53 +3,36 @@
 use super::chi_squared;
 use super::totals::Totals;
 
-/// The NEES of every sample, over the channels in some places.
+/// The NEES of one sample, over the channels in some places.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Nees {
+pub(crate) struct ErrorSquare {
     places: Vec<usize>,
-    values: Vec<f64>,
-    totals: Totals,
-    /// The number of samples below the 95 % quantile of their degrees of freedom.
-    inside: u32,
-    /// That quantile for one degree of freedom and more.
-    limits: Vec<f64>,
     /// Memory for the errors, their covariance and its factor.
     errors: Vec<f64>,
     cov: Vec<f64>,
     factor: Vec<f64>,
 }
 
-impl Nees {
-    /// Begins anew, for errors of the channels in `places`, which ascend.
-    pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
-        let Self { places, values, totals, inside, limits, errors: _, cov: _, factor: _ } = self;
-        places.clear();
-        places.extend(new_places);
-        values.clear();
-        totals.clear();
-        *inside = 0;
-        for degrees in limits.len()..places.len() {
-            limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
+impl ErrorSquare {
+    /// For errors of the channels in `places`, which ascend.
+    pub(crate) fn restart(&mut self, places: impl Iterator<Item = usize>) {
+        self.places.clear();
+        self.places.extend(places);
+    }
+
+    /// The square and its degrees of freedom, from the errors of the channels in these places and the n × n covariance of
+    /// all n channels. Channels known for certain, of variance zero, do not count.
+    #[inline]
+    pub(crate) fn of(&mut self, errors: &[f64], cov: &[f64], n: usize) -> (f64, u32) {
+        match (<&[f64; 4]>::try_from(errors), <&[f64; 16]>::try_from(cov)) {
+            // The usual case, for which the compiler unrolls every loop.
+            (Ok(&[a, b, c, d]), Ok(cov)) => normalised_square(&mut [a, b, c, d], cov, &mut cov.clone()),
+            _ => self.of_any(errors, cov, n),
         }
     }
 
-    /// Takes in a sample: the errors of the channels in these places, and the n × n covariance of all n channels.
-    /// Channels known for certain, of variance zero, do not count.
-    #[inline]
-    pub(super) fn push(&mut self, errors: &[f64], cov: &[f64], n: usize) {
-        let (square, degrees) = match (<&[f64; 4]>::try_from(errors), <&[f64; 16]>::try_from(cov)) {
-            // The usual case, for which the compiler unrolls every loop.
-            (Ok(&[a, b, c, d]), Ok(cov)) => normalised_square(&mut [a, b, c, d], cov, &mut cov.clone()),
-            _ => self.square_of(errors, cov, n),
-        };
-        let Self { values, totals, inside, limits, .. } = self;
-        values.push(square);
-        totals.push(square, degrees);
-        *inside += u32::from(degrees > 0 && square <= limits[degrees as usize - 1]);
-    }
-
-    fn square_of(&mut self, all_errors: &[f64], all_cov: &[f64], n: usize) -> (f64, u32) {
-        let Self { places, errors, cov, factor, .. } = self;
+    fn of_any(&mut self, all_errors: &[f64], all_cov: &[f64], n: usize) -> (f64, u32) {
+        let Self { places, errors, cov, factor } = self;
         errors.clear();
         errors.extend_from_slice(all_errors);
         cov.clear();
@@ -59,6 +42,42 @@ impl Nees {
         factor.clear();
         factor.extend_from_slice(cov);
         normalised_square(errors, cov, factor)
+    }
+}
+
+/// The NEES of every sample, over the channels in some places.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Nees {
+    square: ErrorSquare,
+    values: Vec<f64>,
+    totals: Totals,
+    /// The number of samples below the 95 % quantile of their degrees of freedom.
+    inside: u32,
+    /// That quantile for one degree of freedom and more.
+    limits: Vec<f64>,
+}
+
+impl Nees {
+    /// Begins anew, for errors of the channels in `places`, which ascend.
+    pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
+        let Self { square, values, totals, inside, limits } = self;
+        square.restart(new_places);
+        values.clear();
+        totals.clear();
+        *inside = 0;
+        for degrees in limits.len()..square.places.len() {
+            limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
+        }
+    }
+
+    /// Takes in a sample: the errors of the channels in these places, and the n × n covariance of all n channels.
+    #[inline]
+    pub(super) fn push(&mut self, errors: &[f64], cov: &[f64], n: usize) {
+        let Self { square, values, totals, inside, limits } = self;
+        let (square, degrees) = square.of(errors, cov, n);
+        values.push(square);
+        totals.push(square, degrees);
+        *inside += u32::from(degrees > 0 && square <= limits[degrees as usize - 1]);
     }
 
     pub(super) fn values(&self) -> &[f64] {

@@ -90,7 +90,7 @@ fn with_gaps(record: &Record, gap: u8) -> Result<Record, String> {
 }
 
 fn check_record(record: &Record, k: usize) -> Finding {
-    let truth = Channel::all().into_iter().filter_map(|c| Some(record.truth(c)?[k]));
+    let truth = Channel::all().iter().filter_map(|&c| Some(record.truth(c)?[k]));
     require(record.force(k).is_finite() && truth.into_iter().all(f64::is_finite), || format!("the truth at {k}"))?;
     let measured = (0..record.sensors().len()).all(|s| !record.measured(s)[k].is_infinite());
     require(measured, || format!("the measurements at {k}"))
