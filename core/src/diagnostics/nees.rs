@@ -13,6 +13,8 @@ pub(super) struct Nees {
     inside: u32,
     /// That quantile for one degree of freedom and more.
     limits: Vec<f64>,
+    /// The largest mean of each channel so far: rounding of an estimate is a share of it.
+    sizes: Vec<f64>,
     /// Memory for the errors, their covariance and its factor.
     errors: Vec<f64>,
     cov: Vec<f64>,
@@ -22,25 +24,34 @@ pub(super) struct Nees {
 impl Nees {
     /// Begins anew, for errors of the channels in `places`, which ascend.
     pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
-        let Self { places, values, totals, inside, limits, errors: _, cov: _, factor: _ } = self;
+        let Self { places, values, totals, inside, limits, sizes, errors: _, cov: _, factor: _ } = self;
         places.clear();
         places.extend(new_places);
         values.clear();
         totals.clear();
+        sizes.clear();
+        sizes.resize(places.len(), 0.0);
         *inside = 0;
         for degrees in limits.len()..places.len() {
             limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
         }
     }
 
-    /// Takes in a sample: the errors of the channels in these places, and the n × n covariance of all n channels.
-    /// Channels known for certain, of variance zero, do not count.
+    /// Takes in a sample: the errors of the channels in these places, and mean and n × n covariance of all n channels.
+    /// Channels known for certain, of variance zero, do not count, and a variance counts as no less than rounding of the
+    /// estimate would make it.
     #[inline]
-    pub(super) fn push(&mut self, errors: &[f64], cov: &[f64], n: usize) {
-        let (square, degrees) = match (<&[f64; 4]>::try_from(errors), <&[f64; 16]>::try_from(cov)) {
+    pub(super) fn push(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) {
+        for (size, &place) in self.sizes.iter_mut().zip(&self.places) {
+            *size = size.max(mean[place].abs());
+        }
+        let (square, degrees) = match (<&[f64; 4]>::try_from(errors), <[f64; 16]>::try_from(cov)) {
             // The usual case, for which the compiler unrolls every loop.
-            (Ok(&[a, b, c, d]), Ok(cov)) => normalised_square(&mut [a, b, c, d], cov, &mut cov.clone()),
-            _ => self.square_of(errors, cov, n),
+            (Ok(&[a, b, c, d]), Ok(mut cov)) => {
+                add_rounding(&self.sizes, &mut cov);
+                normalised_square(&mut [a, b, c, d], &cov, &mut cov.clone())
+            }
+            _ => self.square_of(errors, cov, mean.len()),
         };
         let Self { values, totals, inside, limits, .. } = self;
         values.push(square);
@@ -49,13 +60,14 @@ impl Nees {
     }
 
     fn square_of(&mut self, all_errors: &[f64], all_cov: &[f64], n: usize) -> (f64, u32) {
-        let Self { places, errors, cov, factor, .. } = self;
+        let Self { places, sizes, errors, cov, factor, .. } = self;
         errors.clear();
         errors.extend_from_slice(all_errors);
         cov.clear();
         for &row in places.iter() {
             cov.extend(places.iter().map(|&column| all_cov[row * n + column]));
         }
+        add_rounding(sizes, cov);
         factor.clear();
         factor.extend_from_slice(cov);
         normalised_square(errors, cov, factor)
@@ -72,6 +84,21 @@ impl Nees {
     /// The share of samples below the 95 % quantile of their degrees of freedom; NaN without any.
     pub(super) fn share_inside(&self) -> f64 {
         f64::from(self.inside) / f64::from(self.totals.whole().samples)
+    }
+}
+
+/// The error that rounding makes over a long record, relative to the largest estimate. Below this a standard deviation does
+/// not say how far the estimate is from the truth.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Adds the variance of rounding to all that are not zero, for channels of these sizes.
+#[inline(always)]
+fn add_rounding(sizes: &[f64], cov: &mut [f64]) {
+    let n = sizes.len();
+    for (j, size) in sizes.iter().enumerate() {
+        let variance = &mut cov[j * n + j];
+        let floor = ROUNDING * ROUNDING * size * size;
+        *variance += if *variance == 0.0 { 0.0 } else { floor };
     }
 }
 
@@ -110,7 +137,7 @@ mod tests {
     fn nees(places: &[usize], errors: &[f64], cov: &[f64], n: usize) -> Nees {
         let mut nees = Nees::default();
         nees.restart(places.iter().copied());
-        nees.push(errors, cov, n);
+        nees.push(errors, &vec![0.0; n], cov);
         nees
     }
 
@@ -132,6 +159,19 @@ mod tests {
         assert_eq!(some.totals.whole().degrees, 2);
         let none = nees(&[1], &[7.0], &cov, 3);
         assert!(none.values[0].is_nan() && none.totals.whole().samples == 0);
+    }
+
+    #[test]
+    fn an_estimate_that_is_right_to_the_last_bit_is_consistent() {
+        for n in [1, 4] {
+            let mut nees = Nees::default();
+            nees.restart(0..n);
+            let cov: Vec<f64> = (0..n * n).map(|i| if i % (n + 1) == 0 { 1e-78 } else { 0.0 }).collect();
+            nees.push(&vec![-6.9e-18; n], &vec![0.04; n], &cov);
+            // A sample at which the oscillator passes through zero is no other.
+            nees.push(&vec![-6.9e-18; n], &vec![0.0; n], &cov);
+            assert!(nees.values.iter().all(|&square| square < n as f64), "{:?}", nees.values);
+        }
     }
 
     #[test]
