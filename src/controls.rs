@@ -22,10 +22,11 @@ pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> b
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         // The scroll bar floats: it must not cover the units.
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
-        let Scenario { seed: _, dt: _, duration: _, plant: _, force: _, sensors: _, filters } = scenario;
+        let Scenario { seed: _, dt: _, duration: _, plant: _, force: _, input: _, hold: _, sensors: _, filters } =
+            scenario;
         let filters = filters.len();
         section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario));
-        section(ui, "Force", true, |ui| force::force_ui(ui, &mut scenario.force));
+        section(ui, "Force", true, |ui| force::force_ui(ui, scenario));
         section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
         for place in 0..filters {
             // One may have been removed in this very frame.

@@ -56,13 +56,7 @@ pub fn parse_clock(text: &str) -> Option<f64> {
 
 /// Decimals that show a channel's usual values well.
 pub fn decimals(channel: Channel) -> usize {
-    match channel {
-        Channel::stiffness(0) | Channel::stiffness(1) | Channel::stiffness(2) | Channel::stiffness(3) => 1,
-        Channel::CUBIC_STIFFNESS | Channel::HYSTERESIS_BETA | Channel::HYSTERESIS_GAMMA => 1,
-        Channel::NATURAL_FREQUENCY | Channel::STOREY_DAMPING => 3,
-        _ if channel.unit() == "m/s" => 3,
-        _ => 4,
-    }
+    channel.usual().decimals
 }
 
 fn trimmed(text: &str) -> String {

@@ -89,7 +89,7 @@ fn benchmarks(c: &mut Criterion) {
     c.bench_function("spectrum of a whole record at 192 frequencies", |b| {
         b.iter(|| {
             let mut spectrum = Spectrum::new(frequencies[..192].to_vec(), 0.01, 40.0);
-            spectrum.extend(whole.record().force());
+            spectrum.extend(whole.record().input());
             black_box(spectrum.density())
         });
     });

@@ -304,14 +304,21 @@ impl Serialize for Channel {
 impl<'de> Deserialize<'de> for Channel {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let key = String::deserialize(deserializer)?;
-        Self::from_key(&key).ok_or_else(|| de::Error::unknown_variant(&key, keys()))
+        let expected = || expected_channels(|_| true);
+        Self::from_key(&key)
+            .ok_or_else(|| de::Error::custom(format!("unknown variant `{key}`, expected {}", expected())))
     }
 }
 
-/// The keys of every channel.
-pub(crate) fn keys() -> &'static [&'static str] {
-    static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| Channel::all().iter().map(|c| c.key()).collect());
-    &KEYS
+/// The keys to choose from in a message: those of first masses, and how others are called.
+pub(crate) fn expected<'a>(keys: impl Iterator<Item = &'a str>) -> String {
+    let keys: Vec<String> = keys.map(|key| format!("`{key}`")).collect();
+    format!("one of {}, and of other masses as in `displacement_2`", keys.join(", "))
+}
+
+/// The keys of channels to choose from in a message.
+pub(crate) fn expected_channels(has: impl Fn(Channel) -> bool) -> String {
+    expected(Channel::all().iter().filter(|c| c.mass() == 0 && has(**c)).map(|c| c.key()))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The floor for ±σ: how well any filter could know the state at best.
 
-use std::borrow::Cow;
+use std::ops::Range;
 
 use crate::estimator::FilterContext;
 use crate::filter;
@@ -70,22 +70,26 @@ impl CramerRao {
     /// has forgotten. Without the truth of every channel there is no bound, and none from a sample on that the record has
     /// forgotten before it was seen here.
     pub fn follow(&mut self, record: &Record) {
+        self.follow_to(record.len(), record);
+    }
+
+    /// The same up to sample `end` of those that are kept. Returns whether there is nothing left to take in before it.
+    pub(crate) fn follow_to(&mut self, end: usize, record: &Record) -> bool {
         let Self { settings: _, channels, recursion, std, forgotten, stopped } = self;
         let gone = (record.forgotten() - *forgotten) * channels.len();
         std.drain(..gone.min(std.len()));
         *forgotten = record.forgotten();
-        let samples = record.len();
-        let usual = |channel: Channel| Cow::Owned(vec![channel.usual_truth(); samples]);
         let of = |&channel: &Channel| match record.truth(channel) {
             // A truth without an augmentation has its usual value.
-            None if channel.is_augmentation() => Some(usual(channel)),
-            truth => truth.map(Cow::Borrowed),
+            None if channel.is_augmentation() => Some(Known::Always(channel.usual_truth())),
+            truth => truth.map(Known::OverTime),
         };
-        let truth: Option<Vec<Cow<'_, [f64]>>> = channels.iter().map(of).collect();
-        let Some(truth) = truth.filter(|_| !*stopped) else { return };
+        let truth: Option<Vec<Known<'_>>> = channels.iter().map(of).collect();
+        let Some(truth) = truth.filter(|_| !*stopped) else { return true };
         // The sample before the first new one must still be there, unless there never was one.
         let seen = std.len() / channels.len();
-        *stopped = (seen == 0 && *forgotten > 0) || recursion.follow(&truth, record, seen, std).is_err();
+        *stopped = (seen == 0 && *forgotten > 0) || recursion.follow(&truth, record, seen..end, std).is_err();
+        *stopped || std.len() / channels.len() >= record.len()
     }
 
     /// The channels of the bound: all of the truth's, and the augmentations that the filter estimates besides.
@@ -137,15 +141,30 @@ fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     })
 }
 
+/// The truth of a channel.
+#[derive(Clone, Copy)]
+enum Known<'a> {
+    Always(f64),
+    OverTime(&'a [f64]),
+}
+
+impl Known<'_> {
+    fn at(self, k: usize) -> f64 {
+        match self {
+            Self::Always(value) => value,
+            Self::OverTime(values) => values[k],
+        }
+    }
+}
+
 /// The recursion with its size erased.
 trait Recursion: Send {
-    /// Goes through the samples of a record from number `from` on, with the truth of every channel, and appends the
-    /// standard deviations of each.
+    /// Goes through some samples of a record, with the truth of every channel, and appends the standard deviations of each.
     fn follow(
         &mut self,
-        truth: &[Cow<'_, [f64]>],
+        truth: &[Known<'_>],
         record: &Record,
-        from: usize,
+        samples: Range<usize>,
         std: &mut Vec<f64>,
     ) -> Result<(), FilterError>;
 }
@@ -175,17 +194,17 @@ struct Told<P, const N: usize> {
 impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
     fn follow(
         &mut self,
-        truth: &[Cow<'_, [f64]>],
+        truth: &[Known<'_>],
         record: &Record,
-        from: usize,
+        samples: Range<usize>,
         std: &mut Vec<f64>,
     ) -> Result<(), FilterError> {
         let Self { filter, sensors } = self;
-        let truth = |k: usize| Vector::<N>::from_fn(|channel, _| truth[channel][k]);
+        let truth = |k: usize| Vector::<N>::from_fn(|channel, _| truth[channel].at(k));
         let measured: Vec<Option<&[f64]>> = sensors.iter().map(|&q| record.measured_quantity(q)).collect();
         let mut sample = vec![f64::NAN; measured.len()];
         let mut correction = Correction::NOTHING.clone();
-        for k in from..record.len() {
+        for k in samples.start..samples.end.min(record.len()) {
             if let Some(before) = k.checked_sub(1) {
                 filter.belief_mut().move_to(truth(before));
                 filter.predict(record.force(before))?;
@@ -220,15 +239,15 @@ impl ToldByTheBook {
 impl Recursion for ToldByTheBook {
     fn follow(
         &mut self,
-        truth: &[Cow<'_, [f64]>],
+        truth: &[Known<'_>],
         record: &Record,
-        from: usize,
+        samples: Range<usize>,
         std: &mut Vec<f64>,
     ) -> Result<(), FilterError> {
         let Self { filter, sensors } = self;
-        let truth = |k: usize| crate::linalg::Vector::from_fn(truth.len(), |channel, _| truth[channel][k]);
+        let truth = |k: usize| crate::linalg::Vector::from_fn(truth.len(), |channel, _| truth[channel].at(k));
         let mut correction = filter::Correction::default();
-        for k in from..record.len() {
+        for k in samples {
             if let Some(before) = k.checked_sub(1) {
                 filter.belief_mut().move_to(truth(before));
                 filter.predict([record.force(before), record.force(k)])?;

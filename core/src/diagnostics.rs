@@ -1,9 +1,9 @@
 //! Whether a filter is to be believed: how far it is from the truth, and whether it knows how far.
 
-mod accuracy;
+pub(crate) mod accuracy;
 pub mod chi_squared;
 mod likelihood;
-mod nees;
+pub(crate) mod nees;
 mod summary;
 mod totals;
 mod verdict;
@@ -69,6 +69,12 @@ impl Diagnostics {
 
     /// Begins anew with other estimates, as [`Self::new`] does, as deep as before and in the memory of these diagnostics.
     pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
+        self.clear(estimates, record);
+        self.follow(estimates, record);
+    }
+
+    /// Begins anew with other estimates, before the first sample of them.
+    pub(crate) fn clear(&mut self, estimates: &Estimates, record: &Record) {
         let Self { depth, samples, forgotten, accuracy, nees, nis, whiteness, likelihood, stop } = self;
         *samples = 0;
         *forgotten = estimates.forgotten();
@@ -81,13 +87,17 @@ impl Diagnostics {
         }
         *likelihood = Likelihood::new(estimates.kind());
         *stop = None;
-        self.follow(estimates, record);
     }
 
     /// Takes in what has been estimated since: each sample in a time that does not depend on how many there are. Both
     /// must be those that the diagnostics began with, grown longer. Where samples have been forgotten since, begins anew with
     /// those that are kept.
     pub fn follow(&mut self, estimates: &Estimates, record: &Record) {
+        self.follow_to(estimates.len(), estimates, record);
+    }
+
+    /// The same up to sample `end` of those that are kept.
+    pub(crate) fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();
             let before = self.accuracy.clone_known();
@@ -97,13 +107,14 @@ impl Diagnostics {
             }
             return;
         }
-        let new = self.samples..estimates.len();
+        let end = end.min(estimates.len());
+        let new = self.samples..end;
         match self.depth {
             Depth::Consistency => new.for_each(|k| self.push_consistency(estimates, record, k)),
             Depth::All => new.for_each(|k| self.push(estimates, record, k)),
         }
-        self.samples = estimates.len();
-        self.stop = estimates.stop();
+        self.samples = end;
+        self.stop = estimates.stop().filter(|_| end == estimates.len());
     }
 
     #[inline]

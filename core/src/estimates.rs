@@ -5,8 +5,8 @@ use crate::health::{Remark, Watch};
 use crate::sink::Sample;
 use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, likelihood};
 
-/// For so many samples memory is set aside at once; that of longer runs grows as they do.
-const ROOM: usize = 1 << 17;
+/// Reserve memory for at most this many samples; the vectors of longer runs grow.
+const ROOM: usize = 1 << 18;
 
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,7 +143,7 @@ impl Estimates {
 
     /// Appends a sample. Inlined: where a caller knows the sizes, no length is looked at.
     #[inline(always)]
-    pub(crate) fn push(&mut self, sample: &Sample<'_>) {
+    pub(crate) fn append(&mut self, sample: &Sample<'_>) {
         let Sample { mean, cov, innovation, innovation_cov, gain, nis, determinant, .. } = *sample;
         let n = mean.len();
         if self.initial_std.is_empty() {
@@ -170,8 +170,8 @@ impl Estimates {
         self.watch.look(self.forgotten + self.nis.len() - 1, sample);
     }
 
-    pub(crate) fn stop_at(&mut self, reason: FilterError) {
-        self.stop = Some(Stop { sample: self.forgotten + self.len(), reason });
+    pub(crate) fn set_stop(&mut self, stop: Stop) {
+        self.stop = Some(stop);
     }
 
     /// The filter's id.

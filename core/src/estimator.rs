@@ -1,32 +1,28 @@
 //! A filter of any kind over any plant, as its settings say, with its types and sizes erased.
 
 use crate::model::{Hold, InputKind, Model};
-use crate::{Estimates, FilterError, FilterSettings, PlantKind, Quantity, filter, kernel};
+use crate::sink::Sink;
+use crate::{FilterError, FilterSettings, PlantKind, Quantity, Scenario, filter, kernel};
 
 /// A filter that can be stepped.
 pub(crate) trait Estimator: Send {
     /// Reports the initial belief.
-    fn begin(&self, estimates: &mut Estimates);
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
     /// Predicts from the last sample with its force, updates with this sample's measurements, and reports.
-    fn step(
-        &mut self,
-        force_before: f64,
-        force: f64,
-        measured: &[f64],
-        estimates: &mut Estimates,
-    ) -> Result<(), FilterError>;
+    fn step(&mut self, force_before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink)
+    -> Result<(), FilterError>;
 }
 
 /// A filter that has no covariance to draw its sample from, or none that has a root, fails at the first sample.
 pub(crate) struct Failed(pub(crate) FilterError);
 
 impl Estimator for Failed {
-    fn begin(&self, estimates: &mut Estimates) {
-        estimates.stop_at(self.0);
+    fn begin(&self, _: &mut dyn Sink) -> Result<(), FilterError> {
+        Err(self.0)
     }
 
-    fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut Estimates) -> Result<(), FilterError> {
+    fn step(&mut self, _: f64, _: f64, _: &[f64], _: &mut dyn Sink) -> Result<(), FilterError> {
         Err(self.0)
     }
 }
@@ -50,7 +46,15 @@ pub(crate) struct FilterContext<'a> {
     pub(crate) stream: usize,
 }
 
-impl FilterContext<'_> {
+impl<'a> FilterContext<'a> {
+    /// The context of one of a scenario's filters, with `dt` \[s\] between samples; `sensors` are the quantities that the
+    /// scenario's measure.
+    pub(crate) fn new(scenario: &Scenario, sensors: &'a [Quantity], dt: f64, filter: &FilterSettings) -> Self {
+        let Scenario { seed, plant, input, hold, .. } = scenario;
+        let stream = filter.id.saturating_sub(1) as usize;
+        Self { plant: plant.kind, input: *input, hold: *hold, sensors, dt, seed: *seed, stream }
+    }
+
     /// The model of a filter with these settings.
     pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
         settings.model(self.plant, self.input)

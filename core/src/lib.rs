@@ -22,6 +22,7 @@
 //! # }
 //! ```
 
+pub mod analysis;
 pub mod augment;
 pub mod channel;
 pub mod cramer_rao;
@@ -32,25 +33,35 @@ pub mod force;
 pub mod frequency_response;
 pub mod health;
 pub mod integrate;
+pub mod job;
 pub mod kernel;
 pub mod linalg;
 pub mod model;
+pub mod pass;
 pub mod plant;
 pub mod quantity;
 pub mod record;
 pub mod run;
 pub mod scenario;
+pub mod score;
 pub mod signal;
 pub mod simulate;
 pub mod sink;
+pub mod source;
 pub mod spectrum;
+pub mod study;
+pub mod window;
 
+mod bank;
 mod by_channel;
+mod cost;
 mod estimator;
 mod likelihood;
 mod random;
 mod smoother;
+mod spare;
 
+pub use analysis::{Analysis, Bound, Wanted};
 pub use channel::Channel;
 pub use cramer_rao::CramerRao;
 pub use diagnostics::{Diagnostics, Summary};
@@ -58,12 +69,19 @@ pub use estimates::{Estimates, Stop};
 pub use filter::{Adaptation, FilterError, FilterKind, Propagation};
 pub use force::Force;
 pub use health::{Remark, Trouble};
+pub use job::{Job, Progress};
 pub use model::{Hold, InputKind, Model};
+pub use pass::Pass;
 pub use plant::PlantKind;
 pub use quantity::{Aspect, Quantity};
 pub use record::{Record, RecordError};
 pub use run::{Run, RunError, Update};
 pub use scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
+pub use score::Scores;
 pub use signal::Signal;
 pub use simulate::{TruthError, TruthStop};
+pub use sink::{Sample, Sink};
+pub use source::Source;
 pub use spectrum::Spectrum;
+pub use study::Study;
+pub use window::Window;

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::Channel;
-use crate::channel::{ChannelInfo, MAX_MASSES, Role, Usual, by_mass, symbols_by_mass};
+use crate::channel::{ChannelInfo, MAX_MASSES, Role, Usual, by_mass, expected, symbols_by_mass};
 
 /// The most sensors that one scenario can have.
 pub const MAX_SENSORS: usize = 12;
@@ -293,9 +293,10 @@ impl Serialize for Quantity {
 
 impl<'de> Deserialize<'de> for Quantity {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        static KEYS: LazyLock<Vec<&'static str>> = LazyLock::new(|| Quantity::all().iter().map(|q| q.key()).collect());
         let key = String::deserialize(deserializer)?;
-        Self::from_key(&key).ok_or_else(|| de::Error::unknown_variant(&key, &KEYS))
+        let expected = || expected(Aspect::ALL.iter().map(|aspect| aspect.info().keys[0]));
+        Self::from_key(&key)
+            .ok_or_else(|| de::Error::custom(format!("unknown variant `{key}`, expected {}", expected())))
     }
 }
 

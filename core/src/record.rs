@@ -1,8 +1,9 @@
 //! What was applied and measured, simulated or from a file.
 
 mod csv_file;
+mod error;
 
-pub use csv_file::RecordError;
+pub use error::RecordError;
 
 use crate::{Channel, Hold, InputKind, Quantity};
 
@@ -24,7 +25,65 @@ pub struct Record {
     truth: Vec<Vec<f64>>,
 }
 
+/// The input of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    /// What it is.
+    pub kind: InputKind,
+    /// How it runs between samples.
+    pub hold: Hold,
+    /// Its value at every sample \[m/s²\].
+    pub values: Vec<f64>,
+}
+
+/// Values that a measurement or a truth may have.
+const OPTIONAL: &str = "a number or NaN";
+
 impl Record {
+    /// A measured record whose samples are `dt` \[s\] apart, from t = 0 on: one column of measurements a quantity, each as
+    /// long as the input, in the quantity's unit. NaN is a missing measurement.
+    ///
+    /// ```
+    /// use kalmanscope_core::record::{Input, Record};
+    /// use kalmanscope_core::{Hold, InputKind, Quantity};
+    ///
+    /// let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0, 1.0, 0.5] };
+    /// let velocity = vec![0.0, f64::NAN, 0.02];
+    /// let record = Record::new(0.01, input, vec![(Quantity::VELOCITY, velocity)]).unwrap();
+    /// assert_eq!((record.len(), record.time(2)), (3, 0.02));
+    /// ```
+    ///
+    /// # Errors
+    /// [`RecordError::Step`] where `dt` is not positive and finite, [`RecordError::Repeated`] where two columns are of one
+    /// quantity, [`RecordError::Length`] where a column is not as long as the input, [`RecordError::Value`] where the input
+    /// is not finite or a measurement is infinite.
+    pub fn new(dt: f64, input: Input, columns: Vec<(Quantity, Vec<f64>)>) -> Result<Self, RecordError> {
+        if !(dt.is_finite() && dt > 0.0) {
+            return Err(RecordError::Step(dt));
+        }
+        let Input { kind, hold, values } = input;
+        check("input", &values, "a finite number", |x| x.is_finite())?;
+        let (sensors, measured) = complete(columns, values.len(), |quantity| quantity.key().to_owned())?;
+        let mut record = Self::empty(dt, kind, hold, sensors, Vec::new());
+        (record.input, record.measured) = (values, measured);
+        Ok(record)
+    }
+
+    /// The same record with the truth of some channels, one column each in the channel's unit; NaN where it is not known.
+    ///
+    /// # Errors
+    /// [`RecordError::Repeated`], [`RecordError::Length`] and [`RecordError::Value`] as in [`Self::new`].
+    pub fn with_truth(self, columns: Vec<(Channel, Vec<f64>)>) -> Result<Self, RecordError> {
+        let (truth_channels, truth) = complete(columns, self.len(), |channel| format!("true_{}", channel.key()))?;
+        Ok(Self { truth_channels, truth, ..self })
+    }
+
+    /// The same record with its first sample at this time \[s\].
+    #[must_use]
+    pub fn starting_at(self, start: f64) -> Self {
+        Self { start, ..self }
+    }
+
     pub(crate) fn empty(
         dt: f64,
         kind: InputKind,
@@ -44,6 +103,12 @@ impl Record {
             truth: vec![Vec::new(); truth_channels.len()],
             truth_channels,
         }
+    }
+
+    /// The same without a sample.
+    pub(crate) fn emptied(&self) -> Self {
+        let Self { dt, kind, hold, sensors, truth_channels, .. } = self;
+        Self::empty(*dt, *kind, *hold, sensors.clone(), truth_channels.clone())
     }
 
     /// Takes over the memory of a record that is no longer needed.
@@ -175,5 +240,35 @@ impl Record {
     /// The true value at sample `k` of the channel in a place that [`Self::truth_place`] gave.
     pub(crate) fn truth_at(&self, place: usize, k: usize) -> f64 {
         self.truth[place][k]
+    }
+}
+
+/// Columns apart from what they are of, if each is of something else, as long as it should be, and without infinities.
+fn complete<T: Copy + PartialEq>(
+    columns: Vec<(T, Vec<f64>)>,
+    expected: usize,
+    name: impl Fn(T) -> String,
+) -> Result<(Vec<T>, Vec<Vec<f64>>), RecordError> {
+    for (place, (of, values)) in columns.iter().enumerate() {
+        if columns[..place].iter().any(|(other, _)| other == of) {
+            return Err(RecordError::Repeated(name(*of)));
+        }
+        if values.len() != expected {
+            return Err(RecordError::Length { column: name(*of), found: values.len(), expected });
+        }
+        check(&name(*of), values, OPTIONAL, |x| !x.is_infinite())?;
+    }
+    Ok(columns.into_iter().unzip())
+}
+
+fn check(
+    column: &str,
+    values: &[f64],
+    allowed: &'static str,
+    is_allowed: impl Fn(f64) -> bool,
+) -> Result<(), RecordError> {
+    match values.iter().position(|&x| !is_allowed(x)) {
+        None => Ok(()),
+        Some(sample) => Err(RecordError::Value { column: column.to_owned(), sample, value: values[sample], allowed }),
     }
 }

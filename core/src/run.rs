@@ -1,19 +1,18 @@
 //! The one engine: a truth or a measured record, and the filters that follow it sample by sample.
 
-mod settings;
+pub(crate) mod revision;
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use thiserror::Error;
 
-use settings::Settings;
+use crate::bank::Bank;
+use crate::simulate::TruthStop;
+use crate::source::Recording;
+use crate::spare::Spare;
+use crate::{Channel, Estimates, InputKind, Quantity, Record, Scenario, ScenarioError, Source};
 
-use crate::estimator::{Estimator, estimator};
-use crate::quantity::MAX_SENSORS;
-use crate::simulate::{Simulator, TruthStop};
-use crate::smoother::smooth;
-use crate::{Channel, Estimates, FilterSettings, Quantity, Record, Scenario, ScenarioError};
+use revision::Revision;
 
 /// Why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -24,6 +23,33 @@ pub enum RunError {
     /// The record lacks a sensor of the scenario.
     #[error("the record does not measure {}, but the scenario has a sensor for it", .0.key())]
     MissingSensor(Quantity),
+    /// The record's input is of another kind than the scenario's.
+    #[error("the record's input is {}, but the scenario's is {}", input_name(*.record), input_name(*.scenario))]
+    InputKind {
+        /// The kind of the record's input.
+        record: InputKind,
+        /// The kind that the scenario has.
+        scenario: InputKind,
+    },
+    /// There is no filter at this place.
+    #[error("the scenario has no filter number {}", .0 + 1)]
+    NoFilter(usize),
+}
+
+fn input_name(kind: InputKind) -> &'static str {
+    match kind {
+        InputKind::Force => "a force",
+        InputKind::GroundAcceleration => "the acceleration of the ground",
+    }
+}
+
+/// The place in a record of each of a scenario's sensors, if the record is one of such a scenario.
+pub(crate) fn sensor_places(scenario: &Scenario, record: &Record) -> Result<Vec<usize>, RunError> {
+    if record.input_kind() != scenario.input {
+        return Err(RunError::InputKind { record: record.input_kind(), scenario: scenario.input });
+    }
+    let place = |q: Quantity| record.sensors().iter().position(|&s| s == q).ok_or(RunError::MissingSensor(q));
+    scenario.sensors.iter().map(|s| place(s.measures)).collect()
 }
 
 /// A scenario in progress.
@@ -32,37 +58,19 @@ pub enum RunError {
 /// of all samples, [`Self::done`] and [`Self::samples`], are from the run's beginning; [`Self::len`] and every index into
 /// [`Self::record`] and [`Self::estimates`] are of those that are kept.
 pub struct Run {
-    source: Source,
+    recording: Recording,
     samples: usize,
     done: usize,
-    /// The place of each of the scenario's sensors in the record.
-    sensors: Vec<usize>,
-    estimators: Vec<Box<dyn Estimator>>,
-    estimates: Vec<Estimates>,
-    settings: Settings,
+    bank: Bank,
 }
 
 /// What [`Run::update`] has computed again.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Update {
-    /// The truth and every filter.
+    /// The truth, or the way in which a given record is read, and every filter.
     Everything,
     /// The filters with these ids; the truth and all other filters are as they were, but for those that are gone.
     Filters(Vec<u32>),
-}
-
-enum Source {
-    Simulated { simulator: Box<Simulator>, record: Record },
-    Measured(Arc<Record>),
-}
-
-impl Source {
-    fn record(&self) -> &Record {
-        match self {
-            Self::Simulated { record, .. } => record,
-            Self::Measured(record) => record,
-        }
-    }
 }
 
 impl Run {
@@ -71,101 +79,69 @@ impl Run {
     /// # Errors
     /// [`RunError::Scenario`] where the scenario is impossible.
     pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
-        scenario.validate()?;
-        let simulator = Box::new(Simulator::new(scenario));
-        let record = simulator.empty_record();
-        Self::over(scenario, Source::Simulated { simulator, record }, scenario.samples(), Vec::new())
-    }
-
-    /// Begins anew with another scenario, as [`Self::new`] does, in the memory of this run.
-    ///
-    /// # Errors
-    /// [`RunError::Scenario`] where the scenario is impossible; this run stays as it is then.
-    pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
-        scenario.validate()?;
-        let simulator = Box::new(Simulator::new(scenario));
-        let mut record = simulator.empty_record();
-        if let Source::Simulated { record: old, .. } = &mut self.source {
-            record.recycle(std::mem::replace(old, simulator.empty_record()));
-        }
-        let old = std::mem::take(&mut self.estimates);
-        *self = Self::over(scenario, Source::Simulated { simulator, record }, scenario.samples(), old)?;
-        Ok(())
+        Self::from_source(scenario, Source::Simulated)
     }
 
     /// A run of the scenario's filters over a given record, whose `dt` counts instead of the scenario's.
     ///
     /// # Errors
     /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::MissingSensor`] where the record lacks one
-    /// of its sensors.
+    /// of its sensors, [`RunError::InputKind`] where its input is of another kind.
     pub fn on_record(scenario: &Scenario, record: Arc<Record>) -> Result<Self, RunError> {
-        scenario.validate()?;
-        let samples = record.len();
-        Self::over(scenario, Source::Measured(record), samples, Vec::new())
+        Self::from_source(scenario, Source::Measured(record))
     }
 
-    fn over(scenario: &Scenario, source: Source, samples: usize, old: Vec<Estimates>) -> Result<Self, RunError> {
-        let record = source.record();
-        let place = |q: Quantity| record.sensors().iter().position(|&s| s == q).ok_or(RunError::MissingSensor(q));
-        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let sensors = quantities.iter().map(|&q| place(q)).collect::<Result<Vec<_>, _>>()?;
-        let dt = record.dt();
-        let settings = Settings::new(scenario, quantities);
-        let filters = &settings.filters;
-        let mut old = old.into_iter();
-        let estimates = |filter: &FilterSettings| {
-            let mut estimates = settings.estimates(filter);
-            estimates.recycle(old.next(), samples);
-            estimates
-        };
-        let build = |filter: &FilterSettings| estimator(filter, settings.context(dt, filter));
-        Ok(Self {
-            estimates: filters.iter().map(estimates).collect(),
-            estimators: filters.iter().map(build).collect(),
-            settings,
-            source,
-            samples,
-            done: 0,
-            sensors,
-        })
+    /// A run over either, before its first sample.
+    ///
+    /// # Errors
+    /// As [`Self::on_record`].
+    pub fn from_source(scenario: &Scenario, source: Source) -> Result<Self, RunError> {
+        Self::over(scenario, source, &mut Spare::default())
+    }
+
+    fn over(scenario: &Scenario, source: Source, spare: &mut Spare) -> Result<Self, RunError> {
+        scenario.validate()?;
+        let recording = Recording::new(scenario, source, spare.record());
+        let samples = recording.samples(scenario);
+        let record = recording.record();
+        let mut bank = Bank::new(scenario, record)?;
+        for _ in &scenario.filters {
+            bank.add(record, samples, spare.estimates());
+        }
+        Ok(Self { recording, samples, done: 0, bank })
+    }
+
+    /// Begins anew with another scenario over the same source, in the memory of this run.
+    ///
+    /// # Errors
+    /// As [`Self::on_record`]; this run stays as it is then.
+    pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
+        scenario.validate()?;
+        let source = self.source();
+        if let Source::Measured(record) = &source {
+            sensor_places(scenario, record)?;
+        }
+        let mut spare = Spare::default();
+        spare.take(self.take_apart());
+        *self = Self::over(scenario, source, &mut spare)?;
+        Ok(())
     }
 
     /// Takes over another scenario as far as this run has come, as a new run of it would come there: with the same bits, but
-    /// a truth and filters whose settings have not changed are not computed again. A run that has forgotten samples, or is
-    /// over a given record, begins anew.
+    /// a truth and filters whose settings have not changed are not computed again, and a given record stays. Where the truth
+    /// has changed, or a run has forgotten samples, begins anew.
     ///
     /// # Errors
-    /// [`RunError::Scenario`] where the scenario is impossible; this run stays as it is then.
+    /// As [`Self::on_record`]; this run stays as it is then.
     pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
-        let simulated = matches!(self.source, Source::Simulated { .. });
-        if !(simulated && self.record().forgotten() == 0 && self.settings.have_the_truth_of(scenario)) {
+        let mut spare = Spare::default();
+        let mut revision = Revision::new(self, scenario, None, &mut spare)?;
+        if revision.is_of_everything() {
             self.restart(scenario)?;
             return Ok(Update::Everything);
         }
-        scenario.validate()?;
-        let before = self.settings.replace_filters(scenario);
-        let Self { source, samples, done, sensors, estimators, estimates, settings } = self;
-        let record = source.record();
-        let old = std::mem::take(estimators).into_iter().zip(std::mem::take(estimates)).zip(before);
-        let mut old: Vec<_> = old.collect();
-        let mut changed = Vec::new();
-        for filter in &settings.filters {
-            let of_this_id = old.iter().position(|(_, before)| before.id == filter.id);
-            let (followed, new) = match of_this_id.map(|at| old.swap_remove(at)) {
-                Some((same, before)) if before == *filter => same,
-                other => {
-                    changed.push(filter.id);
-                    let mut followed = estimator(filter, settings.context(record.dt(), filter));
-                    let mut new = settings.estimates(filter);
-                    new.recycle(other.map(|((_, old), _)| old), *samples);
-                    follow(followed.as_mut(), &mut new, record, sensors, 0..*done);
-                    (followed, new)
-                }
-            };
-            estimators.push(followed);
-            estimates.push(new);
-        }
-        Ok(Update::Filters(changed))
+        while !revision.advance_to(self.done, self.record(), &mut || true) {}
+        Ok(revision.apply(self, self.done, &mut spare))
     }
 
     /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
@@ -179,22 +155,14 @@ impl Run {
     /// Steps until `samples` samples, from the run's beginning, are done or there are none left. Returns how many steps that
     /// took.
     pub fn advance_to(&mut self, samples: usize) -> usize {
-        let Self { source, samples: all, done, sensors, estimators, estimates, settings: _ } = self;
+        let Self { recording, samples: all, done, bank } = self;
         let begin = *done;
         let goal = samples.min(*all);
-        if let Source::Simulated { simulator, record } = source {
-            for sample in begin..goal {
-                if !simulator.step(record) {
-                    *all = sample;
-                    break;
-                }
-            }
+        if !recording.advance_to(goal) {
+            *all = recording.len();
         }
         *done = goal.min(*all).max(begin);
-        // One filter after the other: each finds its own numbers in the cache.
-        for (estimator, estimates) in estimators.iter_mut().zip(estimates) {
-            follow(estimator.as_mut(), estimates, source.record(), sensors, begin..*done);
-        }
+        bank.follow(recording.record(), *done);
         *done - begin
     }
 
@@ -203,17 +171,26 @@ impl Run {
     /// whether it is one.
     pub fn forget(&mut self, samples: usize) -> bool {
         let samples = samples.min(self.len().saturating_sub(1));
-        let Source::Simulated { record, .. } = &mut self.source else { return false };
-        record.forget(samples);
-        for estimates in &mut self.estimates {
-            estimates.forget(samples);
+        let forgets = self.recording.forget(samples);
+        if forgets {
+            self.bank.forget(samples);
         }
-        true
+        forgets
     }
 
     /// Steps to the end of the record.
     pub fn finish(&mut self) {
         self.advance_to(self.samples);
+    }
+
+    /// The scenario.
+    pub fn scenario(&self) -> &Scenario {
+        self.bank.scenario()
+    }
+
+    /// Where its samples come from.
+    pub fn source(&self) -> Source {
+        self.recording.source()
     }
 
     /// The number of samples done, from the run's beginning.
@@ -238,20 +215,17 @@ impl Run {
 
     /// Where the simulated truth stopped and why, if it had no numbers left before the record was complete.
     pub fn truth_stop(&self) -> Option<TruthStop> {
-        match &self.source {
-            Source::Simulated { simulator, .. } => simulator.stop(),
-            Source::Measured(_) => None,
-        }
+        self.recording.stop()
     }
 
     /// The record: as far as it is simulated and kept, or all of a measured one.
     pub fn record(&self) -> &Record {
-        self.source.record()
+        self.recording.record()
     }
 
     /// The estimates so far, as far as they are kept, one a filter.
     pub fn estimates(&self) -> &[Estimates] {
-        &self.estimates
+        &self.bank.estimates
     }
 
     /// The estimates of every filter with a smoother in the light of all samples so far. They have means and
@@ -259,57 +233,41 @@ impl Run {
     ///
     /// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems.
     pub fn smoothed(&self) -> Vec<Estimates> {
-        let Self { settings, source, done, .. } = self;
-        let record = source.record();
+        let record = self.record();
         if record.forgotten() > 0 {
             return Vec::new();
         }
-        let of = |filter: &FilterSettings| {
-            let mut smoothed = settings.smoothed(filter);
-            smooth(filter, settings.context(record.dt(), filter), record, *done, &mut smoothed);
-            smoothed
+        let of = |place: usize| {
+            let wants = self.scenario().filters[place].smoother;
+            let mut smoothed = wants.then(|| self.bank.smoothed(place))?;
+            if let Some(mut smoother) = self.bank.smoother(place, record.dt()) {
+                while !smoother.advance(record, self.done, usize::MAX, &mut smoothed) {}
+            }
+            Some(smoothed)
         };
-        settings.filters.iter().filter(|filter| filter.smoother).map(of).collect()
+        (0..self.scenario().filters.len()).filter_map(of).collect()
     }
 
     /// Every channel that the truth or a filter has.
     pub fn channels(&self) -> Vec<Channel> {
         let known =
-            |c: &Channel| self.record().truth(*c).is_some() || self.estimates.iter().any(|e| e.place(*c).is_some());
+            |c: &Channel| self.record().truth(*c).is_some() || self.estimates().iter().any(|e| e.place(*c).is_some());
         Channel::all().iter().copied().filter(known).collect()
     }
 
     /// Checksum of all estimates that are kept, to compare platforms with.
     pub fn checksum(&self) -> u64 {
-        self.estimates.iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
+        self.estimates().iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
     }
-}
 
-/// Lets a filter go through the samples of a record that have these numbers, counted from the run's beginning. `sensors` are
-/// the places in the record of those that it has.
-fn follow(
-    estimator: &mut dyn Estimator,
-    estimates: &mut Estimates,
-    record: &Record,
-    sensors: &[usize],
-    samples: Range<usize>,
-) {
-    let mut measured = [f64::NAN; MAX_SENSORS];
-    let measured = &mut measured[..sensors.len()];
-    for sample in samples {
-        if sample == 0 {
-            estimator.begin(estimates);
-            continue;
-        }
-        if estimates.stop().is_some() {
-            return;
-        }
-        let k = sample - record.forgotten();
-        for (value, &sensor) in measured.iter_mut().zip(sensors) {
-            *value = record.measured(sensor)[k];
-        }
-        if let Err(reason) = estimator.step(record.force(k - 1), record.force(k), measured, estimates) {
-            estimates.stop_at(reason);
-        }
+    pub(crate) fn bank(&self) -> &Bank {
+        &self.bank
+    }
+
+    /// The memory of what is kept. The run is of no use before it has been given other things.
+    fn take_apart(&mut self) -> (Option<Record>, Vec<Estimates>) {
+        let empty = Recording::Measured(Arc::new(self.record().emptied()));
+        let record = std::mem::replace(&mut self.recording, empty).into_simulated();
+        (record, std::mem::take(&mut self.bank.estimates))
     }
 }

@@ -1,5 +1,7 @@
 //! Where a filter reports to.
 
+use crate::{Estimates, Stop};
+
 /// One sample of a filter: its belief after the update, in the channels' units, and what the measurement told. n channels,
 /// m sensors.
 #[derive(Clone, Copy, Debug)]
@@ -53,4 +55,60 @@ pub struct AssumedNoise<'a> {
     pub process: &'a [f64],
     /// Diagonal of R, m numbers, in the sensors' units squared.
     pub sensors: &'a [f64],
+}
+
+/// Receives the samples of one filter in turn: a full history ([`Estimates`]), the last samples of it
+/// ([`Window`](crate::Window)), or running sums ([`Scores`](crate::Scores)).
+///
+/// ```
+/// use kalmanscope_core::sink::{Sample, Sink};
+/// use kalmanscope_core::{Pass, Run, Scenario, Stop};
+///
+/// /// The largest NIS so far.
+/// struct Largest(f64);
+///
+/// impl Sink for Largest {
+///     fn push(&mut self, sample: &Sample<'_>) {
+///         self.0 = self.0.max(sample.nis);
+///     }
+///
+///     fn stop_at(&mut self, _: Stop) {}
+/// }
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+/// let mut run = Run::new(&scenario)?;
+/// run.finish();
+/// let mut largest = Largest(0.0);
+/// Pass::new(&scenario, 0, run.record())?.follow(run.record(), 501, &mut largest);
+/// assert_eq!(largest.0, run.estimates()[0].nis()[1..].iter().copied().fold(0.0, f64::max));
+/// # Ok(())
+/// # }
+/// ```
+pub trait Sink {
+    /// Takes in the next sample. The first one is the initial belief.
+    fn push(&mut self, sample: &Sample<'_>);
+
+    /// The filter has stopped; there are no more samples.
+    fn stop_at(&mut self, stop: Stop);
+
+    /// The history that samples are appended to, if the sink is one: a filter whose sizes the compiler knows then writes
+    /// each sample without looking at lengths.
+    fn history(&mut self) -> Option<&mut Estimates> {
+        None
+    }
+}
+
+impl Sink for Estimates {
+    fn push(&mut self, sample: &Sample<'_>) {
+        self.append(sample);
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.set_stop(stop);
+    }
+
+    fn history(&mut self) -> Option<&mut Estimates> {
+        Some(self)
+    }
 }

@@ -1,9 +1,9 @@
 //! Estimates with hindsight: the whole record tells of every sample.
 
 use crate::estimator::FilterContext;
-use crate::{Estimates, FilterSettings, Record, filter, kernel};
+use crate::{Estimates, FilterError, FilterSettings, Record, Stop, filter, kernel};
 
-/// Smooths a filter's estimates over the first `samples` of a record: the filter goes forward, the smoother back.
+/// A smoother in progress: the filter goes forward, the smoother back.
 ///
 /// ```text
 /// G = C (P⁻ₖ₊₁)⁻¹,  C = cov(yₖ, y⁻ₖ₊₁)
@@ -15,17 +15,91 @@ use crate::{Estimates, FilterSettings, Record, filter, kernel};
 ///
 /// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented
 /// Rauch-Tung-Striebel smoother.
-pub(crate) fn smooth(
-    settings: &FilterSettings,
-    context: FilterContext<'_>,
-    record: &Record,
-    samples: usize,
-    estimates: &mut Estimates,
-) {
-    if samples > 0
-        && !settings.kind.is_sampled()
-        && !kernel::smoother::smooth(settings, context, record, samples, estimates)
-    {
-        filter::smoother::smooth(settings, &context, record, samples, estimates);
+pub(crate) struct Smoother {
+    beliefs: Box<dyn Beliefs>,
+    stop: Option<Stop>,
+    stage: Stage,
+}
+
+/// The beliefs of one filter at every sample of a record: its own, then the smoother's.
+pub(crate) trait Beliefs: Send {
+    /// The number of samples that have a belief.
+    fn len(&self) -> usize;
+
+    /// Filters sample `k`, the next one.
+    fn filter(&mut self, record: &Record, k: usize) -> Result<(), FilterError>;
+
+    /// Smooths sample `k`, whose successor is smooth.
+    fn smooth(&mut self, k: usize);
+
+    /// Appends sample `k` in the channels' units.
+    fn report(&self, k: usize, estimates: &mut Estimates);
+}
+
+/// How far a smoother has come.
+#[derive(Clone, Copy)]
+enum Stage {
+    /// The filter is on its way.
+    Forth,
+    /// The samples before this one are to be smoothed.
+    Back(usize),
+    /// The samples from this one on are to be written down.
+    Report(usize),
+}
+
+/// The smoother of a filter, if it can have one.
+pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Smoother> {
+    if settings.kind.is_sampled() {
+        return None;
+    }
+    let tuned = kernel::smoother::beliefs(settings, context);
+    let beliefs = tuned.or_else(|| filter::smoother::beliefs(settings, &context))?;
+    Some(Smoother { beliefs, stop: None, stage: Stage::Forth })
+}
+
+impl Smoother {
+    /// Goes on for at most `steps` steps over the first `samples` samples of a record, which must be the same each time;
+    /// appends to `estimates` at last. Returns whether all is done.
+    pub(crate) fn advance(&mut self, record: &Record, samples: usize, steps: usize, estimates: &mut Estimates) -> bool {
+        let Self { beliefs, stop, stage } = self;
+        for _ in 0..steps {
+            match *stage {
+                Stage::Forth => {
+                    let k = beliefs.len();
+                    if k == samples || stop.is_some() {
+                        *stage = Stage::Back(k.saturating_sub(1));
+                    } else if let Err(reason) = beliefs.filter(record, k) {
+                        *stop = Some(Stop { sample: k, reason });
+                    }
+                }
+                Stage::Back(0) => *stage = Stage::Report(0),
+                Stage::Back(k) => {
+                    beliefs.smooth(k - 1);
+                    *stage = Stage::Back(k - 1);
+                }
+                Stage::Report(k) if k == beliefs.len() => {
+                    if let Some(stop) = *stop {
+                        estimates.set_stop(stop);
+                    }
+                    return true;
+                }
+                Stage::Report(k) => {
+                    beliefs.report(k, estimates);
+                    *stage = Stage::Report(k + 1);
+                }
+            }
+        }
+        false
+    }
+
+    /// The share that is done, from 0 to 1.
+    pub(crate) fn progress(&self, samples: usize) -> f64 {
+        let of = |done: usize| done as f64 / samples.max(1) as f64;
+        match self.stage {
+            // The way forth takes the most time.
+            Stage::Forth => 0.6 * of(self.beliefs.len()),
+            Stage::Back(k) => 0.6 + 0.3 * (1.0 - of(k)),
+            Stage::Report(k) => 0.9 + 0.1 * of(k),
+        }
     }
 }

@@ -66,7 +66,7 @@ fn assert_is_end_of_run(kept: &Run, all: &Run) {
     for sensor in 0..record.sensors().len() {
         assert_eq!(bits(record.measured(sensor)), bits(&whole.measured(sensor)[gone..]));
     }
-    for channel in Channel::all() {
+    for &channel in Channel::all() {
         assert_eq!(record.truth(channel), whole.truth(channel).map(|truth| &truth[gone..]));
     }
     for k in 0..kept.len() {
@@ -101,7 +101,7 @@ fn the_memory_stays_where_it_is() {
     run.advance_to(1000);
     let places = |run: &Run| {
         let estimates = &run.estimates()[0];
-        [run.record().force().as_ptr(), estimates.mean(0).as_ptr(), estimates.cov(0).as_ptr(), estimates.nis().as_ptr()]
+        [run.record().input().as_ptr(), estimates.mean(0).as_ptr(), estimates.cov(0).as_ptr(), estimates.nis().as_ptr()]
     };
     let before = places(&run);
     while run.done() < run.samples() {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use health::{check_file, check_scenario, scenario_of};
 use kalmanscope_core::{
     Adaptation, Aspect, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity,
-    Record, Remark, Run, Scenario, Sensor, Signal, Stop, Trouble, TruthError, TruthStop, Values,
+    Record, Remark, Run, Scenario, Sensor, Stop, Trouble, TruthError, TruthStop, Values,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
@@ -153,12 +153,11 @@ fn perfect_sensors_make_s_singular_sooner_or_later() {
 #[test]
 fn an_indefinite_covariance_is_refused_or_remarked() {
     // Rank one, and shrinking: what is left of the variances is rounding.
-    let nothing = Values::ZERO;
     let filter = FilterSettings {
         kind: FilterKind::EKF,
-        initial_mean: nothing.with([(Channel::NATURAL_FREQUENCY, 61.7), (Channel::DAMPING_RATIO, 0.55)]),
-        initial_std: nothing.with([(Channel::NATURAL_FREQUENCY, 1.0)]),
-        process_std: nothing,
+        initial_mean: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 61.7), (Channel::DAMPING_RATIO, 0.55)]),
+        initial_std: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 1.0)]),
+        process_std: Values::ZERO,
         ..FilterSettings::default()
     };
     let force = Force::Step { amplitude: 0.3, at: 1.9 };

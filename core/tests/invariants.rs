@@ -133,6 +133,8 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     let basics = (0..1_u64 << 62, size(-3.0..-0.7), 1_u32..250);
     (basics, plant(), force(), sensors()).prop_flat_map(|((seed, dt, steps), plant, force, sensors)| {
         proptest::collection::vec(filter(sensors.len()), 0..4).prop_map(move |filters| Scenario {
+            input: kalmanscope_core::InputKind::Force,
+            hold: kalmanscope_core::Hold::Zero,
             seed,
             dt,
             duration: f64::from(steps) * dt,
@@ -288,7 +290,11 @@ proptest! {
         off in (0.7..1.4, 0.0..0.3),
         sensors in proptest::sample::subsequence(Quantity::all()[..3].to_vec(), 1..=3),
     ) {
-        let noise = |q| match q { Quantity::DISPLACEMENT => 0.01, Quantity::VELOCITY => 0.06, _ => 0.5 };
+        let noise = |q| match q {
+            q if q == Quantity::DISPLACEMENT => 0.01,
+            q if q == Quantity::VELOCITY => 0.06,
+            _ => 0.5,
+        };
         let mut scenario = Scenario { seed, ..Scenario::default() };
         scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(wn));
         scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(zeta));
@@ -313,13 +319,12 @@ proptest! {
 /// A covariance of rank one that shrinks without anything to lift it: its variances are zero to rounding, on either side.
 #[test]
 fn rounding_makes_no_variance_negative() {
-    let nothing = Values::ZERO;
     for kind in FilterKind::ALL {
         let filter = FilterSettings {
             kind,
-            initial_mean: nothing.with([(Channel::NATURAL_FREQUENCY, 61.7), (Channel::DAMPING_RATIO, 0.55)]),
-            initial_std: nothing.with([(Channel::NATURAL_FREQUENCY, 1.0)]),
-            process_std: nothing,
+            initial_mean: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 61.7), (Channel::DAMPING_RATIO, 0.55)]),
+            initial_std: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 1.0)]),
+            process_std: Values::ZERO,
             ..FilterSettings::default()
         };
         let scenario = Scenario {

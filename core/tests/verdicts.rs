@@ -164,10 +164,10 @@ const SITUATIONS: &[Situation] = &[
         "sure of a wrong frequency",
         |s| {
             s.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 40.0;
-            for channel in Channel::all() {
+            for &channel in Channel::all() {
                 s.filters[0].initial_std[channel] *= 0.1;
             }
-            process_times(s, &Channel::all(), 0.01);
+            process_times(s, Channel::all(), 0.01);
         },
         &[Diverged],
     ),

@@ -1,7 +1,7 @@
 //! A filter's initial belief, and its trust in model and sensors: initial mean and std, Q and R.
 
 use egui::{Grid, RichText, Ui, Vec2};
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Sensor, Values};
+use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Sensor};
 
 use super::number::{field, spread};
 
@@ -12,7 +12,9 @@ const UNIT_WIDTH: f32 = 36.0;
 
 /// A table with a row a channel and a row a sensor of a filter, for a truth of the given kind.
 pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sensor], truth: PlantKind) {
-    let FilterSettings { id, name, kind, plant, sensor_std, initial_mean, initial_std, process_std, .. } = filter;
+    let channels = filter.model(truth, InputKind::Force).channels().to_vec();
+    let known: Vec<Channel> = channels.iter().copied().filter(|channel| filter.knows(*channel)).collect();
+    let FilterSettings { id, name, sensor_std, initial_mean, initial_std, process_std, .. } = filter;
     let spacing = ui.spacing().item_spacing.x;
     let column = ((ui.available_width() - SYMBOL_WIDTH - UNIT_WIDTH - 4.0 * spacing) / 3.0).max(36.0);
     let cell = |ui: &mut Ui, enabled: bool, add: &mut dyn FnMut(&mut Ui)| {
@@ -31,9 +33,9 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
         heading(ui, "± σ of guess", "Standard deviation of the initial belief: how sure the filter is of its guess");
         heading(ui, "√Q per step", "Standard deviation of what the model leaves out in one step");
         ui.end_row();
-        for &channel in plant.unwrap_or(truth).channels() {
+        for &channel in &channels {
             // The KF knows the parameters: it has no uncertainty to set.
-            let uncertain = !(*kind == FilterKind::KF && channel.is_parameter());
+            let uncertain = !known.contains(&channel);
             ui.label(channel.symbol()).on_hover_text(channel.name());
             let title = |what: &str| format!("{name} {what} of {}", channel.name());
             let scale = scale(channel);
@@ -71,6 +73,6 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
 
 /// A usual size of the channel's values: what a filter is uncertain by at first.
 fn scale(channel: Channel) -> f64 {
-    let usual = Values::INITIAL_STD[channel];
-    if usual > 0.0 { usual } else { Values::INITIAL_MEAN[channel].abs() }
+    let usual = channel.usual();
+    if usual.std > 0.0 { usual.std } else { usual.mean.abs() }
 }

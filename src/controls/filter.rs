@@ -32,7 +32,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             memory_ui(ui, filter, *dt);
             belief_ui(ui, filter, sensors, plant.kind);
             ui.add_space(2.0);
-            options_ui(ui, filter);
+            options_ui(ui, filter, plant.kind, sensors);
             ui.add_space(2.0);
             ui.horizontal_wrapped(|ui| {
                 let hint =

@@ -1,7 +1,7 @@
 //! The measured force.
 
 use egui::{ComboBox, Ui};
-use kalmanscope_core::Force;
+use kalmanscope_core::{Force, Hold, InputKind, Scenario};
 
 use super::number::Number;
 
@@ -15,12 +15,19 @@ const KINDS: [(&str, Force); 6] = [
     ("none", Force::None),
 ];
 
-pub(super) fn force_ui(ui: &mut Ui, force: &mut Force) {
+pub(super) fn force_ui(ui: &mut Ui, scenario: &mut Scenario) {
+    let Scenario { force, input, hold, .. } = scenario;
+    let inputs = [(InputKind::Force, "force over mass"), (InputKind::GroundAcceleration, "ground acceleration")];
+    let hint = "The input that is recorded: a force over mass, or the acceleration of the ground under the oscillator";
+    choice_ui(ui, "the input is a", "Kind of input", hint, &inputs, input);
+    let holds = [(Hold::Zero, "held"), (Hold::First, "linear")];
+    let hint = "Between samples the input keeps its value (zero-order hold) or is linear (first-order hold)";
+    choice_ui(ui, "between samples it is", "Input between samples", hint, &holds, hold);
     let same_kind = |other: &Force| std::mem::discriminant(other) == std::mem::discriminant(force);
     let current = KINDS.iter().position(|(_, kind)| same_kind(kind)).unwrap_or(0);
     let mut chosen = current;
     ui.horizontal(|ui| {
-        ui.label("f force over mass");
+        ui.label("over time");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let combo = ComboBox::from_id_salt("force").selected_text(KINDS[chosen].0).width(116.0).show_ui(ui, |ui| {
                 for (i, (name, _)) in KINDS.iter().enumerate() {
@@ -62,4 +69,27 @@ pub(super) fn force_ui(ui: &mut Ui, force: &mut Force) {
             number(ui, "at", "s", (0.0, 60.0), 0.0, at);
         }
     }
+}
+
+/// A row in which one of a few names is chosen.
+fn choice_ui<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    label: &str,
+    name: &str,
+    hint: &str,
+    choices: &[(T, &str)],
+    value: &mut T,
+) {
+    let text = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, text)| text);
+    ui.horizontal(|ui| {
+        ui.label(label).on_hover_text(hint);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let combo = ComboBox::from_id_salt(name).selected_text(text).width(140.0).show_ui(ui, |ui| {
+                for (choice, text) in choices {
+                    ui.selectable_value(value, *choice, *text);
+                }
+            });
+            ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(name.to_owned()));
+        });
+    });
 }

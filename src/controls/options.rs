@@ -1,16 +1,17 @@
 //! The less common settings of a filter: its plant, its propagation, logarithms, learning, the size of its ensemble.
 
 use egui::{Checkbox, ComboBox, DragValue, Ui};
-use kalmanscope_core::{FilterKind, FilterSettings, PlantKind, Propagation};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Propagation, Sensor, augment};
 
 /// The most members of an ensemble: a frame has time for no more.
 const MOST_MEMBERS: usize = 2000;
 
 /// The less common settings of a filter.
-pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings) {
+pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, sensors: &[Sensor]) {
     egui::CollapsingHeader::new("Options").id_salt(("options", filter.id)).show_unindented(ui, |ui| {
         plant_ui(ui, filter);
-        if matches!(filter.kind, FilterKind::KF | FilterKind::EKF | FilterKind::IEKF) {
+        augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
+        if [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF].contains(&filter.kind) {
             propagation_ui(ui, filter);
         }
         let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, smoother, .. } = filter;
@@ -38,6 +39,36 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings) {
         check(ui, &mut adaptation.sensor_noise, "learn R from the innovations", "Akhlaghi, Zhou and Huang (2017)");
         check(ui, &mut adaptation.process_noise, "learn Q from the innovations", "Akhlaghi, Zhou and Huang (2017)");
     });
+}
+
+/// The augmentations that the filter estimates beside its plant.
+fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensors: &[Sensor]) {
+    let FilterSettings { id, name, augment, .. } = filter;
+    let biases = sensors.iter().map(|sensor| sensor.measures.bias());
+    let offered: Vec<Channel> = augment::OF_INPUT.into_iter().chain(biases).collect();
+    let summary = if augment.is_empty() {
+        "nothing".to_owned()
+    } else {
+        augment.iter().map(|channel| channel.symbol()).collect::<Vec<_>>().join(", ")
+    };
+    let hint =
+        "Properties of the input and the sensors that the filter estimates too: gain, offset, unknown force, bias";
+    ui.horizontal(|ui| {
+        ui.label("estimates also").on_hover_text(hint);
+        let combo = ComboBox::from_id_salt(("augment", *id)).selected_text(summary).show_ui(ui, |ui| {
+            for channel in offered {
+                let mut on = augment.contains(&channel);
+                let text = format!("{} {}", channel.symbol(), channel.name());
+                if ui.checkbox(&mut on, text).changed() {
+                    augment.retain(|c| *c != channel);
+                    augment.extend(on.then_some(channel));
+                }
+            }
+        });
+        ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("{name} augmentations")));
+    });
+    // A sensor that is gone leaves no bias behind, and a plant without a quantity none of it.
+    augment.retain(|channel| augment::of(plant).any(|c| c == *channel));
 }
 
 fn plant_ui(ui: &mut Ui, filter: &mut FilterSettings) {

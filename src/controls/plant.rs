@@ -1,28 +1,23 @@
 //! The true oscillator.
 
-use egui::{ComboBox, Ui};
-use kalmanscope_core::{Channel, Plant, PlantKind, Scenario};
+use egui::{Button, ComboBox, Ui};
+use kalmanscope_core::channel::{Role, Sign};
+use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, augment};
 
 use super::number::Number;
 use super::signal::{Parameter, signal_ui};
 
+/// The least natural frequency that can be set \[rad/s\].
+const LEAST_POSITIVE: f64 = 0.01;
+
 pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
     kind_ui(ui, scenario);
     let plant = &mut scenario.plant;
-    for channel in plant.kind.parameters() {
-        let name = sentence_case(channel.name());
-        let label = format!("{} {}", channel.symbol(), channel.name());
-        let range = range(channel);
-        let least = match channel {
-            Channel::NATURAL_FREQUENCY => 0.01,
-            _ if channel.is_positive() => 0.0,
-            _ => f64::NEG_INFINITY,
-        };
-        if let Some(signal) = plant.parameter_mut(channel) {
-            signal_ui(ui, &Parameter { label: &label, name: &name, unit: channel.unit(), range, least }, signal);
-            ui.add_space(4.0);
-        }
+    for channel in plant.parameters().collect::<Vec<_>>() {
+        parameter_ui(ui, plant, channel);
+        ui.add_space(4.0);
     }
+    augmentation_ui(ui, plant);
     let Plant { initial, disturbance_std, .. } = plant;
     let number = |ui: &mut Ui, label, name, unit, range, least, hint, value: &mut f64| {
         Number { label, name, unit, range, least, logarithmic: false, hint }.show(ui, value);
@@ -50,17 +45,44 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario) {
     ui.add_space(4.0);
 }
 
-/// Ends of a parameter's sliders.
-fn range(channel: Channel) -> (f64, f64) {
-    match channel {
-        Channel::NATURAL_FREQUENCY => (0.5, 20.0),
-        Channel::DAMPING_RATIO => (0.0, 0.5),
-        Channel::CUBIC_STIFFNESS => (-50.0, 1000.0),
-        Channel::POST_YIELD_RATIO => (0.0, 1.0),
-        Channel::HYSTERESIS_BETA | Channel::HYSTERESIS_GAMMA => (-100.0, 200.0),
-        Channel::STOREY_DAMPING => (0.0, 5.0),
-        _ => (10.0, 500.0),
+/// A parameter or an augmentation over time; an augmentation can be taken away.
+fn parameter_ui(ui: &mut Ui, plant: &mut Plant, channel: Channel) {
+    let name = sentence_case(channel.name());
+    let label = format!("{} {}", channel.symbol(), channel.name());
+    let least = match channel.role() {
+        Role::Parameter(Sign::Positive) => LEAST_POSITIVE,
+        Role::Parameter(Sign::NotNegative) => 0.0,
+        Role::Parameter(Sign::Any) | Role::Augmentation | Role::Motion => f64::NEG_INFINITY,
+    };
+    let range = channel.usual().slider;
+    if let Some(signal) = plant.parameter_mut(channel) {
+        signal_ui(ui, &Parameter { label: &label, name: &name, unit: channel.unit(), range, least }, signal);
     }
+    if channel.is_augmentation() {
+        let button = ui.add(Button::new("Remove").small()).on_hover_text("Take this property away from the truth");
+        ui.ctx().accesskit_node_builder(button.id, |node| node.set_label(format!("Remove {}", channel.name())));
+        if button.clicked() {
+            plant.remove(channel);
+        }
+    }
+}
+
+/// Gives the truth a property of its input or of a sensor that the filters are not told.
+fn augmentation_ui(ui: &mut Ui, plant: &mut Plant) {
+    let has: Vec<Channel> = plant.parameters().collect();
+    let mut chosen = None;
+    let combo = ComboBox::from_id_salt("augmentation").selected_text("Add gain, offset, bias …").show_ui(ui, |ui| {
+        for channel in augment::of(plant.kind).filter(|channel| !has.contains(channel)) {
+            ui.selectable_value(&mut chosen, Some(channel), format!("{} {}", channel.symbol(), channel.name()));
+        }
+    });
+    let hint = "The recorded input may be wrong by a gain or an offset, a sensor by a bias: the filters are not told";
+    combo.response.clone().on_hover_text(hint);
+    ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Add a property to the truth"));
+    if let Some(channel) = chosen {
+        plant.set(channel, channel.usual_truth());
+    }
+    ui.add_space(4.0);
 }
 
 fn sentence_case(name: &str) -> String {

@@ -1,16 +1,26 @@
 //! Which quantities are measured, and how noisily.
 
-use egui::{Checkbox, Ui};
-use kalmanscope_core::quantity::{Aspect, MAX_SENSORS};
-use kalmanscope_core::{Quantity, Scenario, Sensor};
+use egui::{Checkbox, ComboBox, Ui};
+use kalmanscope_core::quantity::MAX_SENSORS;
+use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
 use super::number::Number;
 
+/// Up to this number of quantities each has a check box.
+const FEW: usize = 12;
+
+fn is_measured(scenario: &Scenario, quantity: Quantity) -> bool {
+    scenario.sensors.iter().any(|sensor| sensor.measures == quantity)
+}
+
 pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let full = scenario.sensors.len() >= MAX_SENSORS;
+    let offered = offered(scenario);
     ui.horizontal_wrapped(|ui| {
-        for quantity in scenario.plant.kind.quantities() {
-            let mut measured = scenario.sensors.iter().any(|s| s.measures == quantity);
+        // A chain has too many quantities to show all of them: those that are not measured are in a list.
+        let shown = offered.iter().filter(|quantity| offered.len() <= FEW || is_measured(scenario, **quantity));
+        for &quantity in shown.collect::<Vec<_>>() {
+            let mut measured = is_measured(scenario, quantity);
             let enabled = measured || !full;
             if ui.add_enabled(enabled, Checkbox::new(&mut measured, quantity.key())).changed() {
                 if measured {
@@ -18,6 +28,18 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
                 } else {
                     scenario.remove_sensor(quantity);
                 }
+            }
+        }
+        if offered.len() > FEW && !full {
+            let mut chosen = None;
+            let combo = ComboBox::from_id_salt("add sensor").selected_text("Add a sensor").show_ui(ui, |ui| {
+                for &quantity in offered.iter().filter(|quantity| !is_measured(scenario, **quantity)) {
+                    ui.selectable_value(&mut chosen, Some(quantity), quantity.key());
+                }
+            });
+            ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Add a sensor"));
+            if let Some(quantity) = chosen {
+                scenario.add_sensor(Sensor { measures: quantity, noise_std: usual_noise(quantity) });
             }
         }
     });
@@ -42,12 +64,20 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
     }
 }
 
-const fn usual_noise(quantity: Quantity) -> f64 {
-    match quantity.aspect() {
-        Aspect::Displacement => 0.01,
-        Aspect::Velocity => 0.06,
-        Aspect::Acceleration => 0.3,
-    }
+fn usual_noise(quantity: Quantity) -> f64 {
+    quantity.aspect().info().usual_noise
+}
+
+/// The quantities that are worth a sensor: those that another one does not stand for already.
+fn offered(scenario: &Scenario) -> Vec<Quantity> {
+    let (kind, input) = (scenario.plant.kind, scenario.input);
+    let is_told_apart = |quantity: &Quantity| match quantity.aspect() {
+        aspect if aspect == Aspect::TOTAL_ACCELERATION => input == InputKind::GroundAcceleration,
+        aspect if aspect == Aspect::DRIFT => quantity.mass() > 0,
+        _ => true,
+    };
+    let measured = |quantity: &Quantity| scenario.sensors.iter().any(|sensor| sensor.measures == *quantity);
+    kind.quantities().filter(|quantity| is_told_apart(quantity) || measured(quantity)).collect()
 }
 
 /// Three decades around the usual.

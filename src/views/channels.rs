@@ -67,8 +67,8 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         let band = Band::around(estimates.canonical_means(at), estimates.variances(at));
         layers.push(Layer::Band { band, color: palette.shade(estimates.color()), under: line_width(place, ESTIMATE) });
     }
-    let quantity = Quantity::all().into_iter().find(|q| q.channel() == Some(channel));
-    if let Some(z) = quantity.and_then(|q| record.measured_quantity(q)).filter(|_| visible.measured) {
+    let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel));
+    if let Some(z) = quantity.and_then(|q| record.measured_quantity(*q)).filter(|_| visible.measured) {
         layers.push(Layer::Dots { series: Series::of(&z[..run.len()]), color: palette.measured });
     }
     if let Some(truth) = record.truth(channel).filter(|_| visible.truth) {

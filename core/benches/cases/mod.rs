@@ -2,19 +2,18 @@
 
 use std::hint::black_box;
 
-use kalmanscope_core::filter::{
-    Adaptation, Belief, Correction, Filter, Linearised, Noise, Propagation, Rule, SigmaPoints, SquareRoot,
-};
-use kalmanscope_core::gaussian::{Gaussian, Matrix, Vector};
-use kalmanscope_core::model::Model;
-use kalmanscope_core::models::bouc_wen::BoucWen;
-use kalmanscope_core::models::duffing::Duffing;
-use kalmanscope_core::models::log_parameters::LogParameters;
-use kalmanscope_core::models::sdof::Sdof;
-use kalmanscope_core::models::shear_chain::ShearChain;
-use kalmanscope_core::{FilterSettings, PlantKind, Record, Run, Scenario, Values};
+use kalmanscope_core::filter::{Adaptation, Rule};
+use kalmanscope_core::kernel::gaussian::{Gaussian, Matrix, Vector};
+use kalmanscope_core::kernel::log_parameters::LogParameters;
+use kalmanscope_core::kernel::model::{Model, Output};
+use kalmanscope_core::kernel::plant::bouc_wen::BoucWen;
+use kalmanscope_core::kernel::plant::duffing::Duffing;
+use kalmanscope_core::kernel::plant::sdof::Sdof;
+use kalmanscope_core::kernel::plant::shear_chain::ShearChain;
+use kalmanscope_core::kernel::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints, SquareRoot};
+use kalmanscope_core::{FilterSettings, InputKind, PlantKind, Propagation, Record, Run, Scenario, Values};
 
-/// A filter and what it is fed.
+/// A filter and its input.
 pub(crate) struct Case {
     /// Plant, number of components, kind of filter.
     pub(crate) name: String,
@@ -35,10 +34,15 @@ pub(crate) fn cases() -> Vec<Case> {
     plant(&mut cases, PlantKind::DUFFING, Duffing { eta: 0.0 });
     plant(&mut cases, PlantKind::BOUC_WEN, BoucWen { eta: 0.0 });
     plant(&mut cases, PlantKind::SHEAR_2, ShearChain::<2> { eta: 0.0 });
+    plant(&mut cases, PlantKind::SHEAR_3, ShearChain::<3> { eta: 0.0 });
+    plant(&mut cases, PlantKind::SHEAR_4, ShearChain::<4> { eta: 0.0 });
+    plant(&mut cases, PlantKind::SDOF, Sdof { eta: 0.02 });
+    plant(&mut cases, PlantKind::SHEAR_3, ShearChain::<3> { eta: 0.02 });
     cases
 }
 
 fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, plant: P) {
+    let eta = plant.eta();
     // As a run has it, which may want logarithms.
     let model = LogParameters { plant, on: false };
     let mut scenario = Scenario { duration: 20.0, filters: vec![], ..Scenario::default() };
@@ -48,17 +52,21 @@ fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, pl
     let record = run.record().clone();
     let values = |per: &Values| Vector::<N>::from(P::CHANNELS.map(|c| per[c]));
     let initial = Gaussian::independent(values(&Values::INITIAL_MEAN), &values(&Values::INITIAL_STD));
-    let mut add = |name: &str, stepper| cases.push(Case { name: format!("{}, n = {N}, {name}", kind.name()), stepper });
+    let decay = if eta == 0.0 { String::new() } else { format!(", eta = {eta}") };
+    let mut add = |name: &str, stepper| {
+        cases.push(Case { name: format!("{}, n = {N}{decay}, {name}", kind.name()), stepper });
+    };
     let local = Propagation::LocalLinearisation;
-    add("EKF", stepper(model.clone(), Linearised::new(initial.clone(), local, 1), &record));
-    add("UKF", stepper(model.clone(), SigmaPoints::new(initial.clone(), Rule::Unscented), &record));
-    add("CKF", stepper(model.clone(), SigmaPoints::new(initial.clone(), Rule::Cubature), &record));
+    add("EKF", stepper(model.clone(), kind, Linearised::new(initial.clone(), local, 1), &record));
+    add("UKF", stepper(model.clone(), kind, SigmaPoints::new(initial.clone(), Rule::Unscented), &record));
+    add("CKF", stepper(model.clone(), kind, SigmaPoints::new(initial.clone(), Rule::Cubature), &record));
     let root = SquareRoot::new(&initial).expect("the covariance is diagonal");
-    add("SR-UKF", stepper(model, root, &record));
+    add("SR-UKF", stepper(model, kind, root, &record));
 }
 
 fn stepper<P: Model<N>, B: Belief<P, N> + Clone + 'static, const N: usize>(
     model: P,
+    kind: PlantKind,
     belief: B,
     record: &Record,
 ) -> Box<dyn FnMut(usize)> {
@@ -69,9 +77,10 @@ fn stepper<P: Model<N>, B: Belief<P, N> + Clone + 'static, const N: usize>(
         sensors: vec![0.01 * 0.01, 0.06 * 0.06],
         fading: settings.fading,
     };
-    let outputs = record.sensors().iter().map(|&q| model.output(q)).collect();
+    let book = settings.model(kind, InputKind::default());
+    let outputs = record.sensors().iter().map(|&q| book.reading(q).as_ref().and_then(Output::of)).collect();
     let start = Filter::new(model, belief, record.dt(), noise, outputs, Adaptation::default());
-    let force = record.force().to_vec();
+    let force: Vec<f64> = (0..record.len()).map(|k| record.force(k)).collect();
     let measured: Vec<[f64; 2]> = (0..record.len()).map(|k| [record.measured(0)[k], record.measured(1)[k]]).collect();
     let mut filter = start.clone();
     let mut k = 0;

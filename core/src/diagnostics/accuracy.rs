@@ -32,33 +32,66 @@ impl Tally {
 
 /// A channel whose truth is known, and what is remembered of it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
-    pub(super) channel: Channel,
+pub(crate) struct Known {
+    pub(crate) channel: Channel,
     /// Its place among the filter's channels.
-    pub(super) place: usize,
+    pub(crate) place: usize,
     /// Its place in the record.
-    truth: usize,
-    total: Tally,
+    pub(crate) truth: usize,
+    pub(crate) total: Tally,
     /// The first absolute error, kept or not; 0 before it.
-    pub(super) first_error: f64,
+    pub(crate) first_error: f64,
     /// The largest absolute truth so far, kept or not.
-    pub(super) largest_truth: f64,
+    pub(crate) largest_truth: f64,
     /// The number, from the run's beginning, of the sample from which on the estimate has been within [`SETTLED`]; the next
     /// one if it is not.
-    settled: usize,
+    pub(crate) settled: usize,
 }
 
 impl Known {
+    /// The channels of some estimates that a record knows the truth of, before the sample of this number.
+    pub(crate) fn of<'a>(
+        channels: &'a [Channel],
+        record: &'a Record,
+        first: usize,
+    ) -> impl Iterator<Item = Self> + use<'a> {
+        channels.iter().enumerate().filter_map(move |(place, &channel)| {
+            let truth = record.truth_place(channel)?;
+            let total = Tally::default();
+            Some(Self { channel, place, truth, total, first_error: 0.0, largest_truth: 0.0, settled: first })
+        })
+    }
+
     /// The error of a mean in the filter's own form.
     #[inline]
-    fn error(&self, mean: &[f64], sign: f64, truth: f64) -> f64 {
+    pub(crate) fn error(&self, mean: &[f64], sign: f64, truth: f64) -> f64 {
         mean[self.place] - if self.channel.is_mirrored() { sign * truth } else { truth }
+    }
+
+    /// Takes in the error of the sample with this number.
+    #[inline]
+    pub(crate) fn take_in(&mut self, error: f64, truth: f64, variance: f64, number: usize) {
+        if error.is_nan() {
+            self.settled += usize::from(self.settled == number);
+            return;
+        }
+        let mut total = self.total;
+        let square = error * error;
+        if total.known == 0 {
+            self.first_error = error.abs();
+        }
+        total.squares += square;
+        total.known += 1;
+        total.inside += u32::from(square <= 4.0 * variance);
+        self.total = total;
+        self.largest_truth = if truth.abs() > self.largest_truth { truth.abs() } else { self.largest_truth };
+        self.settled = if error.abs() <= SETTLED * truth.abs() { self.settled } else { number + 1 };
     }
 }
 
 /// What makes the mirrored channels of a mean canonical.
 #[inline]
-fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
+pub(crate) fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
     if frequency.is_some_and(|place| mean[place] < 0.0) { -1.0 } else { 1.0 }
 }
 
@@ -81,13 +114,8 @@ impl Accuracy {
     pub(super) fn restart(&mut self, estimates: &Estimates, record: &Record) {
         let Self { known, first, frequency, until, errors, sign } = self;
         *first = estimates.forgotten();
-        let of = |(place, &channel): (usize, &Channel)| {
-            let truth = record.truth_place(channel)?;
-            let total = Tally::default();
-            Some(Known { channel, place, truth, total, first_error: 0.0, largest_truth: 0.0, settled: *first })
-        };
         known.clear();
-        known.extend(estimates.channels().iter().enumerate().filter_map(of));
+        known.extend(Known::of(estimates.channels(), record, *first));
         *frequency = estimates.place(Channel::NATURAL_FREQUENCY);
         until.clear();
         errors.clear();
@@ -116,24 +144,9 @@ impl Accuracy {
         *sign = sign_of(mean, *frequency);
         until.extend(known.iter_mut().zip(errors.iter_mut()).map(|(one, error)| {
             let truth = record.truth_at(one.truth, k);
-            let raw = one.error(mean, *sign, truth);
-            *error = raw;
-            let mut total = one.total;
-            if raw.is_nan() {
-                one.settled += usize::from(one.settled == number);
-            } else {
-                let square = raw * raw;
-                if total.known == 0 {
-                    one.first_error = raw.abs();
-                }
-                total.squares += square;
-                total.known += 1;
-                total.inside += u32::from(square <= 4.0 * cov[one.place * (mean.len() + 1)]);
-                one.largest_truth = if truth.abs() > one.largest_truth { truth.abs() } else { one.largest_truth };
-                one.settled = if raw.abs() <= SETTLED * truth.abs() { one.settled } else { number + 1 };
-            }
-            one.total = total;
-            total
+            *error = one.error(mean, *sign, truth);
+            one.take_in(*error, truth, cov[one.place * (mean.len() + 1)], number);
+            one.total
         }));
         errors
     }
@@ -210,7 +223,7 @@ mod tests {
         for (k, pairs) in samples.into_iter().enumerate() {
             let [frequency, damping] = pairs.map(|(mean, _)| mean);
             let cov: Vec<f64> = (0..16).map(|i| if i % 5 == 0 { STD * STD } else { 0.0 }).collect();
-            estimates.push(&Sample::unmeasured(&[0.0, 0.0, frequency, damping], &cov));
+            estimates.append(&Sample::unmeasured(&[0.0, 0.0, frequency, damping], &cov));
             record.push(0.0, [], pairs.map(|(_, truth)| truth));
             accuracy.push(&estimates, &record, k);
         }

@@ -3,16 +3,10 @@
 use super::chi_squared;
 use super::totals::Totals;
 
-/// The NEES of every sample, over the channels in some places.
+/// The NEES of one sample, over the channels in some places.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Nees {
+pub(crate) struct ErrorSquare {
     places: Vec<usize>,
-    values: Vec<f64>,
-    totals: Totals,
-    /// The number of samples below the 95 % quantile of their degrees of freedom.
-    inside: u32,
-    /// That quantile for one degree of freedom and more.
-    limits: Vec<f64>,
     /// The largest mean of each channel so far: rounding of an estimate is a share of it.
     sizes: Vec<f64>,
     /// Memory for the errors, their covariance and its factor.
@@ -21,46 +15,36 @@ pub(super) struct Nees {
     factor: Vec<f64>,
 }
 
-impl Nees {
-    /// Begins anew, for errors of the channels in `places`, which ascend.
-    pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
-        let Self { places, values, totals, inside, limits, sizes, errors: _, cov: _, factor: _ } = self;
+impl ErrorSquare {
+    /// For errors of the channels in `places`, which ascend.
+    pub(crate) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
+        let Self { places, sizes, errors: _, cov: _, factor: _ } = self;
         places.clear();
         places.extend(new_places);
-        values.clear();
-        totals.clear();
         sizes.clear();
         sizes.resize(places.len(), 0.0);
-        *inside = 0;
-        for degrees in limits.len()..places.len() {
-            limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
-        }
     }
 
-    /// Takes in a sample: the errors of the channels in these places, and mean and n × n covariance of all n channels.
-    /// Channels known for certain, of variance zero, do not count, and a variance counts as no less than rounding of the
-    /// estimate would make it.
+    /// The square and its degrees of freedom, from the errors of the channels in these places and mean and n × n covariance
+    /// of all n channels. Channels known for certain, of variance zero, do not count, and a variance counts as no less than
+    /// rounding of the estimate would make it.
     #[inline]
-    pub(super) fn push(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) {
+    pub(crate) fn of(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) -> (f64, u32) {
         for (size, &place) in self.sizes.iter_mut().zip(&self.places) {
             *size = size.max(mean[place].abs());
         }
-        let (square, degrees) = match (<&[f64; 4]>::try_from(errors), <[f64; 16]>::try_from(cov)) {
+        match (<&[f64; 4]>::try_from(errors), <[f64; 16]>::try_from(cov)) {
             // The usual case, for which the compiler unrolls every loop.
             (Ok(&[a, b, c, d]), Ok(mut cov)) => {
                 add_rounding(&self.sizes, &mut cov);
                 normalised_square(&mut [a, b, c, d], &cov, &mut cov.clone())
             }
-            _ => self.square_of(errors, cov, mean.len()),
-        };
-        let Self { values, totals, inside, limits, .. } = self;
-        values.push(square);
-        totals.push(square, degrees);
-        *inside += u32::from(degrees > 0 && square <= limits[degrees as usize - 1]);
+            _ => self.of_any(errors, cov, mean.len()),
+        }
     }
 
-    fn square_of(&mut self, all_errors: &[f64], all_cov: &[f64], n: usize) -> (f64, u32) {
-        let Self { places, sizes, errors, cov, factor, .. } = self;
+    fn of_any(&mut self, all_errors: &[f64], all_cov: &[f64], n: usize) -> (f64, u32) {
+        let Self { places, sizes, errors, cov, factor } = self;
         errors.clear();
         errors.extend_from_slice(all_errors);
         cov.clear();
@@ -71,6 +55,42 @@ impl Nees {
         factor.clear();
         factor.extend_from_slice(cov);
         normalised_square(errors, cov, factor)
+    }
+}
+
+/// The NEES of every sample, over the channels in some places.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Nees {
+    square: ErrorSquare,
+    values: Vec<f64>,
+    totals: Totals,
+    /// The number of samples below the 95 % quantile of their degrees of freedom.
+    inside: u32,
+    /// That quantile for one degree of freedom and more.
+    limits: Vec<f64>,
+}
+
+impl Nees {
+    /// Begins anew, for errors of the channels in `places`, which ascend.
+    pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
+        let Self { square, values, totals, inside, limits } = self;
+        square.restart(new_places);
+        values.clear();
+        totals.clear();
+        *inside = 0;
+        for degrees in limits.len()..square.places.len() {
+            limits.push(chi_squared::quantile(0.95, degrees as u32 + 1).unwrap_or(f64::INFINITY));
+        }
+    }
+
+    /// Takes in a sample: the errors of the channels in these places, and mean and n × n covariance of all n channels.
+    #[inline]
+    pub(super) fn push(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) {
+        let Self { square, values, totals, inside, limits } = self;
+        let (square, degrees) = square.of(errors, mean, cov);
+        values.push(square);
+        totals.push(square, degrees);
+        *inside += u32::from(degrees > 0 && square <= limits[degrees as usize - 1]);
     }
 
     pub(super) fn values(&self) -> &[f64] {

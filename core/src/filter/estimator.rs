@@ -4,8 +4,8 @@ use super::{Belief, Correction, Filter, FilterError, Gaussian, Noise};
 use crate::estimator::{Estimator, Failed, FilterContext};
 use crate::linalg::{Matrix, Vector};
 use crate::random::{Normal, Purpose};
-use crate::sink::{AssumedNoise, Sample};
-use crate::{Estimates, FilterSettings, Model, Values};
+use crate::sink::{AssumedNoise, Sample, Sink};
+use crate::{FilterSettings, Model, Values};
 
 /// A filter and what its last measurement told.
 struct Followed {
@@ -14,12 +14,13 @@ struct Followed {
 }
 
 impl Estimator for Followed {
-    fn begin(&self, estimates: &mut Estimates) {
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Noise { process, sensors, fading: _ } = self.filter.noise();
         let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
-        if !is_finite || self.report(estimates).is_err() {
-            estimates.stop_at(FilterError::TooLarge);
+        if !is_finite || self.report(sink).is_err() {
+            return Err(FilterError::TooLarge);
         }
+        Ok(())
     }
 
     fn step(
@@ -27,17 +28,17 @@ impl Estimator for Followed {
         force_before: f64,
         force: f64,
         measured: &[f64],
-        estimates: &mut Estimates,
+        sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
         self.filter.predict([force_before, force])?;
         self.filter.update(force, measured, &mut self.correction)?;
-        self.report(estimates)
+        self.report(sink)
     }
 }
 
 impl Followed {
     /// Writes the belief down, in the channels' units.
-    fn report(&self, estimates: &mut Estimates) -> Result<(), FilterError> {
+    fn report(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, correction } = self;
         let (belief, unit) = in_units(filter.model(), &filter.belief().gaussian());
         let mut gain = correction.gain.clone();
@@ -49,7 +50,7 @@ impl Followed {
         }
         let process = filter.noise().process.diagonal();
         let noise = AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors };
-        estimates.push(&Sample {
+        sink.push(&Sample {
             mean: belief.mean.as_slice(),
             cov: belief.cov.as_slice(),
             innovation: correction.innovation.as_slice(),

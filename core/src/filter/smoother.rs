@@ -1,77 +1,63 @@
 //! The Rauch-Tung-Striebel smoother.
+//!
+//! ```text
+//! G = C (P⁻ₖ₊₁)⁻¹,  yₖˢ = yₖ + G (yˢₖ₊₁ - y⁻ₖ₊₁),  Pₖˢ = Pₖ - G Cᵀ + G Pˢₖ₊₁ Gᵀ
+//! ```
 
 use super::estimator::{build_filter, in_units, initial_belief};
 use super::{Correction, Filter, FilterError, Gaussian};
 use crate::estimator::FilterContext;
 use crate::linalg::{Ldl, Matrix};
 use crate::sink::Sample;
-use crate::{Estimates, FilterSettings, Record};
+use crate::smoother::Beliefs;
+use crate::{Estimates, FilterSettings, Quantity, Record};
 
-/// Smooths a filter's estimates over the first `samples` of a record, as [`crate::smoother`] says.
-pub(crate) fn smooth(
-    settings: &FilterSettings,
-    context: &FilterContext<'_>,
-    record: &Record,
-    samples: usize,
-    estimates: &mut Estimates,
-) {
-    let belief = match initial_belief(settings, context) {
-        Ok(belief) => belief,
-        Err(reason) => return estimates.stop_at(reason),
-    };
-    let model = context.model(settings);
-    let Way { filtered, steps, stop } = forth(build_filter(belief, settings, context), context, record, samples);
-    for belief in back(filtered, &steps) {
-        let (belief, _) = in_units(&model, &belief);
-        estimates.push(&Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice()));
-    }
-    if let Some(reason) = stop {
-        estimates.stop_at(reason);
-    }
+/// The beliefs of a filter with these settings; none where it cannot begin.
+pub(crate) fn beliefs(settings: &FilterSettings, context: &FilterContext<'_>) -> Option<Box<dyn Beliefs>> {
+    let filter = build_filter(initial_belief(settings, context).ok()?, settings, context);
+    let sensors = context.sensors.to_vec();
+    Some(Box::new(Smoothed {
+        filter,
+        sensors,
+        correction: Correction::default(),
+        filtered: Vec::new(),
+        steps: Vec::new(),
+    }))
 }
 
-/// What a smoother must know of a filter's way.
-struct Way {
-    /// The belief after each sample.
+struct Smoothed {
+    filter: Filter,
+    sensors: Vec<Quantity>,
+    correction: Correction,
+    /// The belief after each sample: of the filter, then of the smoother.
     filtered: Vec<Gaussian>,
     /// From each sample to the next: the belief before the latter, and its covariance with the belief after the former.
     steps: Vec<(Gaussian, Matrix)>,
-    stop: Option<FilterError>,
 }
 
-fn forth(mut filter: Filter, context: &FilterContext<'_>, record: &Record, samples: usize) -> Way {
-    let mut correction = Correction::default();
-    let mut way = Way { filtered: vec![filter.belief().gaussian().into_owned()], steps: Vec::new(), stop: None };
-    let mut step = |filter: &mut Filter, k: usize| -> Result<(Gaussian, Matrix), FilterError> {
-        let forces = [record.force(k - 1), record.force(k)];
-        let cross = filter.belief().cross(filter.model(), filter.step(forces))?;
-        filter.predict(forces)?;
-        let predicted = filter.belief().gaussian().into_owned();
-        filter.update(record.force(k), &record.sample(k, context.sensors), &mut correction)?;
-        Ok((predicted, cross))
-    };
-    for k in 1..samples {
-        match step(&mut filter, k) {
-            Ok(step) => way.steps.push(step),
-            Err(reason) => {
-                way.stop = Some(reason);
-                break;
-            }
-        }
-        way.filtered.push(filter.belief().gaussian().into_owned());
+impl Beliefs for Smoothed {
+    fn len(&self) -> usize {
+        self.filtered.len()
     }
-    way
-}
 
-/// The smoothed beliefs, from the first sample on.
-///
-/// ```text
-/// G = C (P⁻ₖ₊₁)⁻¹,  yₖˢ = yₖ + G (yˢₖ₊₁ - y⁻ₖ₊₁),  Pₖˢ = Pₖ - G Cᵀ + G Pˢₖ₊₁ Gᵀ
-/// ```
-fn back(mut filtered: Vec<Gaussian>, steps: &[(Gaussian, Matrix)]) -> Vec<Gaussian> {
-    for (k, (predicted, cross)) in steps.iter().enumerate().rev() {
+    fn filter(&mut self, record: &Record, k: usize) -> Result<(), FilterError> {
+        let Self { filter, sensors, correction, filtered, steps } = self;
+        if k > 0 {
+            let forces = [record.force(k - 1), record.force(k)];
+            let cross = filter.belief().cross(filter.model(), filter.step(forces))?;
+            filter.predict(forces)?;
+            let predicted = filter.belief().gaussian().into_owned();
+            filter.update(record.force(k), &record.sample(k, sensors), correction)?;
+            steps.push((predicted, cross));
+        }
+        filtered.push(filter.belief().gaussian().into_owned());
+        Ok(())
+    }
+
+    fn smooth(&mut self, k: usize) {
+        let (predicted, cross) = &self.steps[k];
         let gain = Ldl::semidefinite(&predicted.cov).divide(cross);
-        let (now, later) = filtered.split_at_mut(k + 1);
+        let (now, later) = self.filtered.split_at_mut(k + 1);
         let (Gaussian { mean, cov }, next) = (&mut now[k], &later[0]);
         *mean += &gain * (&next.mean - &predicted.mean);
         *cov += &gain * &next.cov * gain.transpose() - &gain * cross.transpose();
@@ -81,5 +67,9 @@ fn back(mut filtered: Vec<Gaussian>, steps: &[(Gaussian, Matrix)]) -> Vec<Gaussi
         }
         cov.fill_upper_triangle_with_lower_triangle();
     }
-    filtered
+
+    fn report(&self, k: usize, estimates: &mut Estimates) {
+        let (belief, _) = in_units(self.filter.model(), &self.filtered[k]);
+        estimates.append(&Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice()));
+    }
 }

@@ -8,7 +8,7 @@ use crate::estimator::{Estimator, Failed, FilterContext};
 use crate::filter::Rule;
 use crate::model::Hold;
 use crate::random::{Normal, Purpose};
-use crate::sink::{AssumedNoise, Sample};
+use crate::sink::{AssumedNoise, Sample, Sink};
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Values};
 
 /// A filter and what its last measurement told.
@@ -18,12 +18,14 @@ struct Followed<P, B, const N: usize> {
 }
 
 impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, N> {
-    fn begin(&self, estimates: &mut Estimates) {
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Noise { process, sensors, fading: _ } = self.filter.noise();
         let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
-        if !is_finite || report(&self.filter, &Correction::NOTHING, estimates).is_err() {
-            estimates.stop_at(FilterError::TooLarge);
+        // An update sees to it that a belief is finite, but nothing has yet looked at an initial one.
+        if !is_finite || !self.filter.belief().gaussian().is_finite() {
+            return Err(FilterError::TooLarge);
         }
+        report(&self.filter, &Correction::NOTHING, sink).map_err(|_| FilterError::TooLarge)
     }
 
     fn step(
@@ -31,27 +33,23 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, 
         force_before: f64,
         force: f64,
         measured: &[f64],
-        estimates: &mut Estimates,
+        sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
         let Self { filter, correction } = self;
         filter.predict(force_before)?;
         filter.update(force, measured, correction)?;
-        report(filter, correction, estimates)
+        report(filter, correction, sink)
     }
 }
 
 fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     filter: &Filter<P, B, N>,
     correction: &Correction<N>,
-    estimates: &mut Estimates,
+    sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
     let belief = filter.belief().gaussian();
     if filter.model().in_units() {
-        // An update has seen to it that the belief is finite, but nothing has yet looked at an initial one.
-        if estimates.is_empty() && !belief.is_finite() {
-            return Err(FilterError::NotFinite);
-        }
-        push(filter, &belief, correction, estimates);
+        push(filter, &belief, correction, sink);
         return Ok(());
     }
     let (belief, unit) = filter.model().to_units(&belief);
@@ -64,16 +62,16 @@ fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     if !belief.is_finite() || correction.gain.as_flattened().iter().any(|k| !k.is_finite()) {
         return Err(FilterError::NotFinite);
     }
-    push(filter, &belief, &correction, estimates);
+    push(filter, &belief, &correction, sink);
     Ok(())
 }
 
-/// Writes a sample down. Lengths that the compiler knows: to copy a number is not worth a call.
+/// Writes a sample down. In a history, with lengths that the compiler knows: to copy a number is not worth a call.
 fn push<P: Model<N>, B: Belief<P, N>, const N: usize>(
     filter: &Filter<P, B, N>,
     belief: &Gaussian<N>,
     correction: &Correction<N>,
-    estimates: &mut Estimates,
+    sink: &mut dyn Sink,
 ) {
     let process;
     let noise = if filter.is_adaptive() {
@@ -83,36 +81,55 @@ fn push<P: Model<N>, B: Belief<P, N>, const N: usize>(
     } else {
         None
     };
-    match estimates.sensors().len() {
-        1 => push_sensors::<N, 1>(belief, correction, noise, estimates),
-        2 => push_sensors::<N, 2>(belief, correction, noise, estimates),
-        3 => push_sensors::<N, 3>(belief, correction, noise, estimates),
-        MAX_SENSORS => push_sensors::<N, MAX_SENSORS>(belief, correction, noise, estimates),
-        _ => push_sensors::<N, 0>(belief, correction, noise, estimates),
+    let m = filter.outputs.len();
+    let Some(history) = sink.history() else {
+        let mut cov = [f64::NAN; MAX_SENSORS * MAX_SENSORS];
+        for i in 0..m {
+            cov[i * m..(i + 1) * m].copy_from_slice(&correction.innovation_cov[i][..m]);
+        }
+        sink.push(&sample(belief, correction, m, &cov[..m * m], noise));
+        return;
+    };
+    match m {
+        1 => append::<N, 1>(belief, correction, noise, history),
+        2 => append::<N, 2>(belief, correction, noise, history),
+        3 => append::<N, 3>(belief, correction, noise, history),
+        MAX_SENSORS => append::<N, MAX_SENSORS>(belief, correction, noise, history),
+        _ => append::<N, 0>(belief, correction, noise, history),
     }
 }
 
 #[inline]
-fn push_sensors<const N: usize, const M: usize>(
+fn append<const N: usize, const M: usize>(
     belief: &Gaussian<N>,
     correction: &Correction<N>,
     noise: Option<AssumedNoise<'_>>,
-    estimates: &mut Estimates,
+    history: &mut Estimates,
 ) {
-    let innovation_cov: [[f64; M]; M] =
-        std::array::from_fn(|i| std::array::from_fn(|j| correction.innovation_cov[i][j]));
-    estimates.push(&Sample {
+    let cov: [[f64; M]; M] = std::array::from_fn(|i| std::array::from_fn(|j| correction.innovation_cov[i][j]));
+    history.append(&sample(belief, correction, M, cov.as_flattened(), noise));
+}
+
+#[inline(always)]
+fn sample<'a, const N: usize>(
+    belief: &'a Gaussian<N>,
+    correction: &'a Correction<N>,
+    m: usize,
+    innovation_cov: &'a [f64],
+    noise: Option<AssumedNoise<'a>>,
+) -> Sample<'a> {
+    Sample {
         mean: &belief.mean.data.0[0],
         cov: belief.cov.data.0.as_flattened(),
-        innovation: &correction.innovation[..M],
-        innovation_cov: innovation_cov.as_flattened(),
-        gain: correction.gain[..M].as_flattened(),
+        innovation: &correction.innovation[..m],
+        innovation_cov,
+        gain: correction.gain[..m].as_flattened(),
         nis: correction.nis,
         determinant: correction.determinant,
         log_likelihood: correction.log_likelihood,
         effective_samples: correction.effective_samples,
         noise,
-    });
+    }
 }
 
 /// Builds the filter of some settings, if a kernel serves it.

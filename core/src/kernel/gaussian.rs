@@ -1,12 +1,14 @@
 //! Normal distributions over states, and their square roots.
 
 mod factor;
+mod reflection;
 mod root;
 
 use nalgebra::{SMatrix, SVector};
 
 pub use factor::Factor;
-pub use root::{add_to_root, lower_root};
+pub(crate) use reflection::{Reflection, add_to_root};
+pub use root::{lower_root, square};
 
 /// A column of numbers.
 pub type Vector<const N: usize> = SVector<f64, N>;

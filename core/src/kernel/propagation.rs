@@ -1,11 +1,13 @@
 //! How a state of a known size moves over one step: exact for linear rates, Runge-Kutta for others.
 
+mod chain;
 mod held;
 
 use super::gaussian::{Matrix, Vector};
 use crate::integrate::{INVERSE_FACTORIAL, doublings};
 
 pub use crate::integrate::ImpulseResponse;
+pub(crate) use chain::chain_step;
 pub use held::{held_parameters_step, oscillator_step};
 pub(crate) use held::{held_rows, held_runge_kutta};
 

@@ -2,61 +2,8 @@
 
 use std::io::{Read, Write};
 
-use thiserror::Error;
-
-use super::Record;
+use super::{Input, Record, RecordError};
 use crate::{Channel, Hold, InputKind, Quantity};
-
-/// Why a file is no record.
-#[derive(Debug, Error)]
-pub enum RecordError {
-    /// It is no CSV, or cannot be read or written.
-    #[error(transparent)]
-    Csv(#[from] csv::Error),
-    /// A column is missing.
-    #[error("line 1: there is no column `{missing}`; the columns are {found}")]
-    Column {
-        /// The column's name.
-        missing: String,
-        /// The names that there are.
-        found: String,
-    },
-    /// A cell is no number.
-    #[error("line {line}, column `{column}`: `{value}` is not {allowed}")]
-    Cell {
-        /// Line of the file, the header being line 1.
-        line: u64,
-        /// The column's name.
-        column: String,
-        /// What stands there.
-        value: String,
-        /// What may stand there.
-        allowed: &'static str,
-    },
-    /// The samples are not equally spaced.
-    #[error("line {line}: t = {found} s, but samples {dt} s apart would have t = {expected} s here")]
-    Spacing {
-        /// Line of the file.
-        line: u64,
-        /// The time that stands there \[s\].
-        found: f64,
-        /// The time that should \[s\].
-        expected: f64,
-        /// The mean time between samples \[s\].
-        dt: f64,
-    },
-    /// There are too few samples to tell the time between them.
-    #[error("{0} sample(s), but at least 2 are needed")]
-    TooShort(usize),
-    /// Time does not go forward.
-    #[error("t must rise, but goes from {first} s to {last} s")]
-    NotRising {
-        /// First time \[s\].
-        first: f64,
-        /// Last time \[s\].
-        last: f64,
-    },
-}
 
 impl Record {
     /// Reads a CSV file with a header. Needs the columns `t`, `force` (or `ground_acceleration`) and one for each of `sensors`; takes
@@ -84,8 +31,10 @@ impl Record {
         let (truth_channels, truth_columns): (Vec<Channel>, Vec<usize>) =
             Channel::all().iter().filter_map(|&c| Some((c, find(&format!("true_{}", c.key()))?))).unzip();
 
-        let mut record = Self::empty(0.0, kind, Hold::Zero, sensors.to_vec(), truth_channels);
         let mut times = Vec::new();
+        let mut input = Vec::new();
+        let mut measured = vec![Vec::new(); sensor_columns.len()];
+        let mut truth = vec![Vec::new(); truth_columns.len()];
         for row in reader.records() {
             let row = row?;
             let line = row.position().map_or(0, csv::Position::line);
@@ -101,14 +50,19 @@ impl Record {
                     }
                 })
             };
-            let optional = |column: &usize| cell(*column, true);
             times.push((line, cell(time_column, false)?));
-            let measured = sensor_columns.iter().map(optional).collect::<Result<Vec<_>, _>>()?;
-            let truth = truth_columns.iter().map(optional).collect::<Result<Vec<_>, _>>()?;
-            record.push(cell(input_column, false)?, measured, truth);
+            let optional = [(&mut measured, &sensor_columns), (&mut truth, &truth_columns)];
+            for (values, &column) in optional.into_iter().flat_map(|(values, columns)| values.iter_mut().zip(columns)) {
+                values.push(cell(column, true)?);
+            }
+            input.push(cell(input_column, false)?);
         }
-        (record.start, record.dt) = spacing(&times)?;
-        Ok(record)
+        let (start, dt) = spacing(&times)?;
+        let input = Input { kind, hold: Hold::Zero, values: input };
+        let measured = sensors.iter().copied().zip(measured).collect();
+        Ok(Self::new(dt, input, measured)?
+            .with_truth(truth_channels.into_iter().zip(truth).collect())?
+            .starting_at(start))
     }
 
     /// Writes what [`Self::read_csv`] reads, with 17 significant digits, so that every bit survives.

@@ -1,12 +1,12 @@
 //! The truth's settings.
 
 use std::fmt;
-use std::sync::LazyLock;
 
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::ser::SerializeMap as _;
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::channel::expected_channels;
 use crate::model::{InputKind, Model};
 use crate::signal::Step;
 use crate::{Channel, PlantKind, Signal};
@@ -151,7 +151,7 @@ impl<'de> Deserialize<'de> for Plant {
                         "disturbance_std" => plant.disturbance_std = map.next_value()?,
                         key => {
                             let signal = Channel::from_key(key).and_then(|channel| plant.parameter_mut(channel));
-                            *signal.ok_or_else(|| de::Error::unknown_field(key, fields()))? = map.next_value()?;
+                            *signal.ok_or_else(|| de::Error::custom(unknown(key)))? = map.next_value()?;
                         }
                     }
                 }
@@ -163,11 +163,7 @@ impl<'de> Deserialize<'de> for Plant {
     }
 }
 
-/// The keys that the truth's table can have.
-fn fields() -> &'static [&'static str] {
-    static FIELDS: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
-        let parameters = Channel::all().iter().filter(|c| c.is_parameter()).map(|c| c.key());
-        std::iter::once("kind").chain(parameters).chain(["initial", "disturbance_std"]).collect()
-    });
-    &FIELDS
+fn unknown(key: &str) -> String {
+    let parameters = expected_channels(Channel::is_parameter);
+    format!("unknown field `{key}`, expected `kind`, `initial`, `disturbance_std` or {parameters}")
 }

@@ -7,7 +7,7 @@ use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Serialize, Serializer};
 
 use crate::Channel;
-use crate::channel::{Usual, keys};
+use crate::channel::{Usual, expected_channels};
 
 /// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Numbers that
 /// nobody has set are the usual ones.
@@ -139,7 +139,9 @@ impl<'de> Visitor<'de> for Table {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Values, A::Error> {
         let Self(mut values) = self;
         while let Some(key) = map.next_key::<String>()? {
-            let channel = Channel::from_key(&key).ok_or_else(|| de::Error::unknown_field(&key, keys()))?;
+            let channel = Channel::from_key(&key).ok_or_else(|| {
+                de::Error::custom(format!("unknown field `{key}`, expected {}", expected_channels(|_| true)))
+            })?;
             values[channel] = map.next_value()?;
         }
         Ok(values)

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Adaptation, Channel, Estimates, FilterKind, FilterSettings, Force, Plant, PlantKind, Propagation, Quantity, Record,
-    Run, Scenario, Sensor, Signal, Trouble, Values,
+    Adaptation, Channel, Estimates, FilterKind, FilterSettings, Force, Hold, InputKind, Plant, PlantKind, Propagation,
+    Quantity, Record, Run, Scenario, Sensor, Signal, Trouble, Values,
 };
 
 /// What is wrong, in words.
@@ -90,7 +90,7 @@ fn with_gaps(record: &Record, gap: u8) -> Result<Record, String> {
 }
 
 fn check_record(record: &Record, k: usize) -> Finding {
-    let truth = Channel::all().into_iter().filter_map(|c| Some(record.truth(c)?[k]));
+    let truth = Channel::all().iter().filter_map(|&c| Some(record.truth(c)?[k]));
     require(record.force(k).is_finite() && truth.into_iter().all(f64::is_finite), || format!("the truth at {k}"))?;
     let measured = (0..record.sensors().len()).all(|s| !record.measured(s)[k].is_infinite());
     require(measured, || format!("the measurements at {k}"))
@@ -194,7 +194,7 @@ pub(crate) fn scenario_of(bytes: &[u8]) -> (Scenario, u8) {
     let steps = 1 + usize::from(dice.byte()) * 2;
     let dt = dice.pick(&[0.01, 0.01, 0.02, 1e-3, 1e-4, 0.1, 0.3, 1.0]);
     let gap = if dice.one_in(4) { dice.byte() } else { 0 };
-    let kind = dice.pick(&PlantKind::ALL);
+    let kind = dice.pick(&PlantKind::ALL[..6]);
     let mut scenario = Scenario {
         seed: u64::from(dice.byte()),
         dt,
@@ -203,9 +203,16 @@ pub(crate) fn scenario_of(bytes: &[u8]) -> (Scenario, u8) {
         force: dice.force(),
         sensors: dice.sensors(kind),
         filters: Vec::new(),
+        ..Scenario::default()
     };
     let filters = 1 + dice.byte() % 6;
     scenario.filters = (0..filters).map(|_| dice.filter(&scenario)).collect();
+    if dice.one_in(6) {
+        scenario.hold = Hold::First;
+    }
+    if dice.one_in(6) {
+        scenario.input = InputKind::GroundAcceleration;
+    }
     (scenario, gap)
 }
 
@@ -304,7 +311,7 @@ impl Dice<'_> {
     fn filter(&mut self, scenario: &Scenario) -> FilterSettings {
         let usual = FilterSettings::default();
         let kind = self.pick(&FilterKind::ALL);
-        let plant = self.one_in(6).then(|| self.pick(&PlantKind::ALL));
+        let plant = self.one_in(6).then(|| self.pick(&PlantKind::ALL[..6]));
         let mut filter = FilterSettings {
             name: kind.name().to_owned(),
             kind,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal,
+    Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Scenario, Sensor, Signal,
 };
 
 use crate::textbook::Sample;

@@ -74,7 +74,7 @@ impl Memory {
         let truth_now = true_transfer_function(session.scenario().plant.kind, run.record(), k);
         Curves {
             frequencies: frequencies.clone(),
-            truth: truth_now.map(|now| truth.get(now, || now.magnitude(frequencies).into())),
+            truth: truth_now.map(|now| truth.get(now.clone(), || now.magnitude(frequencies).into())),
             filters: run.estimates().iter().zip(filters).map(of_filter).collect(),
             spectrum: force.spectrum(session, frequencies),
         }
@@ -133,7 +133,7 @@ impl Force {
         let Self { taken, times, spectrum } = self;
         let run = session.run();
         let now = (run.record().dt(), LONGEST * session.end());
-        let force = &run.record().force(..run.len());
+        let force = &run.record().input()[..run.len()];
         let follows = *times == now && force.starts_with(taken);
         let spectrum = match spectrum {
             Some(spectrum) if follows => spectrum,

@@ -49,7 +49,7 @@ fn ruler(stage: &Stage, painter: &Painter, palette: &Palette) {
 }
 
 /// The names of the masses of a chain.
-const NAMES: [&str; MAX_MASSES] = ["m₁", "m₂", "m₃", "m₄"];
+const NAMES: [&str; MAX_MASSES] = ["m₁", "m₂", "m₃", "m₄", "m₅", "m₆", "m₇", "m₈", "m₉", "m₁₀"];
 
 /// A length to compare with, where each mass has its own zero, under its name.
 fn bar(stage: &Stage, painter: &Painter, palette: &Palette) {

@@ -2,14 +2,11 @@
 
 use kalmanscope_core::{Channel, Run};
 
-/// The most masses that a plant has.
-pub(super) const MAX_MASSES: usize = 4;
+pub(super) use kalmanscope_core::channel::MAX_MASSES;
 
 /// The channel of a mass's displacement.
 pub(super) fn displacement(mass: usize) -> Channel {
-    const DISPLACEMENTS: [Channel; MAX_MASSES] =
-        [Channel::DISPLACEMENT, Channel::displacement(1), Channel::displacement(2), Channel::displacement(3)];
-    DISPLACEMENTS[mass.min(MAX_MASSES - 1)]
+    Channel::displacement(mass.min(MAX_MASSES - 1))
 }
 
 /// How many masses there are: those that truly move, or those that the filters believe in where the truth is unknown.

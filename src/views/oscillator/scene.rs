@@ -1,7 +1,8 @@
 //! Everything on the stage at one moment.
 
 use egui::{Painter, Rect, Stroke, pos2, vec2};
-use kalmanscope_core::{Channel, Estimates, Quantity, Record};
+use kalmanscope_core::plant::Spring;
+use kalmanscope_core::{Aspect, Channel, Estimates, Quantity, Record};
 
 use super::arrow::arrow;
 use super::body::{Belief, body, ghosts, name};
@@ -31,6 +32,7 @@ impl<'a> Scene<'a> {
         let ViewContext { palette, visible, .. } = *context;
         ground(stage, painter, palette);
         let record = self.record();
+        let spring = context.session.scenario().plant.kind.info().spring;
         let force = force::recent(record, k);
         let share = force / largest_force.max(force.abs()).max(1e-12);
         let mut before = (stage.wall, 0.0);
@@ -44,7 +46,7 @@ impl<'a> Scene<'a> {
                 let mixed = |share| palette.ground.lerp_to_gamma(line, share);
                 let at = stage.body(mass, x);
                 let ink = Ink { line, back: mixed(0.45), fill: mixed(0.08) };
-                link(stage, painter, link_kind(record, x, k), before.0, at, x - before.1, ink);
+                link(stage, painter, link_kind(spring, record, x, k), before.0, at, x - before.1, ink);
                 let mast = [at.center_top(), pos2(at.center().x, stage.arrow)];
                 painter.line_segment(mast, Stroke::new(1.2 * stage.unit, line));
                 if known.is_some() {
@@ -96,7 +98,7 @@ impl<'a> Scene<'a> {
     }
 
     fn readings(&self, mass: usize) -> Option<&'a [f64]> {
-        let sensor = Quantity::all().into_iter().find(|q| q.channel() == Some(displacement(mass)))?;
+        let sensor = Quantity::new(Aspect::DISPLACEMENT, mass);
         self.record().measured_quantity(sensor).filter(|_| self.context.visible.measured)
     }
 
@@ -159,12 +161,11 @@ impl Filter<'_> {
 }
 
 /// The kind of the true spring, with the mass at `x` \[m\].
-fn link_kind(record: &Record, x: f64, k: usize) -> Link {
-    if let Some(z) = record.truth(Channel::HYSTERETIC_DISPLACEMENT).and_then(|z| z.get(k)).filter(|z| z.is_finite()) {
-        Link::Slipping(x - z)
-    } else if record.truth(Channel::CUBIC_STIFFNESS).is_some() {
-        Link::Hardening
-    } else {
-        Link::Linear
+fn link_kind(spring: Spring, record: &Record, x: f64, k: usize) -> Link {
+    let known = |channel: Channel| record.truth(channel)?.get(k).copied().filter(|z| z.is_finite());
+    match spring {
+        Spring::Slipping(channel) => known(channel).map_or(Link::Linear, |z| Link::Slipping(x - z)),
+        Spring::Cubic(_) => Link::Hardening,
+        Spring::Linear => Link::Linear,
     }
 }

@@ -3,7 +3,7 @@
 use crate::Channel;
 use crate::kernel::gaussian::{Matrix, Vector};
 use crate::kernel::model::{Model, one_by_one};
-use crate::kernel::propagation::{exp_and_integral, held_parameters_step, held_rows, held_runge_kutta, runge_kutta};
+use crate::kernel::propagation::{held_parameters_step, held_rows, held_runge_kutta, runge_kutta};
 
 /// Bouc-Wen hysteresis with exponent 2 and state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
 ///
@@ -72,11 +72,7 @@ impl Model<8> for BoucWen {
     #[inline]
     fn linearised_step(&self, state: &Vector<8>, force: f64, dt: f64) -> (Vector<8>, Matrix<8, 8>) {
         let (jacobian, rate) = (self.jacobian(state), self.rate(state, force));
-        if self.eta == 0.0 {
-            return held_parameters_step::<3, 8>(state, &rate, &jacobian, dt);
-        }
-        let (transition, integral) = exp_and_integral(&jacobian, dt);
-        (state + integral * rate, transition)
+        held_parameters_step::<3, 8>(state, &rate, &jacobian, self.eta, dt)
     }
 
     /// With η = 0 the parameters stay, and only the motion goes through the stages.

@@ -3,7 +3,7 @@
 use crate::Channel;
 use crate::kernel::gaussian::{Matrix, Vector};
 use crate::kernel::model::{Model, one_by_one};
-use crate::kernel::propagation::{exp_and_integral, held_rows, held_runge_kutta, oscillator_step, runge_kutta};
+use crate::kernel::propagation::{held_rows, held_runge_kutta, oscillator_step, runge_kutta};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
 ///
@@ -58,12 +58,9 @@ impl Model<5> for Duffing {
     #[inline]
     fn linearised_step(&self, state: &Vector<5>, force: f64, dt: f64) -> (Vector<5>, Matrix<5, 5>) {
         let (jacobian, rate) = (self.jacobian(state), self.rate(state, force));
-        if self.eta == 0.0 {
-            return oscillator_step(state, &rate, &jacobian, dt);
-        }
-        let (transition, integral) = exp_and_integral(&jacobian, dt);
-        (state + integral * rate, transition)
+        oscillator_step(state, &rate, &jacobian, self.eta, dt)
     }
+
     /// With η = 0 the parameters stay, and only the motion goes through the stages.
     #[inline]
     fn runge_kutta_step(&self, state: &Vector<5>, force: f64, dt: f64) -> Vector<5> {

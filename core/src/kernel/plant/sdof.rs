@@ -3,7 +3,7 @@
 use crate::Channel;
 use crate::kernel::gaussian::{Matrix, Vector};
 use crate::kernel::model::{Model, one_by_one};
-use crate::kernel::propagation::{ImpulseResponse, exp_and_integral, runge_kutta};
+use crate::kernel::propagation::{ImpulseResponse, oscillator_step, runge_kutta};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
 ///
@@ -50,8 +50,7 @@ impl Model<4> for Sdof {
     #[inline]
     fn linearised_step(&self, state: &Vector<4>, force: f64, dt: f64) -> (Vector<4>, Matrix<4, 4>) {
         if self.eta != 0.0 {
-            let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
-            return (state + integral * self.rate(state, force), transition);
+            return oscillator_step(state, &self.rate(state, force), &self.jacobian(state), self.eta, dt);
         }
         let [[x, v, wn, zeta]] = state.data.0;
         let (stiffness, damping) = (-wn * wn, -2.0 * zeta * wn);
@@ -122,6 +121,7 @@ fn runge_kutta_motion([x, v, wn, zeta]: [f64; 4], force: f64, dt: f64) -> [f64; 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::propagation::exp_and_integral;
 
     const STATES: [[f64; 4]; 7] = [
         [0.1, -0.4, 6.0, 0.05],

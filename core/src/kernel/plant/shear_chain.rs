@@ -3,7 +3,7 @@
 use crate::Channel;
 use crate::kernel::gaussian::{Matrix, Vector};
 use crate::kernel::model::Model;
-use crate::kernel::propagation::{exp_and_integral, held_parameters_step};
+use crate::kernel::propagation::{chain_step, exp_and_integral};
 
 /// A shear building of equal masses, shaken at its base, with every storey's stiffness and the damping unknown:
 /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
@@ -61,12 +61,7 @@ macro_rules! shear_chain {
             }
 
             fn linearised_step(&self, state: &Vector<$n>, force: f64, dt: f64) -> (Vector<$n>, Matrix<$n, $n>) {
-                let (jacobian, rate) = (self.jacobian(state), self.rate(state, force));
-                if self.eta == 0.0 {
-                    return held_parameters_step::<$motion, $n>(state, &rate, &jacobian, dt);
-                }
-                let (transition, integral) = exp_and_integral(&jacobian, dt);
-                (state + integral * rate, transition)
+                chain_step::<$masses, $n>(state, force, self.eta, dt)
             }
 
             fn exact_integral(&self, state: &Vector<$n>, dt: f64) -> Option<Matrix<$n, $n>> {

@@ -1,0 +1,93 @@
+//! The filters of a scenario, side by side.
+
+use crate::estimator::FilterContext;
+use crate::run::sensor_places;
+use crate::smoother::{Smoother, smoother};
+use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
+
+/// The filters of a scenario on their way through one record, with their histories.
+pub(crate) struct Bank {
+    scenario: Scenario,
+    quantities: Vec<Quantity>,
+    /// The place of each of the scenario's sensors in the record.
+    sensors: Vec<usize>,
+    pub(crate) passes: Vec<Pass>,
+    pub(crate) estimates: Vec<Estimates>,
+}
+
+impl Bank {
+    /// No filter yet of a scenario, over a record of its kind.
+    pub(crate) fn new(scenario: &Scenario, record: &Record) -> Result<Self, RunError> {
+        let quantities = scenario.sensors.iter().map(|s| s.measures).collect();
+        let sensors = sensor_places(scenario, record)?;
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        Ok(Self { scenario, quantities, sensors, passes: Vec::new(), estimates: Vec::new() })
+    }
+
+    /// The scenario; each filter has an id of its own.
+    pub(crate) fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    fn context(&self, dt: f64, place: usize) -> FilterContext<'_> {
+        FilterContext::new(&self.scenario, &self.quantities, dt, &self.scenario.filters[place])
+    }
+
+    /// Adds the scenario's next filter before the first sample, with room for `samples` in the memory of estimates that are
+    /// no longer needed.
+    pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
+        let place = self.passes.len();
+        let filter = &self.scenario.filters[place];
+        let pass = Pass::with(filter, self.context(record.dt(), place), self.sensors.clone());
+        let mut estimates = self.empty(filter);
+        estimates.recycle(spare, samples);
+        self.passes.push(pass);
+        self.estimates.push(estimates);
+    }
+
+    /// Leaves the place of the scenario's next filter to one that is moved there later.
+    pub(crate) fn leave_place(&mut self) {
+        let filter = &self.scenario.filters[self.passes.len()];
+        self.estimates.push(self.empty(filter));
+        self.passes.push(Pass::idle());
+    }
+
+    /// Empty estimates for a filter.
+    fn empty(&self, filter: &FilterSettings) -> Estimates {
+        let model = filter.model(self.scenario.plant.kind, self.scenario.input);
+        Estimates::new(filter, &model, self.quantities.clone())
+    }
+
+    /// Lets every filter follow a record to `samples`, one after the other: each finds its own numbers in the cache.
+    pub(crate) fn follow(&mut self, record: &Record, samples: usize) {
+        for (pass, estimates) in self.passes.iter_mut().zip(&mut self.estimates) {
+            pass.follow(record, samples, estimates);
+        }
+    }
+
+    /// Lets the filter at a place follow a record to `samples`.
+    pub(crate) fn follow_one(&mut self, place: usize, record: &Record, samples: usize) {
+        self.passes[place].follow(record, samples, &mut self.estimates[place]);
+    }
+
+    /// Forgets the first samples of those that are kept.
+    pub(crate) fn forget(&mut self, samples: usize) {
+        for estimates in &mut self.estimates {
+            estimates.forget(samples);
+        }
+    }
+
+    /// The smoother of the filter at a place, if it has one and wants it.
+    pub(crate) fn smoother(&self, place: usize, dt: f64) -> Option<Smoother> {
+        let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
+        smoother(filter, self.context(dt, place))
+    }
+
+    /// Empty estimates for a smoother of the filter at a place. It knows of no innovation: they are the filter's.
+    pub(crate) fn smoothed(&self, place: usize) -> Estimates {
+        let filter = &self.scenario.filters[place];
+        let model = filter.model(self.scenario.plant.kind, self.scenario.input);
+        Estimates::new(filter, &model, Vec::new()).of_smoother()
+    }
+}

@@ -1,0 +1,165 @@
+//! Another run in place of the present one, computed beside it a little at a time.
+
+use crate::analysis::Subject;
+use crate::run::revision::Revision;
+use crate::{Analysis, RunError, Scenario, Source, Study, Update, cost};
+
+/// A study's next run: what an edit of its scenario, or another source, makes of it. The study stays as it is until the job
+/// is done and [finished](Self::finish), so that a screen always shows one complete picture.
+///
+/// The core knows no clock: whoever lets the job go on says when the time is up. The bits do not depend on it.
+///
+/// ```
+/// use kalmanscope_core::{Job, Scenario, Source, Study};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let mut scenario = Scenario { duration: 10.0, ..Scenario::default() };
+/// let mut study = Study::new(&scenario, Source::Simulated, 100_000)?;
+/// study.advance_to(1001, &mut || true);
+/// scenario.filters[0].fading = 1.01;
+/// let mut job = Job::new(&mut study, &scenario, None, 1001)?;
+/// while !job.advance(&study, &mut || false).is_done() {
+///     // Here a frame is drawn, of `study`.
+/// }
+/// job.finish(&mut study);
+/// assert_eq!(study.run().scenario(), &scenario);
+/// # Ok(())
+/// # }
+/// ```
+pub struct Job {
+    revision: Revision,
+    analysis: Analysis,
+    goal: usize,
+    /// The sample before which some are forgotten, or the goal.
+    stage: usize,
+    done: bool,
+}
+
+/// How far a job has come.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// The share of each filter that is done, from 0 to 1, by its place in the scenario.
+    pub filters: Vec<f64>,
+    /// The share of the time that it takes in all, as far as that can be told, from 0 to 1.
+    pub all: f64,
+    done: bool,
+}
+
+impl Progress {
+    /// Whether there is nothing left to do.
+    pub fn is_done(&self) -> bool {
+        self.done
+    }
+}
+
+impl Job {
+    /// The job that makes a study one of `scenario`, over another source if there is one, `samples` samples long. A record
+    /// and filters that it does not change are not computed again, if the study has come as far as the job.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario is impossible, or its source is not one of such a scenario.
+    pub fn new(
+        study: &mut Study,
+        scenario: &Scenario,
+        source: Option<Source>,
+        samples: usize,
+    ) -> Result<Self, RunError> {
+        let Study { run, analysis, spare, window } = study;
+        let source = source.or_else(|| (run.done() != samples).then(|| run.source()));
+        let mut revision = Revision::new(run, scenario, source, spare)?;
+        if revision.samples() < samples && !revision.is_of_everything() {
+            revision = Revision::new(run, scenario, Some(run.source()), spare)?;
+        }
+        let goal = samples.min(revision.samples());
+        let is_simulated = revision.own_record().is_some() && !matches!(revision.source(), Some(Source::Measured(_)));
+        let stage = if is_simulated { goal.min(*window) } else { goal };
+        Ok(Self { revision, analysis: analysis.successor(), goal, stage, done: false })
+    }
+
+    /// The scenario.
+    pub fn scenario(&self) -> &Scenario {
+        self.revision.bank().scenario()
+    }
+
+    /// The number of samples that it computes.
+    pub fn goal(&self) -> usize {
+        self.goal
+    }
+
+    /// The number of samples that its run has as a whole.
+    pub fn samples(&self) -> usize {
+        self.revision.samples()
+    }
+
+    /// Time between samples \[s\].
+    pub fn dt(&self, study: &Study) -> f64 {
+        self.revision.own_record().unwrap_or(study.run.record()).dt()
+    }
+
+    /// Goes on for as long as `while_time` says that there is time, which is asked after each little piece of work, of a
+    /// millisecond or so; first the record, then the filters with the cheapest first, then the analysis. `study` is the one
+    /// that the job is of.
+    pub fn advance(&mut self, study: &Study, while_time: &mut dyn FnMut() -> bool) -> Progress {
+        while !self.done {
+            let record = study.run.record();
+            if !self.revision.advance_to(self.stage, record, while_time) {
+                break;
+            }
+            let Self { revision, analysis, goal, stage, .. } = self;
+            if !analysis.advance(&subject(revision, study, *stage, *goal), while_time) {
+                break;
+            }
+            self.done = self.stage >= self.goal.min(revision.samples());
+            if !self.done {
+                let half = study.window / 2;
+                revision.forget(half);
+                self.stage = (self.stage + half).min(self.goal);
+            }
+        }
+        self.progress(study)
+    }
+
+    /// How far it has come.
+    pub fn progress(&self, study: &Study) -> Progress {
+        let Self { revision, analysis, goal, stage, done } = self;
+        let scenario = self.scenario();
+        let goal = (*goal).min(revision.samples()).max(1);
+        let share = |samples: usize| (samples as f64 / goal as f64).min(1.0);
+        let one = |place| if revision.keeps(place) { 1.0 } else { share(revision.done(place)) };
+        let filters: Vec<f64> = (0..scenario.filters.len()).map(one).collect();
+        let (mut so_far, mut all) = analysis.work(&subject(revision, study, *stage, goal));
+        if let Some(recorded) = revision.recorded() {
+            so_far += share(recorded) * cost::OF_RECORD * goal as f64;
+            all += cost::OF_RECORD * goal as f64;
+        }
+        for &place in revision.changed() {
+            let cost = goal as f64 * cost::of_step(&scenario.filters[place], scenario.plant.kind);
+            so_far += filters[place] * cost;
+            all += cost;
+        }
+        let all = if *done || all == 0.0 { 1.0 } else { (so_far / all).min(1.0) };
+        Progress { filters, all, done: *done }
+    }
+
+    /// Puts the finished job in the study's place.
+    pub fn finish(self, study: &mut Study) -> Update {
+        let Self { revision, analysis, goal, .. } = self;
+        let Study { run, analysis: old, spare, .. } = study;
+        let update = revision.apply(run, goal, spare);
+        old.replace(analysis, &update, run);
+        update
+    }
+
+    /// Leaves the study as it is; the memory serves the next job.
+    pub fn cancel(self, study: &mut Study) {
+        study.spare.take(self.revision.take_apart());
+    }
+}
+
+fn subject<'a>(revision: &'a Revision, study: &'a Study, stage: usize, goal: usize) -> Subject<'a> {
+    let done = stage.min(revision.samples());
+    let record = revision.own_record().unwrap_or(study.run.record());
+    // Bounds of another truth are of no use.
+    let bounds = if revision.is_of_everything() { &[] } else { study.analysis.all_bounds() };
+    let whole = done >= goal.min(revision.samples()) && done == revision.samples();
+    Subject { bank: revision.bank(), record, done, whole, known: revision.kept(), bounds }
+}

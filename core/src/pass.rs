@@ -1,0 +1,93 @@
+//! One filter on its way through a record.
+
+use crate::estimator::{Estimator, Failed, FilterContext, estimator};
+use crate::quantity::MAX_SENSORS;
+use crate::run::sensor_places;
+use crate::sink::Sink;
+use crate::{Estimates, FilterError, FilterSettings, Quantity, Record, RunError, Scenario, Stop};
+
+/// A filter that follows a record sample by sample and reports to a [`Sink`]. A whole record, live mode and a map of
+/// thousands of runs are all this in a loop.
+pub struct Pass {
+    estimator: Box<dyn Estimator>,
+    /// The place of each of the scenario's sensors in the record.
+    sensors: Vec<usize>,
+    done: usize,
+    stop: Option<Stop>,
+}
+
+impl Pass {
+    /// The filter at `place` of a scenario before the first sample of a record.
+    ///
+    /// # Errors
+    /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::NoFilter`] where there is no such filter,
+    /// [`RunError::MissingSensor`] and [`RunError::InputKind`] where the record is not one of this scenario.
+    pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
+        scenario.validate()?;
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let sensors = sensor_places(&scenario, record)?;
+        let context = FilterContext::new(&scenario, &quantities, record.dt(), filter);
+        Ok(Self::with(filter, context, sensors))
+    }
+
+    pub(crate) fn with(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
+        Self { estimator: estimator(settings, context), sensors, done: 0, stop: None }
+    }
+
+    /// A pass that goes nowhere.
+    pub(crate) fn idle() -> Self {
+        Self { estimator: Box::new(Failed(FilterError::NotFinite)), sensors: Vec::new(), done: 0, stop: None }
+    }
+
+    /// An empty history for the filter at `place` of a scenario, to be filled by a pass.
+    ///
+    /// # Errors
+    /// [`RunError::NoFilter`] where there is no such filter.
+    pub fn history(scenario: &Scenario, place: usize) -> Result<Estimates, RunError> {
+        let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let quantities = scenario.sensors.iter().map(|s| s.measures).collect();
+        Ok(Estimates::new(filter, &filter.model(scenario.plant.kind, scenario.input), quantities))
+    }
+
+    /// The number of samples done, from the record's beginning.
+    pub fn done(&self) -> usize {
+        self.done
+    }
+
+    /// Where the filter stopped, if it could not go on.
+    pub fn stop(&self) -> Option<Stop> {
+        self.stop
+    }
+
+    /// Goes on until `samples` samples, from the record's beginning, are done, or as far as the record goes. A filter that
+    /// fails reports why; what is left is done at once then.
+    pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
+        let Self { estimator, sensors, done, stop } = self;
+        let goal = samples.min(record.forgotten() + record.len()).max(*done);
+        let mut measured = [f64::NAN; MAX_SENSORS];
+        let measured = &mut measured[..sensors.len()];
+        for sample in *done..goal {
+            if stop.is_some() {
+                break;
+            }
+            let step = if sample == 0 {
+                estimator.begin(sink)
+            } else {
+                let k = sample - record.forgotten();
+                for (value, &sensor) in measured.iter_mut().zip(sensors.iter()) {
+                    *value = record.measured(sensor)[k];
+                }
+                estimator.step(record.force(k - 1), record.force(k), measured, sink)
+            };
+            if let Err(reason) = step {
+                let at = Stop { sample, reason };
+                *stop = Some(at);
+                sink.stop_at(at);
+            }
+        }
+        *done = goal;
+    }
+}

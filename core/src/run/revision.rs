@@ -1,0 +1,196 @@
+//! Another scenario in place of a run's, computed beside it.
+
+use super::{Run, Update};
+use crate::bank::Bank;
+use crate::cost;
+use crate::source::Recording;
+use crate::spare::Spare;
+use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
+
+/// Samples of a truth that are simulated before the time is looked at: about 0.3 ms.
+const RECORD_CHUNK: usize = 500;
+
+/// The parts of a run that another scenario changes. The run itself stays as it is until [`Self::apply`].
+pub(crate) struct Revision {
+    /// The record, where it is another one.
+    recording: Option<Recording>,
+    samples: usize,
+    bank: Bank,
+    /// For each filter that stays as it is, its place in the run.
+    kept: Vec<Option<usize>>,
+    /// The places of the others, those with the cheapest step first.
+    order: Vec<usize>,
+    is_of_everything: bool,
+}
+
+impl Revision {
+    /// The revision that makes a run one of `scenario`, over another source if there is one.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario is impossible, or its source is not one of such a scenario.
+    pub(crate) fn new(
+        run: &Run,
+        scenario: &Scenario,
+        source: Option<Source>,
+        spare: &mut Spare,
+    ) -> Result<Self, RunError> {
+        scenario.validate()?;
+        let same_filters = source.is_none() && same_filters(run, scenario);
+        let same_record = source.is_none() && (same_filters || matches!(run.source(), Source::Measured(_)));
+        let recording =
+            (!same_record).then(|| Recording::new(scenario, source.unwrap_or_else(|| run.source()), spare.record()));
+        let current = recording.as_ref().unwrap_or(&run.recording);
+        let samples = if same_record { run.samples } else { current.samples(scenario) };
+        let mut bank = Bank::new(scenario, current.record())?;
+        let before = &run.scenario().filters;
+        let place_of = |filter: &FilterSettings| before.iter().position(|b| b == filter).filter(|_| same_filters);
+        let kept: Vec<Option<usize>> = bank.scenario().filters.iter().map(place_of).collect();
+        for kept in &kept {
+            if kept.is_some() {
+                bank.leave_place();
+            } else {
+                bank.add(current.record(), samples, spare.estimates());
+            }
+        }
+        let mut order: Vec<usize> = (0..kept.len()).filter(|&place| kept[place].is_none()).collect();
+        order.sort_by(|&a, &b| {
+            let of = |place: usize| cost::of_step(&scenario.filters[place], scenario.plant.kind);
+            of(a).total_cmp(&of(b))
+        });
+        Ok(Self { recording, samples, bank, kept, order, is_of_everything: !same_filters })
+    }
+
+    /// Whether the record, or the way in which it is read, is another one.
+    pub(crate) fn is_of_everything(&self) -> bool {
+        self.is_of_everything
+    }
+
+    /// The filters; those that stay as they are have but a place.
+    pub(crate) fn bank(&self) -> &Bank {
+        &self.bank
+    }
+
+    /// The places of the filters that change.
+    pub(crate) fn changed(&self) -> &[usize] {
+        &self.order
+    }
+
+    /// For each filter that stays as it is, its place in the run.
+    pub(crate) fn kept(&self) -> &[Option<usize>] {
+        &self.kept
+    }
+
+    /// Whether the filter at a place stays as it is.
+    pub(crate) fn keeps(&self, place: usize) -> bool {
+        self.kept[place].is_some()
+    }
+
+    /// The record, where it is another one than the run's.
+    pub(crate) fn own_record(&self) -> Option<&Record> {
+        self.recording.as_ref().map(Recording::record)
+    }
+
+    /// Where the samples of its own record come from.
+    pub(crate) fn source(&self) -> Option<Source> {
+        self.recording.as_ref().map(Recording::source)
+    }
+
+    /// The number of samples of the whole record.
+    pub(crate) fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// The number of samples of its own record that there are.
+    pub(crate) fn recorded(&self) -> Option<usize> {
+        self.recording.as_ref().map(Recording::len)
+    }
+
+    /// The number of samples that the filter at a place has done.
+    pub(crate) fn done(&self, place: usize) -> usize {
+        self.bank.passes[place].done()
+    }
+
+    /// Forgets the first samples of those that are kept, as [`Run::forget`] does.
+    pub(crate) fn forget(&mut self, samples: usize) {
+        if let Some(recording) = &mut self.recording {
+            recording.forget(samples);
+            self.bank.forget(samples);
+        }
+    }
+
+    /// Goes on towards `samples` samples from the beginning: first the record, then the filters. `record` is the run's, for
+    /// where it stays. Asks after each little piece of work whether there is time for another. Returns whether all is done.
+    pub(crate) fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { recording, samples: all, bank, order, .. } = self;
+        let goal = samples.min(*all);
+        if let Some(recording) = recording {
+            while recording.len() < goal.min(*all) {
+                let next = (recording.len() + RECORD_CHUNK).min(goal);
+                if !recording.advance_to(next) {
+                    *all = recording.len();
+                }
+                if !while_time() {
+                    return false;
+                }
+            }
+        }
+        let goal = goal.min(*all);
+        let record = recording.as_ref().map_or(record, Recording::record);
+        for &place in order.iter() {
+            let step = cost::of_step(&bank.scenario().filters[place], bank.scenario().plant.kind);
+            let chunk = cost::chunk(step);
+            while bank.passes[place].done() < goal {
+                let next = (bank.passes[place].done() + chunk).min(goal);
+                bank.follow_one(place, record, next);
+                if !while_time() {
+                    return order.iter().all(|&place| bank.passes[place].done() >= goal);
+                }
+            }
+        }
+        true
+    }
+
+    /// Puts the result, of `done` samples, into the run, and those parts of the run that it replaces among what is spare.
+    pub(crate) fn apply(self, run: &mut Run, done: usize, spare: &mut Spare) -> Update {
+        let Self { recording, samples, mut bank, kept, mut order, is_of_everything } = self;
+        for (place, before) in kept.into_iter().enumerate() {
+            if let Some(before) = before {
+                std::mem::swap(&mut bank.passes[place], &mut run.bank.passes[before]);
+                std::mem::swap(&mut bank.estimates[place], &mut run.bank.estimates[before]);
+            }
+        }
+        order.sort_unstable();
+        let changed = order.into_iter().map(|place| bank.scenario().filters[place].id).collect();
+        let old = std::mem::replace(&mut run.bank, bank);
+        let record = recording.and_then(|new| std::mem::replace(&mut run.recording, new).into_simulated());
+        (run.samples, run.done) = (samples, done.min(samples));
+        let estimates = old.estimates.into_iter().filter(|estimates| !estimates.is_empty()).collect();
+        spare.take((record, estimates));
+        if is_of_everything {
+            return Update::Everything;
+        }
+        Update::Filters(changed)
+    }
+
+    /// The memory of what has been computed.
+    pub(crate) fn take_apart(self) -> (Option<Record>, Vec<Estimates>) {
+        let estimates = self.bank.estimates.into_iter().filter(|estimates| !estimates.is_empty()).collect();
+        (self.recording.and_then(Recording::into_simulated), estimates)
+    }
+}
+
+/// Whether the filters of a run would be given the same by another scenario.
+fn same_filters(run: &Run, scenario: &Scenario) -> bool {
+    let without_filters = |scenario: &Scenario| Scenario { filters: Vec::new(), ..scenario.clone() };
+    let before = run.scenario();
+    match run.source() {
+        Source::Simulated => run.record().forgotten() == 0 && without_filters(before) == without_filters(scenario),
+        Source::Measured(_) => {
+            let read = |s: &Scenario| {
+                let measures: Vec<_> = s.sensors.iter().map(|sensor| sensor.measures).collect();
+                (s.seed, s.plant.kind, s.input, s.hold, measures)
+            };
+            read(before) == read(scenario)
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Numbers about a filter that need no history.
+
+use crate::diagnostics::accuracy::{Known, sign_of};
+use crate::diagnostics::nees::ErrorSquare;
+use crate::diagnostics::{Tally, Total};
+use crate::likelihood::{LogSum, ln_determinant, log_likelihood};
+use crate::sink::{Sample, Sink};
+use crate::{Channel, Estimates, FilterKind, Record, Stop};
+
+/// An error of more standard deviations than this, larger than the truth and all doubts at first, is a truth lost.
+const LOST: f64 = 10.0;
+
+/// Running sums over the samples of one filter, in memory that does not grow: for maps of thousands of runs. The numbers are
+/// those of [`Diagnostics`](crate::Diagnostics) to the last bit.
+///
+/// ```
+/// use kalmanscope_core::{Channel, Pass, Run, Scenario, Scores};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let scenario = Scenario { duration: 20.0, ..Scenario::default() };
+/// let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;
+/// run.finish();
+/// let mut scores = Scores::new(&Pass::history(&scenario, 0)?, run.record());
+/// Pass::new(&scenario, 0, run.record())?.follow(run.record(), run.samples(), &mut scores.against(run.record()));
+/// assert!(scores.channel(Channel::NATURAL_FREQUENCY).unwrap().rmse < 0.5);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scores {
+    kind: FilterKind,
+    channels: usize,
+    /// The place of the channel whose sign decides about the canonical form.
+    frequency: Option<usize>,
+    sensors: usize,
+    samples: usize,
+    known: Vec<Known>,
+    /// The last error and standard deviation of each known channel, and its standard deviation at first.
+    last: Vec<Last>,
+    /// The sums of the errors' squares before the record's last fifth.
+    before: Vec<Tally>,
+    last_fifth: usize,
+    errors: Vec<f64>,
+    square: ErrorSquare,
+    nees: Total,
+    nis: Total,
+    ln_determinants: LogSum,
+    particles: f64,
+    stop: Option<Stop>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Last {
+    error: f64,
+    std: f64,
+    initial_std: f64,
+}
+
+/// How well one channel was estimated, in its unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelScore {
+    /// The last mean minus the truth.
+    pub error: f64,
+    /// The last standard deviation.
+    pub std: f64,
+    /// Root mean square error over all samples.
+    pub rmse: f64,
+    /// The share of samples with the truth inside ±2σ.
+    pub share_inside: f64,
+    /// The sample from which on the estimate has been within 5 % of the truth, if it is one.
+    pub settled: Option<usize>,
+}
+
+impl Scores {
+    /// Sums without a sample, of a filter with such a history over the whole of a record.
+    pub fn new(history: &Estimates, record: &Record) -> Self {
+        let known: Vec<Known> = Known::of(history.channels(), record, 0).collect();
+        let mut square = ErrorSquare::default();
+        square.restart(known.iter().map(|known| known.place));
+        Self {
+            kind: history.kind(),
+            channels: history.channels().len(),
+            frequency: history.place(Channel::NATURAL_FREQUENCY),
+            sensors: history.sensors().len(),
+            samples: 0,
+            last: vec![Last { error: f64::NAN, std: f64::NAN, initial_std: f64::NAN }; known.len()],
+            before: vec![Tally::default(); known.len()],
+            last_fifth: record.len() * 4 / 5,
+            errors: vec![f64::NAN; known.len()],
+            known,
+            square,
+            nees: Total::default(),
+            nis: Total::default(),
+            ln_determinants: LogSum::ZERO,
+            particles: 0.0,
+            stop: None,
+        }
+    }
+
+    /// The sink for samples of this record, which must be the one that the sums began with.
+    pub fn against<'a>(&'a mut self, record: &'a Record) -> Scoring<'a> {
+        Scoring { scores: self, record }
+    }
+
+    /// The number of samples.
+    pub fn len(&self) -> usize {
+        self.samples
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+
+    /// The sum of the NEES over all samples; [`Total::mean`] is the mean.
+    pub fn nees(&self) -> Total {
+        self.nees
+    }
+
+    /// The sum of the NIS over all samples with a measurement.
+    pub fn nis(&self) -> Total {
+        self.nis
+    }
+
+    /// Sum of the log likelihoods of all samples with a measurement.
+    pub fn log_likelihood(&self) -> f64 {
+        match (self.kind == FilterKind::PF, self.nis.degrees) {
+            (true, _) => self.particles,
+            (false, 0) => 0.0,
+            (false, degrees) => log_likelihood(self.nis.sum, self.ln_determinants.value(), degrees),
+        }
+    }
+
+    /// How well a channel was estimated; `None` where the truth is not known.
+    pub fn channel(&self, channel: Channel) -> Option<ChannelScore> {
+        let at = self.known.iter().position(|known| known.channel == channel)?;
+        let (Known { total, settled, .. }, Last { error, std, .. }) = (self.known[at], self.last[at]);
+        (total.known > 0).then(|| ChannelScore {
+            error,
+            std,
+            rmse: total.rmse(),
+            share_inside: total.share_inside(),
+            settled: (settled < self.samples).then_some(settled),
+        })
+    }
+
+    /// Where the filter stopped, if it could not go on.
+    pub fn stop(&self) -> Option<Stop> {
+        self.stop
+    }
+
+    /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error is more than 10σ
+    /// and larger than the truth ever was and than was thought possible at first.
+    pub fn diverged(&self) -> bool {
+        let lost = |((known, last), before): ((&Known, &Last), &Tally)| {
+            let recent = Tally {
+                squares: (known.total.squares - before.squares).max(0.0),
+                known: known.total.known - before.known,
+                inside: known.total.inside - before.inside,
+            };
+            let bound = known.largest_truth.max(known.first_error).max(2.0 * last.initial_std);
+            last.std > 0.0 && recent.rmse() > LOST * last.std && recent.rmse() > bound
+        };
+        self.stop.is_some() || self.known.iter().zip(&self.last).zip(&self.before).any(lost)
+    }
+}
+
+/// [`Scores`] that take in samples against their record.
+pub struct Scoring<'a> {
+    scores: &'a mut Scores,
+    record: &'a Record,
+}
+
+impl Sink for Scoring<'_> {
+    fn push(&mut self, sample: &Sample<'_>) {
+        let Self { scores, record } = self;
+        let Scores { kind, channels, frequency, sensors, samples, known, last, before, last_fifth, errors, .. } =
+            &mut **scores;
+        let n = *channels;
+        let Some(k) = samples.checked_sub(record.forgotten()) else { return };
+        let sign = sign_of(sample.mean, *frequency);
+        for (at, known) in known.iter_mut().enumerate() {
+            if *samples == *last_fifth {
+                before[at] = known.total;
+            }
+            let truth = record.truth_at(known.truth, k);
+            let variance = sample.cov[known.place * (n + 1)];
+            errors[at] = known.error(sample.mean, sign, truth);
+            known.take_in(errors[at], truth, variance, *samples);
+            let Last { error, std, initial_std } = &mut last[at];
+            *error = if known.channel.is_mirrored() { sign * errors[at] } else { errors[at] };
+            *std = variance.sqrt();
+            if *samples == 0 {
+                *initial_std = *std;
+            }
+        }
+        *samples += 1;
+        let (kind, sensors) = (*kind, *sensors);
+        let Scores { errors, square, nees, nis, ln_determinants, particles, .. } = &mut **scores;
+        let (square, degrees) = square.of(errors, sample.mean, sample.cov);
+        add(nees, square, degrees);
+        let measured = sample.innovation.iter().map(|e| u32::from(!e.is_nan())).sum();
+        add(nis, sample.nis, measured);
+        if sample.determinant.is_nan() {
+            return;
+        }
+        if kind == FilterKind::PF {
+            *particles += sample.log_likelihood;
+        } else {
+            let ln = || ln_determinant(sample.determinant, sample.innovation_cov, sensors);
+            ln_determinants.add(sample.determinant, ln);
+        }
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.scores.stop = Some(stop);
+    }
+}
+
+fn add(total: &mut Total, square: f64, degrees: u32) {
+    if degrees > 0 {
+        total.sum += square;
+        total.degrees += degrees;
+        total.samples += 1;
+    }
+}

@@ -1,0 +1,266 @@
+//! Jobs come to the same bits as a run in one go, whatever the slices.
+
+use std::sync::Arc;
+
+use kalmanscope_core::record::Input;
+use kalmanscope_core::{
+    FilterKind, FilterSettings, Hold, InputKind, Job, Quantity, Record, Run, RunError, Scenario, Source, Study, Update,
+    Wanted,
+};
+
+const WINDOW: usize = 100_000;
+
+/// An EKF with a smoother, a UKF and a small particle filter.
+fn scenario() -> Scenario {
+    let mut scenario = Scenario { duration: 8.0, ..Scenario::default() };
+    let sensor_std = scenario.true_sensor_std();
+    scenario.filters[0].smoother = true;
+    scenario.filters.insert(
+        0,
+        FilterSettings {
+            name: "PF".to_owned(),
+            kind: FilterKind::PF,
+            ensemble_size: 60,
+            sensor_std,
+            ..FilterSettings::default()
+        },
+    );
+    for (filter, id) in scenario.filters.iter_mut().zip([7, 2, 3]) {
+        filter.id = id;
+    }
+    scenario
+}
+
+fn finished(scenario: &Scenario) -> Run {
+    let mut run = Run::new(scenario).unwrap();
+    run.finish();
+    run
+}
+
+fn study(scenario: &Scenario, source: Source, window: usize) -> Study {
+    let mut study = Study::new(scenario, source, window).unwrap();
+    study.want(Wanted { bounds: true, ..Wanted::default() });
+    assert!(study.advance_to(usize::MAX, &mut || true));
+    study
+}
+
+/// Time for as many pieces of work as this at once.
+fn slices(pieces: usize) -> impl FnMut() -> bool {
+    let mut left = pieces;
+    move || {
+        left = left.checked_sub(1).unwrap_or(pieces);
+        left > 0
+    }
+}
+
+/// Lets a job come to its end; returns the progress of each slice.
+fn complete(job: &mut Job, study: &Study, pieces: usize) -> Vec<f64> {
+    let mut while_time = slices(pieces);
+    let mut all = Vec::new();
+    loop {
+        let progress = job.advance(study, &mut while_time);
+        all.push(progress.all);
+        if progress.is_done() {
+            assert!(progress.filters.iter().all(|&share| share == 1.0));
+            return all;
+        }
+    }
+}
+
+fn assert_same(study: &Study, scenario: &Scenario) {
+    let run = finished(scenario);
+    let other = self::study(scenario, Source::Simulated, WINDOW);
+    assert_eq!(study.run().checksum(), run.checksum());
+    assert_eq!(study.run().record(), run.record());
+    assert_eq!((study.run().done(), study.run().samples()), (run.done(), run.samples()));
+    assert_eq!(study.analysis().diagnostics().len(), run.estimates().len());
+    for (one, other) in study.analysis().diagnostics().iter().zip(other.analysis().diagnostics()) {
+        assert_eq!(one.log_likelihood().to_bits(), other.log_likelihood().to_bits());
+        assert_eq!(one.nees().last().map(|x| x.to_bits()), other.nees().last().map(|x| x.to_bits()));
+    }
+    let smoothed = run.smoothed();
+    assert_eq!(study.analysis().smoothed().len(), smoothed.len());
+    for (one, other) in study.analysis().smoothed().iter().zip(&smoothed) {
+        assert_eq!((one.name(), one.len(), one.checksum()), (other.name(), other.len(), other.checksum()));
+    }
+    for filter in &scenario.filters {
+        let [one, other] = [study, &other].map(|s| s.analysis().bound(filter.id).unwrap());
+        assert_eq!((one.len(), one.std(600, 2).to_bits()), (other.len(), other.std(600, 2).to_bits()));
+    }
+}
+
+#[test]
+fn whatever_the_slices_a_job_comes_to_the_bits_of_a_run() {
+    for pieces in [1, 2, 7, usize::MAX] {
+        let before = scenario();
+        let mut study = study(&before, Source::Simulated, WINDOW);
+        let checksum = study.run().checksum();
+        let mut edited = before.clone();
+        edited.sensors[0].noise_std *= 1.5;
+        edited.filters.remove(2);
+        let mut job = Job::new(&mut study, &edited, None, edited.samples()).unwrap();
+        let progress = complete(&mut job, &study, pieces);
+        assert!(progress.is_sorted(), "{progress:?}");
+        assert_eq!(study.run().checksum(), checksum, "the study stays as it is");
+        assert_eq!(job.finish(&mut study), Update::Everything);
+        assert_same(&study, &edited);
+    }
+}
+
+#[test]
+fn what_an_edit_leaves_alone_is_not_computed_again() {
+    let mut current = scenario();
+    let mut study = study(&current, Source::Simulated, WINDOW);
+    type Edit = fn(&mut Scenario);
+    let edits: [(Edit, &[u32]); 6] = [
+        (|s| s.filters[2].fading = 1.01, &[3]),
+        (|s| s.filters[1].iterations += 1, &[2]),
+        (|s| s.filters.insert(1, FilterSettings { name: "new".to_owned(), id: 9, ..s.filters[1].clone() }), &[9]),
+        (|s| s.filters.truncate(3), &[]),
+        (|s| s.filters.swap(0, 2), &[]),
+        (|s| s.filters[2].ensemble_size = 70, &[7]),
+    ];
+    for (edit, changed) in edits {
+        edit(&mut current);
+        let samples = current.samples();
+        let mut job = Job::new(&mut study, &current, None, samples).unwrap();
+        complete(&mut job, &study, 1);
+        assert_eq!(job.finish(&mut study), Update::Filters(changed.to_vec()));
+        // The analysis of filters that were there may have to catch up.
+        assert!(study.advance_to(samples, &mut || true));
+        assert_same(&study, &current);
+    }
+}
+
+#[test]
+fn a_job_that_is_given_up_leaves_no_trace() {
+    let before = scenario();
+    let mut study = study(&before, Source::Simulated, WINDOW);
+    let longer = Scenario { duration: 60.0, ..before.clone() };
+    let mut job = Job::new(&mut study, &longer, None, longer.samples()).unwrap();
+    assert!(!job.advance(&study, &mut || false).is_done());
+    job.cancel(&mut study);
+    assert_same(&study, &before);
+    let wrong = Scenario { dt: -1.0, ..before.clone() };
+    assert!(matches!(Job::new(&mut study, &wrong, None, 801), Err(RunError::Scenario(_))));
+    assert_same(&study, &before);
+}
+
+#[test]
+fn cheap_filters_come_first() {
+    let before = scenario();
+    let mut study = study(&before, Source::Simulated, WINDOW);
+    let mut edited = Scenario { seed: 5, duration: 30.0, ..before };
+    edited.filters[0].ensemble_size = 1000;
+    let mut job = Job::new(&mut study, &edited, None, edited.samples()).unwrap();
+    let mut while_time = slices(1);
+    loop {
+        let progress = job.advance(&study, &mut while_time);
+        assert!(progress.filters[0] == 0.0 || progress.filters[1..] == [1.0, 1.0], "{progress:?}");
+        if progress.filters[0] > 0.0 {
+            assert!(progress.filters[0] < 0.02, "the time is looked at often: {progress:?}");
+            break;
+        }
+    }
+}
+
+#[test]
+fn a_study_with_a_window_keeps_the_same_samples_however_it_comes_there() {
+    let scenario = Scenario { duration: 20.0, ..scenario() };
+    let mut stepped = Study::new(&scenario, Source::Simulated, 500).unwrap();
+    while !stepped.advance_to(1801, &mut || false) {}
+    let other = Scenario { seed: 3, ..scenario.clone() };
+    let mut jumped = Study::new(&other, Source::Simulated, 500).unwrap();
+    let mut job = Job::new(&mut jumped, &scenario, None, 1801).unwrap();
+    complete(&mut job, &jumped, 3);
+    job.finish(&mut jumped);
+    for study in [&stepped, &jumped] {
+        assert_eq!((study.run().done(), study.run().record().forgotten()), (1801, 1500));
+        assert_eq!(study.run().checksum(), stepped.run().checksum());
+        assert_eq!(study.analysis().diagnostics()[1].len(), 301);
+        assert_eq!(
+            study.analysis().diagnostics()[1].settled(kalmanscope_core::Channel::NATURAL_FREQUENCY),
+            stepped.analysis().diagnostics()[1].settled(kalmanscope_core::Channel::NATURAL_FREQUENCY)
+        );
+    }
+    let mut run = finished(&scenario);
+    while !jumped.advance_to(2001, &mut || false) {}
+    run.forget(run.len() - jumped.run().len());
+    assert_eq!(run.checksum(), jumped.run().checksum());
+}
+
+/// A short record of velocities without a truth.
+fn measured(scenario: &Scenario) -> Arc<Record> {
+    let run = finished(scenario);
+    let record = run.record();
+    let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: record.input().to_vec() };
+    let column = |q: &Quantity| (*q, record.measured_quantity(*q).unwrap().to_vec());
+    Arc::new(Record::new(record.dt(), input, record.sensors().iter().map(column).collect()).unwrap())
+}
+
+#[test]
+fn a_measured_record_stays_when_settings_change() {
+    let mut current = scenario();
+    let record = measured(&current);
+    let mut run = Run::on_record(&current, Arc::clone(&record)).unwrap();
+    run.finish();
+    let is_measured = |run: &Run| matches!(run.source(), Source::Measured(same) if Arc::ptr_eq(&same, &record));
+    let fresh = |scenario: &Scenario| {
+        let mut fresh = Run::on_record(scenario, Arc::clone(&record)).unwrap();
+        fresh.finish();
+        fresh.checksum()
+    };
+    current.filters[1].fading = 1.02;
+    assert_eq!(run.update(&current).unwrap(), Update::Filters(vec![2]));
+    assert!(is_measured(&run) && run.checksum() == fresh(&current));
+    // The truth has no part in it.
+    current.duration = 99.0;
+    current.plant.disturbance_std *= 2.0;
+    assert_eq!(run.update(&current).unwrap(), Update::Filters(vec![]));
+    assert!(is_measured(&run) && run.checksum() == fresh(&current));
+    // The filters' random numbers have.
+    current.seed += 1;
+    assert_eq!(run.update(&current).unwrap(), Update::Everything);
+    run.finish();
+    assert!(is_measured(&run) && run.checksum() == fresh(&current));
+    run.restart(&current).unwrap();
+    assert!(is_measured(&run) && run.is_empty());
+    run.finish();
+
+    let mut other = current.clone();
+    other.input = InputKind::GroundAcceleration;
+    let error = run.update(&other).unwrap_err();
+    assert!(error.to_string().contains("a force, but the scenario's is the acceleration of the ground"), "{error}");
+    assert_eq!((is_measured(&run), run.checksum()), (true, fresh(&current)));
+    other = current.clone();
+    other.add_sensor(kalmanscope_core::Sensor { measures: Quantity::ACCELERATION, noise_std: 0.1 });
+    if record.measured_quantity(Quantity::ACCELERATION).is_none() {
+        assert_eq!(run.restart(&other), Err(RunError::MissingSensor(Quantity::ACCELERATION)));
+        assert_eq!(run.checksum(), fresh(&current));
+    }
+}
+
+#[test]
+fn a_study_goes_from_a_simulation_to_a_record_and_back() {
+    let current = scenario();
+    let record = measured(&current);
+    let mut study = study(&current, Source::Simulated, 300);
+    let mut job = Job::new(&mut study, &current, Some(Source::Measured(Arc::clone(&record))), record.len()).unwrap();
+    complete(&mut job, &study, 2);
+    assert_eq!(job.finish(&mut study), Update::Everything);
+    assert_eq!((study.run().len(), study.run().record()), (record.len(), &*record));
+    assert!(study.analysis().bounds()[0].bound.is_empty(), "no truth, no bound");
+    let mut edited = current.clone();
+    edited.filters[2].fading = 1.03;
+    let mut job = Job::new(&mut study, &edited, None, record.len()).unwrap();
+    complete(&mut job, &study, 2);
+    assert_eq!(job.finish(&mut study), Update::Filters(vec![3]));
+    assert_eq!(study.run().record(), &*record);
+    let mut run = Run::on_record(&edited, record).unwrap();
+    run.finish();
+    assert_eq!(study.run().checksum(), run.checksum());
+    let mut job = Job::new(&mut study, &current, Some(Source::Simulated), 201).unwrap();
+    complete(&mut job, &study, 2);
+    job.finish(&mut study);
+    assert_eq!((study.run().len(), study.run().samples()), (201, current.samples()));
+}

@@ -1,0 +1,60 @@
+//! Scores are the numbers of the diagnostics, in memory that does not grow.
+
+use kalmanscope_core::{Diagnostics, FilterKind, FilterSettings, Pass, PlantKind, Run, Scenario, Scores, Window};
+
+/// Filters of several kinds, one of which loses the truth.
+fn scenario() -> Scenario {
+    let mut scenario = Scenario { duration: 30.0, ..Scenario::default() };
+    let good = scenario.filters[0].clone();
+    let of = |name: &str, kind| FilterSettings { name: name.to_owned(), kind, ensemble_size: 80, ..good.clone() };
+    let mut sure = of("sure", FilterKind::EKF);
+    sure.fading = 1.0;
+    for &channel in PlantKind::SDOF.channels().iter().skip(2) {
+        sure.initial_std[channel] = 1e-6;
+        sure.initial_mean[channel] *= 3.0;
+    }
+    scenario.filters.extend([of("PF", FilterKind::PF), of("KF", FilterKind::KF), sure]);
+    scenario
+}
+
+#[test]
+fn scores_are_the_diagnostics_to_the_last_bit() {
+    let scenario = scenario();
+    let mut run = Run::new(&scenario).unwrap();
+    run.finish();
+    let record = run.record();
+    for (place, estimates) in run.estimates().iter().enumerate() {
+        let mut scores = Scores::new(&Pass::history(&scenario, place).unwrap(), record);
+        let mut pass = Pass::new(&scenario, place, record).unwrap();
+        for samples in [1, 2, 500, usize::MAX] {
+            pass.follow(record, samples, &mut scores.against(record));
+        }
+        let diagnostics = Diagnostics::new(estimates, record);
+        assert_eq!(scores.len(), estimates.len());
+        assert_eq!(scores.nees(), diagnostics.nees_within(0..estimates.len()));
+        assert_eq!(scores.nis(), diagnostics.nis_within(0..estimates.len()));
+        assert_eq!(scores.log_likelihood().to_bits(), diagnostics.log_likelihood().to_bits());
+        for channel in diagnostics.known() {
+            let score = scores.channel(channel).unwrap();
+            let tally = diagnostics.tally(channel, 0..estimates.len()).unwrap();
+            assert_eq!((score.rmse, score.share_inside), (tally.rmse(), tally.share_inside()));
+            assert_eq!((Some(score.error), score.settled), (diagnostics.error(channel), diagnostics.settled(channel)));
+            let last = estimates.std(estimates.len() - 1, estimates.place(channel).unwrap());
+            assert_eq!(score.std, last);
+        }
+        let diverged = diagnostics.verdict(estimates).unwrap().to_string().starts_with("diverged");
+        assert_eq!(scores.diverged(), diverged, "{}", estimates.name());
+    }
+}
+
+#[test]
+fn a_window_keeps_the_last_samples() {
+    let scenario = scenario();
+    let mut run = Run::new(&scenario).unwrap();
+    run.finish();
+    let mut window = Window::new(Pass::history(&scenario, 0).unwrap(), 400);
+    Pass::new(&scenario, 0, run.record()).unwrap().follow(run.record(), usize::MAX, &mut window);
+    let (kept, all) = (window.estimates(), &run.estimates()[0]);
+    assert_eq!((kept.forgotten(), kept.len()), (2800, 201));
+    assert_eq!((kept.mean(200), kept.nis()[0]), (all.mean(3000), all.nis()[2800]));
+}
