@@ -120,7 +120,7 @@ impl Diagnostics {
     #[inline]
     fn push_consistency(&mut self, estimates: &Estimates, record: &Record, k: usize) {
         let errors = self.accuracy.look(estimates, record, k);
-        self.nees.push(errors, estimates.cov(k), estimates.channels().len());
+        self.nees.push(errors, estimates.mean(k), estimates.cov(k));
         let measured = estimates.innovation(k).iter().filter(|innovation| !innovation.is_nan()).count();
         self.nis.push(estimates.nis()[k], measured as u32);
         self.likelihood.push(estimates, k);
@@ -129,7 +129,7 @@ impl Diagnostics {
     #[inline]
     fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) {
         let errors = self.accuracy.push(estimates, record, k);
-        self.nees.push(errors, estimates.cov(k), estimates.channels().len());
+        self.nees.push(errors, estimates.mean(k), estimates.cov(k));
         let m = self.whiteness.len();
         let innovation_cov = estimates.innovation_cov(k);
         let mut measured = 0;

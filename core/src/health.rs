@@ -9,7 +9,8 @@ use crate::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Values};
 /// Something to know about a filter that goes on all the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Trouble {
-    /// A standard deviation is a thousand times the larger of its initial and its usual size.
+    /// A standard deviation is a thousand times the larger of its initial and its usual size. The usual size of a motion is
+    /// the larger, the noisier the best of the sensors is.
     #[error(
         "the covariance winds up: the filter forgets what it knew of the {} faster than the sensors tell it anew",
         .0.name()
@@ -91,8 +92,13 @@ pub(crate) struct Watch {
 impl Watch {
     /// A watch over the filter of some settings, which takes the truth for `plant`.
     pub(crate) fn new(settings: &FilterSettings, channels: &[Channel], plant: PlantKind, sensors: &[Quantity]) -> Self {
+        // The best sensor says how far apart states must be to be told apart.
+        let noise = |(sensor, std): (&Quantity, &f64)| std / sensor.aspect().info().usual_noise;
+        let noisier = sensors.iter().zip(&settings.sensor_std).map(noise).fold(f64::INFINITY, f64::min);
+        let noisier = if noisier.is_finite() { noisier.max(1.0) } else { 1.0 };
         let limit = |&channel: &Channel| {
-            let size = settings.initial_std[channel].max(Values::INITIAL_STD[channel]);
+            let usual = Values::INITIAL_STD[channel] * if channel.is_parameter() { 1.0 } else { noisier };
+            let size = settings.initial_std[channel].max(usual);
             FAR * size * size
         };
         let mut known = [true; MAX_SENSORS];

@@ -225,7 +225,7 @@ impl Scenario {
         let place = self.sensors.partition_point(|s| s.measures < sensor.measures);
         self.sensors.insert(place, sensor);
         for filter in &mut self.filters {
-            filter.sensor_std.insert(place.min(filter.sensor_std.len()), usable_std(sensor.noise_std));
+            filter.sensor_std.insert(place.min(filter.sensor_std.len()), usable_std(sensor.measures, sensor.noise_std));
         }
     }
 
@@ -248,8 +248,8 @@ impl Scenario {
         self.fill_in();
     }
 
-    /// The noise that a filter would be told by someone who knows the truth: the sensors' own standard deviations, what
-    /// the disturbance adds in a step, and the root mean square change of the parameters per step.
+    /// The noise that a filter would be told by someone who knows the truth: that of the sensors
+    /// ([`Self::true_sensor_std`]), what the disturbance adds in a step, and the root mean square change of the parameters per step.
     pub fn true_noise(&self) -> (Vec<f64>, Values) {
         let sensor_std = self.true_sensor_std();
         let d = self.plant.disturbance_std;
@@ -265,9 +265,23 @@ impl Scenario {
         (sensor_std, process_std)
     }
 
-    /// The sensors' own standard deviations, as a filter can use them.
+    /// The standard deviations of the sensors' noise, as a filter can use them: their own, and what the disturbance adds to
+    /// the reading of a sensor that feels it, such as an accelerometer.
+    ///
+    /// ```text
+    /// R = noise² + (∂h/∂F)² disturbance²
+    /// ```
     pub fn true_sensor_std(&self) -> Vec<f64> {
-        self.sensors.iter().map(|s| usable_std(s.noise_std)).collect()
+        let model = self.plant.model(self.input);
+        let at_rest = vec![0.0; model.size()];
+        let felt = |quantity: Quantity| {
+            let reading = model.reading(quantity);
+            let under = |disturbance| {
+                reading.as_ref().map_or(0.0, |reading| model.read_disturbed(reading, &at_rest, 0.0, disturbance))
+            };
+            (under(1.0) - under(0.0)) * self.plant.disturbance_std
+        };
+        self.sensors.iter().map(|s| usable_std(s.measures, libm::hypot(s.noise_std, felt(s.measures)))).collect()
     }
 
     /// The root mean square change of a signal from one sample to the next.
@@ -291,7 +305,7 @@ impl Scenario {
                 filter.name = filter.kind.name().to_owned();
             }
             if filter.sensor_std.is_empty() {
-                filter.sensor_std = sensors.iter().map(|s| usable_std(s.noise_std)).collect();
+                filter.sensor_std = sensors.iter().map(|s| usable_std(s.measures, s.noise_std)).collect();
             }
         }
     }
@@ -312,7 +326,10 @@ fn is_zero(id: &u32) -> bool {
     *id == 0
 }
 
-/// A sensor may be perfect, but a filter that is told so has a singular innovation covariance sooner or later.
-fn usable_std(noise_std: f64) -> f64 {
-    noise_std.max(1e-9)
+/// The least standard deviation that a filter is told of a sensor, in the usual noise of the quantity. A sensor may be
+/// perfect, but a filter that is told so has a singular innovation covariance sooner or later.
+const LEAST_NOISE: f64 = 1e-9;
+
+fn usable_std(quantity: Quantity, noise_std: f64) -> f64 {
+    noise_std.max(LEAST_NOISE * quantity.aspect().info().usual_noise)
 }

@@ -196,7 +196,7 @@ impl Sink for Scoring<'_> {
         *samples += 1;
         let (kind, sensors) = (*kind, *sensors);
         let Scores { errors, square, nees, nis, ln_determinants, particles, .. } = &mut **scores;
-        let (square, degrees) = square.of(errors, sample.cov, n);
+        let (square, degrees) = square.of(errors, sample.mean, sample.cov);
         add(nees, square, degrees);
         let measured = sample.innovation.iter().map(|e| u32::from(!e.is_nan())).sum();
         add(nis, sample.nis, measured);

@@ -7,6 +7,8 @@ use super::totals::Totals;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ErrorSquare {
     places: Vec<usize>,
+    /// The largest mean of each channel so far: rounding of an estimate is a share of it.
+    sizes: Vec<f64>,
     /// Memory for the errors, their covariance and its factor.
     errors: Vec<f64>,
     cov: Vec<f64>,
@@ -15,30 +17,41 @@ pub(crate) struct ErrorSquare {
 
 impl ErrorSquare {
     /// For errors of the channels in `places`, which ascend.
-    pub(crate) fn restart(&mut self, places: impl Iterator<Item = usize>) {
-        self.places.clear();
-        self.places.extend(places);
+    pub(crate) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
+        let Self { places, sizes, errors: _, cov: _, factor: _ } = self;
+        places.clear();
+        places.extend(new_places);
+        sizes.clear();
+        sizes.resize(places.len(), 0.0);
     }
 
-    /// The square and its degrees of freedom, from the errors of the channels in these places and the n × n covariance of
-    /// all n channels. Channels known for certain, of variance zero, do not count.
+    /// The square and its degrees of freedom, from the errors of the channels in these places and mean and n × n covariance
+    /// of all n channels. Channels known for certain, of variance zero, do not count, and a variance counts as no less than
+    /// rounding of the estimate would make it.
     #[inline]
-    pub(crate) fn of(&mut self, errors: &[f64], cov: &[f64], n: usize) -> (f64, u32) {
-        match (<&[f64; 4]>::try_from(errors), <&[f64; 16]>::try_from(cov)) {
+    pub(crate) fn of(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) -> (f64, u32) {
+        for (size, &place) in self.sizes.iter_mut().zip(&self.places) {
+            *size = size.max(mean[place].abs());
+        }
+        match (<&[f64; 4]>::try_from(errors), <[f64; 16]>::try_from(cov)) {
             // The usual case, for which the compiler unrolls every loop.
-            (Ok(&[a, b, c, d]), Ok(cov)) => normalised_square(&mut [a, b, c, d], cov, &mut cov.clone()),
-            _ => self.of_any(errors, cov, n),
+            (Ok(&[a, b, c, d]), Ok(mut cov)) => {
+                add_rounding(&self.sizes, &mut cov);
+                normalised_square(&mut [a, b, c, d], &cov, &mut cov.clone())
+            }
+            _ => self.of_any(errors, cov, mean.len()),
         }
     }
 
     fn of_any(&mut self, all_errors: &[f64], all_cov: &[f64], n: usize) -> (f64, u32) {
-        let Self { places, errors, cov, factor } = self;
+        let Self { places, sizes, errors, cov, factor } = self;
         errors.clear();
         errors.extend_from_slice(all_errors);
         cov.clear();
         for &row in places.iter() {
             cov.extend(places.iter().map(|&column| all_cov[row * n + column]));
         }
+        add_rounding(sizes, cov);
         factor.clear();
         factor.extend_from_slice(cov);
         normalised_square(errors, cov, factor)
@@ -70,11 +83,11 @@ impl Nees {
         }
     }
 
-    /// Takes in a sample: the errors of the channels in these places, and the n × n covariance of all n channels.
+    /// Takes in a sample: the errors of the channels in these places, and mean and n × n covariance of all n channels.
     #[inline]
-    pub(super) fn push(&mut self, errors: &[f64], cov: &[f64], n: usize) {
+    pub(super) fn push(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) {
         let Self { square, values, totals, inside, limits } = self;
-        let (square, degrees) = square.of(errors, cov, n);
+        let (square, degrees) = square.of(errors, mean, cov);
         values.push(square);
         totals.push(square, degrees);
         *inside += u32::from(degrees > 0 && square <= limits[degrees as usize - 1]);
@@ -91,6 +104,21 @@ impl Nees {
     /// The share of samples below the 95 % quantile of their degrees of freedom; NaN without any.
     pub(super) fn share_inside(&self) -> f64 {
         f64::from(self.inside) / f64::from(self.totals.whole().samples)
+    }
+}
+
+/// The error that rounding makes over a long record, relative to the largest estimate. Below this a standard deviation does
+/// not say how far the estimate is from the truth.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Adds the variance of rounding to all that are not zero, for channels of these sizes.
+#[inline(always)]
+fn add_rounding(sizes: &[f64], cov: &mut [f64]) {
+    let n = sizes.len();
+    for (j, size) in sizes.iter().enumerate() {
+        let variance = &mut cov[j * n + j];
+        let floor = ROUNDING * ROUNDING * size * size;
+        *variance += if *variance == 0.0 { 0.0 } else { floor };
     }
 }
 
@@ -129,7 +157,7 @@ mod tests {
     fn nees(places: &[usize], errors: &[f64], cov: &[f64], n: usize) -> Nees {
         let mut nees = Nees::default();
         nees.restart(places.iter().copied());
-        nees.push(errors, cov, n);
+        nees.push(errors, &vec![0.0; n], cov);
         nees
     }
 
@@ -151,6 +179,19 @@ mod tests {
         assert_eq!(some.totals.whole().degrees, 2);
         let none = nees(&[1], &[7.0], &cov, 3);
         assert!(none.values[0].is_nan() && none.totals.whole().samples == 0);
+    }
+
+    #[test]
+    fn an_estimate_that_is_right_to_the_last_bit_is_consistent() {
+        for n in [1, 4] {
+            let mut nees = Nees::default();
+            nees.restart(0..n);
+            let cov: Vec<f64> = (0..n * n).map(|i| if i % (n + 1) == 0 { 1e-78 } else { 0.0 }).collect();
+            nees.push(&vec![-6.9e-18; n], &vec![0.04; n], &cov);
+            // A sample at which the oscillator passes through zero is no other.
+            nees.push(&vec![-6.9e-18; n], &vec![0.0; n], &cov);
+            assert!(nees.values.iter().all(|&square| square < n as f64), "{:?}", nees.values);
+        }
     }
 
     #[test]

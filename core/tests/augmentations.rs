@@ -1,0 +1,202 @@
+//! Properties of input and sensors that filters find besides the plant's, and an input that is linear between samples.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use kalmanscope_core::filter::{Propagation, Step};
+use kalmanscope_core::linalg::{Matrix, Vector};
+use kalmanscope_core::signal::Sine;
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario, Sensor, Signal,
+};
+
+/// A truth with constant parameters under white noise, seen by displacement, acceleration and whatever a channel needs.
+fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scenario {
+    let filter = FilterSettings { kind, augment: augment.to_vec(), ..FilterSettings::default() };
+    let mut scenario = Scenario { duration: 40.0, filters: vec![filter], ..Scenario::default() };
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    scenario.sensors.clear();
+    for &measures in sensors {
+        scenario.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
+    }
+    if kind == FilterKind::KF {
+        scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 6.0;
+        scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = 0.05;
+    }
+    scenario
+}
+
+/// Whether the filter ends within three standard deviations of the truth, and knows the channel well by then.
+fn assert_found(scenario: &Scenario, channel: Channel, std: f64) {
+    let mut run = Run::new(scenario).unwrap();
+    run.finish();
+    let estimates = &run.estimates()[0];
+    let what = format!("{channel:?} by {:?}, {:?}", estimates.kind(), estimates.stop());
+    assert_eq!(estimates.len(), run.samples(), "{what}");
+    let (k, place) = (estimates.len() - 1, estimates.place(channel).unwrap());
+    let (truth, estimate) = (run.record().truth(channel).unwrap()[k], estimates.mean(k)[place]);
+    let error = estimate - truth;
+    assert!(error.abs() < 3.5 * estimates.std(k, place), "{what}: {estimate} ± {}, {truth}", estimates.std(k, place));
+    assert!(estimates.std(k, place) < std, "{what}: ± {}", estimates.std(k, place));
+}
+
+#[test]
+fn a_bias_of_each_kind_of_sensor_is_found() {
+    for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF] {
+        for quantity in PlantKind::SDOF.quantities() {
+            let noise = quantity.aspect().info().usual_noise;
+            // The drift of a single mass is its displacement: both are measured, one of them with a bias.
+            let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION, quantity];
+            let mut scenario = scenario(&sensors, kind, &[quantity.bias()]);
+            scenario.plant.set(quantity.bias(), Signal::Constant(4.0 * noise));
+            assert_found(&scenario, quantity.bias(), 0.5 * noise);
+        }
+    }
+}
+
+#[test]
+fn gain_and_offset_of_the_input_are_found() {
+    let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
+    for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF] {
+        for (channel, value, std) in [(Channel::INPUT_GAIN, 1.3, 0.02), (Channel::INPUT_OFFSET, 1.5, 0.2)] {
+            let mut scenario = scenario(&sensors, kind, &[channel]);
+            scenario.plant.set(channel, Signal::Constant(value));
+            assert_found(&scenario, channel, std);
+            scenario.hold = Hold::First;
+            assert_found(&scenario, channel, std);
+        }
+    }
+}
+
+#[test]
+fn an_unknown_force_is_followed() {
+    let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
+    for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF] {
+        let mut scenario = scenario(&sensors, kind, &[Channel::UNKNOWN_FORCE]);
+        scenario.plant.set(Channel::UNKNOWN_FORCE, Signal::Sine(Sine { mean: 0.0, amplitude: 5.0, period: 4.0 }));
+        assert_found(&scenario, Channel::UNKNOWN_FORCE, 1.0);
+    }
+}
+
+#[test]
+fn chains_of_five_to_ten_masses_find_their_stiffness() {
+    for (plant, kind) in [
+        (PlantKind::SHEAR_5, FilterKind::EKF),
+        (PlantKind::SHEAR_5, FilterKind::UKF),
+        (PlantKind::SHEAR_7, FilterKind::UKF),
+        (PlantKind::SHEAR_10, FilterKind::EKF),
+    ] {
+        let masses = plant.masses();
+        let mut scenario = scenario(&[], kind, &[]);
+        scenario.duration = 20.0;
+        scenario.set_plant(plant);
+        for mass in 0..masses {
+            let measures = Quantity::new(kalmanscope_core::Aspect::DISPLACEMENT, mass);
+            scenario.add_sensor(Sensor { measures, noise_std: 0.01 });
+        }
+        for mass in [0, masses / 2] {
+            assert_found(&scenario, Channel::stiffness(mass), 10.0);
+        }
+    }
+}
+
+/// `exp(A t)` by Taylor's series over a thousandth of the time, and the thousandth power.
+fn exponential(a: &Matrix, t: f64) -> Matrix {
+    let n = a.nrows();
+    let short = a * (t / 1024.0);
+    let mut term = Matrix::identity(n, n);
+    let mut sum = term.clone();
+    for power in 1..20 {
+        term = &term * &short / f64::from(power);
+        sum += &term;
+    }
+    (0..10).fold(sum, |power, _| &power * &power)
+}
+
+#[test]
+fn a_first_order_hold_is_the_exponential_of_plant_force_and_slope() {
+    for plant in [PlantKind::SDOF, PlantKind::SHEAR_3, PlantKind::SHEAR_6] {
+        let model = Model::new(plant).augmented([Channel::INPUT_GAIN]);
+        let (n, motion) = (model.size(), model.motion());
+        let gain = model.place(Channel::INPUT_GAIN).unwrap();
+        let state = Vector::from_fn(n, |i, _| match model.channels()[i] {
+            channel if channel == Channel::INPUT_GAIN => 1.3,
+            channel if channel.is_parameter() => channel.usual_truth(),
+            _ => 0.1 * libm::sin(1.0 + i as f64),
+        });
+        let ([begin, end], dt) = ([3.0, -2.0], 0.03);
+        // [motion, f, ḟ]
+        let mut a = Matrix::zeros(motion + 2, motion + 2);
+        let jacobian = model.jacobian(state.as_slice(), begin);
+        a.view_mut((0, 0), (motion, motion)).copy_from(&jacobian.view((0, 0), (motion, motion)));
+        for i in motion / 2..motion {
+            a[(i, motion)] = 1.0;
+        }
+        a[(motion, motion + 1)] = 1.0;
+        let exp = exponential(&a, dt);
+        let after = |motion_before: &[f64], scale: f64| {
+            let slope = (end - begin) / dt;
+            let rest = [scale * begin, scale * slope];
+            &exp * Vector::from_iterator(motion + 2, motion_before.iter().copied().chain(rest))
+        };
+        let (mean, transition) =
+            Propagation::LocalLinearisation.step(&model, &state, Step { forces: [begin, end], dt });
+        let expected = after(&state.as_slice()[..motion], 1.3);
+        let by_gain = after(&vec![0.0; motion], 1.0);
+        for i in 0..motion {
+            assert!((mean[i] - expected[i]).abs() < 1e-12 * expected.amax(), "{plant:?}, component {i}");
+            assert!((transition[(i, gain)] - by_gain[i]).abs() < 1e-12 * by_gain.amax(), "{plant:?}, gain, {i}");
+            for j in 0..motion {
+                assert!((transition[(i, j)] - exp[(i, j)]).abs() < 1e-12, "{plant:?}, transition, {i}, {j}");
+            }
+        }
+    }
+}
+
+#[test]
+fn transitions_are_derivatives_of_steps() {
+    for plant in PlantKind::ALL {
+        let model = Model::new(plant).augmented([Channel::INPUT_GAIN, Channel::INPUT_OFFSET, Channel::UNKNOWN_FORCE]);
+        let model = model.decaying(0.02).with_logarithms(plant == PlantKind::DUFFING);
+        let values: Vec<f64> = (model.channels().iter().enumerate())
+            .map(|(i, c)| if c.is_parameter() { c.usual_truth() + 0.01 } else { 0.1 * libm::sin(1.0 + i as f64) })
+            .collect();
+        let (state, _) = model.to_state(&values);
+        let step = Step { forces: [3.0, -2.0], dt: 0.01 };
+        let (_, transition) = Propagation::RungeKutta.step(&model, &state, step);
+        for j in 0..model.size() {
+            let h = 1e-5 * state[j].abs().max(0.01);
+            let [mut high, mut low] = [state.clone(), state.clone()];
+            high[j] += h;
+            low[j] -= h;
+            let [high, low] = [high, low].map(|state| Propagation::RungeKutta.step(&model, &state, step).0);
+            let difference = (high - low) / (2.0 * h);
+            let error = (&difference - transition.column(j)).amax() / transition.column(j).amax();
+            assert!(error < 1e-7, "{plant:?}, {:?}: {error}", model.channels()[j]);
+        }
+    }
+}
+
+#[test]
+fn matched_noise_is_consistent_where_an_accelerometer_feels_the_disturbance() {
+    let text = include_str!("data/accelerometer-disturbance.toml");
+    let mut nis = [0.0; 2];
+    const SEEDS: u64 = 20;
+    for seed in 0..SEEDS {
+        let mut scenario = Scenario::from_toml(text).unwrap();
+        scenario.seed = seed;
+        let (sensor_std, process_std) = scenario.true_noise();
+        scenario.filters.truncate(1);
+        scenario.filters[0].process_std = process_std;
+        let own = scenario.filters[0].clone();
+        scenario.filters.push(FilterSettings { sensor_std, ..own });
+        scenario.filters[1].id = scenario.filters[0].id + 1;
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        for (sum, estimates) in nis.iter_mut().zip(run.estimates()) {
+            let values = &estimates.nis()[1..];
+            *sum += values.iter().sum::<f64>() / values.len() as f64 / SEEDS as f64;
+        }
+    }
+    let [without, matched] = nis;
+    assert!((matched - 2.0).abs() < 0.1, "two sensors: {matched}");
+    assert!(without > 10.0, "the disturbance left out: {without}");
+}

@@ -1,0 +1,160 @@
+//! The kernels are held to the book: the same scenario by both, over a whole record, sample by sample.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use std::sync::Arc;
+
+use kalmanscope_core::filter::{FilterInfo, FilterKind};
+use kalmanscope_core::{Estimates, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor};
+
+/// The same kind of filter under a name that no kernel has, so that it goes by the book.
+fn by_the_book(kind: FilterKind) -> FilterKind {
+    let key = format!("book_{}", kind.key()).leak();
+    FilterKind::new(Box::leak(Box::new(FilterInfo { key, ..*kind.info() })))
+}
+
+/// A lively truth of a plant that a kernel serves, 61 samples of it, seen by sensors of some quantities.
+fn truth(plant: PlantKind, quantities: &[Quantity]) -> Scenario {
+    let mut scenario = Scenario { duration: 0.6, filters: vec![FilterSettings::default()], ..Scenario::default() };
+    scenario.sensors.clear();
+    scenario.filters[0].fading = 1.002;
+    scenario.set_plant(plant);
+    scenario.plant.disturbance_std = 0.5;
+    for &measures in quantities {
+        scenario.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
+    }
+    scenario
+}
+
+/// The record of a scenario, in which every fifth sample lacks its first sensor and every eleventh all.
+fn record(scenario: &Scenario) -> Record {
+    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
+    run.finish();
+    let mut whole = Vec::new();
+    run.record().write_csv(&mut whole).unwrap();
+    let sensors = run.record().sensors();
+    let with_gaps = |(row, line): (usize, &str)| {
+        let missing = |column: usize| match column.checked_sub(2) {
+            Some(sensor) if row > 0 && sensor < sensors.len() => (row % 5 == 0 && sensor == 0) || row % 11 == 0,
+            _ => false,
+        };
+        let cells = line.split(',').enumerate().map(|(column, cell)| if missing(column) { "" } else { cell });
+        cells.collect::<Vec<_>>().join(",")
+    };
+    let text = String::from_utf8(whole).unwrap();
+    let text: Vec<String> = text.lines().enumerate().map(with_gaps).collect();
+    Record::read_csv(text.join("\n").as_bytes(), sensors).unwrap()
+}
+
+fn estimates(scenario: &Scenario, record: &Arc<Record>) -> (Estimates, Option<Estimates>) {
+    let mut run = Run::on_record(scenario, Arc::clone(record)).unwrap();
+    run.finish();
+    (run.estimates()[0].clone(), run.smoothed().pop())
+}
+
+/// The largest difference of two estimates over all samples, relative: of means, in the larger of mean and standard
+/// deviation; of covariances, in the standard deviations of both channels; of all else, in the larger of both.
+fn difference(a: &Estimates, b: &Estimates) -> f64 {
+    assert_eq!((a.len(), a.stop().map(|stop| stop.reason)), (b.len(), b.stop().map(|stop| stop.reason)));
+    let mut worst = 0.0_f64;
+    let mut compare = |what: &str, k: usize, a: f64, b: f64, size: f64| {
+        assert_eq!(a.is_nan(), b.is_nan(), "{what} at sample {k}: {a} and {b}");
+        if a != b && !a.is_nan() {
+            worst = worst.max((a - b).abs() / size);
+        }
+    };
+    let n = a.channels().len();
+    for k in 0..a.len() {
+        let std: Vec<f64> = (0..n).map(|i| a.std(k, i)).collect();
+        for i in 0..n {
+            compare("mean", k, a.mean(k)[i], b.mean(k)[i], std[i].max(a.mean(k)[i].abs()));
+            for j in 0..n {
+                compare("covariance", k, a.cov(k)[i * n + j], b.cov(k)[i * n + j], std[i] * std[j]);
+            }
+        }
+        let m = a.sensors().len();
+        for i in 0..m {
+            let size = a.innovation_cov(k)[i * m + i].sqrt();
+            compare("innovation", k, a.innovation(k)[i], b.innovation(k)[i], size.max(a.innovation(k)[i].abs()));
+            compare("S", k, a.innovation_cov(k)[i * m + i], b.innovation_cov(k)[i * m + i], size * size);
+            for c in 0..n {
+                compare("gain", k, a.gain(k)[i * n + c], b.gain(k)[i * n + c], std[c] / size);
+            }
+        }
+        compare("NIS", k, a.nis()[k], b.nis()[k], a.nis()[k].max(1.0));
+        compare("determinant", k, a.determinant()[k], b.determinant()[k], a.determinant()[k]);
+    }
+    worst
+}
+
+/// The filter of a scenario by kernel and by the book, over the same record: the largest difference, and that with
+/// hindsight.
+fn kernel_and_book(scenario: &Scenario, record: &Arc<Record>) -> (f64, f64) {
+    let mut book = scenario.clone();
+    let filter = &mut book.filters[0];
+    filter.kind = by_the_book(filter.kind);
+    let ((kernel, hindsight), (book, book_hindsight)) = (estimates(scenario, record), estimates(&book, record));
+    assert!(kernel.len() > 50, "the filter goes on for a while: {:?}", kernel.stop());
+    let smoothed = hindsight.zip(book_hindsight).map_or(0.0, |(a, b)| difference(&a, &b));
+    (difference(&kernel, &book), smoothed)
+}
+
+const PLANTS: [PlantKind; 6] = [
+    PlantKind::SDOF,
+    PlantKind::DUFFING,
+    PlantKind::BOUC_WEN,
+    PlantKind::SHEAR_2,
+    PlantKind::SHEAR_3,
+    PlantKind::SHEAR_4,
+];
+
+/// Variants of a filter's settings: decay, logarithms, adaptation, both, none.
+fn variants(settings: &FilterSettings) -> Vec<(&'static str, FilterSettings)> {
+    let mut adaptive = settings.clone();
+    adaptive.adaptation.sensor_noise = true;
+    adaptive.adaptation.process_noise = true;
+    vec![
+        ("plain", settings.clone()),
+        ("decay", FilterSettings { eta: 0.02, ..settings.clone() }),
+        ("logarithms", FilterSettings { log_parameters: true, ..settings.clone() }),
+        ("logarithms and decay", FilterSettings { eta: 0.02, log_parameters: true, ..settings.clone() }),
+        ("adaptation", adaptive),
+    ]
+}
+
+#[test]
+fn kernels_are_held_to_the_book() {
+    let sensors: [&[Quantity]; 3] = [
+        &[Quantity::DISPLACEMENT, Quantity::VELOCITY],
+        &[Quantity::DISPLACEMENT, Quantity::ACCELERATION],
+        &[Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION],
+    ];
+    for plant in PLANTS {
+        for quantities in sensors {
+            let scenario = truth(plant, quantities);
+            let record = Arc::new(record(&scenario));
+            for kind in FilterKind::ALL {
+                for (name, mut settings) in variants(&scenario.filters[0]) {
+                    settings.kind = kind;
+                    settings.ensemble_size = 400;
+                    settings.smoother = !kind.is_sampled();
+                    if kind == FilterKind::KF {
+                        // The book's has another name, so that nobody knows what it knows.
+                        settings.eta = 0.0;
+                        for channel in plant.parameters() {
+                            settings.initial_mean[channel] = channel.usual_truth();
+                            settings.initial_std[channel] = 0.0;
+                            settings.process_std[channel] = 0.0;
+                        }
+                    }
+                    let scenario = Scenario { filters: vec![settings], ..scenario.clone() };
+                    let (forth, back) = kernel_and_book(&scenario, &record);
+                    let what = format!("{plant:?} {kind:?} {quantities:?} {name}: {forth:.1e} {back:.1e}");
+                    println!("{what}");
+                    // Over a record a sample's rounding is amplified; particles that lie close together amplify it most.
+                    let limit = if kind == FilterKind::PF { 1e-9 } else { 1e-12 };
+                    assert!(forth < limit && back < 10.0 * limit, "{what}");
+                }
+            }
+        }
+    }
+}
