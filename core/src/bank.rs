@@ -1,8 +1,9 @@
 //! The filters of a scenario, side by side.
 
 use crate::estimator::FilterContext;
-use crate::run::sensor_places;
-use crate::smoother::{Smoother, smoother};
+use crate::run_error::sensor_places;
+use crate::select::smoother;
+use crate::smoother::Smoother;
 use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
 /// The filters of a scenario on their way through one record, with their histories.

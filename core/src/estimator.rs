@@ -2,7 +2,7 @@
 
 use crate::model::{Hold, InputKind, Model};
 use crate::sink::Sink;
-use crate::{FilterError, FilterSettings, PlantKind, Quantity, Scenario, filter, kernel};
+use crate::{FilterError, FilterSettings, PlantKind, Quantity, Scenario};
 
 /// A filter that can be stepped.
 pub(crate) trait Estimator: Send {
@@ -59,9 +59,4 @@ impl<'a> FilterContext<'a> {
     pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
         settings.model(self.plant, self.input)
     }
-}
-
-/// Builds the filter of some settings: a tuned kernel where there is one, else the book.
-pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
-    kernel::estimator::estimator(settings, context).unwrap_or_else(|| filter::estimator::estimator(settings, &context))
 }

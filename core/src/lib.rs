@@ -54,10 +54,13 @@ pub mod window;
 
 mod bank;
 mod by_channel;
+mod catalogue;
 mod cost;
 mod estimator;
 mod likelihood;
 mod random;
+mod run_error;
+mod select;
 mod smoother;
 mod spare;
 
@@ -75,7 +78,8 @@ pub use pass::Pass;
 pub use plant::PlantKind;
 pub use quantity::{Aspect, Quantity};
 pub use record::{Record, RecordError};
-pub use run::{Run, RunError, Update};
+pub use run::{Run, Update};
+pub use run_error::RunError;
 pub use scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};
 pub use score::Scores;
 pub use signal::Signal;

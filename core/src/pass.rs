@@ -1,8 +1,9 @@
 //! One filter on its way through a record.
 
-use crate::estimator::{Estimator, Failed, FilterContext, estimator};
+use crate::estimator::{Estimator, Failed, FilterContext};
 use crate::quantity::MAX_SENSORS;
-use crate::run::sensor_places;
+use crate::run_error::sensor_places;
+use crate::select::estimator;
 use crate::sink::Sink;
 use crate::{Estimates, FilterError, FilterSettings, Quantity, Record, RunError, Scenario, Stop};
 

@@ -1,7 +1,6 @@
 //! Estimates with hindsight: the whole record tells of every sample.
 
-use crate::estimator::FilterContext;
-use crate::{Estimates, FilterError, FilterSettings, Record, Stop, filter, kernel};
+use crate::{Estimates, FilterError, Record, Stop};
 
 /// A smoother in progress: the filter goes forward, the smoother back.
 ///
@@ -47,17 +46,12 @@ enum Stage {
     Report(usize),
 }
 
-/// The smoother of a filter, if it can have one.
-pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Smoother> {
-    if settings.kind.is_sampled() {
-        return None;
-    }
-    let tuned = kernel::smoother::beliefs(settings, context);
-    let beliefs = tuned.or_else(|| filter::smoother::beliefs(settings, &context))?;
-    Some(Smoother { beliefs, stop: None, stage: Stage::Forth })
-}
-
 impl Smoother {
+    /// A smoother before its first sample.
+    pub(crate) fn new(beliefs: Box<dyn Beliefs>) -> Self {
+        Self { beliefs, stop: None, stage: Stage::Forth }
+    }
+
     /// Goes on for at most `steps` steps over the first `samples` samples of a record, which must be the same each time;
     /// appends to `estimates` at last. Returns whether all is done.
     pub(crate) fn advance(&mut self, record: &Record, samples: usize, steps: usize, estimates: &mut Estimates) -> bool {

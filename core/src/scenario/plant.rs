@@ -6,7 +6,7 @@ use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::ser::SerializeMap as _;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::channel::expected_channels;
+use crate::catalogue::expected_channels;
 use crate::model::{InputKind, Model};
 use crate::signal::Step;
 use crate::{Channel, PlantKind, Signal};

@@ -7,7 +7,8 @@ use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Serialize, Serializer};
 
 use crate::Channel;
-use crate::channel::{Usual, expected_channels};
+use crate::catalogue::expected_channels;
+use crate::channel::Usual;
 
 /// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Numbers that
 /// nobody has set are the usual ones.

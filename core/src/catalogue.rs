@@ -1,0 +1,63 @@
+//! Every channel that there is: those of the plants in the registry, and the augmentations.
+
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Deserializer, de};
+
+use crate::channel::expected;
+use crate::{Channel, PlantKind, augment};
+
+impl Channel {
+    /// Every channel of every plant in the registry, and every augmentation.
+    pub fn all() -> &'static [Self] {
+        static ALL: LazyLock<Vec<Channel>> = LazyLock::new(|| {
+            let mut all = Vec::new();
+            let plants = PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
+            for channel in plants.chain(augment::all()) {
+                if !all.contains(&channel) {
+                    all.push(channel);
+                }
+            }
+            all
+        });
+        &ALL
+    }
+
+    /// The channel with this key, if there is one.
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::all().iter().copied().find(|channel| channel.key() == key)
+    }
+}
+
+impl<'de> Deserialize<'de> for Channel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        let expected = || expected_channels(|_| true);
+        Self::from_key(&key)
+            .ok_or_else(|| de::Error::custom(format!("unknown variant `{key}`, expected {}", expected())))
+    }
+}
+
+/// The keys of channels to choose from in a message.
+pub(crate) fn expected_channels(has: impl Fn(Channel) -> bool) -> String {
+    expected(Channel::all().iter().filter(|c| c.mass() == 0 && has(**c)).map(|c| c.key()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::channel::ChannelInfo;
+
+    #[test]
+    fn every_mass_has_a_key_a_name_and_a_symbol_and_no_key_stands_twice() {
+        for &channel in Channel::all() {
+            let ChannelInfo { keys, names, symbols, .. } = channel.info();
+            assert!(keys.len() == names.len() && keys.len() == symbols.len(), "{channel:?}");
+            assert_eq!(Channel::from_key(channel.key()), Some(channel));
+            let same = Channel::all().iter().filter(|c| c.symbol() == channel.symbol());
+            assert_eq!(same.count(), 1, "the symbol of {channel:?}");
+        }
+        assert_eq!(Channel::displacement(9).key(), "displacement_10");
+        assert_eq!(Channel::displacement(3).rate(), Some(Channel::velocity(3)));
+    }
+}

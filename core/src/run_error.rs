@@ -1,0 +1,43 @@
+//! Why a run cannot begin.
+
+use thiserror::Error;
+
+use crate::{InputKind, Quantity, Record, Scenario, ScenarioError};
+
+/// Why a run cannot begin.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum RunError {
+    /// The scenario is impossible.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The record lacks a sensor of the scenario.
+    #[error("the record does not measure {}, but the scenario has a sensor for it", .0.key())]
+    MissingSensor(Quantity),
+    /// The record's input is of another kind than the scenario's.
+    #[error("the record's input is {}, but the scenario's is {}", input_name(*.record), input_name(*.scenario))]
+    InputKind {
+        /// The kind of the record's input.
+        record: InputKind,
+        /// The kind that the scenario has.
+        scenario: InputKind,
+    },
+    /// There is no filter at this place.
+    #[error("the scenario has no filter number {}", .0 + 1)]
+    NoFilter(usize),
+}
+
+fn input_name(kind: InputKind) -> &'static str {
+    match kind {
+        InputKind::Force => "a force",
+        InputKind::GroundAcceleration => "the acceleration of the ground",
+    }
+}
+
+/// The place in a record of each of a scenario's sensors, if the record is one of such a scenario.
+pub(crate) fn sensor_places(scenario: &Scenario, record: &Record) -> Result<Vec<usize>, RunError> {
+    if record.input_kind() != scenario.input {
+        return Err(RunError::InputKind { record: record.input_kind(), scenario: scenario.input });
+    }
+    let place = |q: Quantity| record.sensors().iter().position(|&s| s == q).ok_or(RunError::MissingSensor(q));
+    scenario.sensors.iter().map(|s| place(s.measures)).collect()
+}
