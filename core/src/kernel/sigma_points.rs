@@ -38,38 +38,6 @@ impl<const N: usize> SigmaPoints<N> {
     }
 }
 
-/// Images of the mean and of pairs of points, one a row, so that an operation on one component of all of them is one on a
-/// column.
-pub(super) struct Pairs<const N: usize> {
-    pub(super) centre: Vector<N>,
-    pub(super) high: Matrix<N, N>,
-    pub(super) low: Matrix<N, N>,
-}
-
-/// Moves the points `y ± distance L e_i` by a step.
-#[inline(always)]
-pub(super) fn move_pairs<P: Model<N>, const N: usize>(
-    model: &P,
-    mean: &Vector<N>,
-    root: &Matrix<N, N>,
-    distance: f64,
-    force: f64,
-    dt: f64,
-) -> Pairs<N> {
-    let [mut high, mut low] = [Matrix::<N, N>::zeros(); 2];
-    for j in 0..N {
-        for i in 0..N {
-            let step = root[(j, i)] * distance;
-            high[(i, j)] = mean[j] + step;
-            low[(i, j)] = mean[j] - step;
-        }
-    }
-    let centre = model.runge_kutta_step(mean, force, dt);
-    let high = model.runge_kutta_steps(&high, force, dt);
-    let low = model.runge_kutta_steps(&low, force, dt);
-    Pairs { centre, high, low }
-}
-
 impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     const PADDED: bool = false;
 
@@ -79,7 +47,18 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
         let (spread, _, offset) = rule.constants(N);
         let distance = spread.sqrt();
         let mut root = lower_root(&belief.cov)?;
-        let Pairs { centre, high, low } = move_pairs(model, &belief.mean, &root, distance, force, dt);
+        // Points are rows, so that what is done to one component of all of them is done to a column.
+        let [mut high, mut low] = [Matrix::<N, N>::zeros(); 2];
+        for j in 0..N {
+            for i in 0..N {
+                let step = root[(j, i)] * distance;
+                high[(i, j)] = belief.mean[j] + step;
+                low[(i, j)] = belief.mean[j] - step;
+            }
+        }
+        let centre = model.runge_kutta_step(&belief.mean, force, dt);
+        let high = model.runge_kutta_steps(&high, force, dt);
+        let low = model.runge_kutta_steps(&low, force, dt);
 
         // Parameters that do not decay keep their rows of the root and their covariances with each other.
         let moving = if model.eta() == 0.0 { P::MOTION } else { N };

@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 
 use super::kalman::{factor, report};
-use super::sigma_points::{Pairs, move_pairs};
 use super::{Belief, Correction, Noise, Observation};
 use crate::filter::{FilterError, Rule};
 use crate::kernel::gaussian::{Gaussian, Matrix, Reflection, Vector, add_to_root, lower_root, square};
@@ -65,6 +64,38 @@ fn diagonal_root<const N: usize>(process: &Matrix<N, N>) -> Option<Vector<N>> {
 fn add_process<const N: usize>(root: &mut Matrix<N, N>, process: &Matrix<N, N>) -> Result<(), FilterError> {
     add_to_root(root, &mut lower_root(process)?.transpose(), N);
     Ok(())
+}
+
+/// Images of the mean and of pairs of points, one a row, so that an operation on one component of all of them is one on a
+/// column.
+struct Pairs<const N: usize> {
+    centre: Vector<N>,
+    high: Matrix<N, N>,
+    low: Matrix<N, N>,
+}
+
+/// Moves the points `y ± distance L e_i` by a step.
+#[inline]
+fn move_pairs<P: Model<N>, const N: usize>(
+    model: &P,
+    mean: &Vector<N>,
+    root: &Matrix<N, N>,
+    distance: f64,
+    force: f64,
+    dt: f64,
+) -> Pairs<N> {
+    let [mut high, mut low] = [Matrix::<N, N>::zeros(); 2];
+    for j in 0..N {
+        for i in 0..N {
+            let step = root[(j, i)] * distance;
+            high[(i, j)] = mean[j] + step;
+            low[(i, j)] = mean[j] - step;
+        }
+    }
+    let centre = model.runge_kutta_step(mean, force, dt);
+    let high = model.runge_kutta_steps(&high, force, dt);
+    let low = model.runge_kutta_steps(&low, force, dt);
+    Pairs { centre, high, low }
 }
 
 impl<P: Model<N>, const N: usize> Belief<P, N> for SquareRoot<N> {
