@@ -14,7 +14,7 @@ use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::Request;
 use crate::saved::{self, Found, Saved};
-use crate::session::{Mode, Session};
+use crate::session::{Budget, Mode, Session};
 use crate::theme;
 use crate::tutor::Tutor;
 use crate::views;
@@ -63,7 +63,7 @@ impl App {
         if found.saved.presenting {
             ctx.set_zoom_factor(LARGE);
         }
-        Self::from_found(found)
+        Self::from_found(found, Budget::FRAME)
     }
 
     /// The explorer as [`eframe::App::save`] left it in `storage`, without fonts and styles. A part that cannot be read is
@@ -72,11 +72,13 @@ impl App {
     /// # Errors
     /// [`RunError`] where not even the default scenario can be run.
     pub fn restored(storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
-        Self::from_found(Saved::load(storage))
+        Self::from_found(Saved::load(storage), Budget::Unlimited)
     }
 
-    fn from_found(Found { saved, new_here, unreadable }: Found) -> Result<Self, RunError> {
+    fn from_found(Found { saved, new_here, unreadable }: Found, budget: Budget) -> Result<Self, RunError> {
         let mut app = Self::with_scenario(saved.scenario)?;
+        // The first frame is drawn before anything heavy is computed.
+        app.session.set_budget(budget);
         app.session.set_mode(saved.mode);
         app.session.set_speed(saved.speed);
         app.presenting = saved.presenting;

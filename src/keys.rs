@@ -39,7 +39,7 @@ const SHORTCUTS: &[Shortcut] = &[
     plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
     plain("P", "presenter mode: large type", &[Key::P], |_| Request::TogglePresenter),
     plain("?", "this list", &[Key::Questionmark], |_| Request::ToggleKeys),
-    plain("Esc", "leave this list, or an enlarged view", &[Key::Escape], |_| Request::Leave),
+    plain("Esc", "leave this list, stop computing, or leave an enlarged view", &[Key::Escape], |_| Request::Leave),
     Shortcut {
         name: "Ctrl+Shift+Z",
         what: "make the change again",

@@ -20,8 +20,8 @@ mod native {
     use eframe::NativeOptions;
     use egui::{IconData, ViewportBuilder};
     use kalmanscope::App;
-    use kalmanscope_cli::{bounds, plot_svg, run_scenario, step_times, table};
-    use kalmanscope_core::Scenario;
+    use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
+    use kalmanscope_core::{Analysis, Scenario, Wanted};
 
     /// Where the report goes if there is no display.
     const REPORT: &str = "kalmanscope-report.svg";
@@ -68,7 +68,8 @@ mod native {
         let scenario = Scenario::default();
         let run = run_scenario(&scenario, None)?;
         plot_svg(&run, Path::new(REPORT))?;
-        writeln!(out, "{}", table(&run, &bounds(&scenario, &run), &step_times(&scenario, &run)?))?;
+        let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
+        writeln!(out, "{}", table(&run, &analysis, &step_times(&scenario, &run)?))?;
         writeln!(
             out,
             "The plots are in {REPORT}. In a browser: `trunk serve --release`, then open the address that it prints;\n\

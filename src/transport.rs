@@ -1,6 +1,6 @@
 //! The bar at the top: play, pause, step, restart, speed, live or whole record, and the time.
 
-use egui::{Button, ComboBox, DragValue, RichText, Slider, Ui};
+use egui::{Button, ComboBox, DragValue, Rect, RichText, Slider, Ui, vec2};
 
 use crate::probe;
 use crate::request::Request;
@@ -64,6 +64,20 @@ fn speed_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Speed"));
 }
 
+/// A word and a thin bar under it.
+fn progress_ui(ui: &mut Ui, share: f64) {
+    let label = ui.weak(format!("computing, {:.0} %", (100.0 * share).floor()));
+    let label = label.on_hover_text("The last complete picture stays until the next one is computed. Esc gives it up.");
+    let bar = Rect::from_min_max(label.rect.left_bottom(), label.rect.right_bottom() + vec2(0.0, BAR));
+    let [ground, done] = [ui.visuals().widgets.noninteractive.bg_stroke.color, ui.visuals().selection.bg_fill];
+    ui.painter().rect_filled(bar, 0.0, ground);
+    let done_bar = bar.with_max_x(bar.left() + share as f32 * bar.width());
+    ui.painter().rect_filled(done_bar, 0.0, done);
+}
+
+/// Height of the bar that shows how much is computed \[points\].
+const BAR: f32 = 2.0;
+
 fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     let start = session.run().record().time_of(0);
     let mut time = session.time() - start;
@@ -76,9 +90,8 @@ fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     if slider.changed() {
         requests.push(Request::Seek(time));
     }
-    if session.behind() {
-        let share = 100 * session.run().done() / (session.position() + 1);
-        ui.weak(format!("computing, {share} %")).on_hover_text("The filters are on their way to this time");
+    if let Some(share) = session.progress() {
+        progress_ui(ui, share);
     } else if end > LONG {
         // A pixel of the slider is minutes of a day: a time can be typed, too.
         let field = DragValue::new(&mut time).range(0.0..=session.end()).speed(1.0).update_while_editing(false);

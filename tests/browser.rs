@@ -1,4 +1,4 @@
-//! The page that `trunk build` has made, in a real browser without a window.
+//! The page in `dist/`, in a real browser without a window.
 
 #[path = "browser/driver.rs"]
 mod driver;

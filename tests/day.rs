@@ -26,7 +26,7 @@ fn assert_bounded(session: &Session) {
     let (run, record) = (session.run(), session.run().record());
     let mut lengths = BTreeSet::from([run.len(), record.len(), record.input().len()]);
     lengths.extend((0..record.sensors().len()).map(|sensor| record.measured(sensor).len()));
-    lengths.extend(Channel::all().into_iter().filter_map(|c| record.truth(c)).map(<[f64]>::len));
+    lengths.extend(Channel::all().iter().filter_map(|&c| record.truth(c)).map(<[f64]>::len));
     for estimates in run.estimates() {
         lengths.extend([estimates.len(), estimates.nis().len(), estimates.determinant().len()]);
     }

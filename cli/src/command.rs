@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use kalmanscope_cli::{PlotError, bounds, plot_svg, run_scenario, step_times, table, write_estimates};
-use kalmanscope_core::{Record, RecordError, RunError, Scenario, ScenarioError};
+use kalmanscope_cli::{PlotError, plot_svg, run_scenario, step_times, table, write_estimates};
+use kalmanscope_core::{Analysis, Record, RecordError, RunError, Scenario, ScenarioError, Wanted};
 use thiserror::Error;
 
 use crate::args::RunArgs;
@@ -70,8 +70,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<bool, InputError> {
     write(svg, &|path| Ok(plot_svg(&run, path)?));
 
     let times = step_times(&scenario, &run).map_err(bad_run)?;
+    let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
     // Whoever closed the pipe has read enough; what is left to tell is in the exit code.
-    if let Err(error) = io::stdout().write_all(table(&run, &bounds(&scenario, &run), &times).as_bytes())
+    if let Err(error) = io::stdout().write_all(table(&run, &analysis, &times).as_bytes())
         && error.kind() != io::ErrorKind::BrokenPipe
     {
         well = false;

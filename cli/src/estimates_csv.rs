@@ -4,8 +4,10 @@ use std::io::Write;
 
 use kalmanscope_core::{Channel, Estimates, Run};
 
-/// Writes one row a filter and sample, those of smoothers after those of filters, under the header `filter, k, t`, the means and standard deviations of all
-/// channels of truth and filters, `nis, log_likelihood`; with 17 significant digits, so that every bit survives. Undefined values are `nan`.
+/// Writes one row a filter and sample, those of smoothers after those of filters, under the header `filter, k, t`, the means
+/// and standard deviations of all channels of truth and filters, `nis, log_likelihood`; with 17 significant digits, so that
+/// every bit survives. Undefined values are `nan`. Means are in canonical form ([`Estimates::canonical_mean`]), as in the
+/// table: the natural frequency is not negative.
 ///
 /// # Errors
 /// [`csv::Error`] where `output` cannot be written.
@@ -33,7 +35,7 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
 
 /// The numbers of one row, from the first mean on.
 fn values(estimates: &Estimates, channels: &[Channel], k: usize) -> impl Iterator<Item = f64> {
-    let mean = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.mean(k)[place]);
+    let mean = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.canonical_mean(k, place));
     let std = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.std(k, place));
     let ends = [estimates.nis()[k], estimates.log_likelihood(k)];
     channels.iter().map(mean).chain(channels.iter().map(std)).chain(ends)

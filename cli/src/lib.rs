@@ -2,15 +2,14 @@
 //!
 //! ```
 //! use kalmanscope_cli::{run_scenario, table};
-//! use kalmanscope_core::Scenario;
+//! use kalmanscope_core::{Analysis, Scenario, Wanted};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let run = run_scenario(&Scenario::from_toml("duration = 5.0")?, None)?;
-//! println!("{}", table(&run, &[], &[]));
+//! println!("{}", table(&run, &Analysis::new(&run, Wanted::default()), &[]));
 //! # Ok(())
 //! # }
 //! ```
 
-mod bounds;
 mod estimates_csv;
 mod number;
 mod plot;
@@ -21,7 +20,6 @@ use std::sync::Arc;
 
 use kalmanscope_core::{Record, Run, RunError, Scenario};
 
-pub use bounds::bounds;
 pub use estimates_csv::write_estimates;
 pub use plot::{PlotError, plot_svg, svg};
 pub use table::table;

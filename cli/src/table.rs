@@ -3,7 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use kalmanscope_core::diagnostics::{Final, MeanSquare};
-use kalmanscope_core::{Channel, CramerRao, Estimates, FilterKind, Run, Summary};
+use kalmanscope_core::{Analysis, Channel, CramerRao, Estimates, FilterKind, Run, Summary};
 
 use crate::number::{deviation, plain, short, with_spread};
 
@@ -12,16 +12,16 @@ use crate::number::{deviation, plain, short, with_spread};
 /// innovations are white, the log likelihood, the time per step, and where it stopped if it did; then the smoothed
 /// estimates of those filters that have a smoother.
 ///
-/// `bounds` are those of [`crate::bounds`] and `step_times` \[ns\] those of [`crate::step_times`], one a filter, or empty
-/// if they are not to be shown.
-pub fn table(run: &Run, bounds: &[Option<CramerRao>], step_times: &[Option<f64>]) -> String {
+/// Bounds are shown if the analysis has them. `step_times` \[ns\] are those of [`crate::step_times`], one a filter, or empty if
+/// they are not to be shown.
+pub fn table(run: &Run, analysis: &Analysis, step_times: &[Option<f64>]) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = write_table(&mut text, run, bounds, step_times);
+    let _ = write_table(&mut text, run, analysis, step_times);
     text
 }
 
-fn write_table(text: &mut String, run: &Run, bounds: &[Option<CramerRao>], step_times: &[Option<f64>]) -> fmt::Result {
+fn write_table(text: &mut String, run: &Run, analysis: &Analysis, step_times: &[Option<f64>]) -> fmt::Result {
     let record = run.record();
     let (start, end) = (record.time(0), record.time(record.len().saturating_sub(1)));
     let [start, end, dt] = [start, end, record.dt()].map(plain);
@@ -37,9 +37,10 @@ fn write_table(text: &mut String, run: &Run, bounds: &[Option<CramerRao>], step_
     if run.estimates().is_empty() {
         writeln!(text, "\nno filters")?;
     }
-    let smoothed = run.smoothed();
-    let summary = |estimates: &Estimates| Summary::new(estimates, record);
-    let summaries: Vec<Summary> = run.estimates().iter().chain(&smoothed).map(summary).collect();
+    let filters = run.estimates().iter().zip(analysis.diagnostics());
+    let filters = filters.map(|(estimates, diagnostics)| Summary::of(diagnostics, estimates, record));
+    let smoothed = analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record));
+    let summaries: Vec<Summary> = filters.chain(smoothed).collect();
     let rows: Vec<Vec<[String; COLUMNS]>> = summaries.iter().map(|s| s.finals.iter().map(row).collect()).collect();
     let widths: [usize; COLUMNS] =
         std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
@@ -54,7 +55,7 @@ fn write_table(text: &mut String, run: &Run, bounds: &[Option<CramerRao>], step_
         for row in rows {
             write_row(text, row, &widths)?;
         }
-        if let (Some(estimates), Some(Some(bound))) = (filter, bounds.get(i)) {
+        if let Some((estimates, bound)) = filter.and_then(|filter| Some((filter, analysis.bound(filter.id())?))) {
             write_bound(text, estimates, bound)?;
         }
         write_quality(text, summary, filter.is_some())?;
@@ -187,14 +188,14 @@ fn width(text: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::Scenario;
+    use kalmanscope_core::{Scenario, Wanted};
 
-    use crate::{bounds, run_scenario};
+    use crate::run_scenario;
 
     fn shown(toml: &str) -> String {
         let scenario = Scenario::from_toml(toml).unwrap();
         let run = run_scenario(&scenario, None).unwrap();
-        table(&run, &bounds(&scenario, &run), &[Some(123.4)])
+        table(&run, &Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() }), &[Some(123.4)])
     }
 
     #[test]

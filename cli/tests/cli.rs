@@ -283,3 +283,20 @@ fn the_command_line_is_checked() {
         "{help}"
     );
 }
+
+#[test]
+fn estimates_have_the_signs_of_the_table() {
+    let folder = folder();
+    let mirrored = SAMPLE
+        .replace("natural_frequency = 8.0, damping_ratio = 0.1", "natural_frequency = -8.0, damping_ratio = -0.1");
+    assert_ne!(mirrored, SAMPLE);
+    let sample = file(&folder, "sample.toml", &mirrored);
+    let out = folder.path().join("estimates.csv");
+    succeeds(command().arg(&sample).arg("--out").arg(&out));
+    let text = read(&out);
+    let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let column = header.iter().position(|name| *name == "natural_frequency").unwrap();
+    let frequencies: Vec<f64> =
+        text.lines().skip(1).map(|line| line.split(',').nth(column).unwrap().parse().unwrap()).collect();
+    assert!(frequencies.len() > 1000 && frequencies.iter().all(|wn| *wn >= 0.0), "{:?}", &frequencies[..3]);
+}

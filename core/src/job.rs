@@ -64,11 +64,8 @@ impl Job {
         samples: usize,
     ) -> Result<Self, RunError> {
         let Study { run, analysis, spare, window } = study;
-        let source = source.or_else(|| (run.done() != samples).then(|| run.source()));
-        let mut revision = Revision::new(run, scenario, source, spare)?;
-        if revision.samples() < samples && !revision.is_of_everything() {
-            revision = Revision::new(run, scenario, Some(run.source()), spare)?;
-        }
+        let source = source.or_else(|| (run.done() != samples.min(run.samples())).then(|| run.source()));
+        let revision = Revision::new(run, scenario, source, spare)?;
         let goal = samples.min(revision.samples());
         let is_simulated = revision.own_record().is_some() && !matches!(revision.source(), Some(Source::Measured(_)));
         let stage = if is_simulated { goal.min(*window) } else { goal };

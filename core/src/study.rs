@@ -37,6 +37,11 @@ impl Study {
         &self.analysis
     }
 
+    /// Keeps no more than this many samples of a simulated run from now on.
+    pub fn keep(&mut self, window: usize) {
+        self.window = window.max(2);
+    }
+
     /// Says what is to be computed beside the estimates from now on.
     pub fn want(&mut self, wanted: Wanted) {
         self.analysis.want(wanted);
@@ -60,7 +65,7 @@ impl Study {
         let chunk = cost::chunk(cost::OF_RECORD + costs.sum::<f64>());
         let is_measured = matches!(run.source(), Source::Measured(_));
         while run.done() < samples.min(run.samples()) {
-            let end = if is_measured { usize::MAX } else { run.record().forgotten() + *window };
+            let end = if is_measured { usize::MAX } else { run.record().forgotten().saturating_add(*window) };
             if run.done() >= end {
                 // All of it has been analysed.
                 run.forget(*window / 2);

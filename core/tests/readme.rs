@@ -20,18 +20,22 @@ fn every_filter_is_in_its_table() {
 
 #[test]
 fn every_plant_is_in_its_table() {
-    let row = |kind: PlantKind| {
-        let parameters: Vec<&str> = kind.parameters().map(Channel::symbol).collect();
+    let row = |key: String, name: String, parameters: String, kind: PlantKind| {
         let equation = kind.equation().replace('|', "\\|");
-        format!(
-            "| `{}` | {} | {equation} | {} | {} |",
-            kind.key(),
-            kind.name(),
-            parameters.join(", "),
-            kind.reference()
-        )
+        format!("| {key} | {name} | {equation} | {parameters} | {} |", kind.reference())
     };
-    assert_eq!(table("| kind | plant | motion per mass | parameters | reference |"), PlantKind::ALL.map(row));
+    let single = |kind: &PlantKind| {
+        let parameters: Vec<&str> = kind.parameters().map(Channel::symbol).collect();
+        row(format!("`{}`", kind.key()), kind.name().to_owned(), parameters.join(", "), *kind)
+    };
+    // Chains share a row.
+    let (chains, others): (Vec<PlantKind>, Vec<PlantKind>) = PlantKind::ALL.iter().partition(|kind| kind.masses() > 1);
+    let (first, last) = (chains[0], chains[chains.len() - 1]);
+    let key = format!("`{}` … `{}`", first.key(), last.key());
+    let name = format!("{} … {}", first.name(), last.name());
+    let rows: Vec<String> =
+        others.iter().map(single).chain([row(key, name, "κ₁, κ₂, … c".to_owned(), first)]).collect();
+    assert_eq!(table("| kind | plant | motion per mass | parameters | reference |"), rows);
 }
 
 #[test]

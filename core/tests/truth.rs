@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::signal::{Ramp, Sine, Step};
-use kalmanscope_core::{Channel, Force, Quantity, Record, Run, Scenario, Sensor, Signal};
+use kalmanscope_core::{Channel, Force, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal, TruthError};
 
 fn simulated(scenario: &Scenario) -> Record {
     let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
@@ -226,4 +226,30 @@ fn parameters_follow_their_signals() {
             assert_eq!(truth(&record, Channel::DAMPING_RATIO)[k], expected);
         }
     }
+}
+
+#[test]
+fn a_plant_that_swings_too_fast_for_its_step_is_not_said_to_run_away() {
+    let mut scenario = Scenario { dt: 5.0, duration: 500.0, force: Force::None, ..Scenario::default() };
+    scenario.set_plant(PlantKind::DUFFING);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
+    scenario.plant.set(Channel::DAMPING_RATIO, 0.0);
+    scenario.plant.set(Channel::CUBIC_STIFFNESS, 300.0);
+    (scenario.plant.initial.displacement, scenario.plant.initial.velocity) = (0.3, 1.0);
+    // Its energy bounds its motion: it cannot run away, but some forty radians a step take more halvings than there are.
+    let mut run = Run::new(&scenario).unwrap();
+    run.finish();
+    let energy = |k: usize| {
+        let [x, v] = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|c| run.record().truth(c).unwrap()[k]);
+        0.5 * v * v + 18.0 * x * x + 75.0 * x * x * x * x
+    };
+    assert!((0..run.record().len()).all(|k| (energy(k) / energy(0) - 1.0).abs() < 1e-6), "energy is kept");
+    if let Some(stop) = run.truth_stop() {
+        assert_eq!(stop.reason, TruthError::StepTooLong);
+    }
+    scenario.dt = 50.0;
+    scenario.duration = 5000.0;
+    let mut run = Run::new(&scenario).unwrap();
+    run.finish();
+    assert_eq!(run.truth_stop().map(|stop| stop.reason), Some(TruthError::StepTooLong));
 }

@@ -130,7 +130,7 @@ pub(crate) fn read(file: &Table) -> Result<Scenario, LessonError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::{FilterKind, Force, Signal};
+    use kalmanscope_core::{Channel, FilterKind, Force, Signal};
 
     fn change(text: &str) -> Change {
         toml::from_str(&format!("label = \"x\"\n{text}")).unwrap()
@@ -159,9 +159,9 @@ mod tests {
             [8.0, 12.0]
         );
         assert_eq!((scenario.duration, scenario.force), (10.0, Force::None));
-        assert_eq!(scenario.plant.natural_frequency.at(2.0), 5.0);
+        assert_eq!(scenario.plant.parameter(Channel::NATURAL_FREQUENCY).unwrap().at(2.0), 5.0);
         let constant = apply("set = { \"plant.natural_frequency\" = 5 }").unwrap();
-        assert_eq!(constant.plant.natural_frequency, Signal::Constant(5.0));
+        assert_eq!(constant.plant.parameter(Channel::NATURAL_FREQUENCY), Some(Signal::Constant(5.0)));
     }
 
     #[test]

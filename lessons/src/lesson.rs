@@ -207,7 +207,7 @@ mod tests {
         let text = format!("{HEAD}{STEP}")
             .replace("\"stiffness-loss\"", "{ duration = 3.0, plant = { damping_ratio = 0.2 } }");
         let scenario = Lesson::from_toml(&text).unwrap().scenario_at(0).unwrap();
-        assert_eq!((scenario.duration, scenario.plant.damping_ratio.at(0.0)), (3.0, 0.2));
+        assert_eq!((scenario.duration, scenario.plant.parameter(Channel::DAMPING_RATIO).unwrap().at(0.0)), (3.0, 0.2));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use kalmanscope_core::{CramerRao, Diagnostics, Estimates, FilterSettings, Record, Run, Scenario};
+use kalmanscope_core::{Analysis, CramerRao, Diagnostics, Estimates, FilterSettings, Record, Run, Scenario, Wanted};
 
 use crate::LessonError;
 
@@ -10,10 +10,11 @@ use crate::LessonError;
 pub struct Outcome {
     scenario: Scenario,
     run: Run,
-    smoothed: Vec<Estimates>,
-    /// Of the filters, then of the smoothed estimates.
+    analysis: Analysis,
+    /// Of the smoothed estimates.
     diagnostics: Vec<Diagnostics>,
-    bounds: Vec<OnceCell<Option<CramerRao>>>,
+    /// The Cramér-Rao bounds, once one has been asked for.
+    bounds: OnceCell<Analysis>,
 }
 
 /// One filter of an outcome, with its estimates or what its smoother made of them.
@@ -34,11 +35,10 @@ impl Outcome {
     pub fn of(scenario: &Scenario) -> Result<Self, LessonError> {
         let mut run = Run::new(scenario)?;
         run.finish();
-        let smoothed = run.smoothed();
-        let all = run.estimates().iter().chain(&smoothed);
-        let diagnostics = all.map(|estimates| Diagnostics::new(estimates, run.record())).collect();
-        let bounds = scenario.filters.iter().map(|_| OnceCell::new()).collect();
-        Ok(Self { scenario: scenario.clone(), run, smoothed, diagnostics, bounds })
+        let analysis = Analysis::new(&run, Wanted::default());
+        let of = |smoothed: &Estimates| Diagnostics::new(smoothed, run.record());
+        let diagnostics = analysis.smoothed().iter().map(of).collect();
+        Ok(Self { scenario: scenario.clone(), run, analysis, diagnostics, bounds: OnceCell::new() })
     }
 
     /// The scenario.
@@ -55,19 +55,19 @@ impl Outcome {
     pub(crate) fn filter(&self, name: &str, smoothed: bool) -> Option<FilterOutcome<'_>> {
         let place = self.scenario.filters.iter().position(|filter| filter.name == name)?;
         let id = self.run.estimates().get(place)?.id();
-        let mut all = self.run.estimates().iter().chain(&self.smoothed).zip(&self.diagnostics);
-        let (estimates, diagnostics) = all.find(|(of, _)| of.id() == id && of.is_smoothed() == smoothed)?;
+        let (all, of_all) = if smoothed {
+            (self.analysis.smoothed(), self.diagnostics.as_slice())
+        } else {
+            (self.run.estimates(), self.analysis.diagnostics())
+        };
+        let (estimates, diagnostics) = all.iter().zip(of_all).find(|(of, _)| of.id() == id)?;
         Some(FilterOutcome { outcome: self, place, estimates, diagnostics })
     }
 
     /// The Cramér-Rao bound of the filter at a place, worked out when it is first asked for.
     pub(crate) fn bound(&self, place: usize) -> Option<&CramerRao> {
-        let follow = || {
-            let mut bound = CramerRao::new(&self.scenario, place, self.scenario.dt)?;
-            bound.follow(self.run.record());
-            Some(bound)
-        };
-        self.bounds.get(place)?.get_or_init(follow).as_ref()
+        let id = self.run.estimates().get(place)?.id();
+        self.bounds.get_or_init(|| Analysis::new(&self.run, Wanted::BOUNDS)).bound(id)
     }
 }
 

@@ -86,7 +86,7 @@ impl App {
             Request::ToggleKeys => self.keys_open = !self.keys_open,
             Request::DismissNotice => self.notice = None,
             Request::Leave => {
-                if !std::mem::take(&mut self.keys_open) {
+                if !std::mem::take(&mut self.keys_open) && !session.cancel() {
                     layout.leave_enlarged();
                 }
             }

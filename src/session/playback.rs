@@ -22,38 +22,45 @@ impl Session {
 
     /// The last sample's time after the start \[s\].
     pub fn end(&self) -> f64 {
-        self.run.samples().saturating_sub(1) as f64 * self.run.record().dt()
+        let (dt, samples) = self.target();
+        samples.saturating_sub(1) as f64 * dt
     }
 
     /// The sample at which playback stands, counted from the start.
     pub fn position(&self) -> usize {
         // A clock that has been set to k dt must give k, whatever the rounding.
-        ((self.clock / self.run.record().dt() + 1e-6) as usize).min(self.run.samples().saturating_sub(1))
+        let (dt, samples) = self.target();
+        ((self.clock / dt + 1e-6) as usize).min(samples.saturating_sub(1))
     }
 
     /// The time of [`Self::position`] \[s\].
     pub fn time(&self) -> f64 {
-        self.run.record().time_of(self.position())
+        self.run().record().time_of(0) + self.position() as f64 * self.target().0
     }
 
     /// The index, among the samples that are kept, of that at which playback stands, or of the last one where the run is
     /// behind.
     pub fn index(&self) -> usize {
-        let index = self.position().saturating_sub(self.run.record().forgotten());
-        index.min(self.run.len().saturating_sub(1))
+        // While another picture is computed, time may be divided in another way there.
+        let position = match self.job {
+            Some(_) => (self.clock / self.run().record().dt() + 1e-6) as usize,
+            None => self.position(),
+        };
+        let index = position.saturating_sub(self.run().record().forgotten());
+        index.min(self.run().len().saturating_sub(1))
     }
 
     /// Lets `elapsed` seconds of real time pass.
     pub fn advance(&mut self, elapsed: f64) {
         if self.behind() {
-            self.catch_up();
+            self.compute();
         } else if self.playing {
             self.clock += elapsed * self.speed;
             if self.clock >= self.end() {
                 self.clock = self.end();
                 self.playing = false;
             }
-            self.catch_up();
+            self.compute();
         }
     }
 
@@ -80,14 +87,14 @@ impl Session {
     /// Pauses and goes one sample forward.
     pub fn step(&mut self) {
         self.playing = false;
-        let next = (self.position() + 1) as f64 * self.run.record().dt();
+        let next = (self.position() + 1) as f64 * self.target().0;
         self.seek(next);
     }
 
     /// Pauses and goes one sample back.
     pub fn step_back(&mut self) {
         self.playing = false;
-        let before = self.position().saturating_sub(1) as f64 * self.run.record().dt();
+        let before = self.position().saturating_sub(1) as f64 * self.target().0;
         self.seek(before);
     }
 
@@ -95,7 +102,7 @@ impl Session {
     pub fn seek(&mut self, time: f64) {
         self.clock = time.clamp(0.0, self.end());
         self.go_back();
-        self.catch_up();
+        self.compute();
     }
 
     /// Sets the simulated seconds per second; what is no positive number leaves them as they are.

@@ -1,6 +1,7 @@
 //! Playback, edits and long records.
 
 use kalmanscope_core::diagnostics::Depth;
+use kalmanscope_core::{FilterKind, FilterSettings};
 
 use super::*;
 
@@ -24,7 +25,7 @@ fn diagnostics_are_as_deep_as_is_wanted() {
     let mut session = session();
     session.set_mode(Mode::Whole);
     let all = session.diagnostics()[0].log_likelihood();
-    let want = |session: &mut Session, diagnostics| session.want(Wanted { bounds: false, diagnostics });
+    let want = |session: &mut Session, diagnostics| session.want(Wanted { diagnostics, ..Wanted::NOTHING });
     want(&mut session, None);
     assert!(session.diagnostics().is_empty());
     want(&mut session, Some(Depth::Consistency));
@@ -92,23 +93,122 @@ fn wait(session: &mut Session) -> usize {
 }
 
 #[test]
-fn far_away_times_are_computed_in_portions_while_playback_waits() {
+fn far_away_times_are_computed_in_slices_while_playback_waits() {
     let mut session = long();
+    session.set_budget(Budget::Pieces(10));
     session.seek(1000.0);
-    assert_eq!((session.run().done(), session.index(), session.behind()), (20_001, 20_000, true));
-    assert_eq!((session.position(), session.time()), (100_000, 1000.0));
+    let first = session.run().done();
+    assert!((2..50_000).contains(&first) && session.behind(), "{first}");
+    assert_eq!((session.position(), session.time(), session.index()), (100_000, 1000.0, first - 1));
     session.advance(0.1);
-    assert_eq!((session.run().done(), session.time()), (40_001, 1000.0));
-    assert_eq!(wait(&mut session), 3);
+    assert!(session.run().done() > first && session.time() == 1000.0);
+    wait(&mut session);
     assert_eq!((session.run().done(), session.run().len(), session.index()), (100_001, 50_001, 50_000));
+    assert_eq!(session.progress(), None);
     session.advance(0.1);
     assert_eq!((session.position(), session.index()), (100_020, 50_020));
     let before = session.generation();
     session.seek(999.0);
-    assert!(session.generation() > before && session.behind());
+    assert!(session.behind());
     session.toggle_play();
-    assert_eq!(wait(&mut session), 4, "a pause does not hold it up");
+    wait(&mut session);
+    assert!(session.generation() > before);
     assert_eq!((session.run().len(), session.run().record().forgotten(), session.time()), (99_901, 0, 999.0));
+}
+
+/// A whole record of a particle filter, an EKF and a UKF, which takes many pieces of work.
+fn heavy() -> Session {
+    let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
+    let particles = FilterSettings { kind: FilterKind::PF, ensemble_size: 200, ..scenario.filters[0].clone() };
+    scenario.filters.push(FilterSettings { id: 0, name: "PF".to_owned(), ..particles });
+    let mut session = Session::new(scenario).unwrap();
+    session.set_mode(Mode::Whole);
+    session.pause();
+    session.set_budget(Budget::Pieces(3));
+    session
+}
+
+fn with(session: &Session, edit: impl FnOnce(&mut Scenario)) -> Scenario {
+    let mut scenario = session.scenario().clone();
+    edit(&mut scenario);
+    scenario
+}
+
+#[test]
+fn a_heavy_edit_leaves_the_last_picture_until_the_next_is_complete() {
+    let mut session = heavy();
+    let (before, generation) = (session.run().checksum(), session.generation());
+    let log_likelihood = session.diagnostics()[0].log_likelihood();
+    let edited = with(&session, |scenario| scenario.sensors[0].noise_std *= 2.0);
+    session.set_scenario(edited.clone());
+    let mut shares = Vec::new();
+    while let Some(share) = session.progress() {
+        assert_eq!((session.run().checksum(), session.generation()), (before, generation));
+        assert_eq!(session.diagnostics()[0].log_likelihood(), log_likelihood);
+        assert_ne!(session.run().scenario(), session.scenario());
+        shares.push(share);
+        session.advance(0.1);
+    }
+    assert!(shares.len() > 20 && shares.is_sorted() && shares[0] < 0.2, "{shares:?}");
+    assert_eq!((session.run().scenario(), session.scenario()), (&edited, &edited));
+    let mut at_once = Session::new(edited).unwrap();
+    at_once.set_mode(Mode::Whole);
+    assert_eq!(session.run().checksum(), at_once.run().checksum());
+    assert_eq!(session.diagnostics()[2].log_likelihood(), at_once.diagnostics()[2].log_likelihood());
+}
+
+#[test]
+fn an_edit_that_is_given_up_is_taken_back() {
+    let mut session = heavy();
+    assert!(!session.cancel(), "nothing is computed");
+    let (before, scenario) = (session.run().checksum(), session.scenario().clone());
+    session.set_scenario(with(&session, |scenario| scenario.duration = 60.0));
+    (0..5).for_each(|_| session.advance(0.1));
+    assert!(session.behind() && session.cancel() && !session.behind());
+    assert_eq!((session.run().checksum(), session.scenario(), session.mode()), (before, &scenario, Mode::Whole));
+    // One that is impossible does not stop what is computed.
+    session.set_scenario(with(&session, |scenario| scenario.seed = 9));
+    session.set_scenario(with(&session, |scenario| scenario.dt = -1.0));
+    assert!(session.behind() && session.problem().is_some());
+    wait(&mut session);
+    assert_eq!(session.run().scenario().seed, 9);
+    // From live to the whole record and back.
+    session.set_scenario(with(&session, |scenario| scenario.dt = 0.01));
+    wait(&mut session);
+    session.set_mode(Mode::Live);
+    session.seek(1.0);
+    wait(&mut session);
+    session.set_mode(Mode::Whole);
+    assert!(session.behind() && session.cancel());
+    assert_eq!((session.mode(), session.run().done(), session.position()), (Mode::Live, 101, 100));
+}
+
+#[test]
+fn a_new_edit_begins_again() {
+    let mut session = heavy();
+    session.set_scenario(with(&session, |scenario| scenario.seed = 5));
+    (0..20).for_each(|_| session.advance(0.1));
+    let share = session.progress().unwrap();
+    session.set_scenario(with(&session, |scenario| scenario.seed = 6));
+    assert!(session.progress().unwrap() < share);
+    // The next ones come at once: the last counts.
+    for seed in 7..10 {
+        session.set_scenario(with(&session, |scenario| scenario.seed = seed));
+    }
+    wait(&mut session);
+    assert_eq!((session.run().scenario().seed, session.run().len()), (9, 4001));
+    let mut at_once = Session::new(session.scenario().clone()).unwrap();
+    at_once.set_mode(Mode::Whole);
+    assert_eq!(session.run().checksum(), at_once.run().checksum());
+}
+
+#[test]
+fn a_cheap_edit_does_not_wait_for_the_next_frame() {
+    let mut session = heavy();
+    session.set_budget(Budget::FRAME);
+    session.set_scenario(with(&session, |scenario| scenario.filters.truncate(2)));
+    assert!(!session.behind());
+    assert_eq!(session.diagnostics().len(), 2);
 }
 
 #[test]
@@ -127,7 +227,6 @@ fn what_is_kept_follows_from_where_the_run_stands() {
     bounded.seek(2345.67);
     wait(&mut bounded);
     bounded.want(Wanted { bounds: true, ..Wanted::default() });
-    assert!(bounded.behind(), "bounds begin at the start");
     wait(&mut bounded);
     assert_eq!(bounded.bounds()[0].bound.len(), bounded.run().len());
     for session in [&sought, &bounded, &played] {

@@ -32,7 +32,7 @@ impl View for Gain {
         let channels = context.session.run().channels().into_iter().filter(|c| context.in_doubt(*c));
         let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels.partition(|c| c.is_parameter());
         let channels = context.visible.channels([parameters, states].concat());
-        if context.session.scenario().sensors.is_empty() {
+        if context.session.run().scenario().sensors.is_empty() {
             ui.weak("Nothing is measured.");
             return None;
         }

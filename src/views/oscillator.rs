@@ -97,7 +97,7 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
     let scene = Scene { stage: &stage, painter: &painter, context, k };
     scene.masses(peak.force);
     if !scene.captions() {
-        response.on_hover_text(session.scenario().plant.kind.equation());
+        response.on_hover_text(session.run().scenario().plant.kind.equation());
     }
     if trail {
         scene.trail(Rect::from_min_max(pos2(rect.left(), floor.y + 2.0), rect.max));

@@ -34,8 +34,8 @@ fn values_are_those_of_the_frequency_pointed_at_else_of_the_peak() {
 fn every_scenario_has_a_response_and_strange_ones_do_no_harm() {
     let mut undamped = Scenario::default();
     undamped.plant.set(Channel::DAMPING_RATIO, Signal::Constant(0.0));
-    undamped.filters[0].initial_mean.natural_frequency = 0.0;
-    undamped.filters[0].initial_std.damping_ratio = 0.0;
+    undamped.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 0.0;
+    undamped.filters[0].initial_std[Channel::DAMPING_RATIO] = 0.0;
     let loose = {
         let mut loose = undamped.clone();
         loose.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(1e-3));

@@ -20,7 +20,7 @@ use kalmanscope::layout::Layout;
 use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::session::Mode;
 use kalmanscope::views::view;
-use kalmanscope_core::{FilterKind, Force, PlantKind, Quantity, Scenario, Signal};
+use kalmanscope_core::{Channel, FilterKind, Force, PlantKind, Quantity, Scenario, Signal};
 
 type Screen = Harness<'static, App>;
 

@@ -2,15 +2,20 @@
 
 use super::*;
 
+/// A parameter of the truth.
+fn parameter(scenario: &Scenario, channel: Channel) -> Signal {
+    scenario.plant.parameter(channel).expect("the plant has it")
+}
+
 #[test]
 fn every_number_changes_the_scenario_and_with_it_the_estimates() {
     let mut screen = workbench();
     type Read = fn(&Scenario) -> f64;
     let numbers: &[(&str, f64, Read)] = &[
-        ("Damping ratio, value", 0.11, |s| s.plant.damping_ratio.at(0.0)),
-        ("Natural frequency, before", 7.5, |s| s.plant.natural_frequency.at(0.0)),
-        ("Natural frequency, after", 3.5, |s| s.plant.natural_frequency.at(59.0)),
-        ("Natural frequency, changes at", 12.0, |s| match s.plant.natural_frequency {
+        ("Damping ratio, value", 0.11, |s| parameter(s, Channel::DAMPING_RATIO).at(0.0)),
+        ("Natural frequency, before", 7.5, |s| parameter(s, Channel::NATURAL_FREQUENCY).at(0.0)),
+        ("Natural frequency, after", 3.5, |s| parameter(s, Channel::NATURAL_FREQUENCY).at(59.0)),
+        ("Natural frequency, changes at", 12.0, |s| match parameter(s, Channel::NATURAL_FREQUENCY) {
             Signal::Step(step) => step.at,
             _ => f64::NAN,
         }),
@@ -109,7 +114,7 @@ fn shapes_forces_and_kinds_can_be_chosen() {
         ("step", |s| matches!(s, Signal::Step(_))),
     ] {
         choose(&mut screen, "Natural frequency over time", shape);
-        assert!(check(&scenario(&screen).plant.natural_frequency), "{shape}");
+        assert!(check(&parameter(&scenario(&screen), Channel::NATURAL_FREQUENCY)), "{shape}");
     }
     for (kind, check) in [
         ("sine", (|f| matches!(f, Force::Sine { .. })) as fn(&Force) -> bool),
@@ -141,9 +146,9 @@ fn matching_the_truth_sets_q_and_r() {
     screen.run_steps(3);
     let scenario = scenario(&screen);
     let (sensor_std, process_std) = scenario.true_noise();
-    assert_eq!((&scenario.filters[0].sensor_std, scenario.filters[0].process_std), (&sensor_std, process_std));
+    assert_eq!((&scenario.filters[0].sensor_std, &scenario.filters[0].process_std), (&sensor_std, &process_std));
     assert_eq!(sensor_std, [0.01, 0.2]);
-    assert!((process_std.velocity - 0.03).abs() < 1e-12 && process_std.natural_frequency > 0.0);
+    assert!((process_std[Channel::VELOCITY] - 0.03).abs() < 1e-12 && process_std[Channel::NATURAL_FREQUENCY] > 0.0);
     assert_ne!(scenario.filters[1].sensor_std, sensor_std, "the other filter keeps its own");
 }
 

@@ -35,7 +35,7 @@ fn scenarios() -> [Scenario; 4] {
     let usual = Scenario { duration: 10.0, ..Scenario::default() };
     let unmeasured = {
         let mut unmeasured = usual.clone();
-        Quantity::all().into_iter().for_each(|quantity| unmeasured.remove_sensor(quantity));
+        Quantity::all().iter().for_each(|&quantity| unmeasured.remove_sensor(quantity));
         unmeasured
     };
     let without_filters = Scenario { filters: Vec::new(), ..usual.clone() };

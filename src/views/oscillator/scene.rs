@@ -124,7 +124,7 @@ impl<'a> Scene<'a> {
         if !sensors.iter().any(|q| q.channel().and_then(Channel::rate).is_some()) {
             measured += ", not x";
         }
-        let equation = session.scenario().plant.kind.equation();
+        let equation = session.run().scenario().plant.kind.equation();
         let mut y = room.top();
         let mut write = |text: String| -> bool {
             let galley = painter.layout_no_wrap(text, stage.font(), palette.weak);

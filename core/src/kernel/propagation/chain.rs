@@ -99,7 +99,8 @@ impl<const M: usize> Chain<M> {
         let size = self.size(eta) * dt;
         match SERIES.iter().find(|(longest, _)| size <= *longest) {
             Some(&(_, terms)) => self.series(eta, dt, terms),
-            None => self.doubled(eta, dt, doublings(size)),
+            // A step whose square leaves the range of numbers overflows, and is found by the update.
+            None => self.doubled(eta, dt, if size * size < 1e300 { doublings(size) } else { 0 }),
         }
     }
 

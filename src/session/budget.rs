@@ -1,0 +1,33 @@
+//! How much is computed in one frame.
+
+use web_time::{Duration, Instant};
+
+/// How much a session computes in one go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Budget {
+    /// All there is to compute.
+    Unlimited,
+    /// As much as this time allows.
+    Time(Duration),
+    /// This many pieces of work, of a millisecond or so: the same on every machine.
+    Pieces(usize),
+}
+
+impl Budget {
+    /// A frame computes for at most 12 ms, so that there is time to draw it.
+    pub const FRAME: Self = Self::Time(Duration::from_millis(12));
+
+    /// Says, for one slice that begins now, whether there is time for another piece of work.
+    pub(super) fn slice(self) -> impl FnMut() -> bool {
+        let begin = Instant::now();
+        let mut pieces = 0;
+        move || match self {
+            Self::Unlimited => true,
+            Self::Time(time) => begin.elapsed() < time,
+            Self::Pieces(most) => {
+                pieces += 1;
+                pieces < most
+            }
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Computes what follows from the scenario, a slice of time after the other.
+
+use kalmanscope_core::{Job, Source};
+
+use super::{Mode, Session};
+
+/// An edit waits for at most this many slices for the picture before it, so that dragging shows some of the pictures that
+/// take longer than a frame.
+const PATIENCE: usize = 6;
+
+impl Session {
+    /// Whether there is something yet to be computed: the next picture, or what is missing of this one. Playback waits for it,
+    /// and every [`Self::advance`] brings it nearer.
+    pub fn behind(&self) -> bool {
+        self.job.is_some() || !self.complete
+    }
+
+    /// The share that is computed of the next picture or of the way to where playback stands, from 0 to 1; `None` where
+    /// nothing is to be computed.
+    pub fn progress(&self) -> Option<f64> {
+        if let Some(job) = &self.job {
+            return Some(job.progress(&self.study).all);
+        }
+        (!self.complete).then(|| (self.run().done() as f64 / (self.position() + 1) as f64).min(1.0))
+    }
+
+    /// Gives up what is being computed, and keeps the last complete picture and its scenario. Returns whether there was
+    /// anything to give up.
+    pub fn cancel(&mut self) -> bool {
+        if !self.behind() {
+            return false;
+        }
+        if let Some(job) = self.job.take() {
+            job.cancel(&mut self.study);
+        }
+        self.waiting = false;
+        let run = self.study.run();
+        self.scenario = run.scenario().clone();
+        self.can_be_whole = run.samples() <= Self::LONGEST_WHOLE + 1;
+        self.problem = None;
+        if self.wanted_mode == Mode::Whole && (run.done() < run.samples() || run.record().forgotten() > 0) {
+            self.wanted_mode = Mode::Live;
+        }
+        let last = run.done().saturating_sub(1) as f64 * run.record().dt();
+        self.clock = self.clock.min(last);
+        self.playing = false;
+        self.compute();
+        true
+    }
+
+    /// Time between samples and their number, as they are once all is computed.
+    pub(super) fn target(&self) -> (f64, usize) {
+        let run = self.study.run();
+        if self.job.is_none() {
+            return (run.record().dt(), run.samples());
+        }
+        match run.source() {
+            Source::Measured(record) => (record.dt(), record.len()),
+            Source::Simulated => (self.scenario.dt, self.scenario.samples()),
+        }
+    }
+
+    /// Begins to compute what follows from the scenario, in place of what is being computed. Where it is impossible, notes
+    /// why.
+    pub(super) fn begin_job(&mut self) {
+        if let Some(job) = self.job.take() {
+            job.cancel(&mut self.study);
+        }
+        self.waiting = false;
+        self.slices = 0;
+        let Self { scenario, study, clock, .. } = self;
+        let (dt, samples) = match study.run().source() {
+            Source::Measured(record) => (record.dt(), record.len()),
+            Source::Simulated => (scenario.dt, scenario.samples()),
+        };
+        let can_be_whole = samples <= Self::LONGEST_WHOLE + 1;
+        let is_whole = can_be_whole && self.wanted_mode == Mode::Whole;
+        study.keep(if is_whole { Self::LONGEST_WHOLE + 1 } else { Self::KEPT });
+        let goal = if is_whole {
+            samples
+        } else {
+            // Playback goes on from here, by as much as there is already of a longer way.
+            let position = ((*clock / dt + 1e-6) as usize + 1).min(samples);
+            position.min(study.run().done().max(1))
+        };
+        match Job::new(study, scenario, None, goal) {
+            Ok(job) => {
+                self.job = Some(job);
+                self.can_be_whole = can_be_whole;
+                self.problem = None;
+                self.clock = self.clock.min(self.end());
+            }
+            Err(error) => self.problem = Some(error.to_string()),
+        }
+    }
+
+    /// Begins anew where the run has samples that are not to be shown, or lacks some that are.
+    pub(super) fn go_back(&mut self) {
+        let run = self.study.run();
+        let position = self.position() + 1;
+        let is_wrong = match (self.mode(), &self.job) {
+            (Mode::Live, Some(job)) => job.goal() > position,
+            (Mode::Live, None) => run.done() > position,
+            (Mode::Whole, Some(job)) => job.goal() < job.samples(),
+            (Mode::Whole, None) => run.record().forgotten() > 0 || run.done() < run.samples(),
+        };
+        if is_wrong {
+            self.begin_job();
+        }
+    }
+
+    /// Computes everything anew from the first sample on.
+    pub(super) fn begin_again(&mut self) {
+        let goal = self.run().done().max(1);
+        if self.job.is_some() {
+            return;
+        }
+        let source = self.run().source();
+        self.slices = 0;
+        // An impossible scenario has no run: that of the last possible one stays.
+        let scenario = self.run().scenario().clone();
+        self.job = Job::new(&mut self.study, &scenario, Some(source), goal).ok();
+    }
+
+    /// Takes note of an edited scenario. One that comes while a picture is nearly there waits for it.
+    pub(super) fn edited(&mut self) {
+        if let Err(error) = self.scenario.validate() {
+            self.problem = Some(error.to_string());
+        } else if self.job.is_some() && self.slices < PATIENCE {
+            self.waiting = true;
+            self.problem = None;
+        } else {
+            self.begin_job();
+        }
+    }
+
+    /// Computes for one slice.
+    pub(super) fn compute(&mut self) {
+        let mut while_time = self.budget.slice();
+        let shown = self.shown();
+        while let Some(mut job) = self.job.take() {
+            let is_done = job.advance(&self.study, &mut while_time).is_done();
+            self.slices += 1;
+            if is_done {
+                job.finish(&mut self.study);
+                self.generation += 1;
+                self.clock = self.clock.min(self.end());
+            } else {
+                self.job = Some(job);
+            }
+            if self.waiting && (is_done || self.slices >= PATIENCE) {
+                self.begin_job();
+            }
+            if !is_done || !while_time() {
+                break;
+            }
+        }
+        if self.job.is_none() {
+            self.study.keep(if self.mode() == Mode::Whole { Self::LONGEST_WHOLE + 1 } else { Self::KEPT });
+            let goal = match self.mode() {
+                Mode::Live => self.position() + 1,
+                Mode::Whole => usize::MAX,
+            };
+            self.complete = self.study.advance_to(goal, &mut while_time);
+        }
+        if self.shown() != shown {
+            self.generation += 1;
+        }
+    }
+
+    /// What changes besides the length of the run: the first sample that is kept, and which analyses are there.
+    fn shown(&self) -> (usize, [bool; 3]) {
+        let analysis = self.study.analysis();
+        let there = [analysis.diagnostics().is_empty(), analysis.smoothed().is_empty(), analysis.bounds().is_empty()];
+        (self.run().record().forgotten(), there)
+    }
+}
