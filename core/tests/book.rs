@@ -12,9 +12,9 @@ fn by_the_book(kind: FilterKind) -> FilterKind {
     FilterKind::new(Box::leak(Box::new(FilterInfo { key, ..*kind.info() })))
 }
 
-/// A lively truth of a plant that a kernel serves, 61 samples of it, seen by sensors of some quantities.
+/// A lively truth of a plant that a kernel serves, 31 samples of it, seen by sensors of some quantities.
 fn truth(plant: PlantKind, quantities: &[Quantity]) -> Scenario {
-    let mut scenario = Scenario { duration: 0.6, filters: vec![FilterSettings::default()], ..Scenario::default() };
+    let mut scenario = Scenario { duration: 0.3, filters: vec![FilterSettings::default()], ..Scenario::default() };
     scenario.sensors.clear();
     scenario.filters[0].fading = 1.002;
     scenario.set_plant(plant);
@@ -93,7 +93,7 @@ fn kernel_and_book(scenario: &Scenario, record: &Arc<Record>) -> (f64, f64) {
     let filter = &mut book.filters[0];
     filter.kind = by_the_book(filter.kind);
     let ((kernel, hindsight), (book, book_hindsight)) = (estimates(scenario, record), estimates(&book, record));
-    assert!(kernel.len() > 50, "the filter goes on for a while: {:?}", kernel.stop());
+    assert!(kernel.len() > 25, "the filter goes on for a while: {:?}", kernel.stop());
     let smoothed = hindsight.zip(book_hindsight).map_or(0.0, |(a, b)| difference(&a, &b));
     (difference(&kernel, &book), smoothed)
 }

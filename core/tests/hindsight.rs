@@ -158,6 +158,7 @@ fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
         for channel in scenario.plant.kind.parameters() {
             scenario.filters[0].initial_mean[channel] = scenario.plant.parameter(channel).unwrap().at(0.0);
         }
+        scenario.filters[0].sensor_std = scenario.true_sensor_std();
         let run = finished(&scenario);
         let kf = &run.estimates()[0];
         let bound = bound(&scenario, run.record());

@@ -111,7 +111,10 @@ fn check_sample(
         let variance = cov[i * n + i];
         require(variance.is_finite() && variance >= 0.0, || format!("variance {variance:e} of {i}"))?;
         let channel = estimates.channels()[i];
-        if variance.sqrt() > 1.001e3 * settings.initial_std[channel].max(Values::INITIAL_STD[channel]) {
+        let noise = |(sensor, std): (&Quantity, &f64)| std / sensor.aspect().info().usual_noise;
+        let noisier = estimates.sensors().iter().zip(&settings.sensor_std).map(noise).fold(f64::INFINITY, f64::min);
+        let noisier = if channel.is_parameter() || noisier.is_infinite() { 1.0 } else { noisier.max(1.0) };
+        if variance.sqrt() > 1.001e3 * settings.initial_std[channel].max(noisier * Values::INITIAL_STD[channel]) {
             wound_up.push((channel, k));
         }
         for j in 0..i {
