@@ -32,7 +32,7 @@ impl<'a> Scene<'a> {
         let ViewContext { palette, visible, .. } = *context;
         ground(stage, painter, palette);
         let record = self.record();
-        let spring = context.session.scenario().plant.kind.info().spring;
+        let spring = context.session.run().scenario().plant.kind.info().spring;
         let force = force::recent(record, k);
         let share = force / largest_force.max(force.abs()).max(1e-12);
         let mut before = (stage.wall, 0.0);
