@@ -13,7 +13,7 @@ use crate::{Channel, PlantKind, Signal};
 
 /// The plant that the filters are to identify. It has those of the parameters that [`PlantKind::parameters`] says, and any
 /// augmentation ([`crate::augment`]) that has a signal.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Plant {
     /// The kind of plant.
     pub kind: PlantKind,
@@ -96,6 +96,16 @@ impl Plant {
     /// The channels that have a signal of their own, whether the plant has them or not.
     pub(super) fn signals(&self) -> impl Iterator<Item = (Channel, Signal)> {
         self.signals.iter().copied()
+    }
+}
+
+impl PartialEq for Plant {
+    /// Whether every parameter has the same signal, set or usual, and every augmentation.
+    fn eq(&self, other: &Self) -> bool {
+        let Self { kind, initial, disturbance_std, signals } = self;
+        let same = |(channel, _): &(Channel, Signal)| self.parameter(*channel) == other.parameter(*channel);
+        (kind, initial, disturbance_std) == (&other.kind, &other.initial, &other.disturbance_std)
+            && signals.iter().chain(&other.signals).all(same)
     }
 }
 

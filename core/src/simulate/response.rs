@@ -9,6 +9,9 @@ use crate::model::Model;
 /// What is left after extrapolation is a hundredth of that, and below 1e-9 of the signal after a minute.
 const ACCURACY: f64 = 3e-12;
 
+/// A plant has run away that has come this many times as far as ever before when it can no longer be followed.
+const RUNAWAY: f64 = 100.0;
+
 /// The most steps that one sample is halved into.
 const MAX_STEPS: u32 = 4096;
 
@@ -114,7 +117,11 @@ impl Motion<'_> {
     fn advance(&self, state: &Vector, dt: f64, size: &Vector) -> Result<Vector, TruthError> {
         let mut halvings = MAX_STEPS;
         let coarse = self.step(state, 0.0, 1.0, dt);
-        self.refined(state, coarse, (0.0, 1.0), dt, size, &mut halvings).ok_or(TruthError::StepTooLong)
+        self.refined(state, coarse, (0.0, 1.0), dt, size, &mut halvings).map_err(|reached| {
+            // A plant that runs away does so within ever shorter times: no number of halvings follows it to the end.
+            let far = (0..size.len()).find(|&i| size[i] > 0.0 && reached[i].abs() > RUNAWAY * size[i]);
+            far.map_or(TruthError::StepTooLong, |i| TruthError::Channel(self.model.channels()[i]))
+        })
     }
 
     /// One Runge-Kutta step over a share of the sample.
@@ -129,6 +136,9 @@ impl Motion<'_> {
 
     /// The step that `coarse` takes in one, halved again and again until it makes no difference, and then extrapolated.
     ///
+    /// # Errors
+    /// The state at which no halvings were left.
+    ///
     /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.4.
     fn refined(
         &self,
@@ -138,20 +148,21 @@ impl Motion<'_> {
         dt: f64,
         size: &Vector,
         halvings: &mut u32,
-    ) -> Option<Vector> {
+    ) -> Result<Vector, Vector> {
         let half = 0.5 * share;
         let middle = self.step(state, from, half, dt);
         let fine = self.step(&middle, from + half, half, dt);
         let difference = &fine - coarse;
         let close = |i: usize| difference[i].abs() <= ACCURACY * size[i].max(fine[i].abs());
         if (0..fine.len()).all(close) {
-            return Some(fine + difference / 15.0);
+            return Ok(fine + difference / 15.0);
         }
         if fine.iter().any(|x| !x.is_finite()) {
             // The plant runs away, which the next sample says.
-            return Some(fine);
+            return Ok(fine);
         }
-        *halvings = halvings.checked_sub(1)?;
+        let Some(rest) = halvings.checked_sub(1) else { return Err(state.clone()) };
+        *halvings = rest;
         let middle = self.refined(state, middle, (from, half), dt, size, halvings)?;
         let rest = self.step(&middle, from + half, half, dt);
         self.refined(&middle, rest, (from + half, half), dt, size, halvings)

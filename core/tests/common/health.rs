@@ -76,10 +76,14 @@ pub(crate) fn check_scenario(scenario: &Scenario, gap: u8) -> Result<usize, Stri
 
 /// The record with some measurements left out.
 fn with_gaps(record: &Record, gap: u8) -> Result<Record, String> {
-    let mut text = "t,force".to_owned();
+    let input = match record.input_kind() {
+        InputKind::Force => "force",
+        InputKind::GroundAcceleration => "ground_acceleration",
+    };
+    let mut text = format!("t,{input}");
     record.sensors().iter().for_each(|s| text += &format!(",{}", s.key()));
     for k in 0..record.len() {
-        text += &format!("\n{:e},{:e}", record.time(k), record.force(k));
+        text += &format!("\n{:e},{:e}", record.time(k), record.input()[k]);
         for sensor in 0..record.sensors().len() {
             let scattered = ((k as u32 * 4 + sensor as u32).wrapping_mul(0x9e37_79b9) >> 24) as u8;
             let cell = if scattered < gap { String::new() } else { format!("{:e}", record.measured(sensor)[k]) };
