@@ -177,7 +177,7 @@ fn transitions_are_derivatives_of_steps() {
 
 #[test]
 fn matched_noise_is_consistent_where_an_accelerometer_feels_the_disturbance() {
-    let text = include_str!("data/accelerometer-disturbance.toml");
+    let text = include_str!("accelerometer-disturbance.toml");
     let mut nis = [0.0; 2];
     const SEEDS: u64 = 20;
     for seed in 0..SEEDS {

@@ -159,13 +159,16 @@ fn unknown_keys_are_named_with_those_that_there_are() {
     assert_refused(&[
         (
             "\nsed = 1",
-            "line 2: unknown key `sed`; it can be `seed`, `dt`, `duration`, `plant`, `force`, `sensors`, `filters`",
+            "line 2: unknown key `sed`; it can be `seed`, `dt`, `duration`, `plant`, `force`, `input`, `hold`, \
+             `sensors`, `filters`",
         ),
         (
             "[plant]\nmass = 1",
-            "line 2: unknown key `plant.mass`; it can be `kind`, `natural_frequency`, `damping_ratio`, \
-             `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, `hysteresis_gamma`, `stiffness_1`, `stiffness_2`, \
-             `stiffness_3`, `stiffness_4`, `storey_damping`, `initial`, `disturbance_std`",
+            "line 2: unknown key `plant.mass`; it can be `kind`, `initial`, `disturbance_std` or one of \
+             `natural_frequency`, `damping_ratio`, `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, \
+             `hysteresis_gamma`, `stiffness_1`, `storey_damping`, `input_gain`, `input_offset`, `unknown_force`, \
+             `bias_displacement`, `bias_velocity`, `bias_acceleration`, `bias_total_acceleration`, `bias_drift`, and of \
+             other masses as in `displacement_2`",
         ),
         (
             "[plant]\ninitial = { x = 1 }",
@@ -237,7 +240,7 @@ fn wrong_types_are_told_with_key_value_and_what_is_allowed() {
         (
             "[plant]\nkind = \"mdof\"",
             "line 2: `plant.kind` is \"mdof\", but must be one of `sdof`, `duffing`, `bouc_wen`, `shear_2`, \
-             `shear_3`, `shear_4`",
+             `shear_3`, `shear_4`, `shear_5`, `shear_6`, `shear_7`, `shear_8`, `shear_9`, `shear_10`",
         ),
         ("[plant]\nkind = 3", "line 2: `plant.kind` is 3, but must be a string"),
         ("[plant]\ninitial = { velocity = true }", "line 2: `plant.initial.velocity` is true, but must be a number"),
