@@ -76,8 +76,8 @@ fn difference(a: &Estimates, b: &Estimates) -> f64 {
             let size = a.innovation_cov(k)[i * m + i].sqrt();
             compare("innovation", k, a.innovation(k)[i], b.innovation(k)[i], size.max(a.innovation(k)[i].abs()));
             compare("S", k, a.innovation_cov(k)[i * m + i], b.innovation_cov(k)[i * m + i], size * size);
-            for c in 0..n {
-                compare("gain", k, a.gain(k)[i * n + c], b.gain(k)[i * n + c], std[c] / size);
+            for (c, std) in std.iter().enumerate() {
+                compare("gain", k, a.gain(k)[i * n + c], b.gain(k)[i * n + c], std / size);
             }
         }
         compare("NIS", k, a.nis()[k], b.nis()[k], a.nis()[k].max(1.0));

@@ -1,4 +1,5 @@
 //! Jobs come to the same bits as a run in one go, whatever the slices.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 

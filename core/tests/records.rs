@@ -1,4 +1,5 @@
 //! Records from columns.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 

@@ -145,7 +145,7 @@ const SITUATIONS: &[Situation] = &[
         },
         &[Overconfident],
     ),
-    ("Q far too large", |s| process_times(s, &Channel::all(), 100.0), &[Underconfident]),
+    ("Q far too large", |s| process_times(s, Channel::all(), 100.0), &[Underconfident]),
     ("R a tenth", |s| sensor_variance_times(s, 0.1), &[Overconfident]),
     ("R tenfold", |s| sensor_variance_times(s, 10.0), &[Underconfident]),
     ("R a hundredth", |s| sensor_variance_times(s, 0.01), &[Overconfident]),
