@@ -62,7 +62,7 @@ impl Record {
             return Err(RecordError::Step(dt));
         }
         let Input { kind, hold, values } = input;
-        check("input", &values, "a finite number", |x| x.is_finite())?;
+        check("input", &values, "a finite number", f64::is_finite)?;
         let (sensors, measured) = complete(columns, values.len(), |quantity| quantity.key().to_owned())?;
         let mut record = Self::empty(dt, kind, hold, sensors, Vec::new());
         (record.input, record.measured) = (values, measured);

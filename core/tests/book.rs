@@ -158,7 +158,11 @@ fn kernels_are_held_to_the_book() {
                     // An accelerometer shrinks a variance by thousands, and rounding of it grows by as much.
                     let curved = [FilterKind::UKF, FilterKind::CKF, FilterKind::SR_UKF].contains(&kind)
                         && quantities.contains(&Quantity::ACCELERATION);
-                    let one_step = if curved { 4e-12 } else { 1e-12 };
+                    let one_step = match kind {
+                        kind if kind == FilterKind::PF => 1e-9,
+                        _ if curved => 4e-12,
+                        _ => 1e-12,
+                    };
                     assert!(step < one_step && forth < limit && back < limit, "{what}");
                 }
             }
