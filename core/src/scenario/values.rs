@@ -74,10 +74,11 @@ impl Values {
         self.set = own.chain(rest).collect();
     }
 
-    /// Drops the numbers of channels that are not among these, where they are the usual ones.
-    pub(super) fn prune(&mut self, channels: &[Channel]) {
-        let otherwise = self.otherwise;
-        self.set.retain(|(channel, value)| channels.contains(channel) || value != otherwise.of(*channel));
+    /// The same numbers for a file in which those that are left out are `base`'s: these channels' and those that differ.
+    pub(super) fn written_over(&self, base: &Self, channels: &[Channel]) -> Self {
+        let others = Channel::all().iter().copied().filter(|c| !channels.contains(c) && self[*c] != base[*c]);
+        let written = channels.iter().copied().chain(others);
+        Self { otherwise: base.otherwise, set: written.map(|channel| (channel, self[channel])).collect() }
     }
 }
 

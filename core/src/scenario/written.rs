@@ -1,7 +1,7 @@
 //! A scenario as a file: what matters to its plants, without what it leaves at its default, and ids only where places do not
 //! give them.
 
-use super::Scenario;
+use super::{Scenario, Values};
 
 /// The text of the file.
 pub(super) fn text(scenario: &Scenario) -> Result<String, toml::ser::Error> {
@@ -13,9 +13,10 @@ pub(super) fn text(scenario: &Scenario) -> Result<String, toml::ser::Error> {
             filter.id = 0;
         }
         let model = filter.model(truth, input);
-        for values in [&mut filter.initial_mean, &mut filter.initial_std, &mut filter.process_std] {
-            values.prune(model.channels());
-        }
+        let channels = model.channels();
+        filter.initial_mean = filter.initial_mean.written_over(&Values::INITIAL_MEAN, channels);
+        filter.initial_std = filter.initial_std.written_over(&Values::INITIAL_STD, channels);
+        filter.process_std = filter.process_std.written_over(&Values::PROCESS_STD, channels);
     }
     // By way of a table, which puts tables behind plain values.
     toml::to_string(&toml::Table::try_from(&scenario)?)
