@@ -154,15 +154,12 @@ impl<'de> Deserialize<'de> for Plant {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Plant, A::Error> {
                 let mut plant = Plant::default();
-                while let Some(key) = map.next_key::<String>()? {
-                    match key.as_str() {
-                        "kind" => plant.kind = map.next_value()?,
-                        "initial" => plant.initial = map.next_value()?,
-                        "disturbance_std" => plant.disturbance_std = map.next_value()?,
-                        key => {
-                            let signal = Channel::from_key(key).and_then(|channel| plant.parameter_mut(channel));
-                            *signal.ok_or_else(|| de::Error::custom(unknown(key)))? = map.next_value()?;
-                        }
+                while let Some(key) = map.next_key()? {
+                    match key {
+                        Key::Kind => plant.kind = map.next_value()?,
+                        Key::Initial => plant.initial = map.next_value()?,
+                        Key::DisturbanceStd => plant.disturbance_std = map.next_value()?,
+                        Key::Parameter(channel) => plant.set(channel, map.next_value::<Signal>()?),
                     }
                 }
                 Ok(plant)
@@ -173,7 +170,28 @@ impl<'de> Deserialize<'de> for Plant {
     }
 }
 
-fn unknown(key: &str) -> String {
-    let parameters = expected_channels(Channel::is_parameter);
-    format!("unknown field `{key}`, expected `kind`, `initial`, `disturbance_std` or {parameters}")
+/// A key of the truth's table. Wrong ones are refused as keys, so that the message has their place.
+enum Key {
+    Kind,
+    Initial,
+    DisturbanceStd,
+    Parameter(Channel),
+}
+
+impl<'de> Deserialize<'de> for Key {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        match key.as_str() {
+            "kind" => Ok(Self::Kind),
+            "initial" => Ok(Self::Initial),
+            "disturbance_std" => Ok(Self::DisturbanceStd),
+            other => match Channel::from_key(other).filter(|channel| channel.is_parameter()) {
+                Some(channel) => Ok(Self::Parameter(channel)),
+                None => Err(de::Error::custom(format!(
+                    "unknown field `{other}`, expected `kind`, `initial`, `disturbance_std` or {}",
+                    expected_channels(Channel::is_parameter)
+                ))),
+            },
+        }
+    }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::{Index, IndexMut};
 
 use serde::de::{self, Deserializer, MapAccess, Visitor};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::Channel;
 use crate::catalogue::expected_channels;
@@ -140,12 +140,20 @@ impl<'de> Visitor<'de> for Table {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Values, A::Error> {
         let Self(mut values) = self;
-        while let Some(key) = map.next_key::<String>()? {
-            let channel = Channel::from_key(&key).ok_or_else(|| {
-                de::Error::custom(format!("unknown field `{key}`, expected {}", expected_channels(|_| true)))
-            })?;
+        while let Some(Key(channel)) = map.next_key()? {
             values[channel] = map.next_value()?;
         }
         Ok(values)
+    }
+}
+
+/// A channel as a key. Wrong ones are refused as keys, so that the message has their place.
+struct Key(Channel);
+
+impl<'de> Deserialize<'de> for Key {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        let unknown = || format!("unknown field `{key}`, expected {}", expected_channels(|_| true));
+        Channel::from_key(&key).map(Self).ok_or_else(|| de::Error::custom(unknown()))
     }
 }
