@@ -2,6 +2,7 @@
 //! takes none.
 
 use crate::kernel::gaussian::{Factor, Matrix};
+use crate::linalg::{self, Ldl};
 use crate::quantity::MAX_SENSORS;
 
 /// ln 2π
@@ -25,7 +26,11 @@ pub(crate) fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize)
             cov[(i, j)] = entry;
         }
     }
-    Factor::new(&cov).map_or(f64::NAN, |factor| factor.ln_determinant())
+    // Where S is singular but for rounding, the elimination of the book and that of the kernels may differ about it: the one
+    // that the filter has used has a factor.
+    let by_the_book = || Ldl::new(&linalg::Matrix::from_column_slice(MAX_SENSORS, MAX_SENSORS, cov.as_slice()));
+    let tuned = Factor::new(&cov).map(|factor| factor.ln_determinant());
+    tuned.or_else(|| Some(by_the_book()?.ln_determinant())).unwrap_or(f64::NAN)
 }
 
 /// A sum of logarithms, of which it takes but few: numbers are multiplied as long as their product is far from the ends

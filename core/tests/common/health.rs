@@ -5,7 +5,7 @@ use std::sync::Arc;
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Adaptation, Channel, Estimates, FilterKind, FilterSettings, Force, InputKind, Plant, PlantKind, Propagation,
+    Adaptation, Channel, Estimates, FilterKind, FilterSettings, Force, Hold, InputKind, Plant, PlantKind, Propagation,
     Quantity, Record, Run, Scenario, Sensor, Signal, Trouble, Values,
 };
 
@@ -214,6 +214,9 @@ pub(crate) fn scenario_of(bytes: &[u8]) -> (Scenario, u8) {
     };
     let filters = 1 + dice.byte() % 6;
     scenario.filters = (0..filters).map(|_| dice.filter(&scenario)).collect();
+    if dice.one_in(6) {
+        scenario.hold = Hold::First;
+    }
     if dice.one_in(6) {
         scenario.input = InputKind::GroundAcceleration;
     }
