@@ -127,8 +127,9 @@ impl Observation {
         jacobian
     }
 
-    /// Adds R to a covariance of the readings, m × m.
+    /// Adds R to a covariance of the readings, m × m, and makes it symmetric to the last bit, from its lower triangle.
     pub fn add_noise(&self, cov: &mut Matrix) {
+        cov.fill_upper_triangle_with_lower_triangle();
         for (row, variance) in self.variances.iter().enumerate() {
             cov[(row, row)] += variance;
         }

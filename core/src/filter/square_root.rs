@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Observation, Rule, Step, kalman};
 use crate::Model;
-use crate::linalg::{Matrix, Vector, add_to_root, lower_root};
+use crate::linalg::{Matrix, Vector, add_to_root, lower_root, symmetric};
 
 /// A Gaussian held as mean and lower triangular root L of its covariance `L Lᵀ`, which no rounding can make indefinite.
 ///
@@ -103,7 +103,7 @@ impl Belief for SquareRoot {
         let Array { sensors, cross, state } = array;
 
         let innovation = observation.innovation(&expected);
-        let innovation_cov = &sensors * sensors.transpose();
+        let innovation_cov = symmetric(&sensors * sensors.transpose());
         let factor = kalman::factor(&innovation_cov)?;
         let gain = factor.divide(&(cross * sensors.transpose()));
         self.mean += &gain * &innovation;
