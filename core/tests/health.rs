@@ -27,7 +27,7 @@ fn config(cases: u32) -> ProptestConfig {
 fn a_million_steps_of_any_scenarios_are_healthy_or_say_why_not() {
     let steps = Cell::new(0);
     let any_bytes = proptest::collection::vec(any::<u8>(), 400);
-    let result = TestRunner::new(config(4200)).run(&any_bytes, |bytes| {
+    let result = TestRunner::new(config(4400)).run(&any_bytes, |bytes| {
         let (scenario, gap) = scenario_of(&bytes);
         prop_assert_eq!(scenario.validate(), Ok(()));
         let done = check_scenario(&scenario, gap);
