@@ -116,7 +116,7 @@ fn shapes_forces_and_kinds_can_be_chosen() {
         ("step", |s| matches!(s, Signal::Step(_))),
     ] {
         choose(&mut screen, "Natural frequency over time", shape);
-        assert!(check(&parameter(&scenario(&screen), Channel::NATURAL_FREQUENCY)), "{shape}");
+        assert!(check(&parameter(scenario(&screen), Channel::NATURAL_FREQUENCY)), "{shape}");
     }
     for (kind, check) in [
         ("sine", (|f| matches!(f, Force::Sine { .. })) as fn(&Force) -> bool),
