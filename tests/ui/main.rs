@@ -18,7 +18,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
 use kalmanscope::layout::Layout;
 use kalmanscope::request::{Arrangement, ViewKind};
-use kalmanscope::session::Mode;
+use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
 use kalmanscope_core::{Channel, FilterKind, Force, PlantKind, Quantity, Scenario, Signal};
 
@@ -27,12 +27,14 @@ type Screen = Harness<'static, App>;
 const DESKTOP: Vec2 = Vec2::new(1280.0, 800.0);
 const PHONE: Vec2 = Vec2::new(390.0, 844.0);
 
+/// A screen whose frames compute all there is to compute: what it shows does not depend on the machine's speed.
 fn screen(size: Vec2, theme: Theme) -> Screen {
     let mut screen = Harness::builder()
         .with_size(size)
         .with_theme(theme)
         .with_step_dt(1.0 / 60.0)
         .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     screen.run_steps(2);
     screen
 }
