@@ -81,6 +81,12 @@ impl Add<f64> for Dual {
     }
 }
 
+/// The plants whose equations are written again here.
+pub(crate) fn written() -> impl Iterator<Item = PlantKind> {
+    const SINGLE: [PlantKind; 3] = [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::BOUC_WEN];
+    PlantKind::ALL.into_iter().filter(|kind| SINGLE.contains(kind) || kind.key().starts_with("shear_"))
+}
+
 /// A plant as one filter sees it.
 #[derive(Clone, Debug)]
 pub(crate) struct Plant {
