@@ -41,14 +41,14 @@ impl CramerRao {
     /// The bound for the filter at `place` with `dt` \[s\] between samples, before the first one. None if there is no such
     /// filter.
     pub fn new(scenario: &Scenario, place: usize, dt: f64) -> Option<Self> {
-        let settings = told(scenario, place)?;
+        let settings = bound_settings(scenario, place)?;
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
         let (input, hold) = (scenario.input, scenario.hold);
         let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed: scenario.seed, stream: 0 };
         let channels = context.model(&settings).channels().to_vec();
         let recursion = with_model(&settings, &context, Start { settings: &settings, context })
-            .unwrap_or_else(|| Box::new(ToldByTheBook::new(&settings, &context)));
+            .unwrap_or_else(|| Box::new(DynamicBoundFilter::new(&settings, &context)));
         Some(Self { settings, channels, recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }
 
@@ -63,7 +63,7 @@ impl CramerRao {
     /// Whether this is the bound for the filter at `place`, too: it knows as much at first, and takes the same for chance.
     /// The rest of the scenario must be the same.
     pub fn is_for(&self, scenario: &Scenario, place: usize) -> bool {
-        told(scenario, place).is_some_and(|settings| settings == self.settings)
+        bound_settings(scenario, place).is_some_and(|settings| settings == self.settings)
     }
 
     /// Takes in the samples that a record of this scenario has beyond those seen so far, and forgets those that the record
@@ -81,10 +81,10 @@ impl CramerRao {
         *forgotten = record.forgotten();
         let of = |&channel: &Channel| match record.truth(channel) {
             // A truth without an augmentation has its usual value.
-            None if channel.is_augmentation() => Some(Known::Always(channel.usual_truth())),
-            truth => truth.map(Known::OverTime),
+            None if channel.is_augmentation() => Some(TrueValue::Constant(channel.usual_truth())),
+            truth => truth.map(TrueValue::Varying),
         };
-        let truth: Option<Vec<Known<'_>>> = channels.iter().map(of).collect();
+        let truth: Option<Vec<TrueValue<'_>>> = channels.iter().map(of).collect();
         let Some(truth) = truth.filter(|_| !*stopped) else { return true };
         // The sample before the first new one must still be there, unless there never was one.
         let seen = std.len() / channels.len();
@@ -119,7 +119,7 @@ impl CramerRao {
 }
 
 /// What of a filter's settings the bound takes over.
-fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
+fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     let FilterSettings { kind, augment, mut initial_std, mut process_std, initial_mean, eta, .. } =
         scenario.filters.get(place)?.clone();
     let of_truth: Vec<Channel> = scenario.plant.parameters().filter(|channel| channel.is_augmentation()).collect();
@@ -143,16 +143,16 @@ fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
 
 /// The truth of a channel.
 #[derive(Clone, Copy)]
-enum Known<'a> {
-    Always(f64),
-    OverTime(&'a [f64]),
+enum TrueValue<'a> {
+    Constant(f64),
+    Varying(&'a [f64]),
 }
 
-impl Known<'_> {
+impl TrueValue<'_> {
     fn at(self, k: usize) -> f64 {
         match self {
-            Self::Always(value) => value,
-            Self::OverTime(values) => values[k],
+            Self::Constant(value) => value,
+            Self::Varying(values) => values[k],
         }
     }
 }
@@ -162,7 +162,7 @@ trait Recursion: Send {
     /// Goes through some samples of a record, with the truth of every channel, and appends the standard deviations of each.
     fn follow(
         &mut self,
-        truth: &[Known<'_>],
+        truth: &[TrueValue<'_>],
         record: &Record,
         samples: Range<usize>,
         std: &mut Vec<f64>,
@@ -181,20 +181,20 @@ impl Visitor for Start<'_> {
         let Self { settings, context } = self;
         let belief = Linearised::new(initial_belief(&model, settings), settings.propagation, 1);
         let sensors = context.sensors.to_vec();
-        Box::new(Told { filter: build_filter(model, belief, settings, &context), sensors })
+        Box::new(BoundFilter { filter: build_filter(model, belief, settings, &context), sensors })
     }
 }
 
 /// A filter that is told the truth.
-struct Told<P, const N: usize> {
+struct BoundFilter<P, const N: usize> {
     filter: Filter<P, Linearised<N>, N>,
     sensors: Vec<Quantity>,
 }
 
-impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
+impl<P: Model<N>, const N: usize> Recursion for BoundFilter<P, N> {
     fn follow(
         &mut self,
-        truth: &[Known<'_>],
+        truth: &[TrueValue<'_>],
         record: &Record,
         samples: Range<usize>,
         std: &mut Vec<f64>,
@@ -222,12 +222,12 @@ impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
 }
 
 /// A filter of any model that is told the truth.
-struct ToldByTheBook {
+struct DynamicBoundFilter {
     filter: filter::Filter<filter::Linearised>,
     sensors: Vec<Quantity>,
 }
 
-impl ToldByTheBook {
+impl DynamicBoundFilter {
     fn new(settings: &FilterSettings, context: &FilterContext<'_>) -> Self {
         let initial = filter::estimator::initial_gaussian(&context.model(settings), settings);
         let belief = Box::new(filter::Linearised::new(initial, settings.propagation, 1));
@@ -236,10 +236,10 @@ impl ToldByTheBook {
     }
 }
 
-impl Recursion for ToldByTheBook {
+impl Recursion for DynamicBoundFilter {
     fn follow(
         &mut self,
-        truth: &[Known<'_>],
+        truth: &[TrueValue<'_>],
         record: &Record,
         samples: Range<usize>,
         std: &mut Vec<f64>,

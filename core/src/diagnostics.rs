@@ -100,7 +100,7 @@ impl Diagnostics {
     pub(crate) fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();
-            let before = self.accuracy.clone_known();
+            let before = self.accuracy.clone_tracked();
             self.restart(estimates, record);
             if seen_all {
                 self.accuracy.remember(&before);

@@ -32,7 +32,7 @@ impl Tally {
 
 /// A channel whose truth is known, and what is remembered of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Known {
+pub(crate) struct TrackedChannel {
     pub(crate) channel: Channel,
     /// Its place among the filter's channels.
     pub(crate) place: usize,
@@ -48,7 +48,7 @@ pub(crate) struct Known {
     pub(crate) settled: usize,
 }
 
-impl Known {
+impl TrackedChannel {
     /// The channels of some estimates that a record knows the truth of, before the sample of this number.
     pub(crate) fn of<'a>(
         channels: &'a [Channel],
@@ -98,7 +98,7 @@ pub(crate) fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
 /// The channels with a known truth. Errors are those of the canonical form.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accuracy {
-    known: Vec<Known>,
+    known: Vec<TrackedChannel>,
     /// The number of the first sample.
     first: usize,
     /// The place of the channel whose sign decides about the canonical form.
@@ -115,7 +115,7 @@ impl Accuracy {
         let Self { known, first, frequency, until, errors, sign } = self;
         *first = estimates.forgotten();
         known.clear();
-        known.extend(Known::of(estimates.channels(), record, *first));
+        known.extend(TrackedChannel::of(estimates.channels(), record, *first));
         *frequency = estimates.place(Channel::NATURAL_FREQUENCY);
         until.clear();
         errors.clear();
@@ -159,17 +159,17 @@ impl Accuracy {
 
     /// The number of the sample from which on one of the known channels has settled.
     pub(super) fn settled(&self, at: usize) -> Option<usize> {
-        let Known { settled, total, .. } = self.known[at];
+        let TrackedChannel { settled, total, .. } = self.known[at];
         let end = self.first + self.until.len() / self.known.len();
         (total.known > 0 && settled < end).then_some(settled)
     }
 
-    pub(super) fn clone_known(&self) -> Vec<Known> {
+    pub(super) fn clone_tracked(&self) -> Vec<TrackedChannel> {
         self.known.clone()
     }
 
     /// Takes over what was known `before` of samples that are no longer kept, after a new beginning with those that are.
-    pub(super) fn remember(&mut self, before: &[Known]) {
+    pub(super) fn remember(&mut self, before: &[TrackedChannel]) {
         for (known, before) in self.known.iter_mut().zip(before).filter(|(_, before)| before.total.known > 0) {
             known.first_error = before.first_error;
             known.largest_truth = known.largest_truth.max(before.largest_truth);
@@ -179,7 +179,7 @@ impl Accuracy {
         }
     }
 
-    pub(super) fn known(&self) -> &[Known] {
+    pub(super) fn known(&self) -> &[TrackedChannel] {
         &self.known
     }
 

@@ -1,7 +1,8 @@
 //! How likely all measurements were to a filter.
 
 use super::Total;
-use crate::likelihood::{LogSum, log_likelihood};
+use crate::gaussian_likelihood::log_likelihood;
+use crate::log_sum::LogSum;
 use crate::{Estimates, FilterKind};
 
 /// The log likelihood of all measurements.
