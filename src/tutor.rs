@@ -1,7 +1,7 @@
 //! Lessons beside the views: what to look at, a button that changes it, what happens, why.
 
 use egui::{Button, RichText, ScrollArea, Sense, TextWrapMode, Ui};
-use kalmanscope_lessons::{Lesson, LessonError, Mode as LessonMode, Step, View};
+use kalmanscope_lessons::{Lesson, LessonError, Presentation, Step, ViewName};
 
 use crate::probe;
 use crate::request::{Request, ViewKind};
@@ -46,7 +46,7 @@ impl Tutor {
 
     /// The part of the record that the step is about, if not all of it \[s\].
     pub fn frame(&self, session: &Session) -> Option<(f64, f64)> {
-        let step = self.current().filter(|step| step.mode != LessonMode::Live)?;
+        let step = self.current().filter(|step| step.mode != Presentation::Live)?;
         let (from, to) = (step.from.unwrap_or(0.0), step.to.unwrap_or(session.end()).min(session.end()));
         ((step.from.is_some() || step.to.is_some()) && from < to).then_some((from, to))
     }
@@ -83,17 +83,17 @@ impl Tutor {
     fn show(&self, session: &mut Session) {
         let Some(step) = self.current() else { return };
         match step.mode {
-            LessonMode::Whole => {
+            Presentation::Whole => {
                 session.set_mode(Mode::Whole);
                 session.pause();
                 session.seek(step.to.unwrap_or_else(|| session.end()));
             }
-            LessonMode::Live => {
+            Presentation::Live => {
                 session.set_mode(Mode::Live);
                 session.play_from_start();
                 session.seek(step.from.unwrap_or(0.0));
             }
-            LessonMode::Step => {
+            Presentation::Step => {
                 session.set_mode(Mode::Live);
                 session.pause();
                 session.seek(step.from.unwrap_or(0.0));
@@ -173,20 +173,20 @@ fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
 }
 
 /// The view that a lesson means.
-fn kind(view: View) -> ViewKind {
+fn kind(view: ViewName) -> ViewKind {
     match view {
-        View::States => ViewKind::States,
-        View::Parameters => ViewKind::Parameters,
-        View::Errors => ViewKind::Errors,
-        View::Innovations => ViewKind::Innovations,
-        View::NisNees => ViewKind::Consistency,
-        View::Autocorrelation => ViewKind::Autocorrelation,
-        View::Gain => ViewKind::Gain,
-        View::Phase => ViewKind::Phase,
-        View::ParameterPlane => ViewKind::ParameterPlane,
-        View::Matrices => ViewKind::Matrices,
-        View::Oscillator => ViewKind::Oscillator,
-        View::FrequencyResponse => ViewKind::FrequencyResponse,
+        ViewName::States => ViewKind::States,
+        ViewName::Parameters => ViewKind::Parameters,
+        ViewName::Errors => ViewKind::Errors,
+        ViewName::Innovations => ViewKind::Innovations,
+        ViewName::NisNees => ViewKind::Consistency,
+        ViewName::Autocorrelation => ViewKind::Autocorrelation,
+        ViewName::Gain => ViewKind::Gain,
+        ViewName::Phase => ViewKind::Phase,
+        ViewName::ParameterPlane => ViewKind::ParameterPlane,
+        ViewName::Matrices => ViewKind::Matrices,
+        ViewName::Oscillator => ViewKind::Oscillator,
+        ViewName::FrequencyResponse => ViewKind::FrequencyResponse,
     }
 }
 

@@ -183,11 +183,11 @@ fn bad_scenarios_are_refused_with_file_and_place() {
     let (table, error) = fails(command().arg(&missing), 2);
     assert!(table.is_empty() && error.starts_with(&format!("error: {}: ", missing.display())), "{error}");
     for (toml, message) in [
-        ("dt = 0.01\nsped = 3", "line 2: unknown key `sped`; it can be `seed`, `dt`, "),
+        ("dt = 0.01\nsped = 3", "line 2: `sped`: unknown field `sped`, expected one of `seed`, `dt`, "),
         ("dt = 0", "`dt` is 0, but must be a finite number above 0"),
         ("duration = 86400", "`duration` is 2000000 times dt or more, but every sample is kept here"),
         ("[[filters]]\nfading = 0.5", "`filters[0].fading` is 0.5, but must be a finite number, at least 1"),
-        ("dt = \"a\"", "line 1: `dt` is \"a\", but must be a number"),
+        ("dt = \"a\"", "line 1: `dt`: invalid type: string \"a\", expected f64"),
         ("dt = ", "TOML parse error at line 1, column 6"),
     ] {
         let path = file(&folder, "bad.toml", toml);

@@ -1,9 +1,11 @@
 //! What one filter has estimated so far, sample by sample.
 
 use crate::by_channel::ByChannel;
-use crate::health::{Remark, Watch};
+use crate::remarks::{Remark, Watch};
 use crate::sink::Sample;
-use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, likelihood};
+use crate::{
+    Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, gaussian_likelihood,
+};
 
 /// Reserve memory for at most this many samples; the vectors of longer runs grow.
 const ROOM: usize = 1 << 18;
@@ -346,13 +348,13 @@ impl Estimates {
         }
         match self.innovation(k).iter().map(|e| u32::from(!e.is_nan())).sum() {
             0 => f64::NAN,
-            measured => likelihood::log_likelihood(self.nis[k], self.ln_determinant(k), measured),
+            measured => gaussian_likelihood::log_likelihood(self.nis[k], self.ln_determinant(k), measured),
         }
     }
 
     /// ln det S at sample `k`, where something was measured: a number even where the determinant has left their range.
     pub(crate) fn ln_determinant(&self, k: usize) -> f64 {
-        likelihood::ln_determinant(self.determinant[k], self.innovation_cov(k), self.sensors.len())
+        gaussian_likelihood::ln_determinant(self.determinant[k], self.innovation_cov(k), self.sensors.len())
     }
 
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.

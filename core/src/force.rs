@@ -81,36 +81,6 @@ impl Force {
             }
         }
     }
-
-    /// Every number of the force with its name and what it may be, for validation.
-    pub(crate) fn numbers(&self) -> Vec<(&'static str, f64, Allowed)> {
-        use Allowed::{Finite, NotNegative, Positive};
-        match *self {
-            Self::None => vec![],
-            Self::WhiteNoise { std } => vec![("white_noise.std", std, NotNegative)],
-            Self::Sine { amplitude, frequency } => {
-                vec![("sine.amplitude", amplitude, Finite), ("sine.frequency", frequency, Finite)]
-            }
-            Self::Chirp { amplitude, from, to, sweep } => vec![
-                ("chirp.amplitude", amplitude, Finite),
-                ("chirp.from", from, Finite),
-                ("chirp.to", to, Finite),
-                ("chirp.sweep", sweep, Positive),
-            ],
-            Self::ImpulseTrain { impulse, period } => {
-                vec![("impulse_train.impulse", impulse, Finite), ("impulse_train.period", period, Positive)]
-            }
-            Self::Step { amplitude, at } => vec![("step.amplitude", amplitude, Finite), ("step.at", at, Finite)],
-        }
-    }
-}
-
-/// What a number may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Allowed {
-    Finite,
-    NotNegative,
-    Positive,
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 //! Numbers about a filter that need no history.
 
-use crate::diagnostics::accuracy::{Known, sign_of};
+use crate::diagnostics::accuracy::{TrackedChannel, sign_of};
 use crate::diagnostics::nees::ErrorSquare;
 use crate::diagnostics::{Tally, Total};
-use crate::likelihood::{LogSum, ln_determinant, log_likelihood};
+use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
+use crate::log_sum::LogSum;
 use crate::sink::{Sample, Sink};
 use crate::{Channel, Estimates, FilterKind, Record, Stop};
 
@@ -33,7 +34,7 @@ pub struct Scores {
     frequency: Option<usize>,
     sensors: usize,
     samples: usize,
-    known: Vec<Known>,
+    known: Vec<TrackedChannel>,
     /// The last error and standard deviation of each known channel, and its standard deviation at first.
     last: Vec<Last>,
     /// The sums of the errors' squares before the record's last fifth.
@@ -73,7 +74,7 @@ pub struct ChannelScore {
 impl Scores {
     /// Sums without a sample, of a filter with such a history over the whole of a record.
     pub fn new(history: &Estimates, record: &Record) -> Self {
-        let known: Vec<Known> = Known::of(history.channels(), record, 0).collect();
+        let known: Vec<TrackedChannel> = TrackedChannel::of(history.channels(), record, 0).collect();
         let mut square = ErrorSquare::default();
         square.restart(known.iter().map(|known| known.place));
         Self {
@@ -133,7 +134,7 @@ impl Scores {
     /// How well a channel was estimated; `None` where the truth is not known.
     pub fn channel(&self, channel: Channel) -> Option<ChannelScore> {
         let at = self.known.iter().position(|known| known.channel == channel)?;
-        let (Known { total, settled, .. }, Last { error, std, .. }) = (self.known[at], self.last[at]);
+        let (TrackedChannel { total, settled, .. }, Last { error, std, .. }) = (self.known[at], self.last[at]);
         (total.known > 0).then(|| ChannelScore {
             error,
             std,
@@ -151,7 +152,7 @@ impl Scores {
     /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error is more than 10σ
     /// and larger than the truth ever was and than was thought possible at first.
     pub fn diverged(&self) -> bool {
-        let lost = |((known, last), before): ((&Known, &Last), &Tally)| {
+        let lost = |((known, last), before): ((&TrackedChannel, &Last), &Tally)| {
             let recent = Tally {
                 squares: (known.total.squares - before.squares).max(0.0),
                 known: known.total.known - before.known,

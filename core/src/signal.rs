@@ -22,7 +22,7 @@ pub enum Signal {
 
 /// `from` before the time `at`, `to` from then on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Step {
     /// Value before.
     pub from: f64,
@@ -34,7 +34,7 @@ pub struct Step {
 
 /// `from` until `start`, then linear, `to` from `end` on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Ramp {
     /// Value before.
     pub from: f64,
@@ -48,7 +48,7 @@ pub struct Ramp {
 
 /// `mean + amplitude sin(2π t / period)`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Sine {
     /// Mean value.
     pub mean: f64,
@@ -67,7 +67,7 @@ enum Shape {
 }
 
 #[derive(Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(field_identifier, rename_all = "snake_case")]
 enum ShapeKey {
     Step,
     Ramp,

@@ -1,59 +1,16 @@
-//! Checks: what a lesson says, as numbers that a run must keep to.
+//! Checks: the claims of a lesson as limits on numbers of a run.
 
-use std::fmt;
+mod display;
 
 use kalmanscope_core::{Channel, Quantity, Scenario};
 use serde::Deserialize;
 
 use crate::LessonError;
+use crate::measure::Measure;
 use crate::value::{Expected, Value};
 
 /// The number of seeds that a check is tried with, of which it says how many must hold.
 pub(crate) const SEEDS: usize = 10;
-
-/// What is measured of a filter, over the samples of a range of time or at a single one. Errors are those of the canonical
-/// form of the oscillator, whose natural frequency is not negative.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Measure {
-    /// Root mean square error of a channel, in its unit.
-    Rmse,
-    /// The same over the true noise of the sensor that measures the channel.
-    RmseOverSensor,
-    /// Absolute value of the mean error of a channel over a range, in its unit.
-    MeanError,
-    /// Root mean square of a channel's error over its standard deviation: about 1 in a consistent filter.
-    ErrorInStd,
-    /// A channel's estimate at a time, in the filter's own form, which may be the mirrored one.
-    Estimate,
-    /// A channel's standard deviation at a time, in its unit.
-    Std,
-    /// The same over the posterior Cramér-Rao bound.
-    StdOverBound,
-    /// Share of the samples with the truth inside ±2σ of a channel.
-    ShareInside,
-    /// Mean normalised estimation error squared over the number of channels: 1 is expected.
-    Nees,
-    /// Mean normalised innovation squared over the number of sensors: 1 is expected.
-    Nis,
-    /// The largest autocorrelation of any sensor's innovations at lag 1, over the whole record.
-    Autocorrelation,
-    /// Mean absolute gain of a channel for a sensor.
-    Gain,
-    /// The time from `from`, or else the first sample, until a channel's estimate is within 5 % of the truth for good \[s\];
-    /// infinite if it never is.
-    Settled,
-    /// Log likelihood per sample with a measurement.
-    LogLikelihood,
-    /// Evaluations of the plant's rate per predicted step: [`crate::evaluations_per_step`].
-    Evaluations,
-    /// The verdict on the whole record, in a word.
-    Verdict,
-    /// Whether the filter stopped.
-    Stopped,
-    /// The filter's remarks on the whole record, by keys such as `wind_up`; `none` if there are none.
-    Remark,
-}
 
 /// Something that a lesson says, and what it means in numbers.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -116,59 +73,6 @@ pub struct Times {
     pub from: Option<f64>,
     /// Until which time \[s\].
     pub to: Option<f64>,
-}
-
-impl Measure {
-    /// The key in lesson files.
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Rmse => "rmse",
-            Self::RmseOverSensor => "rmse_over_sensor",
-            Self::MeanError => "mean_error",
-            Self::ErrorInStd => "error_in_std",
-            Self::Estimate => "estimate",
-            Self::Std => "std",
-            Self::StdOverBound => "std_over_bound",
-            Self::ShareInside => "share_inside",
-            Self::Nees => "nees",
-            Self::Nis => "nis",
-            Self::Autocorrelation => "autocorrelation",
-            Self::Gain => "gain",
-            Self::Settled => "settled",
-            Self::LogLikelihood => "log_likelihood",
-            Self::Evaluations => "evaluations",
-            Self::Verdict => "verdict",
-            Self::Stopped => "stopped",
-            Self::Remark => "remark",
-        }
-    }
-
-    const fn needs_channel(self) -> bool {
-        match self {
-            Self::Rmse
-            | Self::RmseOverSensor
-            | Self::MeanError
-            | Self::ErrorInStd
-            | Self::Estimate
-            | Self::Std
-            | Self::StdOverBound
-            | Self::ShareInside
-            | Self::Gain
-            | Self::Settled => true,
-            Self::Nees
-            | Self::Nis
-            | Self::Autocorrelation
-            | Self::LogLikelihood
-            | Self::Evaluations
-            | Self::Verdict
-            | Self::Stopped
-            | Self::Remark => false,
-        }
-    }
-
-    const fn is_number(self) -> bool {
-        !matches!(self, Self::Verdict | Self::Stopped | Self::Remark)
-    }
 }
 
 impl Check {
@@ -250,39 +154,5 @@ impl Check {
 
     pub(crate) fn trouble(&self, what: &str) -> LessonError {
         LessonError::Check { measure: self.measure.key().to_owned(), trouble: what.to_owned() }
-    }
-}
-
-impl fmt::Display for Check {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let time = |Times { at, from, to }: Times| {
-            let one = |word: &str, t: Option<f64>| t.map_or(String::new(), |t| format!(" {word} {t} s"));
-            one("at", at) + &one("from", from) + &one("to", to)
-        };
-        let hindsight = |smoothed: bool| if smoothed { ", smoothed" } else { "" };
-        write!(f, "{} of {}{}", self.measure.key(), self.filter, hindsight(self.smoothed))?;
-        if let Some(channel) = self.channel {
-            write!(f, " in {}", channel.key())?;
-        }
-        write!(f, "{}", time(self.times()))?;
-        if self.is_relative() {
-            let before = if self.before { " before" } else { "" };
-            let other = self.than.as_deref().unwrap_or("that");
-            write!(f, ", over {other}{}{before}", hindsight(self.than_smoothed))?;
-            if self.reference_times() != self.times() {
-                write!(f, "{}", time(self.reference_times()))?;
-            }
-        }
-        for (word, limit) in [("above", self.above), ("below", self.below)] {
-            if let Some(limit) = limit {
-                write!(f, ", {word} {limit:?}")?;
-            }
-        }
-        match &self.is {
-            Some(Expected::Flag(flag)) => write!(f, ", {flag}"),
-            Some(Expected::Word(word)) => write!(f, ", {word}"),
-            Some(Expected::OneOf(words)) => write!(f, ", {}", words.join(" or ")),
-            None => Ok(()),
-        }
     }
 }

@@ -50,7 +50,7 @@ pub struct Step {
     pub why: String,
     /// The views that show it, the most telling first.
     #[serde(default)]
-    pub views: Vec<View>,
+    pub views: Vec<ViewName>,
     /// The channels that it is about, which the views then show alone; all if left out.
     #[serde(default)]
     pub channels: Vec<Channel>,
@@ -59,7 +59,7 @@ pub struct Step {
     pub bands: bool,
     /// Whether the record is played or shown whole.
     #[serde(default)]
-    pub mode: Mode,
+    pub mode: Presentation,
     /// The time that the record is played or stepped through from \[s\], or that is shown from; its beginning if left out.
     pub from: Option<f64>,
     /// The time until which the record is shown \[s\]; its end if left out.
@@ -76,7 +76,7 @@ const fn yes() -> bool {
 /// What a step wants to be seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum View {
+pub enum ViewName {
     /// Motion over time.
     States,
     /// Parameters over time.
@@ -106,7 +106,7 @@ pub enum View {
 /// How a step shows the record.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Mode {
+pub enum Presentation {
     /// Sample by sample as time goes on.
     Live,
     /// Sample by sample, paused: the user goes on.
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(steps, [(5.0, 1.005, 1, 0.0), (5.0, 1.1, 1, 0.0), (5.0, 1.1, 9, 0.5)]);
         assert_eq!(of(&lesson.scenario_at(99).unwrap()), steps[2]);
         assert_eq!(of(&lesson.first_scenario().unwrap()), steps[0]);
-        assert_eq!((lesson.steps[0].mode, &lesson.steps[0].change), (Mode::Whole, &None));
+        assert_eq!((lesson.steps[0].mode, &lesson.steps[0].change), (Presentation::Whole, &None));
     }
 
     #[test]

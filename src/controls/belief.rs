@@ -3,7 +3,7 @@
 use egui::{Grid, RichText, Ui, Vec2};
 use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Sensor};
 
-use super::number::{field, spread};
+use super::number::{field, std_field};
 
 /// Width of the column of symbols \[points\].
 const SYMBOL_WIDTH: f32 = 22.0;
@@ -45,11 +45,11 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
             });
             let std = &mut initial_std[channel];
             cell(ui, uncertain, &mut |ui| {
-                spread(ui, std, 0.0, 10.0 * scale, &title("initial std"), "How sure the filter is of its guess");
+                std_field(ui, std, 0.0, 10.0 * scale, &title("initial std"), "How sure the filter is of its guess");
             });
             let process = &mut process_std[channel];
             cell(ui, uncertain, &mut |ui| {
-                spread(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
+                std_field(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
             });
             ui.weak(channel.unit());
             ui.end_row();
@@ -63,7 +63,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
             });
             let title = format!("{name} sensor std of {}", quantity.key());
             cell(ui, true, &mut |ui| {
-                spread(ui, std, 1e-9, 10.0, &title, "Standard deviation that the filter ascribes to the sensor");
+                std_field(ui, std, 1e-9, 10.0, &title, "Standard deviation that the filter ascribes to the sensor");
             });
             ui.weak(quantity.unit());
             ui.end_row();

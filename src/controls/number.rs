@@ -83,7 +83,7 @@ pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, h
 
 /// As [`field`], for a standard deviation: it is also a slider whose equal steps are equal factors, and shows where it
 /// stands on that slider, which ends at `scale`.
-pub fn spread(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) {
+pub fn std_field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) {
     let rect = field(ui, value, least, scale, name, hint).rect;
     let share = 1.0 + (*value / scale).log10() / DECADES;
     if share > 0.0 {

@@ -27,7 +27,7 @@ pub struct Plant {
 
 /// Displacement and velocity of the mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Motion {
     /// x \[m\]
     pub displacement: f64,
@@ -149,7 +149,7 @@ impl<'de> Deserialize<'de> for Plant {
             type Value = Plant;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("struct Plant")
+                f.write_str("a table")
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Plant, A::Error> {
@@ -170,7 +170,7 @@ impl<'de> Deserialize<'de> for Plant {
     }
 }
 
-/// A key of the truth's table. Wrong ones are refused as keys, so that the message has their place.
+/// A key of the truth's table. An unknown key fails here, as a key, so that the message names its line.
 enum Key {
     Kind,
     Initial,

@@ -62,7 +62,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<bool, InputError> {
             && let Err(error) = writer(path)
         {
             well = false;
-            tell(&format_args!("{}: {error}", path.display()));
+            report_error(&format_args!("{}: {error}", path.display()));
         }
     };
     write(out, &|path| Ok(write_estimates(&run, create(path)?)?));
@@ -76,13 +76,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<bool, InputError> {
         && error.kind() != io::ErrorKind::BrokenPipe
     {
         well = false;
-        tell(&format_args!("standard output: {error}"));
+        report_error(&format_args!("standard output: {error}"));
     }
     Ok(well && run.estimates().iter().all(|e| e.stop().is_none()))
 }
 
 /// Says on standard error, if anyone listens, what went wrong.
-pub(crate) fn tell(error: &dyn std::fmt::Display) {
+pub(crate) fn report_error(error: &dyn std::fmt::Display) {
     let _ = writeln!(io::stderr(), "error: {error}");
 }
 

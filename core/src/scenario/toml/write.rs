@@ -1,7 +1,7 @@
 //! A scenario as a file: what matters to its plants, without what it leaves at its default, and ids only where places do not
 //! give them.
 
-use super::{Scenario, Values};
+use crate::{Scenario, Values};
 
 /// The text of the file.
 pub(super) fn text(scenario: &Scenario) -> Result<String, toml::ser::Error> {
