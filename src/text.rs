@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_can_be_read() {
+    fn written_numbers_can_be_read() {
         for x in [0.0, 4.8, 3e-5, -0.125, 2.5e9] {
             assert_eq!(parse(&significant(x, 6)), Some(x));
         }

@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn troubles_that_a_filter_survives_are_told_with_their_time() {
+    fn remarks_are_listed_with_their_times() {
         let text = shown(
             "duration = 5.0\n[plant]\nkind = \"shear_2\"\n[[sensors]]\nmeasures = \"velocity_2\"\n\
              noise_std = 0.1\n[[filters]]\nplant = \"sdof\"",
@@ -274,14 +274,14 @@ mod tests {
     }
 
     #[test]
-    fn nothing_to_show_is_said() {
+    fn missing_filters_and_measurements_are_stated() {
         assert!(shown("filters = []").contains("no filters"));
         let blind = shown("sensors = []\nduration = 1.0");
         assert!(blind.contains("measured: nothing") && blind.contains("– (no measurement)"), "{blind}");
     }
 
     #[test]
-    fn a_stop_is_told_with_sample_time_and_reason() {
+    fn a_stop_is_reported_with_sample_time_and_reason() {
         let wide = "duration = 5.0\n[[filters]]\nkind = \"ekf\"\nfading = 1e300\n";
         let text = shown(wide);
         assert!(text.contains("stopped at sample ") && text.contains(" s): the "), "{text}");

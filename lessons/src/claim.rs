@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn a_claim_that_fails_says_all_there_is_to_know() {
+    fn a_failed_claim_reports_measure_values_and_seeds() {
         let lesson = lesson("{ filter = \"EKF\", measure = \"evaluations\", above = 5.5, seeds = 9 }");
         let claim = verify(&lesson, 3..=4).unwrap().remove(0);
         assert!(!claim.holds());

@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_is_no_number_no_check_holds() {
+    fn a_missing_number_fails_every_check() {
         let outcome = outcome();
         assert_eq!(value(&outcome, "UKF", "measure = \"stopped\""), Value::Flag(true));
         for check in ["measure = \"nis\"\nfrom = 9.0", "measure = \"std\"\nchannel = \"velocity\"\nat = 9.0"] {

@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_its_step() {
+    fn errors_name_their_step() {
         let check = |check: &str| format!("{HEAD}{STEP}{STEP}checks = [{{ filter = \"EKF\", {check} }}]");
         for (text, message) in [
             (HEAD.replace("stiffness-loss", "x") + STEP, "there is no built-in scenario `x`"),

@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn each_lesson_can_be_read_and_says_all_that_it_should() {
+    fn every_lesson_is_valid_and_complete() {
         for ((name, _), lesson) in LESSONS.iter().zip(lessons()) {
             let lesson = lesson.unwrap_or_else(|error| panic!("{name}: {error}"));
             assert!(["Advantages", "Challenges", "Practice"].contains(&lesson.group.as_str()), "{name}");

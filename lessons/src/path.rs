@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_exist_cannot_be_set() {
+    fn unknown_settings_cannot_be_set() {
         for path in [
             "",
             "plnt.natural_frequency",

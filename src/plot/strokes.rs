@@ -208,14 +208,14 @@ mod tests {
     }
 
     #[test]
-    fn what_goes_nowhere_is_nothing() {
+    fn lines_without_length_have_no_joints() {
         assert!(along(&[]).is_empty());
         assert!(along(&[(1.0, 1.0), (1.0, 1.0)]).is_empty());
         assert_eq!(along(&[(0.0, 0.0), (f32::NAN, 1.0), (2.0, 0.0)]).len(), 2);
     }
 
     #[test]
-    fn they_take_two_triangles_a_segment() {
+    fn strokes_take_two_triangles_per_segment() {
         let ctx = Context::default();
         let mut strokes = Strokes::new(&ctx);
         let stroke = Stroke::new(2.0, Color32::RED);

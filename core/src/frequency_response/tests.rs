@@ -31,7 +31,7 @@ fn one_mass_answers_as_the_textbook_says() {
 }
 
 #[test]
-fn what_is_not_linear_answers_at_rest_like_what_is() {
+fn nonlinear_plants_at_rest_respond_like_linear_ones() {
     let frequencies = spaced(0.5, 50.0, 101);
     let expected = transfer_function(PlantKind::SDOF, sdof(6.0, 0.05)).magnitude(&frequencies);
     for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
@@ -155,7 +155,7 @@ fn a_belief_has_the_response_of_its_mean_in_its_band() {
 }
 
 #[test]
-fn a_filter_that_knows_has_a_band_without_width() {
+fn known_parameters_have_a_band_of_zero_width() {
     let mut scenario = scenario(PlantKind::SDOF);
     scenario.filters[0].initial_std = Values::ZERO;
     scenario.filters[0].process_std = Values::ZERO;
