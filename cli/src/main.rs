@@ -1,6 +1,6 @@
 //! The command `kalmanscope-cli`.
 //!
-//! Exit codes: 0 done; 1 something could not be written, or a filter stopped by itself; 2 bad input.
+//! Exit codes: 0 success; 1 a result could not be written, or a filter stopped; 2 invalid input.
 
 mod args;
 mod run;

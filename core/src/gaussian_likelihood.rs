@@ -27,9 +27,9 @@ pub(crate) fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize)
         }
     }
     // Where S is singular up to rounding, one of the two eliminations may fail; the one that the filter has used succeeds.
-    let by_the_book = || Ldl::new(&linalg::Matrix::from_column_slice(MAX_SENSORS, MAX_SENSORS, cov.as_slice()));
+    let reference = || Ldl::new(&linalg::Matrix::from_column_slice(MAX_SENSORS, MAX_SENSORS, cov.as_slice()));
     let tuned = Factor::new(&cov).map(|factor| factor.ln_determinant());
-    tuned.or_else(|| Some(by_the_book()?.ln_determinant())).unwrap_or(f64::NAN)
+    tuned.or_else(|| Some(reference()?.ln_determinant())).unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]

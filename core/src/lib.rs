@@ -1,4 +1,4 @@
-//! Identification of an oscillator with Kalman filters, without a screen.
+//! Identification of an oscillator with Kalman filters, headless.
 //!
 //! ```text
 //! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Diagnostics
@@ -6,8 +6,8 @@
 //! ```
 //!
 //! [`Run::step`] is the only engine: a whole record is that step in a loop. The same scenario gives the same bits on
-//! every platform: random numbers come from seeded ChaCha8 streams, one a purpose, and every transcendental function
-//! from `libm`.
+//! every platform, because random numbers come from seeded ChaCha8 streams, one per purpose, and transcendental
+//! functions from `libm`.
 //!
 //! ```
 //! use kalmanscope_core::{Run, Scenario};

@@ -1,4 +1,4 @@
-//! Sums of logarithms, which take few logarithms.
+//! Sums of logarithms, with few calls of the logarithm.
 
 /// A sum of logarithms. It multiplies the factors and takes a logarithm only when their product nears the limits of
 /// `f64`.

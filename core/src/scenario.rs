@@ -1,4 +1,4 @@
-//! The settings from which everything follows.
+//! The settings of a run.
 
 mod color;
 mod filter;
@@ -23,9 +23,9 @@ pub use values::Values;
 
 use true_noise::usable_std;
 
-/// A truth, the sensors that watch it and the filters that estimate it: plain data, TOML on disk.
+/// A truth, its sensors and the filters that estimate it: plain data, stored as TOML.
 ///
-/// A missing key has a default, an unknown key is an error. Everything that a run shows follows from these settings.
+/// A missing key has a default, an unknown key is an error. A run depends on these settings only.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Scenario {
@@ -39,15 +39,15 @@ pub struct Scenario {
     pub plant: Plant,
     /// The measured input: a force over mass, or the ground's acceleration.
     pub force: Force,
-    /// What the input is.
+    /// The kind of input.
     #[serde(skip_serializing_if = "is_default")]
     pub input: InputKind,
-    /// How the input runs between samples.
+    /// The hold of the input between samples.
     #[serde(skip_serializing_if = "is_default")]
     pub hold: Hold,
-    /// What is measured, each quantity at most once.
+    /// The sensors, at most one per quantity.
     pub sensors: Vec<Sensor>,
-    /// What estimates.
+    /// The filters.
     #[serde(default = "default_filters")]
     pub filters: Vec<FilterSettings>,
 }
@@ -58,14 +58,14 @@ pub struct Scenario {
 pub struct Sensor {
     /// The quantity that it measures.
     pub measures: Quantity,
-    /// Standard deviation of its noise, which is white and normal; in the quantity's unit.
+    /// Standard deviation of its white normal noise, in the quantity's unit.
     pub noise_std: f64,
 }
 
-/// Why a scenario cannot be used.
+/// The reason why a scenario cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ScenarioError {
-    /// The text is not a scenario: the message has line, key and what is allowed.
+    /// The text is not a scenario: the message has the line, the key and the reason.
     #[error("{0}")]
     Syntax(String),
     /// A value is impossible.
@@ -73,15 +73,15 @@ pub enum ScenarioError {
     Value {
         /// The key's path in the file.
         key: String,
-        /// What it is.
+        /// The value.
         value: String,
-        /// What it may be.
+        /// The allowed values.
         allowed: String,
     },
 }
 
 impl Default for Scenario {
-    /// A stiffness loss half-way, seen by an EKF and a UKF with fading memory.
+    /// A stiffness loss half-way, estimated by an EKF and a UKF with fading memory.
     fn default() -> Self {
         let mut scenario = Self {
             seed: 1,
@@ -103,12 +103,12 @@ impl Default for Scenario {
 }
 
 impl Scenario {
-    /// The number of samples, the one at t = 0 counted.
+    /// The number of samples, including the one at t = 0.
     pub fn samples(&self) -> usize {
         libm::round(self.duration / self.dt) as usize + 1
     }
 
-    /// Adds a sensor, or does nothing if its quantity is measured already. Every filter ascribes its true noise to it.
+    /// Adds a sensor, unless its quantity is already measured. Every filter assumes its true noise.
     pub fn add_sensor(&mut self, sensor: Sensor) {
         if self.sensors.iter().any(|s| s.measures == sensor.measures) {
             return;
@@ -120,7 +120,7 @@ impl Scenario {
         }
     }
 
-    /// Removes the sensor of a quantity, from the filters too.
+    /// Removes the sensor of a quantity, also from the filters.
     pub fn remove_sensor(&mut self, quantity: Quantity) {
         while let Some(place) = self.sensors.iter().position(|s| s.measures == quantity) {
             self.sensors.remove(place);
@@ -130,7 +130,7 @@ impl Scenario {
         }
     }
 
-    /// Takes another kind of plant for the truth; sensors of what it does not have are removed.
+    /// Changes the truth's kind of plant and removes the sensors of quantities that it lacks.
     pub fn set_plant(&mut self, kind: PlantKind) {
         self.plant.kind = kind;
         for quantity in self.sensors.iter().map(|s| s.measures).filter(|q| !kind.has(*q)).collect::<Vec<_>>() {
@@ -139,7 +139,7 @@ impl Scenario {
         self.fill_in();
     }
 
-    /// Completes what a file may leave out because it follows from the rest.
+    /// Fills in the settings that a file may leave out.
     fn fill_in(&mut self) {
         self.number_filters();
         let Self { sensors, filters, plant, input, .. } = self;
@@ -158,7 +158,7 @@ impl Scenario {
     }
 }
 
-/// An EKF and a UKF with fading memory; their names and sensors still to be filled in.
+/// An EKF and a UKF with fading memory, without names and noise of the sensors.
 fn default_filters() -> Vec<FilterSettings> {
     let fading = |kind: FilterKind| FilterSettings { kind, fading: 1.005, ..FilterSettings::default() };
     vec![fading(FilterKind::EKF), fading(FilterKind::UKF)]

@@ -6,11 +6,11 @@ use std::fmt;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-/// A value over time. In a scenario file a bare number is a constant, anything else a table with the shape's name:
-/// `{ step = { from = 6.0, to = 4.8, at = 30.0 } }`.
+/// A value over time. In a scenario file a bare number is a constant; other shapes are tables with the shape's name: `{
+/// step = { from = 6.0, to = 4.8, at = 30.0 } }`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Signal {
-    /// The same value for ever.
+    /// A constant value.
     Constant(f64),
     /// One sudden change.
     Step(Step),
@@ -52,7 +52,7 @@ pub struct Ramp {
 pub struct Sine {
     /// Mean value.
     pub mean: f64,
-    /// Largest distance from the mean.
+    /// Amplitude.
     pub amplitude: f64,
     /// Time of one cycle \[s\].
     pub period: f64,

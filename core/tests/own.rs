@@ -1,4 +1,4 @@
-//! Plants and filters that are written outside of the crate.
+//! Plants and filters from outside of the crate.
 
 #[path = "../examples/own_filter.rs"]
 #[expect(dead_code, reason = "an example has a main function")]

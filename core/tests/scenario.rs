@@ -1,4 +1,4 @@
-//! Scenario files: what they may say, and what is said of them if they say it wrongly.
+//! Scenario files: valid contents, and the messages for invalid ones.
 
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
@@ -13,7 +13,7 @@ fn parsed(text: &str) -> Scenario {
 }
 
 #[test]
-fn the_sample_says_what_it_says() {
+fn the_sample_has_the_expected_settings() {
     let with = |[displacement, velocity, natural_frequency, damping_ratio]: [f64; 4], rest: Values| {
         rest.with([
             (Channel::DISPLACEMENT, displacement),
@@ -73,7 +73,7 @@ fn ids_are_written_where_places_do_not_give_them() {
 }
 
 #[test]
-fn what_is_left_out_follows_from_the_rest() {
+fn missing_settings_are_filled_in() {
     let scenario = parsed(
         "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.2\n[[sensors]]\nmeasures = \"displacement\"\n\
          noise_std = 0\n[[filters]]\nkind = \"ukf\"\ninitial_std = { velocity = 9 }\n[[filters]]\nname = \"a\"\n",
@@ -137,7 +137,7 @@ fn every_kind_of_force_can_be_written() {
     }
 }
 
-/// Asserts that a file is refused with exactly these words.
+/// Asserts that a file is refused with exactly this message.
 #[track_caller]
 fn assert_refused(cases: &[(&str, &str)]) {
     for (text, expected) in cases {
@@ -296,7 +296,7 @@ fn a_value_of_the_wrong_type_is_refused_with_line_path_and_the_expected_type() {
 }
 
 #[test]
-fn impossible_values_are_told_with_key_value_and_what_is_allowed() {
+fn impossible_values_are_refused_with_key_value_and_limits() {
     const POSITIVE: &str = "but must be a finite number above 0";
     const NOT_NEGATIVE: &str = "but must be a finite number, at least 0";
     const FINITE: &str = "but must be a finite number";
@@ -377,7 +377,7 @@ fn impossible_values_are_told_with_key_value_and_what_is_allowed() {
 }
 
 #[test]
-fn what_is_no_toml_is_shown() {
+fn invalid_toml_is_shown_with_its_place() {
     for text in ["dt = ", "seed = 1\nseed = 2", "[plant", "\u{0}", "dt = 0.01.2"] {
         let error = Scenario::from_toml(text).unwrap_err();
         assert!(matches!(error, ScenarioError::Syntax(_)), "{text}");

@@ -9,29 +9,29 @@ use crate::LessonError;
 use crate::measure::Measure;
 use crate::value::{Expected, Value};
 
-/// The number of seeds that a check is tried with, of which it says how many must hold.
+/// The number of seeds with which a check is tried.
 pub(crate) const SEEDS: usize = 10;
 
-/// Something that a lesson says, and what it means in numbers.
+/// A claim of a lesson as a limit on a number.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
     /// The filter's name.
     pub filter: String,
-    /// Of what the filter's smoother made of the whole record, instead of its estimates.
+    /// Whether the smoothed estimates of the whole record are measured.
     #[serde(default)]
     pub smoothed: bool,
-    /// What is measured.
+    /// The measure.
     pub measure: Measure,
-    /// Of which channel.
+    /// The channel to measure.
     pub channel: Option<Channel>,
-    /// Of which sensor; the first if left out.
+    /// The sensor to measure; the first if left out.
     pub sensor: Option<Quantity>,
-    /// At which time \[s\]; the last sample if left out.
+    /// The time of the sample to measure \[s\]; the last sample if left out.
     pub at: Option<f64>,
-    /// From which time on \[s\]; the first sample if left out.
+    /// The beginning of the range to measure \[s\]; the first sample if left out.
     pub from: Option<f64>,
-    /// Until which time \[s\], that excluded; the last sample if left out.
+    /// The end of the range, excluded \[s\]; the record's end if left out.
     pub to: Option<f64>,
     /// Divides by the same measure of another filter.
     pub than: Option<String>,
@@ -47,16 +47,16 @@ pub struct Check {
     pub than_from: Option<f64>,
     /// Divides by the same measure over a range until another time.
     pub than_to: Option<f64>,
-    /// The number must be above this.
+    /// The measured number must be above this.
     pub above: Option<f64>,
-    /// The number must be below this.
+    /// The measured number must be below this.
     pub below: Option<f64>,
-    /// The answer must be this.
+    /// The result must be this.
     pub is: Option<Expected>,
-    /// In how many of ten seeds it must hold.
+    /// The check must hold in this number of ten seeds.
     #[serde(default = "all_seeds")]
     pub seeds: usize,
-    /// The only seed with which it must hold, where a step is about one record.
+    /// The only seed to check, for a step about one particular record.
     pub seed: Option<u64>,
 }
 
@@ -64,30 +64,30 @@ fn all_seeds() -> usize {
     SEEDS
 }
 
-/// The samples that a measure is taken of.
+/// The samples of a measure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Times {
-    /// At which time \[s\].
+    /// The time of a single sample \[s\].
     pub at: Option<f64>,
-    /// From which time on \[s\].
+    /// The beginning of a range \[s\].
     pub from: Option<f64>,
-    /// Until which time \[s\].
+    /// The end of a range \[s\].
     pub to: Option<f64>,
 }
 
 impl Check {
-    /// The samples that the check is about.
+    /// The samples that are measured.
     pub fn times(&self) -> Times {
         Times { at: self.at, from: self.from, to: self.to }
     }
 
-    /// The samples that it is compared with.
+    /// The samples to compare with.
     pub fn reference_times(&self) -> Times {
         let other = Times { at: self.than_at, from: self.than_from, to: self.than_to };
         if other == (Times { at: None, from: None, to: None }) { self.times() } else { other }
     }
 
-    /// The filter that it is compared with, and whether with its smoothed estimates.
+    /// The filter to compare with, and whether its smoothed estimates are meant.
     pub(crate) fn reference_filter(&self) -> (&str, bool) {
         match &self.than {
             Some(than) => (than, self.than_smoothed),
@@ -95,17 +95,17 @@ impl Check {
         }
     }
 
-    /// Whether it is about a ratio.
+    /// Whether the result is a ratio.
     pub fn is_relative(&self) -> bool {
         self.before || self.than.is_some() || self.than_smoothed || self.reference_times() != self.times()
     }
 
-    /// Whether it is to be made with a seed.
+    /// Whether the check applies to a seed.
     pub(crate) fn is_about(&self, seed: u64) -> bool {
         self.seed.is_none_or(|only| only == seed)
     }
 
-    /// Whether a value is as it must be.
+    /// Whether a value meets the check.
     pub fn holds(&self, value: &Value) -> bool {
         match (value, &self.is) {
             (Value::Number(value), _) => {
@@ -120,10 +120,11 @@ impl Check {
         }
     }
 
-    /// Whether the check can be made of a scenario.
+    /// Validates the check against a scenario.
     ///
     /// # Errors
-    /// [`LessonError`] where it names a filter that is not there, lacks what its measure needs, or sets no limit.
+    /// [`LessonError`] where the scenario lacks a filter or sensor of the check, or the check lacks a limit or a
+    /// setting of its measure.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         for (name, smoothed) in [(self.filter.as_str(), self.smoothed), self.reference_filter()] {
             if !scenario.filters.iter().any(|filter| filter.name == name && (filter.smoother || !smoothed)) {

@@ -1,10 +1,10 @@
-//! What a filter's prediction costs, in a number that does not depend on the machine.
+//! The cost of a filter's prediction, independent of the machine.
 
 use kalmanscope_core::{FilterKind, FilterSettings, InputKind, PlantKind, Propagation};
 
-/// How often a filter evaluates the plant's rate `g(y, f)` to predict one step. `truth` is the plant that it takes the truth
-/// for unless its settings name another, with n channels. A Jacobian counts as n evaluations, one a column, as it would
-/// take by differences.
+/// The number of evaluations of the plant's rate `g(y, f)` in one predicted step. `truth` is the filter's plant unless
+/// its settings name another; it has n channels. A Jacobian counts as n evaluations, one per column, as in finite
+/// differences.
 ///
 /// ```text
 /// KF, EKF, IEKF    1 + n by local linearisation or Euler, 4 (1 + n) by Runge-Kutta

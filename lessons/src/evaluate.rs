@@ -11,8 +11,8 @@ use crate::value::Value;
 use crate::{LessonError, Outcome, evaluations_per_step};
 
 impl Check {
-    /// What the check's measure is in an outcome, over what it was `before` the step's change where the check compares with
-    /// that. A number that there is none of is NaN, so that no check holds.
+    /// The value of the check's measure in an outcome, divided by the reference value if the check compares. `before`
+    /// is the outcome before the step's change. A number that does not exist is NaN, so that no check holds.
     ///
     /// # Errors
     /// [`LessonError::UnknownFilter`] where an outcome does not have the filter.
@@ -114,7 +114,7 @@ impl Check {
     }
 }
 
-/// The samples from one time to another, as far as there are estimates.
+/// The samples of a range of time, as far as there are estimates.
 fn range(filter: FilterOutcome<'_>, times: Times) -> Range<usize> {
     let len = filter.estimates.len();
     let k = |t: f64| ((t / filter.record().dt()).round() as usize).min(len);
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn where_there_is_no_number_no_check_holds() {
+    fn a_missing_number_fails_every_check() {
         let outcome = outcome();
         assert_eq!(value(&outcome, "UKF", "measure = \"stopped\""), Value::Flag(true));
         for check in ["measure = \"nis\"\nfrom = 9.0", "measure = \"std\"\nchannel = \"velocity\"\nat = 9.0"] {

@@ -1,7 +1,8 @@
-//! Lessons on Kalman filters: experiments in steps, and checks that hold each of them to what it says.
+//! Lessons on Kalman filters: experiments in steps, with checks of every claim.
 //!
-//! A lesson is a file in `assets/lessons/`: a scenario, and steps that say what to look at, what to change, what happens
-//! and why. The text makes claims, so each step carries them as checks too, which [`verify`] runs over several seeds.
+//! A lesson is a file in `assets/lessons/`: a scenario, and steps with something to look at, something to change, what
+//! happens and why. The text makes claims, so each step also states them as checks, which [`verify`] runs over several
+//! seeds.
 //!
 //! ```toml
 //! title = "Fading memory"

@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-/// What is measured of a filter, over the samples of a range of time or at a single one. Errors are those of the canonical
-/// form of the oscillator, whose natural frequency is not negative.
+/// A measure of a filter, over a range of samples or at a single one. Errors are those of the canonical form of the
+/// oscillator, whose natural frequency is not negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
@@ -31,14 +31,14 @@ pub enum Measure {
     Autocorrelation,
     /// Mean absolute gain of a channel for a sensor.
     Gain,
-    /// The time from `from`, or else the first sample, until a channel's estimate is within 5 % of the truth for good \[s\];
-    /// infinite if it never is.
+    /// The time from `from`, or else the first sample, until a channel's estimate stays within 5 % of the truth \[s\];
+    /// infinite if it never does.
     Settled,
     /// Log likelihood per sample with a measurement.
     LogLikelihood,
     /// Evaluations of the plant's rate per predicted step: [`crate::evaluations_per_step`].
     Evaluations,
-    /// The verdict on the whole record, in a word.
+    /// The verdict on the whole record, as a word.
     Verdict,
     /// Whether the filter stopped.
     Stopped,

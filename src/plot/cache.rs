@@ -1,4 +1,4 @@
-//! Values of the last frame that still hold in this one.
+//! Values of the last frame, kept while they are valid.
 
 use std::any::Any;
 use std::hash::{DefaultHasher, Hash, Hasher as _};
@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use egui::{Context, Id};
 
-/// The value of `make`, computed anew only when `depends_on` has changed since the last frame.
+/// The value of `make`, computed again only if `depends_on` has changed since the last frame.
 pub(crate) fn cached<T: Any + Send + Sync>(
     ctx: &Context,
     id: Id,

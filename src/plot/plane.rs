@@ -1,4 +1,4 @@
-//! Plots of one quantity over another: the frame that they share.
+//! The frame of plots of one quantity over another.
 
 use egui::{Id, Shape, Stroke, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
@@ -7,7 +7,7 @@ use super::frame::{Y_AXIS, sense};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
 
-/// How both axes of a plot are divided.
+/// The scale of both axes of a plot.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum AxisScale {
     Linear,
@@ -15,8 +15,8 @@ enum AxisScale {
     Logarithmic,
 }
 
-/// Draws a plot into all of `ui`. `range` is what it shows unless the user has zoomed, `[x, y]`, each low and high; a double
-/// click goes back to it.
+/// Draws a plot into all of `ui`. It shows `range`, `[x, y]`, each low and high, unless the user has zoomed; a double
+/// click restores it.
 pub(crate) fn plane_ui(
     ui: &mut Ui,
     key: &str,
@@ -28,8 +28,8 @@ pub(crate) fn plane_ui(
     scaled_plane_ui(ui, key, labels, (palette, AxisScale::Linear), range, draw);
 }
 
-/// [`plane_ui`] of logarithms to the base of ten, range and all; the axes are labelled with the numbers themselves. Returns
-/// what `draw` does.
+/// [`plane_ui`] of logarithms to the base of ten, also in `range`; the axes are labelled with the numbers themselves.
+/// Returns the result of `draw`.
 pub(crate) fn log_plane_ui<R>(
     ui: &mut Ui,
     key: &str,

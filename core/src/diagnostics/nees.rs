@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_factored_or_is_missing_is_left_out() {
+    fn samples_without_a_factor_or_an_error_are_left_out() {
         for (errors, cov) in [
             ([1.0, 1.0], [1.0, 1.0, 1.0, 1.0]),
             ([1.0, 1.0], [1.0, 2.0, 2.0, 1.0]),

@@ -35,8 +35,8 @@ const ENOUGH: u32 = 20;
 const PARTS: usize = 10;
 /// At most this many parts may be bad, because a filter with fading memory needs time to follow a sudden change.
 const FORGIVEN: usize = 2;
-/// Limits the NIS over its expectation: a smaller excess is tolerated even where the number of samples makes it
-/// significant.
+/// Limits the NIS over its expectation, on either side: a smaller deviation is tolerated even where the number of
+/// samples makes it significant.
 const NIS_TOLERANCE: (f64, f64) = (0.8, 1.25);
 /// Limits chance: a deviation of more standard deviations than this is significant.
 const NOT_CHANCE: f64 = 3.0;

@@ -8,32 +8,33 @@ use crate::filter::{Adaptation, FilterKind, Propagation};
 use crate::model::{InputKind, Model};
 use crate::{Channel, PlantKind};
 
-/// One filter: what it believes at first and how far it trusts the model and the sensors.
+/// One filter: its initial belief and the noise that it assumes of the model and the sensors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct FilterSettings {
-    /// The number by which the filter is known as others come and go, from 1 on; 0 or left out in a file for that of its
-    /// place. An ensemble's random numbers and the usual colour follow from it.
+    /// The filter's number, from 1 on, which stays the same when other filters are added or removed; 0, or no entry in
+    /// a file, for the number of its place. It determines an ensemble's random numbers and the default colour.
     #[serde(skip_serializing_if = "is_zero")]
     pub id: u32,
-    /// The name on screen and in files; its kind's if left empty.
+    /// The name on screen and in files; that of its kind if empty.
     pub name: String,
     /// The kind of filter.
     pub kind: FilterKind,
-    /// The colour in which the filter is drawn; by its id if left out.
+    /// The colour in which the filter is drawn; that of its id if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color: Option<FilterColor>,
-    /// The kind of plant that the filter takes the truth for; the truth's own if left out.
+    /// The kind of plant that the filter assumes; the truth's own if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plant: Option<PlantKind>,
-    /// The augmentations ([`crate::augment`]) that the filter estimates, or knows where their standard deviations are zero.
+    /// The augmentations ([`crate::augment`]) in the filter's state; one with zero standard deviations is held
+    /// constant.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub augment: Vec<Channel>,
     /// Whether the filter estimates the logarithms of the parameters that cannot be negative.
     pub log_parameters: bool,
-    /// How the mean of a KF, EKF or IEKF moves.
+    /// The propagation of the mean of a KF, EKF or IEKF.
     pub propagation: Propagation,
-    /// The most times that an IEKF linearises the sensors in one update.
+    /// Limits the linearisations of the sensors in one update of an IEKF.
     pub iterations: usize,
     /// The number of members of an EnKF, or of particles of a PF.
     pub ensemble_size: usize,
@@ -45,8 +46,8 @@ pub struct FilterSettings {
     pub fading: f64,
     /// Rate η ≥ 0 at which the model lets the parameters decay \[1/s\]; 0 keeps them constant.
     pub eta: f64,
-    /// Standard deviations that the filter ascribes to the sensors, in their order: the square roots of the diagonal of
-    /// R. The sensors' true ones if left empty in a file.
+    /// Standard deviations that the filter assumes of the sensors, in their order: the square roots of the diagonal of
+    /// R. The sensors' true ones if the list is empty in a file.
     pub sensor_std: Vec<f64>,
     /// Mean of the initial belief.
     #[serde(deserialize_with = "values::initial_mean")]
@@ -85,16 +86,16 @@ impl Default for FilterSettings {
 }
 
 impl FilterSettings {
-    /// The filter's model of a truth of some kind under an input.
+    /// The filter's model of a truth of this kind under this input.
     pub fn model(&self, truth: PlantKind, input: InputKind) -> Model {
-        // The KF knows the parameters: they do not decay.
+        // The parameters of a KF are known and do not decay.
         let eta = if self.kind == FilterKind::KF { 0.0 } else { self.eta };
         let model = Model::new(self.plant.unwrap_or(truth)).augmented(self.augment.iter().copied());
         model.decaying(eta).with_logarithms(self.log_parameters).driven_by(input)
     }
 
-    /// Whether the filter takes a channel for known and exact, whatever its standard deviations: the KF takes the
-    /// parameters of its plant so.
+    /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the
+    /// parameters of its plant.
     pub fn knows(&self, channel: Channel) -> bool {
         self.kind == FilterKind::KF && channel.is_parameter() && !channel.is_augmentation()
     }

@@ -1,11 +1,11 @@
-//! The noise of the truth, as the settings of a filter state it.
+//! The true noise of a scenario, as the settings of a filter express it.
 
 use super::{Scenario, Values};
 use crate::{Quantity, Signal};
 
 impl Scenario {
-    /// The noise that a filter would be told by someone who knows the truth: that of the sensors
-    /// ([`Self::true_sensor_std`]), what the disturbance adds in a step, and the root mean square change of the parameters per step.
+    /// The true noise, for a filter's settings: that of the sensors ([`Self::true_sensor_std`]), the effect of the
+    /// disturbance in one step, and the root mean square change of the parameters per step.
     pub fn true_noise(&self) -> (Vec<f64>, Values) {
         let sensor_std = self.true_sensor_std();
         let d = self.plant.disturbance_std;
@@ -21,8 +21,8 @@ impl Scenario {
         (sensor_std, process_std)
     }
 
-    /// The standard deviations of the sensors' noise, as a filter can use them: their own, and what the disturbance adds to
-    /// the reading of a sensor that feels it, such as an accelerometer.
+    /// The standard deviations of the sensors' noise for a filter's settings: the sensor's own noise, and the effect of
+    /// the disturbance on its reading, such as that of an accelerometer.
     ///
     /// ```text
     /// R = noise² + (∂h/∂F)² disturbance²
@@ -49,8 +49,8 @@ impl Scenario {
     }
 }
 
-/// The least standard deviation that a filter is told of a sensor, in the usual noise of the quantity. A sensor may be
-/// perfect, but a filter that is told so has a singular innovation covariance sooner or later.
+/// Limits the standard deviation that a filter assumes of a sensor from below, relative to the usual noise of the
+/// quantity. A sensor may be perfect, but a filter with R = 0 soon has a singular innovation covariance.
 const LEAST_NOISE: f64 = 1e-9;
 
 pub(super) fn usable_std(quantity: Quantity, noise_std: f64) -> f64 {

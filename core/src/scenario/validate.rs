@@ -1,4 +1,4 @@
-//! Which values a scenario may have.
+//! The validation of scenarios.
 
 use std::fmt::Display;
 
@@ -8,17 +8,17 @@ use crate::filter::Adaptation;
 use crate::quantity::MAX_SENSORS;
 use crate::{Force, PlantKind, Signal, Values};
 
-/// The most samples of one record: more than a day at 1 kHz. Who keeps all of so many needs tens of gigabytes a filter; a
-/// run that forgets ([`crate::Run::forget`]) does not.
+/// Limits the samples of one record: more than a day at 1 kHz. A run that keeps them all needs tens of gigabytes per
+/// filter; one that forgets ([`crate::Run::forget`]) does not.
 pub(super) const MAX_SAMPLES: usize = 100_000_000;
 
-/// The most filters of one scenario.
+/// Limits the filters of one scenario.
 pub(super) const MAX_FILTERS: usize = 16;
 
-/// The most times that an IEKF may linearise in one update.
+/// Limits the linearisations in one update of an IEKF.
 const MAX_ITERATIONS: usize = 100;
 
-/// The most members of an ensemble.
+/// Limits the members of an ensemble.
 const MAX_ENSEMBLE: usize = 100_000;
 
 impl Scenario {
