@@ -1,4 +1,4 @@
-//! The choice between a tuned kernel and the book.
+//! The choice between a tuned kernel and the book. Smoothers have no kernel: they are computed once, for a whole record.
 
 use crate::estimator::{Estimator, FilterContext};
 use crate::smoother::Smoother;
@@ -14,6 +14,5 @@ pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) ->
     if settings.kind.is_sampled() {
         return None;
     }
-    let tuned = kernel::smoother::beliefs(settings, context);
-    tuned.or_else(|| filter::smoother::beliefs(settings, &context)).map(Smoother::new)
+    filter::smoother::beliefs(settings, &context).map(Smoother::new)
 }

@@ -142,6 +142,7 @@ pub(super) static ENKF: FilterInfo = FilterInfo {
     description: "moves an ensemble and corrects each member",
     reference: "Evensen (2003), The ensemble Kalman filter: theoretical formulation and practical implementation",
     is_sampled: true,
+    has_own_likelihood: false,
     evaluations: |settings, _| 4 * settings.ensemble_size,
     begin: |initial, settings, normal| Ok(Box::new(Ensemble::new(initial, settings.ensemble_size, normal)?)),
 };

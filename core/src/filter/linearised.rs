@@ -331,6 +331,7 @@ pub(super) static KF: FilterInfo = FilterInfo {
     description: "takes the parameters for known; optimal on a linear plant",
     reference: "Kalman (1960), A new approach to linear filtering and prediction problems",
     is_sampled: false,
+    has_own_likelihood: false,
     evaluations,
     begin: |initial, settings, _| Ok(Box::new(Linearised::new(initial, settings.propagation, 1))),
 };
@@ -341,6 +342,7 @@ pub(super) static EKF: FilterInfo = FilterInfo {
     description: "linearises plant and sensors at the mean",
     reference: "Huang and Yuen (2023), Bayesian Real-Time System Identification",
     is_sampled: false,
+    has_own_likelihood: false,
     evaluations,
     begin: |initial, settings, _| Ok(Box::new(Linearised::new(initial, settings.propagation, 1))),
 };
@@ -351,6 +353,7 @@ pub(super) static IEKF: FilterInfo = FilterInfo {
     description: "linearises the sensors again where the update leads, by Gauss-Newton",
     reference: "Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method",
     is_sampled: false,
+    has_own_likelihood: false,
     evaluations,
     begin: |initial, settings, _| Ok(Box::new(Linearised::new(initial, settings.propagation, settings.iterations))),
 };

@@ -229,6 +229,7 @@ pub(super) static PF: FilterInfo = FilterInfo {
     description: "moves weighted particles and resamples them systematically",
     reference: "Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation",
     is_sampled: true,
+    has_own_likelihood: true,
     evaluations: |settings, _| 4 * settings.ensemble_size,
     begin: |initial, settings, normal| Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?)),
 };

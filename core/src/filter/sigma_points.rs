@@ -280,6 +280,7 @@ pub(super) static UKF: FilterInfo = FilterInfo {
     description: "moves 2n + 1 sigma points",
     reference: "Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation",
     is_sampled: false,
+    has_own_likelihood: false,
     evaluations: |_, n| 4 * (2 * n + 1),
     begin: |initial, _, _| Ok(Box::new(SigmaPoints::new(initial, Rule::Unscented))),
 };
@@ -290,6 +291,7 @@ pub(super) static CKF: FilterInfo = FilterInfo {
     description: "moves 2n cubature points",
     reference: "Arasaratnam and Haykin (2009), Cubature Kalman filters",
     is_sampled: false,
+    has_own_likelihood: false,
     evaluations: |_, n| 4 * 2 * n,
     begin: |initial, _, _| Ok(Box::new(SigmaPoints::new(initial, Rule::Cubature))),
 };

@@ -240,6 +240,7 @@ pub(super) static SR_UKF: FilterInfo = FilterInfo {
     description: "a UKF on the root of its covariance, which no rounding makes indefinite",
     reference: "van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation",
     is_sampled: false,
+    has_own_likelihood: false,
     evaluations: |_, n| 4 * (2 * n + 1),
     begin: |initial, _, _| Ok(Box::new(SquareRoot::new(&initial)?)),
 };

@@ -182,7 +182,7 @@ mod tests {
     fn a_rotation_and_a_nilpotent_have_closed_forms() {
         let turn = Matrix::from_row_slice(2, 2, &[0.0, 1.0, -1.0, 0.0]);
         for angle in [1e-9, 0.3, 2.0, 40.0] {
-            let Integrals { transition, constant, slope } = exponential_integrals(&turn, angle);
+            let Integrals { transition, constant, slope, .. } = exponential_integrals(&turn, angle);
             let (sin, cos) = libm::sincos(angle);
             let off = |found: &Matrix, expected: [f64; 4]| (found - Matrix::from_row_slice(2, 2, &expected)).amax();
             assert!(off(&transition, [cos, sin, -sin, cos]) < 1e-13, "{angle}");
@@ -191,7 +191,7 @@ mod tests {
             assert!(off(&slope, [rest, lag, -lag, rest]) < 1e-12, "{angle}");
         }
         let shift = Matrix::from_row_slice(2, 2, &[0.0, 1.0, 0.0, 0.0]);
-        let Integrals { transition, constant, slope } = exponential_integrals(&shift, 3.0);
+        let Integrals { transition, constant, slope, .. } = exponential_integrals(&shift, 3.0);
         assert_eq!(transition, Matrix::from_row_slice(2, 2, &[1.0, 3.0, 0.0, 1.0]));
         assert_eq!(constant, Matrix::from_row_slice(2, 2, &[3.0, 4.5, 0.0, 3.0]));
         assert_eq!(slope, Matrix::from_row_slice(2, 2, &[4.5, 4.5, 0.0, 4.5]));
