@@ -63,6 +63,7 @@ pub(crate) const DOUBTING: FilterKind = FilterKind::new(&FilterInfo {
     description: "an EKF that takes little notice of outliers",
     reference: "Huber (1964), Robust estimation of a location parameter",
     is_sampled: false,
+    has_own_likelihood: false,
     evaluations: |_, n| 1 + n,
     begin: |initial, _, _| Ok(Box::new(Doubting { belief: initial })),
 });

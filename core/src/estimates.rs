@@ -98,7 +98,7 @@ impl Estimates {
     /// from the system cost more than filling them.
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
-        let sampled = usize::from(self.kind == FilterKind::PF);
+        let sampled = usize::from(self.kind.has_own_likelihood());
         let mut old = old.unwrap_or_else(|| self.clone());
         for (new, old, per_sample) in [
             (&mut self.mean, &mut old.mean, n),
@@ -165,7 +165,7 @@ impl Estimates {
         self.gain.extend_from_slice(gain);
         self.nis.push(nis);
         self.determinant.push(determinant);
-        if self.kind == FilterKind::PF {
+        if self.kind.has_own_likelihood() {
             self.log_likelihood.push(sample.log_likelihood);
             self.effective_samples.push(sample.effective_samples);
         }

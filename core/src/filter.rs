@@ -37,7 +37,7 @@ pub use ensemble::Ensemble;
 pub use gaussian::Gaussian;
 pub use kalman::{Correction, Expected};
 pub use kind::{FilterInfo, FilterKind};
-pub use linearised::{Linearised, Propagation};
+pub use linearised::{Linearised, Propagation, Transition};
 pub use noise::Noise;
 pub use observation::Observation;
 pub use particles::Particles;
@@ -107,13 +107,13 @@ pub trait Belief: Send {
     /// Mean and covariance.
     fn gaussian(&self) -> Cow<'_, Gaussian>;
 
-    /// The covariance of the state with the state that a step makes of it, n × n: what a smoother must know. From sigma
-    /// points of mean and covariance, unless the method has a better way.
+    /// Φ, n × n: the regression of the state that a step makes on the state now, `cov(next, now) = Φ P`. A smoother must know
+    /// it. From sigma points of mean and covariance, unless the method has a better way.
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root.
-    fn cross(&self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
-        sigma_points::cross(&self.gaussian(), Rule::Unscented, model, step)
+    fn transition(&self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
+        sigma_points::transition(&self.gaussian(), Rule::Unscented, model, step)
     }
 }
 

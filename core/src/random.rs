@@ -92,4 +92,14 @@ mod tests {
         assert_ne!(first(1, Purpose::Force), first(1, Purpose::Disturbance));
         assert_ne!(first(1, Purpose::Sensor(Quantity::DISPLACEMENT)), first(1, Purpose::Sensor(Quantity::VELOCITY)));
     }
+
+    #[test]
+    fn no_two_purposes_share_a_stream() {
+        let sensors = Quantity::all().iter().map(|&quantity| Purpose::Sensor(quantity));
+        let ensembles = (0..1000).map(Purpose::Ensemble);
+        let purposes = [Purpose::Force, Purpose::Disturbance].into_iter().chain(sensors).chain(ensembles);
+        let streams: Vec<u64> = purposes.map(Purpose::stream).collect();
+        let different: std::collections::HashSet<u64> = streams.iter().copied().collect();
+        assert_eq!(different.len(), streams.len());
+    }
 }

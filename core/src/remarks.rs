@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::quantity::MAX_SENSORS;
 use crate::sink::{AssumedNoise, Sample};
-use crate::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Values};
+use crate::{Channel, FilterSettings, PlantKind, Quantity, Values};
 
 /// A problem that does not stop the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -105,7 +105,7 @@ impl Monitor {
         for (known, sensor) in known.iter_mut().zip(sensors) {
             *known = plant.has(*sensor);
         }
-        let particles = if settings.kind == FilterKind::PF { settings.ensemble_size } else { 0 };
+        let particles = if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 };
         let limits: Vec<f64> = channels.iter().map(limit).collect();
         Self {
             channels: channels.to_vec(),

@@ -125,7 +125,7 @@ impl Scores {
 
     /// Sum of the log likelihoods of all samples with a measurement.
     pub fn log_likelihood(&self) -> f64 {
-        match (self.kind == FilterKind::PF, self.nis.degrees) {
+        match (self.kind.has_own_likelihood(), self.nis.degrees) {
             (true, _) => self.particles,
             (false, 0) => 0.0,
             (false, degrees) => log_likelihood(self.nis.sum, self.ln_determinants.value(), degrees),
@@ -205,7 +205,7 @@ impl Sink for Scoring<'_> {
         if sample.determinant.is_nan() {
             return;
         }
-        if kind == FilterKind::PF {
+        if kind.has_own_likelihood() {
             *particles += sample.log_likelihood;
         } else {
             let ln = || ln_determinant(sample.determinant, sample.innovation_cov, sensors);

@@ -1,4 +1,4 @@
-//! The choice between the tuned kernels and the reference filters.
+//! The choice between a tuned kernel and the reference filters. Smoothers have no kernel: one pass over a record is enough.
 
 use crate::estimator::{Estimator, FilterContext};
 use crate::smoother::Smoother;
@@ -14,6 +14,5 @@ pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) ->
     if settings.kind.is_sampled() {
         return None;
     }
-    let tuned = kernel::smoother::beliefs(settings, context);
-    tuned.or_else(|| filter::smoother::beliefs(settings, &context)).map(Smoother::new)
+    filter::smoother::beliefs(settings, &context).map(Smoother::new)
 }

@@ -2,18 +2,8 @@
 
 use crate::{Estimates, FilterError, Record, Stop};
 
-/// A smoother in progress: the filter goes forward, the smoother back.
-///
-/// ```text
-/// G = C (P⁻ₖ₊₁)⁻¹,  C = cov(yₖ, y⁻ₖ₊₁)
-/// yₖˢ = yₖ + G (yˢₖ₊₁ - y⁻ₖ₊₁),  Pₖˢ = Pₖ + G (Pˢₖ₊₁ - P⁻ₖ₊₁) Gᵀ
-/// ```
-///
-/// `C = P Φᵀ` for the KF, EKF and IEKF, and comes from the sigma points for UKF, SR-UKF and CKF. Sampled filters have no
+/// A smoother in progress: the filter goes forward, the smoother back, as [`crate::filter`] says. Sampled filters have no
 /// smoother here: they give no estimates. Where the filter stops, the smoother begins with the last sample before.
-///
-/// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented
-/// Rauch-Tung-Striebel smoother.
 pub(crate) struct Smoother {
     beliefs: Box<dyn Beliefs>,
     stop: Option<Stop>,

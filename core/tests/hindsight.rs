@@ -247,3 +247,45 @@ fn the_bound_grows_with_the_record() {
     assert_eq!(bits(&growing), bits(&whole));
     assert!(CramerRao::new(&scenario, 2, scenario.dt).is_none());
 }
+
+/// A motion whose fast part dies within a tenth of the record, and no noise stirs it: the covariance of a prediction loses its
+/// rank, and what the measurements tell of the beginning is known exactly.
+#[test]
+fn a_motion_that_dies_out_is_smoothed_back_to_its_beginning() {
+    let (wn, zeta, dt) = (6.0_f64, 3.0_f64, 0.01);
+    for kind in [FilterKind::KF, FilterKind::UKF, FilterKind::SR_UKF] {
+        let mut scenario = known(kind, 2001);
+        scenario.plant.disturbance_std = 0.0;
+        scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(zeta));
+        scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = zeta;
+        scenario.filters[0].process_std = Values::ZERO;
+        let smoothed = smoothed(&finished(&scenario));
+        assert_eq!(smoothed.len(), 2001);
+
+        // h and its derivative by both roots of the characteristic equation.
+        let root = wn * (zeta * zeta - 1.0).sqrt();
+        let [slow, fast] = [root - zeta * wn, -root - zeta * wn];
+        let h = ((slow * dt).exp() - (fast * dt).exp()) / (2.0 * root);
+        let dh = (slow * (slow * dt).exp() - fast * (fast * dt).exp()) / (2.0 * root);
+        let transition = Matrix2::new(dh + 2.0 * zeta * wn * h, h, -wn * wn * h, dh);
+        let filter = &scenario.filters[0];
+        let inverse = |std: f64| 1.0 / (std * std);
+        let sensors =
+            Matrix2::from_diagonal(&Vector2::new(inverse(filter.sensor_std[0]), inverse(filter.sensor_std[1])));
+        let [x, v] = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|channel| inverse(filter.initial_std[channel]));
+        let mut information = Matrix2::from_diagonal(&Vector2::new(x, v));
+        let mut from_begin = Matrix2::identity();
+        for _ in 1..2001 {
+            from_begin = transition * from_begin;
+            information += from_begin.transpose() * sensors * from_begin;
+        }
+        let mut cov = information.try_inverse().unwrap();
+        for k in 0..40 {
+            for i in 0..2 {
+                let error = smoothed.std(k, i) / cov[(i, i)].sqrt() - 1.0;
+                assert!(error.abs() < 1e-6, "{} at {k}: std {} of {i}, {error:e}", kind.name(), smoothed.std(k, i));
+            }
+            cov = transition * cov * transition.transpose();
+        }
+    }
+}

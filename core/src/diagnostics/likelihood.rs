@@ -23,7 +23,7 @@ impl Default for Likelihood {
 impl Likelihood {
     /// The likelihood of no measurements, for a filter of this kind.
     pub(super) fn new(kind: FilterKind) -> Self {
-        if kind == FilterKind::PF { Self::Particles { sum: 0.0 } } else { Self::default() }
+        if kind.has_own_likelihood() { Self::Particles { sum: 0.0 } } else { Self::default() }
     }
 
     /// Takes in sample `k`.

@@ -21,6 +21,9 @@ pub struct FilterInfo {
     pub reference: &'static str,
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub is_sampled: bool,
+    /// Whether the belief reports a log likelihood and an effective sample size of its own, as particle filters do. That of
+    /// any other follows from NIS and S.
+    pub has_own_likelihood: bool,
     /// How often a filter with these settings evaluates `g(y, f)` of an n-component state to predict one step.
     pub evaluations: fn(&FilterSettings, usize) -> usize,
     /// The belief that a filter with these settings begins with, from its mean and covariance; random numbers, if it needs
@@ -104,6 +107,11 @@ impl FilterKind {
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub const fn is_sampled(self) -> bool {
         self.0.is_sampled
+    }
+
+    /// Whether the belief reports a log likelihood and an effective sample size of its own.
+    pub const fn has_own_likelihood(self) -> bool {
+        self.0.has_own_likelihood
     }
 }
 

@@ -1,7 +1,7 @@
 //! A plant in motion.
 
 use super::TruthError;
-use crate::integrate::{ImpulseResponse, exponential_integrals, runge_kutta};
+use crate::integrate::{exponential_integrals, runge_kutta};
 use crate::linalg::{Matrix, Vector};
 use crate::model::Model;
 
@@ -88,21 +88,8 @@ impl Exact {
     fn new(model: &Model, state: &Vector, dt: f64) -> Self {
         let motion = model.motion();
         let a = model.jacobian(state.as_slice(), 0.0).view((0, 0), (motion, motion)).into_owned();
-        if motion == 2 && a[(0, 0)] == 0.0 && a[(0, 1)] == 1.0 {
-            return Self::of_oscillator(a[(1, 0)], a[(1, 1)], dt);
-        }
         let integrals = exponential_integrals(&a, dt);
         Self { constant: integrals.constant, slope: integrals.slope }
-    }
-
-    /// The same for `ẍ = a x + b ẋ`, in closed form.
-    fn of_oscillator(a: f64, b: f64, dt: f64) -> Self {
-        let ImpulseResponse { value: h, integral: q } = ImpulseResponse::new(a, b, dt);
-        let p = ImpulseResponse::second_integral(a, b, dt);
-        Self {
-            constant: Matrix::from_row_slice(2, 2, &[h - b * q, q, a * q, h]),
-            slope: Matrix::from_row_slice(2, 2, &[q - b * p, p, a * p, q]),
-        }
     }
 }
 
