@@ -1,11 +1,11 @@
-//! The kinds of filter.
+//! The kind of a filter, as data.
 
 use std::fmt;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use super::{Belief, FilterError, Gaussian, Normal, ensemble, linearised, particles, sigma_points, square_root};
+use super::{Belief, FilterError, Gaussian, Normal};
 use crate::FilterSettings;
 
 /// All that is known of a kind of filter.
@@ -37,36 +37,6 @@ pub type Begin = fn(Gaussian, &FilterSettings, Normal) -> Result<Box<dyn Belief>
 /// A kind of filter, by what it is called.
 #[derive(Clone, Copy)]
 pub struct FilterKind(&'static FilterInfo);
-
-/// The registry: a constant for each kind, whose description stands in the file of its method, and all of them.
-macro_rules! registry {
-    ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
-        impl FilterKind {
-            $($(#[$doc])* pub const $name: Self = Self(&$info);)*
-
-            /// Every kind of the registry.
-            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
-        }
-    };
-}
-registry! {
-    /// Kalman filter: the parameters are known, so their standard deviations and `eta` are taken as zero.
-    KF = linearised::KF;
-    /// Extended Kalman filter: local linearisation.
-    EKF = linearised::EKF;
-    /// Iterated extended Kalman filter: the sensors are linearised where the update leads.
-    IEKF = linearised::IEKF;
-    /// Unscented Kalman filter: scaled sigma points.
-    UKF = sigma_points::UKF;
-    /// Unscented Kalman filter on the root of its covariance.
-    SR_UKF = square_root::SR_UKF;
-    /// Cubature Kalman filter.
-    CKF = sigma_points::CKF;
-    /// Ensemble Kalman filter.
-    ENKF = ensemble::ENKF;
-    /// Bootstrap particle filter, regularised.
-    PF = particles::PF;
-}
 
 impl FilterKind {
     /// A kind of your own. Files name kinds of the registry only.
