@@ -121,7 +121,7 @@ impl Analysis {
         analysis
     }
 
-    /// What is wanted.
+    /// The results that are computed.
     pub fn wanted(&self) -> Wanted {
         self.wanted
     }
