@@ -64,7 +64,7 @@ mod native {
     /// The report for a machine without a display: a table, and the plots as a file.
     fn report(reason: &str) -> Result<(), Box<dyn Error>> {
         let mut out = io::stdout();
-        writeln!(out, "No window can be opened here ({reason}), so here is the default scenario without one.\n")?;
+        writeln!(out, "No window can be opened ({reason}). Results of the default scenario:\n")?;
         let scenario = Scenario::default();
         let run = run_scenario(&scenario, None)?;
         plot_svg(&run, Path::new(REPORT))?;

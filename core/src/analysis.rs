@@ -1,9 +1,17 @@
 //! Diagnostics, smoothed estimates and Cramér-Rao bounds of a run.
 
+mod bounds;
+mod wanted;
+
 use crate::bank::Bank;
 use crate::diagnostics::Depth;
 use crate::smoother::Smoother;
 use crate::{CramerRao, Diagnostics, Estimates, Record, Run, Scenario, Update, cost};
+
+use bounds::bounds_of;
+
+pub use bounds::Bound;
+pub use wanted::Wanted;
 
 /// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
 const DIAGNOSTICS_CHUNK: usize = 10_000;
@@ -13,55 +21,6 @@ const BOUND_CHUNK: usize = 2_000;
 
 /// Time that the diagnostics take for one sample, to within a factor of two \[ns\].
 const DIAGNOSTICS_COST: f64 = 60.0;
-
-/// A Cramér-Rao bound and the filters that it applies to.
-pub struct Bound {
-    /// The bound.
-    pub bound: CramerRao,
-    /// The filters' ids.
-    pub filters: Vec<u32>,
-}
-
-/// The results to compute besides the estimates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wanted {
-    /// Diagnostics and their depth; `None` for no diagnostics.
-    pub diagnostics: Option<Depth>,
-    /// Smoothed estimates of the filters that have a smoother, once the run is complete.
-    pub smoothed: bool,
-    /// The Cramér-Rao bounds, each of which costs as much as a filter.
-    pub bounds: bool,
-}
-
-impl Wanted {
-    /// The estimates alone.
-    pub const NOTHING: Self = Self { diagnostics: None, smoothed: false, bounds: false };
-
-    /// The Cramér-Rao bounds.
-    pub const BOUNDS: Self = Self { bounds: true, ..Self::NOTHING };
-
-    /// Diagnostics of some depth.
-    pub const fn diagnostics(depth: Depth) -> Self {
-        Self { diagnostics: Some(depth), ..Self::NOTHING }
-    }
-
-    /// The union of both.
-    #[must_use]
-    pub fn and(self, other: Self) -> Self {
-        Self {
-            diagnostics: self.diagnostics.max(other.diagnostics),
-            smoothed: self.smoothed || other.smoothed,
-            bounds: self.bounds || other.bounds,
-        }
-    }
-}
-
-impl Default for Wanted {
-    /// All diagnostics and smoothed estimates, no bounds.
-    fn default() -> Self {
-        Self { diagnostics: Some(Depth::All), smoothed: true, bounds: false }
-    }
-}
 
 /// Diagnostics, smoothed estimates and bounds of a run's filters, as far as they are wanted. Each of the three is
 /// available once it is complete for all filters.
@@ -121,7 +80,7 @@ impl Analysis {
         analysis
     }
 
-    /// What is wanted.
+    /// The results that are computed.
     pub fn wanted(&self) -> Wanted {
         self.wanted
     }
@@ -344,22 +303,4 @@ impl Analysis {
 
 fn is_known(known: &[Option<usize>], place: usize) -> bool {
     known.get(place).is_some_and(Option::is_some)
-}
-
-/// The bounds of a scenario's filters: reuses those of `old` that still apply, and adds new ones for the places that
-/// need one.
-fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl Fn(usize) -> bool) -> Vec<Bound> {
-    let mut bounds: Vec<Bound> = Vec::new();
-    for place in (0..scenario.filters.len()).filter(|&place| is_needed(place)) {
-        let id = scenario.filters[place].id;
-        let is_for = |b: &Bound| b.bound.is_for(scenario, place);
-        if let Some(same) = bounds.iter_mut().find(|b| is_for(b)) {
-            same.filters.push(id);
-        } else if let Some(same) = old.iter().position(is_for) {
-            bounds.push(Bound { filters: vec![id], ..old.swap_remove(same) });
-        } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
-            bounds.push(Bound { bound, filters: vec![id] });
-        }
-    }
-    bounds
 }

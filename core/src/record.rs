@@ -192,7 +192,7 @@ impl Record {
         &self.input
     }
 
-    /// What the input is.
+    /// The kind of input.
     pub fn input_kind(&self) -> InputKind {
         self.kind
     }

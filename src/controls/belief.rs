@@ -31,7 +31,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
         ui.label("");
         heading(ui, "initial guess", "Mean of the initial belief");
         heading(ui, "± σ of guess", "Standard deviation of the initial belief: how sure the filter is of its guess");
-        heading(ui, "√Q per step", "Standard deviation of what the model leaves out in one step");
+        heading(ui, "√Q per step", "Standard deviation of the model's error in one step");
         ui.end_row();
         for &channel in &channels {
             // The parameters of a KF are known and have no uncertainty to set.

@@ -36,7 +36,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             ui.add_space(2.0);
             ui.horizontal_wrapped(|ui| {
                 let hint =
-                    "Set R to the sensors' true noise, and Q to what disturbance and changing parameters do in a step";
+                    "Set R to the sensors' true noise, and Q to the effect of disturbance and changing parameters in a step";
                 match_truth = ui.button("Match the truth").on_hover_text(hint).clicked();
                 let small = |ui: &mut Ui, text: &str, enabled: bool| {
                     let button = ui.add_enabled(enabled, egui::Button::new(text));
@@ -144,7 +144,7 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
     };
     ui.horizontal(|ui| {
         ui.add_space(119.0);
-        let hint = "Memory half-life: how long until a measurement counts half";
+        let hint = "Memory half-life: the time after which a measurement counts half";
         ui.add(egui::Label::new(RichText::new(memory).small()).truncate()).on_hover_text(hint);
     });
     ui.add_enabled_ui(filter.kind != FilterKind::KF, |ui| {

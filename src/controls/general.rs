@@ -13,7 +13,7 @@ const LENGTHS: [(&str, f64); 3] = [("1 min", 60.0), ("1 h", 3600.0), ("1 day", L
 
 pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let Scenario { seed, dt, duration, .. } = scenario;
-    let hint = "Length of the record, up to a day; a long one can only be seen live, and its beginning is forgotten";
+    let hint = "Length of the record, up to a day; a long one is shown live only, and its beginning is forgotten";
     Number {
         label: "duration",
         name: "Duration",

@@ -16,7 +16,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         }
         let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, smoother, .. } = filter;
         if *kind == FilterKind::IEKF {
-            let hint = "The most times that the sensors are linearised in one update";
+            let hint = "Limit of the linearisations of the sensors in one update";
             whole_ui(ui, "iterations", &format!("{name} iterations"), iterations, (1, 20), hint);
         }
         if kind.is_sampled() {

@@ -26,7 +26,7 @@ pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let at_start = "At the start of the record";
     number(ui, "x at start", "Initial displacement", "m", (-1.0, 1.0), any, at_start, &mut initial.displacement);
     number(ui, "v at start", "Initial velocity", "m/s", (-5.0, 5.0), any, at_start, &mut initial.velocity);
-    let hint = "Standard deviation of a force that nobody measures";
+    let hint = "Standard deviation of an unmeasured force";
     number(ui, "disturbance", "Disturbance", "m/s²", (0.0, 10.0), 0.0, hint, disturbance_std);
 }
 

@@ -54,7 +54,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
             range: noise_range(quantity),
             least: 0.0,
             logarithmic: true,
-            hint: "True standard deviation of the sensor's noise; what each filter assumes is set with the filter",
+            hint: "True standard deviation of the sensor's noise; each filter has its own assumption among its settings",
         }
         .show(ui, &mut sensor.noise_std);
     }

@@ -26,8 +26,8 @@ impl View for Consistency {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "Squares of innovations (NIS) and errors (NEES) over what the filter expects of them, as a moving mean, on a logarithmic axis.",
-            "At 1 the filter is as sure as it may be. Above: overconfident. Below: too modest. Between the dashed lines chance explains it.",
+            "Squares of innovations (NIS) and errors (NEES) over their expectation, as a moving mean, on a logarithmic axis.",
+            "At 1 the filter is consistent. Above: overconfident. Below: underconfident. Between the dashed lines chance explains the difference.",
             "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
         ]
     }

@@ -38,9 +38,9 @@ impl View for FrequencyResponse {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "How far a force of each frequency moves the first mass: the truth thick, and each filter with the band that it gives 95 % to. A nonlinear plant is visible as it is near rest.",
+            "The displacement of the first mass per force at each frequency: the truth thick, and each filter with its 95 % band. A nonlinear plant is shown for small motion.",
             "A peak in the wrong place is a wrong natural frequency, a peak too high or too low a wrong damping.",
-            "At the bottom, on a scale of its own, is the spectrum of the force so far: a frequency that nothing excites tells a filter nothing.",
+            "At the bottom, on a scale of its own, is the spectrum of the force so far: a frequency without excitation gives a filter no information.",
         ]
     }
 
@@ -75,7 +75,7 @@ fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout
     let mut readouts = vec![Readout {
         text: format!("at {} rad/s", significant(curves.frequencies[i], 3)),
         color: palette.weak,
-        hint: "The frequency pointed at, else that of the peak".to_owned(),
+        hint: "The frequency under the pointer, else that of the peak".to_owned(),
     }];
     let truth = curves.truth.iter().filter(|_| visible.truth);
     readouts.extend(truth.map(|truth| Readout {

@@ -22,9 +22,9 @@ impl View for Gain {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "How far each channel moves for an innovation of one standard deviation: K times √S, for one sensor.",
-            "Large at first, when the filter knows little; then it settles where new evidence balances process noise and fading.",
-            "A gain that goes to zero is a filter that no longer listens.",
+            "The change of each channel by an innovation of one standard deviation: K times √S, for one sensor.",
+            "Large at first, when the filter knows little; then constant, when measurements balance process noise and fading.",
+            "With a gain near zero, measurements no longer change the estimate.",
         ]
     }
 

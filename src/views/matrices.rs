@@ -21,9 +21,9 @@ impl View for Matrices {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "One sample in numbers: what the filter knew, what it predicted, what the sensors said, what it made of that.",
+            "One sample in numbers: the belief before, the prediction, the measurements, the belief after the update.",
             "Predicting carries mean and covariance over a step and widens σ; updating moves the mean by K e and narrows σ.",
-            "Go on sample by sample with the step button (→) and see which number makes the next.",
+            "Go on sample by sample with the step button (→) and follow how each number leads to the next.",
         ]
     }
 

@@ -32,9 +32,9 @@ impl View for Oscillator {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "What truly moves is grey. Each filter has a slice of every mass: an outline where it believes the mass to be, and a bar of ±2σ. A slice that slides out is wrong.",
-            "The dots are the last readings of the displacement, each as far from the mast as it was from the truth. A bar narrower than their cloud is what filtering gains.",
-            "The arrow is the mean of the force over mass in the last 0.1 s: white noise itself would only flicker.",
+            "The true masses are grey. Each filter has a slice of every mass: an outline at its estimate, and a bar of ±2σ. A slice outside its mass is an error.",
+            "The dots are the last readings of the displacement, each as far from the mast as it was from the truth. A bar narrower than their cloud shows the gain of filtering.",
+            "The arrow is the mean of the force over mass in the last 0.1 s: white noise itself would flicker.",
         ]
     }
 

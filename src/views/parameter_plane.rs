@@ -23,8 +23,8 @@ impl View for ParameterPlane {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "The path of each filter's estimate in the plane of the first two parameters, and the ellipse that it gives 95 % to.",
-            "The cross is the truth: a filter that is right about itself has it in the ellipse 19 times of 20.",
+            "The path of each filter's estimate in the plane of the first two parameters, and its 95 % ellipse.",
+            "The cross is the truth: the ellipse of a consistent filter contains it 19 times of 20.",
             "A tilted ellipse: the filter cannot tell the two apart, only a combination of them.",
         ]
     }

@@ -19,9 +19,9 @@ impl View for Scores {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "What each filter has made of the record so far, or of what is kept of a long one; a click on a row's name sorts by it.",
-            "RMSE is how far it was off on average; the verdict is whether it knew how far.",
-            "A small error with a wrong verdict is luck: do not build on it.",
+            "The scores of each filter over the record so far, or over the kept part of a long one; a click on a row's name sorts by it.",
+            "RMSE is the size of the errors; the verdict says whether the filter's σ agrees with them.",
+            "A small error of an inconsistent filter may be chance.",
         ]
     }
 
@@ -142,7 +142,7 @@ fn rows(summaries: &[(usize, Summary)]) -> Vec<Row> {
         }));
         if channel.is_parameter() {
             let name = format!("settled {symbol} [s]");
-            rows.push(row(&name, "From when on it stays within 5 % of the truth", 0.0, &|s| score(s)?.settled));
+            rows.push(row(&name, "The time since which it stays within 5 % of the truth", 0.0, &|s| score(s)?.settled));
         }
     }
     let per_number = |square: &Option<kalmanscope_core::diagnostics::MeanSquare>| {

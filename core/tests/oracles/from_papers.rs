@@ -15,7 +15,7 @@ pub(crate) const DETERMINISTIC: [FilterKind; 6] =
 const TOLERANCE: f64 = 1e-8;
 
 #[track_caller]
-fn assert_from_papers(what: &str, scenario: &Scenario) {
+fn assert_agrees_with_paper(what: &str, scenario: &Scenario) {
     let run = finished(scenario);
     let expected = filter(scenario, 0, run.record());
     let deviation = deviation(&run.estimates()[0], &expected);
@@ -29,7 +29,7 @@ fn every_filter_on_every_plant() {
         for kind in DETERMINISTIC {
             let mut scenario = scenario(plant, kind);
             scenario.duration = 1.2;
-            assert_from_papers(&format!("{} of a {}", kind.name(), plant.name()), &scenario);
+            assert_agrees_with_paper(&format!("{} of a {}", kind.name(), plant.name()), &scenario);
         }
     }
 }
@@ -47,7 +47,7 @@ fn every_propagation() {
         for propagation in Propagation::ALL {
             for eta in [0.0, 0.02] {
                 let ekf = with(plant, &FilterSettings { propagation, eta, ..FilterSettings::default() });
-                assert_from_papers(&format!("{propagation:?} of a {}, η = {eta}", plant.name()), &ekf);
+                assert_agrees_with_paper(&format!("{propagation:?} of a {}, η = {eta}", plant.name()), &ekf);
             }
         }
     }
@@ -60,7 +60,7 @@ fn decay_and_logarithms() {
             for (eta, log_parameters) in [(0.02, false), (0.0, true), (0.02, true)] {
                 let settings = FilterSettings { kind, eta, log_parameters, ..FilterSettings::default() };
                 let what = format!("{} of a {}, η = {eta}, logarithms {log_parameters}", kind.name(), plant.name());
-                assert_from_papers(&what, &with(plant, &settings));
+                assert_agrees_with_paper(&what, &with(plant, &settings));
             }
         }
     }
@@ -71,7 +71,10 @@ fn an_iterated_update_of_any_length() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for iterations in [1, 2, 3, 20] {
             let settings = FilterSettings { kind: FilterKind::IEKF, iterations, ..FilterSettings::default() };
-            assert_from_papers(&format!("{iterations} iterations of a {}", plant.name()), &with(plant, &settings));
+            assert_agrees_with_paper(
+                &format!("{iterations} iterations of a {}", plant.name()),
+                &with(plant, &settings),
+            );
         }
     }
 }
@@ -90,7 +93,7 @@ fn noise_that_is_learnt() {
                     scenario.filters[0].sensor_std = vec![0.02];
                 }
                 let what = format!("{} of a {}, R {sensor_noise}, Q {process_noise}", kind.name(), plant.name());
-                assert_from_papers(&what, &scenario);
+                assert_agrees_with_paper(&what, &scenario);
             }
         }
     }
