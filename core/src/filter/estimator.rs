@@ -151,7 +151,9 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
     Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation)
 }
 
-/// The initial mean as a state, and what a unit of each channel is in the state's.
+/// The initial mean as a state, and what a unit of each channel is in the state's. For a logarithm that is one over the
+/// initial mean: the standard deviations of the settings, that of the process noise included, are divided by it once and for
+/// all, however the estimate moves later.
 fn initial_state(model: &Model, settings: &FilterSettings) -> (Vector, Vector) {
     let mean: Vec<f64> = model.channels().iter().map(|&c| settings.initial_mean[c]).collect();
     model.to_state(&mean)
