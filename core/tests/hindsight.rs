@@ -285,7 +285,12 @@ fn a_motion_that_dies_out_is_smoothed_back_to_its_beginning() {
         for k in 0..40 {
             for i in 0..2 {
                 let error = smoothed.std(k, i) / cov[(i, i)].sqrt() - 1.0;
-                assert!(error.abs() < tolerance, "{} at {k}: std {} of {i}, {error:e}", kind.name(), smoothed.std(k, i));
+                assert!(
+                    error.abs() < tolerance,
+                    "{} at {k}: std {} of {i}, {error:e}",
+                    kind.name(),
+                    smoothed.std(k, i)
+                );
             }
             cov = transition * cov * transition.transpose();
         }

@@ -102,15 +102,20 @@ impl Transition {
         self.rates(model, state, step.force(0.0));
         let Self { mean, matrix, jacobian, block, integrals, rate, rows, .. } = self;
         fit(block, moving, moving);
-        block.copy_from(&jacobian.view((0, 0), (moving, moving)));
+        for (block, column) in
+            block.as_mut_slice().chunks_exact_mut(moving.max(1)).zip(jacobian.as_slice().chunks_exact(n))
+        {
+            block.copy_from_slice(&column[..moving]);
+        }
         integrals.compute(block, step.dt, slope != 0.0);
         let Integrals { transition, constant, slope: by_slope, .. } = &*integrals;
 
         copy_vector(mean, state);
         add_product(&mut mean.as_mut_slice()[..moving], constant, &rate[..moving]);
         fit(matrix, n, n);
-        matrix.fill(0.0);
-        matrix.view_mut((0, 0), (moving, moving)).copy_from(transition);
+        matrix.as_mut_slice().fill(0.0);
+        let columns = matrix.as_mut_slice().chunks_exact_mut(n).zip(transition.as_slice().chunks_exact(moving.max(1)));
+        columns.for_each(|(column, transition)| column[..moving].copy_from_slice(transition));
         let columns = matrix.as_mut_slice().chunks_exact_mut(n).zip(jacobian.as_slice().chunks_exact(n));
         for (j, (column, by_rate)) in columns.enumerate().skip(moving) {
             add_product(&mut column[..moving], constant, &by_rate[..moving]);
