@@ -25,11 +25,12 @@ const BUDGET: f64 = 0.15;
 fn main() {
     println!("{:<28}{:>3}  {:<8}{:>10}{:>10}{:>8}", "plant", "n", "filter", "kernel ns", "book ns", "ratio");
     for plant in PLANTS {
-        let mut scenario = Scenario { duration: 10.0, filters: vec![], ..Scenario::default() };
+        let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
         scenario.set_plant(plant);
+        scenario.filters.truncate(1);
         let record = Arc::new(finished(Run::new(&scenario).expect("the scenario is valid")).record().clone());
         for kind in KINDS {
-            let settings = FilterSettings { kind, fading: 1.005, ensemble_size: 100, ..FilterSettings::default() };
+            let settings = FilterSettings { kind, fading: 1.005, ensemble_size: 100, ..scenario.filters[0].clone() };
             let time = |kind| {
                 let filters = vec![FilterSettings { kind, ..settings.clone() }];
                 step_time(&Scenario { filters, ..scenario.clone() }, &record)

@@ -9,7 +9,9 @@ use nalgebra::{DMatrix, DVector};
 
 pub use givens::{add_to_root, rotate, rotation};
 pub use ldl::Ldl;
-pub use product::{add_all_columns, add_product, multiply, multiply_rows, multiply_symmetric, multiply_transposed};
+pub use product::{
+    add_all_columns, add_product, multiply, multiply_rows, multiply_sparse, multiply_symmetric, multiply_transposed,
+};
 pub use root::{RootError, lower_root, lower_root_into};
 
 /// A column of numbers.
@@ -41,13 +43,13 @@ pub fn fit_vector(vector: &mut Vector, rows: usize) {
 /// Makes `out` a copy, in the memory that it has where that suffices.
 pub fn copy(out: &mut Matrix, of: &Matrix) {
     fit(out, of.nrows(), of.ncols());
-    out.copy_from(of);
+    out.as_mut_slice().copy_from_slice(of.as_slice());
 }
 
 /// [`copy`] for a column.
 pub fn copy_vector(out: &mut Vector, of: &Vector) {
     fit_vector(out, of.len());
-    out.copy_from(of);
+    out.as_mut_slice().copy_from_slice(of.as_slice());
 }
 
 /// The lower triangle of a square matrix, mirrored: what rounding has made of a symmetric matrix is symmetric to the last

@@ -252,7 +252,7 @@ impl Model {
         rows.clear();
         rows.resize(motion * own, 0.0);
         fit(jacobian, n, n);
-        jacobian.fill(0.0);
+        jacobian.as_mut_slice().fill(0.0);
         self.with_plain(state, |plain| {
             self.plant.plant().motion_jacobian(plain, rows);
             for (j, column) in jacobian.as_mut_slice().chunks_exact_mut(n).take(own).enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::{Estimates, FilterError, Record, Stop};
 
-/// A smoother in progress: the filter goes forward, the smoother back, as [`crate::filter`] says. Sampled filters have no
+/// A smoother in progress: the filter goes forward, the smoother back, as [`crate::filter::smoother`] says. Sampled filters have no
 /// smoother here: they give no estimates. Where the filter stops, the smoother begins with the last sample before.
 pub(crate) struct Smoother {
     beliefs: Box<dyn Beliefs>,

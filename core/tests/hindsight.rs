@@ -253,7 +253,9 @@ fn the_bound_grows_with_the_record() {
 #[test]
 fn a_motion_that_dies_out_is_smoothed_back_to_its_beginning() {
     let (wn, zeta, dt) = (6.0_f64, 3.0_f64, 0.01);
-    for kind in [FilterKind::KF, FilterKind::UKF, FilterKind::SR_UKF] {
+    // Sigma points move by a Runge-Kutta step, whose error so fast a motion shows.
+    let kinds = [(FilterKind::KF, 1e-6), (FilterKind::EKF, 1e-6), (FilterKind::UKF, 1e-3), (FilterKind::SR_UKF, 1e-3)];
+    for (kind, tolerance) in kinds {
         let mut scenario = known(kind, 2001);
         scenario.plant.disturbance_std = 0.0;
         scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(zeta));
@@ -283,7 +285,12 @@ fn a_motion_that_dies_out_is_smoothed_back_to_its_beginning() {
         for k in 0..40 {
             for i in 0..2 {
                 let error = smoothed.std(k, i) / cov[(i, i)].sqrt() - 1.0;
-                assert!(error.abs() < 1e-6, "{} at {k}: std {} of {i}, {error:e}", kind.name(), smoothed.std(k, i));
+                assert!(
+                    error.abs() < tolerance,
+                    "{} at {k}: std {} of {i}, {error:e}",
+                    kind.name(),
+                    smoothed.std(k, i)
+                );
             }
             cov = transition * cov * transition.transpose();
         }

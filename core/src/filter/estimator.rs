@@ -19,7 +19,11 @@ impl Estimator for Followed {
         let Self { filter, correction, in_units } = self;
         let Noise { process, sensors, fading: _ } = filter.noise();
         let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
-        if !is_finite || report(filter, correction, &mut in_units.clone(), sink).is_err() {
+        // An update sees to it that a belief is finite, but nothing has yet looked at an initial one.
+        if !is_finite
+            || !filter.belief().gaussian().is_finite()
+            || report(filter, correction, &mut in_units.clone(), sink).is_err()
+        {
             return Err(FilterError::TooLarge);
         }
         Ok(())
@@ -51,9 +55,9 @@ fn report(
     if !filter.model().in_units() {
         in_units.take(filter.model(), belief, gain);
         (belief, gain) = (&in_units.belief, &in_units.gain);
-    }
-    if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
-        return Err(FilterError::NotFinite);
+        if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
     }
     let process = filter.is_adaptive().then(|| filter.noise().process.diagonal());
     sink.push(&Sample {
@@ -151,7 +155,9 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
     Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation)
 }
 
-/// The initial mean as a state, and what a unit of each channel is in the state's.
+/// The initial mean as a state, and what a unit of each channel is in the state's. For a logarithm that is one over the
+/// initial mean: the standard deviations of the settings, that of the process noise included, are divided by it once and for
+/// all, however the estimate moves later.
 fn initial_state(model: &Model, settings: &FilterSettings) -> (Vector, Vector) {
     let mean: Vec<f64> = model.channels().iter().map(|&c| settings.initial_mean[c]).collect();
     model.to_state(&mean)

@@ -3,8 +3,8 @@
 use super::{FilterError, Gaussian, Observation};
 use crate::Model;
 use crate::linalg::{
-    Ldl, Matrix, RootError, Vector, add_product, copy, copy_vector, fit_vector, lower_root, multiply,
-    multiply_transposed,
+    Ldl, Matrix, RootError, Vector, add_product, copy, copy_vector, fit, fit_vector, lower_root, multiply,
+    multiply_sparse,
 };
 
 /// What a belief says of m measurements before they are seen.
@@ -55,8 +55,15 @@ impl Expected {
     /// Makes S and `P⁻ Hᵀ` follow from H.
     fn follow(&mut self, belief: &Gaussian, observation: &Observation) {
         let Self { mean: _, cov, cross, jacobian: Some(jacobian) } = self else { return };
-        multiply_transposed(cross, &belief.cov, jacobian);
-        multiply(cov, jacobian, cross);
+        multiply_sparse(cross, &belief.cov, jacobian);
+        let m = jacobian.nrows();
+        fit(cov, m, m);
+        cov.as_mut_slice().fill(0.0);
+        for (k, factors) in jacobian.as_slice().chunks_exact(m).enumerate() {
+            for (i, &factor) in factors.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+                (0..m).for_each(|j| cov[(i, j)] += factor * cross[(k, j)]);
+            }
+        }
         observation.add_noise(cov);
     }
 }
@@ -191,7 +198,8 @@ impl Correction {
         self.determinant = factor.determinant();
         for (i, &row) in observation.sensors().iter().enumerate() {
             self.innovation[row] = innovation[i];
-            self.gain.set_column(row, &gain.column(i));
+            let n = gain.nrows();
+            self.gain.as_mut_slice()[row * n..][..n].copy_from_slice(&gain.as_slice()[i * n..][..n]);
             for (j, &column) in observation.sensors().iter().enumerate() {
                 self.innovation_cov[(row, column)] = innovation_cov[(i, j)];
             }
@@ -250,9 +258,11 @@ pub fn condition(
 /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
 fn joseph(cov: &mut Matrix, gain: &Matrix, cross: &Matrix, jacobian: &Matrix, variances: &[f64], excess: &mut Matrix) {
     subtract_product(cov, gain, cross);
-    multiply_transposed(excess, cov, jacobian);
-    for (k, &variance) in variances.iter().enumerate() {
-        excess.column_mut(k).axpy(-variance, &gain.column(k), 1.0);
+    multiply_sparse(excess, cov, jacobian);
+    let n = cov.nrows();
+    let columns = excess.as_mut_slice().chunks_exact_mut(n).zip(gain.as_slice().chunks_exact(n));
+    for ((excess, gain), variance) in columns.zip(variances) {
+        excess.iter_mut().zip(gain).for_each(|(excess, gain)| *excess -= variance * gain);
     }
     subtract_product(cov, excess, gain);
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::kalman::{self, Expected};
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Observation, Step};
 use crate::integrate::Integrals;
-use crate::linalg::{Matrix, Vector, add_product, copy, copy_vector, fit, multiply_rows, multiply_symmetric};
+use crate::linalg::{Matrix, Vector, add_product, copy, copy_vector, fit, multiply, multiply_rows, multiply_symmetric};
 use crate::{FilterSettings, Model};
 
 /// How the mean of a linearising filter moves, and with which transition matrix its covariance.
@@ -38,10 +38,7 @@ impl Propagation {
     pub fn step_into(self, model: &Model, state: &Vector, step: Step, transition: &mut Transition) {
         match self {
             Self::LocalLinearisation => transition.local_linearisation(model, state, step),
-            Self::RungeKutta => {
-                let (mean, matrix) = runge_kutta(model, state, step);
-                (transition.mean, transition.matrix) = (mean, matrix);
-            }
+            Self::RungeKutta => transition.runge_kutta(model, state, step),
             Self::Euler => transition.euler(model, state, step),
         }
     }
@@ -60,6 +57,9 @@ pub struct Transition {
     integrals: Integrals,
     rate: Vec<f64>,
     rows: Vec<f64>,
+    /// A stage of a Runge-Kutta step, and its derivative by the state.
+    stage: Vector,
+    derivative: Matrix,
 }
 
 impl Default for Transition {
@@ -74,6 +74,8 @@ impl Default for Transition {
             integrals: Integrals::default(),
             rate: Vec::new(),
             rows: Vec::new(),
+            stage: Vector::zeros(0),
+            derivative: none(),
         }
     }
 }
@@ -98,17 +100,22 @@ impl Transition {
     fn local_linearisation(&mut self, model: &Model, state: &Vector, step: Step) {
         let (n, moving, slope) = (model.size(), model.moving(), step.slope());
         self.rates(model, state, step.force(0.0));
-        let Self { mean, matrix, jacobian, block, integrals, rate, rows } = self;
+        let Self { mean, matrix, jacobian, block, integrals, rate, rows, .. } = self;
         fit(block, moving, moving);
-        block.copy_from(&jacobian.view((0, 0), (moving, moving)));
+        for (block, column) in
+            block.as_mut_slice().chunks_exact_mut(moving.max(1)).zip(jacobian.as_slice().chunks_exact(n))
+        {
+            block.copy_from_slice(&column[..moving]);
+        }
         integrals.compute(block, step.dt, slope != 0.0);
         let Integrals { transition, constant, slope: by_slope, .. } = &*integrals;
 
         copy_vector(mean, state);
         add_product(&mut mean.as_mut_slice()[..moving], constant, &rate[..moving]);
         fit(matrix, n, n);
-        matrix.fill(0.0);
-        matrix.view_mut((0, 0), (moving, moving)).copy_from(transition);
+        matrix.as_mut_slice().fill(0.0);
+        let columns = matrix.as_mut_slice().chunks_exact_mut(n).zip(transition.as_slice().chunks_exact(moving.max(1)));
+        columns.for_each(|(column, transition)| column[..moving].copy_from_slice(transition));
         let columns = matrix.as_mut_slice().chunks_exact_mut(n).zip(jacobian.as_slice().chunks_exact(n));
         for (j, (column, by_rate)) in columns.enumerate().skip(moving) {
             add_product(&mut column[..moving], constant, &by_rate[..moving]);
@@ -134,6 +141,34 @@ impl Transition {
         }
     }
 
+    /// One Runge-Kutta step, and its derivative by the state that it starts from: the chain rule, stage by stage.
+    fn runge_kutta(&mut self, model: &Model, state: &Vector, step: Step) {
+        let n = model.size();
+        let mut stage = std::mem::replace(&mut self.stage, Vector::zeros(0));
+        copy_vector(&mut self.mean, state);
+        for matrix in [&mut self.matrix, &mut self.derivative, &mut self.block] {
+            fit(matrix, n, n);
+            matrix.fill(0.0);
+        }
+        self.matrix.fill_diagonal(1.0);
+        self.rate.clear();
+        self.rate.resize(n, 0.0);
+        for (share, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+            let (past, weight) = (share * step.dt, weight * step.dt / 6.0);
+            copy_vector(&mut stage, state);
+            stage.iter_mut().zip(&self.rate).for_each(|(stage, rate)| *stage += rate * past);
+            self.rates(model, &stage, step.force(share));
+            let Self { mean, matrix, jacobian, block, rate, derivative, .. } = self;
+            block.copy_from(derivative);
+            *block *= past;
+            (0..n).for_each(|i| block[(i, i)] += 1.0);
+            multiply(derivative, jacobian, block);
+            matrix.iter_mut().zip(derivative.iter()).for_each(|(sum, part)| *sum += part * weight);
+            mean.iter_mut().zip(&*rate).for_each(|(sum, part)| *sum += part * weight);
+        }
+        self.stage = stage;
+    }
+
     fn euler(&mut self, model: &Model, state: &Vector, step: Step) {
         self.rates(model, state, step.force(0.0));
         let Self { mean, matrix, jacobian, rate, .. } = self;
@@ -155,22 +190,6 @@ impl Transition {
     }
 }
 
-/// One Runge-Kutta step, and its derivative by the state that it starts from: the chain rule, stage by stage.
-fn runge_kutta(model: &Model, state: &Vector, step: Step) -> (Vector, Matrix) {
-    let n = model.size();
-    let identity = Matrix::identity(n, n);
-    let (mut rates, mut derivatives) = (Vector::zeros(n), Matrix::zeros(n, n));
-    let (mut rate, mut derivative) = (Vector::zeros(n), Matrix::zeros(n, n));
-    for (share, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
-        let stage = state + &rate * (share * step.dt);
-        derivative = model.jacobian(stage.as_slice(), step.force(share)) * (&identity + derivative * (share * step.dt));
-        rate = model.rate(stage.as_slice(), step.force(share));
-        derivatives += &derivative * weight;
-        rates += &rate * weight;
-    }
-    (state + rates * (step.dt / 6.0), identity + derivatives * (step.dt / 6.0))
-}
-
 /// A Gaussian that moves and is measured as if plant and sensors were linear around its mean.
 ///
 /// With `iterations` of more than one the update is a Gauss-Newton descent to the most probable state, each step
@@ -180,7 +199,8 @@ fn runge_kutta(model: &Model, state: &Vector, step: Step) -> (Vector, Matrix) {
 /// yᵢ₊₁ = y⁻ + Kᵢ (z - h(yᵢ) - Hᵢ (y⁻ - yᵢ)),  y₀ = y⁻
 /// ```
 ///
-/// Innovation and S are those at y⁻, gain and covariance those of the last step.
+/// It stops after `iterations`, or as soon as no component moves by more than 1e-6 of its standard deviation. The correction
+/// reports innovation, S, NIS and likelihood of the first iteration, at y⁻; gain and covariance are those of the last.
 ///
 /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal
 /// Estimation*, section 6.1; Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.

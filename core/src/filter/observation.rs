@@ -144,7 +144,7 @@ impl Observation {
             model.jacobian_into(state, self.force, rows, rates);
         }
         fit(jacobian, self.len(), model.size());
-        jacobian.fill(0.0);
+        jacobian.as_mut_slice().fill(0.0);
         for (row, reading) in self.readings().enumerate() {
             model.read_gradient_into(reading, rates, self.force, |place, part| jacobian[(row, place)] += part);
         }

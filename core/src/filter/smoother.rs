@@ -93,7 +93,6 @@ impl Update {
 }
 
 /// What all later measurements tell of a state: `λ`, n numbers, and `Λ`, n × n.
-#[derive(Clone)]
 struct Adjoint {
     score: Vector,
     information: Matrix,

@@ -117,7 +117,7 @@ impl Belief for SquareRoot {
         let (centre, others) = points.as_slice().split_at(n);
         shift.clear();
         shift.resize(n, 0.0);
-        root.fill(0.0);
+        root.as_mut_slice().fill(0.0);
         for image in others.chunks_exact(n) {
             take_deviation(deviation, shift, image, centre, weight);
             add_to_root(root, deviation);
@@ -208,7 +208,7 @@ impl Array {
         fit(cross, n, m);
         fit(state, n, n);
         for part in [&mut *sensors, cross, state] {
-            part.fill(0.0);
+            part.as_mut_slice().fill(0.0);
         }
         for (i, variance) in observation.variances().iter().enumerate() {
             sensors[(i, i)] = variance.sqrt();

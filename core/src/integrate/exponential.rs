@@ -142,15 +142,15 @@ impl Powers {
     fn series(&mut self, sum: &mut Matrix, quartets: usize, k: usize) {
         let Self { first, second, third, fourth, work } = self;
         let n = first.nrows();
-        sum.fill(0.0);
+        sum.as_mut_slice().fill(0.0);
         for quartet in (0..quartets).rev() {
             if quartet + 1 < quartets {
                 multiply(work, fourth, sum);
                 std::mem::swap(work, sum);
             }
             let [c0, c1, c2, c3] = std::array::from_fn(|i| INVERSE_FACTORIAL[4 * quartet + i + k]);
-            let powers = first.iter().zip(second.iter()).zip(third.iter());
-            for (sum, ((first, second), third)) in sum.iter_mut().zip(powers) {
+            let powers = first.as_slice().iter().zip(second.as_slice()).zip(third.as_slice());
+            for (sum, ((first, second), third)) in sum.as_mut_slice().iter_mut().zip(powers) {
                 *sum += first * c1 + second * c2 + third * c3;
             }
             for i in 0..n {

@@ -10,7 +10,7 @@ pub fn multiply(out: &mut Matrix, a: &Matrix, b: &Matrix) {
 /// Makes `out` the first `rows` rows of `A B`.
 pub fn multiply_rows(out: &mut Matrix, rows: usize, a: &Matrix, b: &Matrix) {
     fit(out, rows, b.ncols());
-    out.fill(0.0);
+    out.as_mut_slice().fill(0.0);
     let (lead, inner) = a.shape();
     for j in 0..b.ncols() {
         let factors = &b.as_slice()[j * inner..][..inner];
@@ -28,10 +28,27 @@ pub fn add_product(sum: &mut [f64], a: &Matrix, x: &[f64]) {
 pub fn multiply_transposed(out: &mut Matrix, a: &Matrix, b: &Matrix) {
     let (r, c) = (a.nrows(), b.nrows());
     fit(out, r, c);
-    out.fill(0.0);
+    out.as_mut_slice().fill(0.0);
     for j in 0..c {
         let factors = b.as_slice()[j..].iter().step_by(c).copied();
         add_columns(&mut out.as_mut_slice()[j * r..][..r], a.as_slice(), r, factors);
+    }
+}
+
+/// Makes `out` the product `A Hᵀ`, where most entries of H are zero: these are left out.
+pub fn multiply_sparse(out: &mut Matrix, a: &Matrix, h: &Matrix) {
+    let (r, m) = (a.nrows(), h.nrows());
+    fit(out, r, m);
+    out.as_mut_slice().fill(0.0);
+    if r == 0 || m == 0 {
+        return;
+    }
+    for (factors, column) in h.as_slice().chunks_exact(m).zip(a.as_slice().chunks_exact(r)) {
+        for (sum, &factor) in out.as_mut_slice().chunks_exact_mut(r).zip(factors) {
+            if factor != 0.0 {
+                sum.iter_mut().zip(column).for_each(|(sum, entry)| *sum += entry * factor);
+            }
+        }
     }
 }
 
@@ -94,6 +111,9 @@ mod tests {
             let c = of(5, n, -0.4);
             multiply_transposed(&mut out, &a, &c);
             assert!((&out - &a * c.transpose()).amax() < 1e-14);
+            let sparse = Matrix::from_fn(2, n, |i, j| if i == j { 0.7 } else { 0.0 });
+            multiply_sparse(&mut out, &a, &sparse);
+            assert!((&out - &a * sparse.transpose()).amax() < 1e-14);
             let mut lower = Matrix::zeros(n + 1, n + 1);
             multiply_symmetric(&mut lower, 0.7, &a, &a);
             assert!((&lower - (&a * a.transpose() * 0.7).lower_triangle()).amax() < 1e-14);

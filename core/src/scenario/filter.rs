@@ -30,17 +30,18 @@ pub struct FilterSettings {
     /// constant.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub augment: Vec<Channel>,
-    /// Whether the filter estimates the logarithms of the parameters that cannot be negative.
+    /// Whether the filter estimates the logarithms of the parameters that cannot be negative. Their initial and
+    /// process standard deviations are divided by the initial mean, for the whole record.
     pub log_parameters: bool,
     /// The propagation of the mean of a KF, EKF or IEKF.
     pub propagation: Propagation,
-    /// Limits the linearisations of the sensors in one update of an IEKF.
+    /// Limits the linearisations of the sensors in one update of an IEKF, which stops earlier once it has converged.
     pub iterations: usize,
     /// The number of members of an EnKF, or of particles of a PF.
     pub ensemble_size: usize,
     /// Whether the filter learns R and Q from its innovations.
     pub adaptation: Adaptation,
-    /// Whether the whole record is smoothed once the filter has seen it.
+    /// Whether the whole record is smoothed once the filter has seen it. Fading counts as process noise then.
     pub smoother: bool,
     /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
     pub fading: f64,
