@@ -109,6 +109,11 @@ impl Session {
         self.budget = budget;
     }
 
+    /// How much is computed at once.
+    pub(crate) fn budget(&self) -> Budget {
+        self.budget
+    }
+
     /// The scenario of the controls: that of the run, unless an edit of it is being computed or is impossible.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario

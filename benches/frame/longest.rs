@@ -20,7 +20,12 @@ const PF: usize = 5;
 
 /// Runs the cases that have a word in their names.
 pub(crate) fn run(wanted: &str) {
-    let cases: [(&str, fn()); 3] = [("six filters", six_filters), ("smoothers", smoothers), ("long live record", live)];
+    let cases: [(&str, fn()); 4] = [
+        ("six filters, one of 2,000 particles, 200,000 samples", six_filters),
+        ("six filters, the whole picture of 200,000 samples", whole_picture),
+        ("six filters, three smoothers, 200,000 samples", smoothers),
+        ("six filters, a live record of 200,000 samples", live),
+    ];
     for (name, case) in cases.into_iter().filter(|(name, _)| name.contains(wanted)) {
         println!();
         println!("{name}");
@@ -29,117 +34,65 @@ pub(crate) fn run(wanted: &str) {
     }
 }
 
-/// From program start to the whole picture, with everything that a user may do on the way.
+/// From program start on, with everything that a user may do while the particle filter is computed.
 fn six_filters() {
-    let mut saved = saved(&scenario(PARTICLES));
+    let saved = saved(&scenario(PARTICLES));
     let begin = Moment::now();
     let mut screen = start(&saved);
     Phase::once(begin.elapsed()).print("program start");
     Phase::of(&mut screen, 1, |_, _, _| {}).print("first frame");
-    Phase::of(&mut screen, 200, |_, _, _| {}).print("the cheap filters are computed");
-    Phase::of(&mut screen, 200, |_, _, _| {}).print("the particle filter is computed");
-    let fading = |i: usize| 1.0 + 1e-5 * (i + 1) as f64;
-    let noise = |i: usize| 0.01 + 1e-5 * (i + 1) as f64;
-    let edit_filter = |app: &mut App, i: usize| edit(app, |scenario| scenario.filters[EKF].fading = fading(i));
-    let edit_particles = |app: &mut App, i: usize| edit(app, |scenario| scenario.filters[PF].fading = fading(i));
-    let edit_sensor = |app: &mut App, i: usize| edit(app, |scenario| scenario.sensors[0].noise_std = noise(i));
-    Phase::of(&mut screen, 200, |app, i, _| {
-        if i == 0 {
-            edit_filter(app, i)
-        }
-    })
-    .print("in the middle: a filter is edited");
-    Phase::of(&mut screen, 200, |app, i, _| {
-        if i == 0 {
-            edit_sensor(app, i)
-        }
-    })
-    .print("in the middle: a sensor is edited");
-    Phase::of(&mut screen, 200, |app, i, _| edit_sensor(app, i + 1)).print("in the middle: a sensor is dragged");
+    Phase::of(&mut screen, 300, |_, _, _| {}).print("the cheap filters are computed");
+    Phase::of(&mut screen, 300, |_, _, _| {}).print("the particle filter is computed");
+    Phase::of(&mut screen, 100, first(|app| edit_filter(app, EKF, 0))).print("a filter is edited");
+    Phase::of(&mut screen, 100, first(|app| edit_sensor(app, 0))).print("a sensor is edited");
+    Phase::of(&mut screen, 200, |app, i, _| edit_sensor(app, i + 1)).print("a sensor is dragged");
     Phase::of(&mut screen, 30, |_, i, input| escape(i, input)).print("Esc");
-    Phase::until_complete(&mut screen, |app, _| app.session_mut().set_mode(Mode::Whole)).print("until all is complete");
+    Phase::of(&mut screen, 100, first(|app| app.session_mut().set_mode(Mode::Whole))).print("whole");
+    Phase::of(&mut screen, 30, first(|app| app.session_mut().set_mode(Mode::Live))).print("live");
+    Phase::of(&mut screen, 100, first(|app| app.session_mut().set_mode(Mode::Whole))).print("whole again");
+    Phase::of(&mut screen, 100, first(open_another)).print("another scenario is opened");
+}
+
+/// The whole picture of a record as long, with few particles so that it comes soon, and what a user may do with it.
+fn whole_picture() {
+    let mut saved = saved(&scenario(20));
+    let mut screen = start(&saved);
+    Phase::until_complete(&mut screen, |_, _| {}).print("from program start until complete");
     Phase::of(&mut screen, 100, |_, _, _| {}).print("nothing changes");
     Phase::of(&mut screen, 100, point).print("the pointer moves");
+    Phase::of(&mut screen, 100, pan).print("the plots are dragged");
     let begin = Moment::now();
     screen.app.save(&mut saved);
     Phase::once(begin.elapsed()).print("the session is saved");
-    Phase::until_complete(&mut screen, |app, _| edit_filter(app, 1)).print("a filter is edited, until complete");
-    Phase::of(&mut screen, 200, |app, i, _| edit_filter(app, i + 2)).print("a filter is dragged");
-    Phase::until_complete(&mut screen, |_, _| {}).print("the last edit, until complete");
-    Phase::of(&mut screen, 60, |app, i, _| {
-        if i == 0 {
-            edit_particles(app, 1)
-        }
-    })
-    .print("the particle filter is edited");
+    Phase::until_complete(&mut screen, |app, _| edit_filter(app, EKF, 1)).print("a filter is edited, until complete");
+    Phase::of(&mut screen, 100, |app, i, _| edit_filter(app, EKF, i + 2)).print("a filter is dragged");
+    Phase::until_complete(&mut screen, |app, _| edit_sensor(app, 1)).print("a sensor is edited, until complete");
+    Phase::of(&mut screen, 60, first(|app| edit_filter(app, PF, 1))).print("the particle filter is edited");
+    Phase::of(&mut screen, 60, first(|app| edit_sensor(app, 2))).print("a sensor is edited");
     Phase::of(&mut screen, 30, |_, i, input| escape(i, input)).print("Esc");
-    Phase::of(&mut screen, 200, |app, i, _| {
-        if i == 0 {
-            edit_sensor(app, 300)
-        }
-    })
-    .print("a sensor is edited");
-    Phase::of(&mut screen, 200, |app, i, _| edit_sensor(app, i + 301)).print("a sensor is dragged");
-    Phase::of(&mut screen, 30, |_, i, input| escape(i, input)).print("Esc");
-    Phase::of(&mut screen, 60, |app, i, _| {
-        if i == 0 {
-            app.session_mut().set_mode(Mode::Live)
-        }
-    })
-    .print("live");
-    Phase::of(&mut screen, 60, |app, i, _| {
-        if i == 0 {
-            app.session_mut().set_mode(Mode::Whole)
-        }
-    })
-    .print("whole");
-    let open = |app: &mut App, place: usize| {
-        let scenario = BUILT_IN[place].scenario().expect("a built-in scenario");
-        app.session_mut().set_scenario(scenario);
-        app.session_mut().play_from_start();
-    };
-    Phase::of(&mut screen, 120, |app, i, _| {
-        if i == 0 {
-            open(app, 0)
-        }
-    })
-    .print("another scenario is opened");
+    Phase::of(&mut screen, 100, first(|app| app.session_mut().set_mode(Mode::Live))).print("live");
+    Phase::until_complete(&mut screen, |app, _| app.session_mut().set_mode(Mode::Whole)).print("whole, until complete");
+    Phase::of(&mut screen, 100, first(open_another)).print("another scenario is opened");
 }
 
-/// Six filters without particles, three of them with smoothers: the whole picture, edits, and another scenario.
+/// Six filters, three of them with smoothers: the whole picture, edits, and another mode.
 fn smoothers() {
-    let mut scenario = scenario(100);
-    scenario.filters[PF].kind = FilterKind::EKF;
+    let mut scenario = scenario(20);
     for filter in &mut scenario.filters[..3] {
         filter.smoother = true;
     }
     let mut screen = start(&saved(&scenario));
-    Phase::until_complete(&mut screen, |_, _| {}).print("from program start to the whole picture");
-    let fading = |i: usize| 1.0 + 1e-5 * (i + 1) as f64;
-    Phase::until_complete(&mut screen, |app, _| edit(app, |scenario| scenario.filters[EKF].fading = fading(1)))
-        .print("a filter is edited, until complete");
-    Phase::until_complete(&mut screen, |app, _| edit(app, |scenario| scenario.sensors[0].noise_std = 0.02))
-        .print("a sensor is edited, until complete");
-    Phase::of(&mut screen, 200, |app, i, _| {
-        if i == 0 {
-            edit(app, |scenario| scenario.sensors[0].noise_std = 0.03)
-        }
-    })
-    .print("a sensor is edited");
+    Phase::until_complete(&mut screen, |_, _| {}).print("from program start until complete");
+    Phase::until_complete(&mut screen, |app, _| edit_filter(app, EKF, 1)).print("a filter is edited, until complete");
+    Phase::until_complete(&mut screen, |app, _| edit_sensor(app, 1)).print("a sensor is edited, until complete");
+    Phase::of(&mut screen, 200, first(|app| edit_sensor(app, 2))).print("a sensor is edited");
     Phase::of(&mut screen, 30, |_, i, input| escape(i, input)).print("Esc");
-    Phase::of(&mut screen, 60, |app, i, _| {
-        if i == 0 {
-            app.session_mut().set_mode(Mode::Live)
-        }
-    })
-    .print("live");
-    Phase::of(&mut screen, 200, pan).print("the plots are dragged");
+    Phase::of(&mut screen, 60, first(|app| app.session_mut().set_mode(Mode::Live))).print("live");
 }
 
 /// A record longer than what is kept of it: half of the samples are forgotten while it plays.
 fn live() {
-    let mut scenario = scenario(100);
-    scenario.filters[PF].kind = FilterKind::EKF;
+    let mut scenario = scenario(20);
     scenario.duration *= 2.0;
     let mut screen = start(&saved(&scenario));
     let kept = scenario.dt * Session::KEPT as f64;
@@ -157,6 +110,29 @@ fn live() {
     })
     .print("playing");
     assert!(screen.app.session().run().record().forgotten() > 0, "nothing has been forgotten");
+}
+
+/// A change before the first frame of a phase.
+fn first(change: impl Fn(&mut App)) -> impl FnMut(&mut App, usize, &mut RawInput) {
+    move |app, i, _| {
+        if i == 0 {
+            change(app);
+        }
+    }
+}
+
+fn edit_filter(app: &mut App, place: usize, i: usize) {
+    edit(app, |scenario| scenario.filters[place].fading = 1.0 + 1e-5 * (i + 1) as f64);
+}
+
+fn edit_sensor(app: &mut App, i: usize) {
+    edit(app, |scenario| scenario.sensors[0].noise_std = 0.01 + 1e-5 * (i + 1) as f64);
+}
+
+fn open_another(app: &mut App) {
+    let scenario = BUILT_IN[0].scenario().expect("a built-in scenario");
+    app.session_mut().set_scenario(scenario);
+    app.session_mut().play_from_start();
 }
 
 fn escape(i: usize, input: &mut RawInput) {

@@ -56,13 +56,7 @@ impl Phase {
         let cpu = |frame: &Frame| frame.iter().map(|part| part.cpu).sum::<f64>();
         let [wall_99, wall_max] = upper(self.frames.iter().map(wall).collect());
         let [cpu_99, cpu_max] = upper(self.frames.iter().map(cpu).collect());
-        let Some(longest) = self
-            .frames
-            .iter()
-            .max_by(|a, b| (cpu(a), wall(a)).partial_cmp(&(cpu(b), wall(b))).unwrap_or(std::cmp::Ordering::Equal))
-        else {
-            return;
-        };
+        let Some(longest) = self.frames.iter().max_by(|a, b| cpu(a).total_cmp(&cpu(b))) else { return };
         let [change, logic, ui, triangles] = longest.map(|part| part.cpu);
         let peak = peak_memory().map_or(String::new(), |peak| format!("{peak:.0}"));
         println!(

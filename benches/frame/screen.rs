@@ -60,7 +60,7 @@ impl Screen {
         let begin = Moment::now();
         change(app, &mut input);
         times[0] = begin.elapsed();
-        let output = ctx.run_ui(input, |root| {
+        let mut output = ctx.run_ui(input, |root| {
             let begin = Moment::now();
             app.logic(root.ctx(), frame);
             times[1] += begin.elapsed();
@@ -68,6 +68,7 @@ impl Screen {
             app.ui(root, frame);
             times[2] += begin.elapsed();
         });
+        output.textures_delta.clear();
         let begin = Moment::now();
         std::hint::black_box(ctx.tessellate(output.shapes, output.pixels_per_point));
         times[3] = begin.elapsed();

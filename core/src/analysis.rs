@@ -83,6 +83,8 @@ pub struct Analysis {
     all_bounded: bool,
     /// Memory of diagnostics that are no longer needed.
     spare: Vec<Diagnostics>,
+    /// The rest that is no longer needed, to be freed piece by piece: the system takes milliseconds to take back one.
+    waste: Vec<Box<dyn Send>>,
 }
 
 /// A smoother on its way.
@@ -159,15 +161,16 @@ impl Analysis {
     /// Says what is to be computed from now on.
     pub(crate) fn want(&mut self, wanted: Wanted) {
         if self.wanted.diagnostics != wanted.diagnostics {
-            (self.diagnostics, self.begun, self.spare) = Default::default();
+            let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
+            self.waste.extend(diagnostics.map(|one| Box::new(one) as Box<dyn Send>));
+            self.begun.clear();
             self.diagnosed = false;
         }
         if self.wanted.smoothed != wanted.smoothed {
-            (self.smoothed, self.smoothing) = Default::default();
-            self.all_smoothed = false;
+            self.discard_smoothed();
         }
         if self.wanted.bounds != wanted.bounds {
-            self.bounds.clear();
+            self.waste.extend(self.bounds.drain(..).map(|one| Box::new(one) as Box<dyn Send>));
             (self.chosen, self.all_bounded) = (false, false);
         }
         self.wanted = wanted;
@@ -178,15 +181,34 @@ impl Analysis {
         Self { wanted: self.wanted, spare: std::mem::take(&mut self.spare), ..Self::default() }
     }
 
+    /// Takes over the memory of an analysis that is no longer needed.
+    pub(crate) fn recycle(&mut self, mut old: Self) {
+        old.discard_smoothed();
+        self.spare.append(&mut old.spare);
+        self.spare.append(&mut old.diagnostics);
+        self.waste.append(&mut old.waste);
+        self.waste.extend(old.bounds.drain(..).map(|one| Box::new(one) as Box<dyn Send>));
+    }
+
+    /// Gives one piece of memory back to the system; returns whether there was one.
+    pub(crate) fn free_one(&mut self) -> bool {
+        self.waste.pop().is_some()
+    }
+
+    fn discard_smoothed(&mut self) {
+        self.waste.extend(self.smoothed.drain(..).map(|one| Box::new(one) as Box<dyn Send>));
+        self.waste.extend(self.smoothing.take().map(|one| Box::new(one) as Box<dyn Send>));
+        self.all_smoothed = false;
+    }
+
     /// Takes over what has been computed anew for another run, or for some filters of the same.
     pub(crate) fn replace(&mut self, new: Self, update: &Update, run: &Run) {
         let mut old = std::mem::replace(self, new);
-        self.spare.append(&mut old.spare);
         if self.wanted != old.wanted {
             self.want(old.wanted);
         }
         let Update::Filters(changed) = update else {
-            self.spare.append(&mut old.diagnostics);
+            self.recycle(old);
             return;
         };
         let ids: Vec<u32> = run.scenario().filters.iter().map(|filter| filter.id).collect();
@@ -195,8 +217,8 @@ impl Analysis {
             self.begun.resize(ids.len(), false);
             self.filters.clone_from(&ids);
         }
-        for (id, (diagnostics, begun)) in old.filters.into_iter().zip(old.diagnostics.into_iter().zip(old.begun)) {
-            let place = ids.iter().position(|&new| new == id && !changed.contains(&id));
+        for (id, (diagnostics, begun)) in old.filters.iter().zip(old.diagnostics.drain(..).zip(old.begun.drain(..))) {
+            let place = ids.iter().position(|new| new == id && !changed.contains(id));
             if let Some(place) = place.filter(|&place| place < self.diagnostics.len()) {
                 self.diagnostics[place] = diagnostics;
                 self.begun[place] = begun;
@@ -205,12 +227,15 @@ impl Analysis {
             }
         }
         let is_kept = |smoothed: &Estimates| ids.contains(&smoothed.id()) && !changed.contains(&smoothed.id());
-        self.smoothed.extend(old.smoothed.into_iter().filter(is_kept));
+        let (kept, gone): (Vec<_>, Vec<_>) = old.smoothed.drain(..).partition(is_kept);
+        self.smoothed.extend(kept);
+        old.smoothed = gone;
         self.smoothed.sort_by_key(|smoothed| ids.iter().position(|&id| id == smoothed.id()));
         old.bounds.append(&mut self.bounds);
-        self.bounds = bounds_of(run.scenario(), run.record().dt(), old.bounds, |_| true);
+        self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
         self.chosen = true;
         (self.diagnosed, self.all_smoothed, self.all_bounded) = (false, false, false);
+        self.recycle(old);
     }
 
     /// Takes in what is new. Asks after each little piece of work whether there is time for another. Returns whether all is
@@ -226,7 +251,7 @@ impl Analysis {
                 return false;
             }
         } else if !self.smoothed.is_empty() || self.smoothing.is_some() {
-            (self.smoothed, self.smoothing, self.all_smoothed) = Default::default();
+            self.discard_smoothed();
         }
         self.all_bounded = self.wanted.bounds && self.follow_bounds(subject, while_time);
         self.all_bounded || !self.wanted.bounds

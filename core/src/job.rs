@@ -149,6 +149,7 @@ impl Job {
     /// Leaves the study as it is; the memory serves the next job.
     pub fn cancel(self, study: &mut Study) {
         study.spare.take(self.revision.take_apart());
+        study.analysis.recycle(self.analysis);
     }
 }
 

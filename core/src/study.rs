@@ -47,10 +47,24 @@ impl Study {
         self.analysis.want(wanted);
     }
 
+    /// Gives memory that is no longer needed back to the system, one piece after the other for as long as there is time; what
+    /// the next edit needs is kept. Returns whether all is done.
+    pub fn free(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while self.analysis.free_one() {
+            if !while_time() {
+                return false;
+            }
+        }
+        true
+    }
+
     /// Lets all filters go on side by side until `samples` samples from the beginning are done, and the analysis with them.
     /// Asks after each little piece of work, of a millisecond or so, whether there is time for another. Returns whether all
     /// is done.
     pub fn advance_to(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
+        if !self.free(while_time) {
+            return false;
+        }
         let Self { run, analysis, spare, window } = self;
         while spare.len() > KEPT_SPARE && spare.free_one() {
             if !while_time() {
