@@ -60,7 +60,7 @@ impl Session {
     /// The speed at first: brisk enough to see a change half-way through a minute without waiting for it.
     pub const DEFAULT_SPEED: f64 = 2.0;
 
-    /// Live mode keeps at most this many samples; then it forgets the first half of them.
+    /// Live mode keeps at most this many samples; then it forgets the first three quarters of them.
     pub const KEPT: usize = 100_000;
 
     /// A whole record is at most this many times dt long: a browser recomputes it in an instant, and keeps it in about 70 MB a

@@ -1,9 +1,9 @@
 //! The command `kalmanscope-cli`.
 //!
-//! Exit codes: 0 done; 1 something could not be written, or a filter stopped by itself; 2 bad input.
+//! Exit codes: 0 success; 1 a result could not be written, or a filter stopped; 2 invalid input.
 
 mod args;
-mod command;
+mod run;
 
 use std::process::ExitCode;
 
@@ -13,11 +13,11 @@ use args::{Command, CommandLine};
 
 fn main() -> ExitCode {
     let CommandLine { command: Command::Run(args) } = CommandLine::parse();
-    match command::run(&args) {
+    match run::run(&args) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
-            command::tell(&error);
+            run::report_error(&error);
             ExitCode::from(2)
         }
     }

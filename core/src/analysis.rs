@@ -1,20 +1,21 @@
-//! What is computed from a run beside its estimates.
+//! Diagnostics, smoothed estimates and Cramér-Rao bounds of a run.
 
 use crate::bank::Bank;
 use crate::diagnostics::Depth;
 use crate::smoother::Smoother;
+use crate::waste::Waste;
 use crate::{CramerRao, Diagnostics, Estimates, Record, Run, Scenario, Update, cost};
 
-/// Samples that diagnostics take in before the time is looked at: about 0.5 ms.
+/// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
 const DIAGNOSTICS_CHUNK: usize = 10_000;
 
-/// Samples that a bound takes in before the time is looked at: about 0.5 ms.
+/// Limits the samples that a bound takes in between two checks of the time: about 0.5 ms.
 const BOUND_CHUNK: usize = 2_000;
 
-/// Nanoseconds that diagnostics take for a sample, to within a factor of two.
+/// Time that the diagnostics take for one sample, to within a factor of two \[ns\].
 const DIAGNOSTICS_COST: f64 = 60.0;
 
-/// A Cramér-Rao bound and the filters that it is for.
+/// A Cramér-Rao bound and the filters that it applies to.
 pub struct Bound {
     /// The bound.
     pub bound: CramerRao,
@@ -22,14 +23,14 @@ pub struct Bound {
     pub filters: Vec<u32>,
 }
 
-/// The computations beside the estimates that are wanted.
+/// The results to compute besides the estimates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wanted {
-    /// Diagnostics, and how deep.
+    /// Diagnostics and their depth; `None` for no diagnostics.
     pub diagnostics: Option<Depth>,
-    /// The estimates with hindsight of filters that have a smoother, once a run has come to its end.
+    /// Smoothed estimates of the filters that have a smoother, once the run is complete.
     pub smoothed: bool,
-    /// The Cramér-Rao bounds, which cost as much as a filter.
+    /// The Cramér-Rao bounds, each of which costs as much as a filter.
     pub bounds: bool,
 }
 
@@ -45,7 +46,7 @@ impl Wanted {
         Self { diagnostics: Some(depth), ..Self::NOTHING }
     }
 
-    /// The computations that serve both.
+    /// The union of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -63,52 +64,52 @@ impl Default for Wanted {
     }
 }
 
-/// Diagnostics, smoothed estimates and bounds of a run's filters, as far as they are wanted. Each of the three is there once
-/// it is complete for all filters.
+/// Diagnostics, smoothed estimates and bounds of a run's filters, as far as they are wanted. Each of the three is
+/// available once it is complete for all filters.
 #[derive(Default)]
 pub struct Analysis {
     wanted: Wanted,
     diagnostics: Vec<Diagnostics>,
-    /// The ids of their filters.
+    /// The ids of the filters that `diagnostics` belong to.
     filters: Vec<u32>,
-    /// Which of the diagnostics are those of the present estimates.
+    /// Whether each of the diagnostics belongs to the present estimates.
     begun: Vec<bool>,
     diagnosed: bool,
     smoothed: Vec<Estimates>,
     smoothing: Option<InProgress>,
     all_smoothed: bool,
     bounds: Vec<Bound>,
-    /// Whether the bounds are those of the present scenario.
+    /// Whether the bounds belong to the present scenario.
     chosen: bool,
     all_bounded: bool,
-    /// Memory of diagnostics that are no longer needed.
+    /// Diagnostics whose memory is free for reuse.
     spare: Vec<Diagnostics>,
-    /// The rest that is no longer needed, to be freed piece by piece: the system takes milliseconds to take back one.
-    waste: Vec<Box<dyn Send>>,
+    /// The rest of the unused memory.
+    waste: Waste,
 }
 
-/// A smoother on its way.
+/// A smoother that has not finished.
 struct InProgress {
     smoother: Smoother,
     estimates: Estimates,
 }
 
-/// What an analysis is about.
+/// The run that an analysis follows.
 pub(crate) struct Subject<'a> {
     pub(crate) bank: &'a Bank,
     pub(crate) record: &'a Record,
-    /// The number of samples done, from the beginning.
+    /// The number of samples done, counted from the beginning of the run.
     pub(crate) done: usize,
-    /// Whether these are all.
+    /// Whether these are all samples of the run.
     pub(crate) whole: bool,
-    /// The filters that have a place here have been analysed before.
+    /// Filters that have a place here are already analysed.
     pub(crate) known: &'a [Option<usize>],
-    /// The bounds that are there.
+    /// The bounds that already exist.
     pub(crate) bounds: &'a [Bound],
 }
 
 impl<'a> Subject<'a> {
-    /// A run as far as it has come.
+    /// The part of a run that is done so far.
     pub(crate) fn of(run: &'a Run) -> Self {
         let (bank, record, done) = (run.bank(), run.record(), run.done());
         Self { bank, record, done, whole: done == run.samples(), known: &[], bounds: &[] }
@@ -116,7 +117,7 @@ impl<'a> Subject<'a> {
 }
 
 impl Analysis {
-    /// The analysis of a run as far as it has come.
+    /// The analysis of the part of a run that is done so far.
     pub fn new(run: &Run, wanted: Wanted) -> Self {
         let mut analysis = Self { wanted, ..Self::default() };
         analysis.follow(run);
@@ -128,17 +129,17 @@ impl Analysis {
         self.wanted
     }
 
-    /// The diagnostics, one a filter; none before they are complete.
+    /// The diagnostics, one per filter; empty until they are complete.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
 
-    /// The estimates with hindsight of the filters that have a smoother.
+    /// The smoothed estimates of the filters that have a smoother; empty until they are complete.
     pub fn smoothed(&self) -> &[Estimates] {
         if self.all_smoothed { &self.smoothed } else { &[] }
     }
 
-    /// The bounds: filters that know as much at first share one.
+    /// The bounds. Filters with the same initial belief and process noise share one.
     pub fn bounds(&self) -> &[Bound] {
         if self.all_bounded { &self.bounds } else { &[] }
     }
@@ -148,21 +149,21 @@ impl Analysis {
         self.bounds().iter().find(|b| b.filters.contains(&id)).map(|b| &b.bound)
     }
 
-    /// The same, complete or not.
+    /// The bounds, complete or not.
     pub(crate) fn all_bounds(&self) -> &[Bound] {
         &self.bounds
     }
 
-    /// Takes in all that is new of a run.
+    /// Takes in all new samples of a run.
     pub fn follow(&mut self, run: &Run) {
         self.advance(&Subject::of(run), &mut || true);
     }
 
-    /// Says what is to be computed from now on.
+    /// Sets the results to compute from now on.
     pub(crate) fn want(&mut self, wanted: Wanted) {
         if self.wanted.diagnostics != wanted.diagnostics {
             let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
-            self.waste.extend(diagnostics.map(|one| Box::new(one) as Box<dyn Send>));
+            self.waste.extend(diagnostics);
             self.begun.clear();
             self.diagnosed = false;
         }
@@ -170,38 +171,41 @@ impl Analysis {
             self.discard_smoothed();
         }
         if self.wanted.bounds != wanted.bounds {
-            self.waste.extend(self.bounds.drain(..).map(|one| Box::new(one) as Box<dyn Send>));
+            self.waste.extend(self.bounds.drain(..).map(|of| of.bound));
             (self.chosen, self.all_bounded) = (false, false);
         }
         self.wanted = wanted;
     }
 
-    /// An empty analysis that wants the same, in the memory that is spare here.
+    /// An empty analysis with the same wishes, which reuses the spare memory of this one.
     pub(crate) fn successor(&mut self) -> Self {
         Self { wanted: self.wanted, spare: std::mem::take(&mut self.spare), ..Self::default() }
     }
 
-    /// Takes over the memory of an analysis that is no longer needed.
+    /// Takes over the memory of an unused analysis.
     pub(crate) fn recycle(&mut self, mut old: Self) {
         old.discard_smoothed();
         self.spare.append(&mut old.spare);
         self.spare.append(&mut old.diagnostics);
         self.waste.append(&mut old.waste);
-        self.waste.extend(old.bounds.drain(..).map(|one| Box::new(one) as Box<dyn Send>));
+        self.waste.extend(old.bounds.drain(..).map(|of| of.bound));
     }
 
-    /// Gives one piece of memory back to the system; returns whether there was one.
+    /// Returns one piece of unused memory to the system. Returns whether there was one.
     pub(crate) fn free_one(&mut self) -> bool {
-        self.waste.pop().is_some()
+        self.waste.free_one()
     }
 
     fn discard_smoothed(&mut self) {
-        self.waste.extend(self.smoothed.drain(..).map(|one| Box::new(one) as Box<dyn Send>));
-        self.waste.extend(self.smoothing.take().map(|one| Box::new(one) as Box<dyn Send>));
+        self.waste.extend(self.smoothed.drain(..));
+        if let Some(InProgress { smoother, estimates }) = self.smoothing.take() {
+            self.waste.extend([smoother]);
+            self.waste.extend([estimates]);
+        }
         self.all_smoothed = false;
     }
 
-    /// Takes over what has been computed anew for another run, or for some filters of the same.
+    /// Takes over the results for another run, or for changed filters of the same run.
     pub(crate) fn replace(&mut self, new: Self, update: &Update, run: &Run) {
         let mut old = std::mem::replace(self, new);
         if self.wanted != old.wanted {
@@ -238,8 +242,8 @@ impl Analysis {
         self.recycle(old);
     }
 
-    /// Takes in what is new. Asks after each little piece of work whether there is time for another. Returns whether all is
-    /// done.
+    /// Takes in new samples. Calls `while_time` after each small piece of work and returns early if it is false.
+    /// Returns whether everything is done.
     pub(crate) fn advance(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         self.diagnosed = self.wanted.diagnostics.is_some_and(|depth| self.diagnose(depth, subject, while_time));
         if self.wanted.diagnostics.is_some() && !self.diagnosed {
@@ -286,7 +290,7 @@ impl Analysis {
     }
 
     fn smooth(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { smoothed, smoothing, .. } = self;
+        let Self { smoothed, smoothing, waste, .. } = self;
         let Subject { bank, record, done, known, .. } = subject;
         let Scenario { filters, plant, .. } = bank.scenario();
         for place in (0..filters.len()).filter(|&place| filters[place].smoother && !is_known(known, place)) {
@@ -295,7 +299,10 @@ impl Analysis {
             }
             let Some(current) = smoothing.take().or_else(|| {
                 let smoother = bank.smoother(place, record.dt())?;
-                Some(InProgress { smoother, estimates: bank.smoothed(place) })
+                let mut estimates = bank.smoothed(place);
+                // Memory that grows is copied, which takes as long as a frame.
+                estimates.recycle(None, *done);
+                Some(InProgress { smoother, estimates })
             }) else {
                 smoothed.push(bank.smoothed(place));
                 continue;
@@ -305,6 +312,7 @@ impl Analysis {
             loop {
                 if smoother.advance(record, *done, chunk, &mut estimates) {
                     smoothed.push(estimates);
+                    waste.extend([smoother]);
                     break;
                 }
                 if !while_time() {
@@ -339,7 +347,7 @@ impl Analysis {
         true
     }
 
-    /// What is done and what there is to do, in nanoseconds.
+    /// The work that is done and the whole work, in nanoseconds.
     pub(crate) fn work(&self, subject: &Subject<'_>) -> (f64, f64) {
         let Subject { bank, done, known, .. } = subject;
         let scenario = bank.scenario();
@@ -371,7 +379,8 @@ fn is_known(known: &[Option<usize>], place: usize) -> bool {
     known.get(place).is_some_and(Option::is_some)
 }
 
-/// The bounds of a scenario's filters: those of `old` that are for them, and new ones for places that need one.
+/// The bounds of a scenario's filters: reuses those of `old` that still apply, and adds new ones for the places that
+/// need one.
 fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl Fn(usize) -> bool) -> Vec<Bound> {
     let mut bounds: Vec<Bound> = Vec::new();
     for place in (0..scenario.filters.len()).filter(|&place| is_needed(place)) {

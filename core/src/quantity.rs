@@ -1,4 +1,4 @@
-//! What a sensor measures, as data.
+//! The measurable quantities, as data.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -24,7 +24,7 @@ pub enum Term {
     Ground,
 }
 
-/// What of a mass is measured: all that is known of it.
+/// The data of an aspect.
 #[derive(Debug)]
 pub struct AspectInfo {
     /// Keys in scenario files and columns in CSV files, in the order of the masses; also the names.
@@ -35,20 +35,20 @@ pub struct AspectInfo {
     pub unit: &'static str,
     /// A usual standard deviation of its noise.
     pub usual_noise: f64,
-    /// The reading for a mass, counted from 0, as a sum of terms with their factors.
+    /// The reading for a mass, counted from 0, as a sum of weighted terms.
     pub reads: fn(usize) -> Vec<(Term, f64)>,
-    /// The number of the first mass's random stream, and the distance to the next mass's. Fixed for ever: another number is
-    /// another noise.
+    /// The number of the first mass's random stream, and the distance to the next mass's. They must never change:
+    /// another number gives other noise.
     pub streams: (u64, u64),
-    /// The bias that such a sensor can have.
+    /// The bias of such a sensor.
     pub bias: ChannelInfo,
 }
 
-/// What of a mass is measured.
+/// The measured aspect of a mass, such as its displacement.
 #[derive(Clone, Copy)]
 pub struct Aspect(&'static AspectInfo);
 
-/// A measurable quantity of a mass: of the only one, or of one in a chain.
+/// A measurable quantity: an aspect of a mass.
 #[derive(Clone, Copy)]
 pub struct Quantity {
     aspect: Aspect,
@@ -139,7 +139,7 @@ impl Aspect {
     pub const VELOCITY: Self = Self(&VELOCITY);
     /// The acceleration against the base \[m/s²\].
     pub const ACCELERATION: Self = Self(&ACCELERATION);
-    /// The acceleration against the world: that against the base, and the ground's \[m/s²\].
+    /// The absolute acceleration: that against the base plus the ground's \[m/s²\].
     pub const TOTAL_ACCELERATION: Self = Self(&TOTAL_ACCELERATION);
     /// The displacement against the mass below, or the base \[m\].
     pub const DRIFT: Self = Self(&DRIFT);
@@ -148,7 +148,7 @@ impl Aspect {
     pub const ALL: [Self; 5] =
         [Self::DISPLACEMENT, Self::VELOCITY, Self::ACCELERATION, Self::TOTAL_ACCELERATION, Self::DRIFT];
 
-    /// All that is known of it.
+    /// The data of the aspect.
     pub const fn info(self) -> &'static AspectInfo {
         self.0
     }
@@ -192,7 +192,7 @@ impl Quantity {
         Self::all().iter().copied().find(|quantity| quantity.key() == key)
     }
 
-    /// What of the mass is measured.
+    /// The measured aspect of the mass.
     pub const fn aspect(self) -> Aspect {
         self.aspect
     }
@@ -222,12 +222,12 @@ impl Quantity {
         self.aspect.0.unit
     }
 
-    /// The reading of a perfect sensor, as a sum of terms with their factors.
+    /// The reading of a perfect sensor, as a sum of weighted terms.
     pub fn reads(self) -> Vec<(Term, f64)> {
         (self.aspect.0.reads)(self.mass())
     }
 
-    /// The channel that it shows directly, if it is one.
+    /// The channel that equals the reading, if there is one.
     pub fn channel(self) -> Option<Channel> {
         match self.reads()[..] {
             [(Term::State(channel), 1.0)] => Some(channel),
@@ -235,7 +235,7 @@ impl Quantity {
         }
     }
 
-    /// The bias that a sensor for it can have.
+    /// The bias of a sensor for it.
     pub const fn bias(self) -> Channel {
         Channel::of_mass(&self.aspect.0.bias, self.mass as usize)
     }
@@ -273,7 +273,7 @@ impl PartialOrd for Quantity {
 }
 
 impl Ord for Quantity {
-    /// Mass by mass.
+    /// Orders by mass, then by aspect.
     fn cmp(&self, other: &Self) -> Ordering {
         self.place().cmp(&other.place())
     }

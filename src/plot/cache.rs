@@ -1,4 +1,4 @@
-//! Values of the last frame that still hold in this one.
+//! Values of the last frame, kept while they are valid.
 
 use std::any::Any;
 use std::hash::{DefaultHasher, Hash, Hasher as _};
@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use egui::{Context, Id};
 
-/// The value of `make`, computed anew only when `depends_on` has changed since the last frame. Where `make` gives none, the
-/// last value stays, or the default until there is one.
+/// The value of `make`, computed again only if `depends_on` has changed since the last frame. If `make` returns `None`, the
+/// last value stays; before the first one it is the default.
 pub(crate) fn cached<T: Any + Default + Send + Sync>(
     ctx: &Context,
     id: Id,

@@ -19,7 +19,7 @@ use super::window::Window;
 use crate::request::Request;
 use crate::session::Mode;
 
-/// Ticks' labels are drawn in full from this distance on \[points\].
+/// Labels of ticks are opaque from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
 /// One chart: its heading and its layers.
@@ -33,19 +33,19 @@ pub(crate) struct Chart<'a> {
     pub(crate) unit: &'static str,
     pub(crate) readouts: Vec<Readout>,
     pub(crate) layers: Vec<Layer<'a>>,
-    /// Whether no chart of the view is below this one: it has the time axis for those above it.
+    /// Whether the chart is the lowest of the view, which has the time axis.
     pub(crate) last_row: bool,
-    /// The least that the vertical axis shows.
+    /// The range that the vertical axis shows at least.
     pub(crate) least: Option<(f64, f64)>,
-    /// Whether the values are logarithms to the base of ten, which the vertical axis labels with the numbers themselves.
+    /// Whether the values are logarithms to the base of ten; the axis is labelled with the numbers themselves.
     pub(crate) logarithmic: bool,
 }
 
 /// The user's gestures on a chart.
 pub(crate) struct ChartResponse {
-    /// The time that the user points at \[s\].
+    /// The time under the pointer \[s\].
     pub(crate) pointed: Option<f64>,
-    /// Whether the user wants it to be alone, or with the others again.
+    /// Whether the user enlarges the chart, or shows all charts again.
     pub(crate) alone: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Whether the innovations are white.
+//! The autocorrelation of the innovations, a test of their whiteness.
 
 use egui::Ui;
 use egui_plot::{Bar, BarChart, HLine, LineStyle};

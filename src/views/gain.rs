@@ -43,7 +43,7 @@ impl View for Gain {
     }
 }
 
-/// Lets the user choose a sensor, if there is a choice.
+/// Lets the user choose a sensor, if there are several.
 fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
     let id = Id::unique("sensor of the gain");
     let mut chosen = ui.data(|data| data.get_temp(id)).unwrap_or(0).min(sensors.len() - 1);

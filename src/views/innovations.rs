@@ -1,4 +1,4 @@
-//! Innovations within ±2√S: what each measurement adds.
+//! Innovations within ±2√S: the new information of each measurement.
 
 use egui::Ui;
 use kalmanscope_core::Quantity;

@@ -8,7 +8,7 @@ use crate::text::significant;
 use crate::theme;
 use crate::view::{View, ViewContext};
 
-/// Width of a column, so that the table stands still while its numbers change \[points\].
+/// Width of a column, fixed so that the table does not move while its numbers change \[points\].
 const COLUMN: f32 = 66.0;
 
 /// The algebra of the current sample.
@@ -61,7 +61,7 @@ fn header(ui: &mut Ui, names: &[&str]) {
 fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize) {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
     let (gain, e, s) = (estimates.gain(k), estimates.innovation(k), estimates.innovation_cov(k));
-    // K e and K S Kᵀ of the sensors that delivered.
+    // K e and K S Kᵀ of the sensors with a measurement.
     let delivered = |sensor: &usize| !e[*sensor].is_nan();
     let shift = |i: usize| (0..m).filter(delivered).map(|a| gain[a * n + i] * e[a]).sum::<f64>();
     let known = |i: usize| {
@@ -96,7 +96,7 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize) {
     );
 }
 
-/// The measurement, its expectation and the innovation of each sensor.
+/// The measurement, its prediction and the innovation of each sensor.
 fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize) {
     let m = estimates.sensors().len();
     if record.forgotten() + k == 0 || m == 0 {

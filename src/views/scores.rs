@@ -9,7 +9,7 @@ use crate::text::significant;
 use crate::theme;
 use crate::view::{View, ViewContext};
 
-/// Which filter is best at what.
+/// A table of the filters' scores with the best values marked.
 pub(super) struct Scores;
 
 impl View for Scores {
@@ -71,7 +71,7 @@ impl View for Scores {
                     if row_name_ui(ui, row, sorts) {
                         sorted_by = (!sorts).then(|| row.name.clone());
                     }
-                    // What looks the same is as good.
+                    // Scores that are equal as printed are equally good.
                     let best = row.best().map(|best| significant(best, 3));
                     for value in &row.values {
                         let value = value.map_or("–".to_owned(), |x| significant(x, 3));
@@ -97,7 +97,7 @@ struct Row {
 }
 
 impl Row {
-    /// How far from the best a value is.
+    /// The distance of a value from the best.
     fn distance(&self, value: f64) -> f64 {
         if self.ideal == f64::INFINITY { -value } else { (value - self.ideal).abs() }
     }
@@ -108,7 +108,7 @@ impl Row {
     }
 }
 
-/// Returns whether the user wants the filters in another order.
+/// Returns whether the user wants the filters sorted by this row.
 fn row_name_ui(ui: &mut Ui, row: &Row, sorts: bool) -> bool {
     let text =
         if sorts { RichText::new(format!("{} ▸", row.name)).strong() } else { RichText::new(&row.name).weak() };

@@ -1,4 +1,4 @@
-//! The app without a screen: every control, every view, any size.
+//! The app in a headless harness: every control, every view, any size.
 
 mod frequency_response;
 mod habits;
@@ -18,7 +18,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
 use kalmanscope::layout::Layout;
 use kalmanscope::request::{Arrangement, ViewKind};
-use kalmanscope::session::Mode;
+use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
 use kalmanscope_core::{Channel, FilterKind, Force, PlantKind, Quantity, Scenario, Signal};
 
@@ -27,17 +27,19 @@ type Screen = Harness<'static, App>;
 const DESKTOP: Vec2 = Vec2::new(1280.0, 800.0);
 const PHONE: Vec2 = Vec2::new(390.0, 844.0);
 
+/// A screen whose frames compute all there is to compute: what it shows does not depend on the machine's speed.
 fn screen(size: Vec2, theme: Theme) -> Screen {
     let mut screen = Harness::builder()
         .with_size(size)
         .with_theme(theme)
         .with_step_dt(1.0 / 60.0)
         .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    screen.state_mut().session_mut().set_budget(Budget::Unlimited);
     screen.run_steps(2);
     screen
 }
 
-/// A screen that stands still, with all sections of the controls open.
+/// A paused screen with all sections of the controls open.
 fn workbench() -> Screen {
     let mut screen = screen(Vec2::new(1280.0, 2400.0), Theme::Light);
     screen.state_mut().session_mut().toggle_play();
@@ -50,7 +52,7 @@ fn workbench() -> Screen {
 fn open(screen: &mut Screen, section: &str) {
     match section {
         "UKF" => {
-            // The header of a filter is a widget of its own, beside its name.
+            // The header of a filter is a widget separate from its name.
             let y = screen
                 .get_all_by_label("UKF")
                 .map(|node| node.rect())
@@ -71,13 +73,13 @@ fn scenario(screen: &Screen) -> &Scenario {
     screen.state().session().scenario()
 }
 
-/// Sets the control of this name, as someone who cannot see it would.
+/// Sets the control of this name by its accessibility interface.
 fn set(screen: &mut Screen, name: &str, value: f64) {
     screen.get_by_label(name).set_value_accesskit(value);
     screen.run_steps(3);
 }
 
-/// Opens a combo box and takes the option that it has brought up.
+/// Opens a combo box and chooses an option.
 fn choose(screen: &mut Screen, combo: &str, option: &str) {
     let before: Vec<_> = screen.query_all_by_label(option).map(|node| node.rect()).collect();
     screen.get_by_label(combo).click();

@@ -1,4 +1,4 @@
-//! Running sums of normalised squares, kept for every sample.
+//! Cumulative sums of normalised squares, kept for every sample.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -27,14 +27,14 @@ impl Total {
     }
 }
 
-/// A mean of normalised squares and where it should be.
+/// A mean of normalised squares and its expected interval.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeanSquare {
     /// The mean over the samples that contribute.
     pub mean: f64,
-    /// What it is on average for a consistent filter: the degrees of freedom of a sample.
+    /// Its expectation for a consistent filter: the degrees of freedom of a sample.
     pub expected: f64,
-    /// Where it is with probability 95 % for a consistent filter.
+    /// Its 95 % interval for a consistent filter.
     pub interval: RangeInclusive<f64>,
 }
 
@@ -53,7 +53,7 @@ impl MeanSquare {
     }
 }
 
-/// The totals of all samples up to each.
+/// Cumulative totals up to each sample.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Totals {
     last: Total,
@@ -61,7 +61,7 @@ pub(super) struct Totals {
 }
 
 impl Totals {
-    /// Adds a sample with `degrees` numbers squared, or without any.
+    /// Adds a sample of `degrees` squared numbers; zero where nothing was measured.
     pub(super) fn push(&mut self, square: f64, degrees: u32) {
         let Self { last, until } = self;
         let Total { mut sum, degrees: before, mut samples } = *last;
@@ -83,7 +83,7 @@ impl Totals {
         self.last
     }
 
-    /// The total of the samples in `range`, as far as there are any.
+    /// The total over the part of `range` that exists.
     pub(super) fn within(&self, range: Range<usize>) -> Total {
         let until = |end: usize| end.min(self.until.len()).checked_sub(1).map_or(Total::default(), |k| self.until[k]);
         let (before, after) = (until(range.start.min(range.end)), until(range.end));

@@ -7,50 +7,50 @@ use super::chi_squared::wilson_hilferty;
 use super::{Depth, Diagnostics, Total};
 use crate::Estimates;
 
-/// Whether a filter is to be believed, and why.
+/// The verdict on a filter, and its reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// The verdict.
     pub kind: VerdictKind,
-    /// What it rests on, in words and numbers.
+    /// The reason, in words and numbers.
     pub reason: String,
 }
 
-/// What a filter's standard deviations are worth.
+/// The consistency of a filter's standard deviations with its errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VerdictKind {
-    /// Its errors are as large as it says.
+    /// The errors agree with the standard deviations.
     Consistent,
-    /// Its errors are larger than it says.
+    /// The errors are larger than the standard deviations.
     Overconfident,
-    /// Its errors are smaller than it says.
+    /// The errors are smaller than the standard deviations.
     Underconfident,
-    /// It has lost the truth, or has stopped.
+    /// The filter has lost the truth, or has stopped.
     Diverged,
 }
 
-/// Fewer measurements tell nothing.
+/// A verdict needs at least this many measurements.
 const ENOUGH: u32 = 20;
-/// The record is judged in so many parts, so that one sudden change does not speak for the whole.
+/// The record is judged in this number of equal parts, so that one sudden change does not decide the whole.
 const PARTS: usize = 10;
-/// So many parts may be bad: a filter with fading memory needs a while to follow a sudden change.
+/// At most this many parts may be bad, because a filter with fading memory needs time to follow a sudden change.
 const FORGIVEN: usize = 2;
-/// Innovations whose mean square is so many times what is expected are as good as right, however many samples say that
-/// it is not exactly 1.
+/// Limits the NIS over its expectation, on either side: a smaller deviation is tolerated even where the number of
+/// samples makes it significant.
 const NIS_TOLERANCE: (f64, f64) = (0.8, 1.25);
-/// What is outside so many standard deviations is not chance.
+/// Limits chance: a deviation of more standard deviations than this is significant.
 const NOT_CHANCE: f64 = 3.0;
-/// A NEES below what so many standard deviations allow, and below such a part of what is expected, is not a process noise
-/// on the safe side any more.
+/// Limits of a NEES that is too small: below the expectation minus this many standard deviations, and below this share
+/// of it, the process noise is larger than caution explains.
 const NEES_TOO_SMALL: (f64, f64) = (2.3, 0.08);
-/// Innovations of an unknown truth with a larger correlation from one measurement to the next are not white.
+/// Limits the correlation of successive innovations where the truth is not known; above it they are not white.
 const CORRELATED: f64 = 0.3;
-/// An error of so many standard deviations, and larger than the truth and all doubts at first, is no error any more.
+/// Diverged: an error of more standard deviations than this, and larger than the truth and the initial uncertainty.
 const LOST: f64 = 10.0;
-/// A parameter whose standard deviation is so many times that at first, and still grows by so much in a third of the
-/// record, is being forgotten.
+/// Limits of wind-up: a parameter's standard deviation is this many times the initial one, and grows by this factor in
+/// a third of the record.
 const WIND_UP: (f64, f64) = (3.0, 1.5);
-/// A parameter whose standard deviation is still so much of that at first has not been identified.
+/// A parameter whose standard deviation is still above this share of the initial one has not been identified.
 const UNLEARNT: f64 = 0.5;
 
 impl VerdictKind {
@@ -73,10 +73,10 @@ impl fmt::Display for Verdict {
 }
 
 impl Diagnostics {
-    /// Whether the filter is to be believed; `None` as long as there are fewer than 20 measurements, and where only consistency
-    /// is followed. `estimates` are those that the diagnostics follow.
+    /// The verdict; `None` with fewer than 20 measurements, and at the depth
+    /// [`Depth::Consistency`](super::Depth::Consistency). `estimates` are those that the diagnostics follow.
     ///
-    /// The record so far is judged in ten equal parts; two may be bad. The first of these that holds is the verdict:
+    /// The record so far is judged in ten equal parts, of which two may be bad. The first verdict that applies counts:
     /// - diverged: the filter has stopped, or in the last fifth a channel's error is more than 10σ and larger than the
     ///   truth ever was and than what was thought possible at first;
     /// - underconfident by wind-up: a parameter's σ is thrice what it was at first and still grows;
@@ -105,7 +105,7 @@ impl Diagnostics {
         Some(Verdict { kind, reason: reason + only })
     }
 
-    /// The channel whose error has left all bounds.
+    /// A channel whose error has left all limits.
     fn lost(&self, estimates: &Estimates) -> Option<String> {
         let last = self.len().checked_sub(1)?;
         let recent = self.len() * 4 / 5..self.len();
@@ -121,7 +121,7 @@ impl Diagnostics {
         })
     }
 
-    /// The parameter that is being forgotten for want of excitation.
+    /// A parameter whose standard deviation winds up for lack of excitation.
     fn wound_up(&self, estimates: &Estimates) -> Option<String> {
         let last = self.len().checked_sub(1)?;
         let parameters = estimates.channels().iter().enumerate().filter(|(_, channel)| channel.is_parameter());
@@ -165,7 +165,7 @@ impl Diagnostics {
     fn too_modest(&self) -> Option<String> {
         let parts = self.parts();
         let nis = median(parts.iter().map(|part| part.nis.per_degree()));
-        // A median varies a little more than the mean of as many.
+        // A median varies slightly more than the mean of the same numbers.
         let degrees = self.nis_within(0..self.len()).degrees / 2;
         if nis < NIS_TOLERANCE.0.min(*wilson_hilferty(degrees, degrees, NOT_CHANCE).start()) {
             return Some(format!("innovations² are only {} times what it expects", short(nis)));
@@ -219,7 +219,8 @@ impl Part {
         degrees > 0 && exceeds(level, wilson_hilferty(degrees, degrees, NOT_CHANCE).end().max(NIS_TOLERANCE.1))
     }
 
-    /// Whether the errors are larger than the covariance allows a single sample, since those of a part are much alike.
+    /// Whether the errors are larger than the covariance allows a single sample; the samples of one part are strongly
+    /// correlated.
     fn is_far_outside(&self) -> bool {
         let one = self.channels();
         one > 0 && exceeds(self.nees.per_degree(), *wilson_hilferty(one, one, NOT_CHANCE).end())
@@ -231,7 +232,7 @@ impl Part {
     }
 }
 
-/// A difference of sums that have overflowed is as large as can be.
+/// A difference of sums that have overflowed counts as infinite.
 fn exceeds(level: f64, limit: f64) -> bool {
     level > limit || level.is_nan()
 }
@@ -243,7 +244,7 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// A positive number to two digits or so.
+/// A positive number to about two digits.
 fn short(value: f64) -> String {
     match value {
         0.001..0.0995 => format!("{value:.3}"),

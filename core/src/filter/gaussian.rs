@@ -1,7 +1,7 @@
 //! Normal distributions over states.
 
 use super::FilterError;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, copy, copy_vector};
 
 /// A normal distribution over n components.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +16,12 @@ impl Gaussian {
     /// Independent components with the given standard deviations.
     pub fn independent(mean: Vector, std: &Vector) -> Self {
         Self { mean, cov: Matrix::from_diagonal(&std.map(|s| s * s)) }
+    }
+
+    /// Makes it a copy of another one, in its own memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        copy_vector(&mut self.mean, &other.mean);
+        copy(&mut self.cov, &other.cov);
     }
 
     /// n, the number of components.

@@ -22,7 +22,9 @@ impl Noise {
             *cov = *cov * fading + process;
         }
         for i in 0..cov.nrows() {
-            cov[(i, i)] = if cov[(i, i)] < 0.0 { 0.0 } else { cov[(i, i)] };
+            if cov[(i, i)] < 0.0 {
+                cov[(i, i)] = 0.0;
+            }
         }
         cov.fill_upper_triangle_with_lower_triangle();
     }
