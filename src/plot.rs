@@ -21,4 +21,5 @@ mod simplify;
 pub(crate) mod strokes;
 pub(crate) mod ticks;
 pub mod time_axis;
+mod turns;
 mod window;

@@ -6,6 +6,7 @@ mod wanted;
 use crate::bank::Bank;
 use crate::diagnostics::Depth;
 use crate::smoother::Smoother;
+use crate::waste::Waste;
 use crate::{CramerRao, Diagnostics, Estimates, Record, Run, Scenario, Update, cost};
 
 use bounds::bounds_of;
@@ -42,6 +43,8 @@ pub struct Analysis {
     all_bounded: bool,
     /// Diagnostics whose memory is free for reuse.
     spare: Vec<Diagnostics>,
+    /// The rest of the unused memory.
+    waste: Waste,
 }
 
 /// A smoother that has not finished.
@@ -118,15 +121,16 @@ impl Analysis {
     /// Sets the results to compute from now on.
     pub(crate) fn want(&mut self, wanted: Wanted) {
         if self.wanted.diagnostics != wanted.diagnostics {
-            (self.diagnostics, self.begun, self.spare) = Default::default();
+            let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
+            self.waste.extend(diagnostics);
+            self.begun.clear();
             self.diagnosed = false;
         }
         if self.wanted.smoothed != wanted.smoothed {
-            (self.smoothed, self.smoothing) = Default::default();
-            self.all_smoothed = false;
+            self.discard_smoothed();
         }
         if self.wanted.bounds != wanted.bounds {
-            self.bounds.clear();
+            self.waste.extend(self.bounds.drain(..).map(|of| of.bound));
             (self.chosen, self.all_bounded) = (false, false);
         }
         self.wanted = wanted;
@@ -137,15 +141,37 @@ impl Analysis {
         Self { wanted: self.wanted, spare: std::mem::take(&mut self.spare), ..Self::default() }
     }
 
+    /// Takes over the memory of an unused analysis.
+    pub(crate) fn recycle(&mut self, mut old: Self) {
+        old.discard_smoothed();
+        self.spare.append(&mut old.spare);
+        self.spare.append(&mut old.diagnostics);
+        self.waste.append(&mut old.waste);
+        self.waste.extend(old.bounds.drain(..).map(|of| of.bound));
+    }
+
+    /// Returns one piece of unused memory to the system. Returns whether there was one.
+    pub(crate) fn free_one(&mut self) -> bool {
+        self.waste.free_one()
+    }
+
+    fn discard_smoothed(&mut self) {
+        self.waste.extend(self.smoothed.drain(..));
+        if let Some(InProgress { smoother, estimates }) = self.smoothing.take() {
+            self.waste.extend([smoother]);
+            self.waste.extend([estimates]);
+        }
+        self.all_smoothed = false;
+    }
+
     /// Takes over the results for another run, or for changed filters of the same run.
     pub(crate) fn replace(&mut self, new: Self, update: &Update, run: &Run) {
         let mut old = std::mem::replace(self, new);
-        self.spare.append(&mut old.spare);
         if self.wanted != old.wanted {
             self.want(old.wanted);
         }
         let Update::Filters(changed) = update else {
-            self.spare.append(&mut old.diagnostics);
+            self.recycle(old);
             return;
         };
         let ids: Vec<u32> = run.scenario().filters.iter().map(|filter| filter.id).collect();
@@ -154,8 +180,8 @@ impl Analysis {
             self.begun.resize(ids.len(), false);
             self.filters.clone_from(&ids);
         }
-        for (id, (diagnostics, begun)) in old.filters.into_iter().zip(old.diagnostics.into_iter().zip(old.begun)) {
-            let place = ids.iter().position(|&new| new == id && !changed.contains(&id));
+        for (id, (diagnostics, begun)) in old.filters.iter().zip(old.diagnostics.drain(..).zip(old.begun.drain(..))) {
+            let place = ids.iter().position(|new| new == id && !changed.contains(id));
             if let Some(place) = place.filter(|&place| place < self.diagnostics.len()) {
                 self.diagnostics[place] = diagnostics;
                 self.begun[place] = begun;
@@ -164,12 +190,15 @@ impl Analysis {
             }
         }
         let is_kept = |smoothed: &Estimates| ids.contains(&smoothed.id()) && !changed.contains(&smoothed.id());
-        self.smoothed.extend(old.smoothed.into_iter().filter(is_kept));
+        let (kept, gone): (Vec<_>, Vec<_>) = old.smoothed.drain(..).partition(is_kept);
+        self.smoothed.extend(kept);
+        old.smoothed = gone;
         self.smoothed.sort_by_key(|smoothed| ids.iter().position(|&id| id == smoothed.id()));
         old.bounds.append(&mut self.bounds);
-        self.bounds = bounds_of(run.scenario(), run.record().dt(), old.bounds, |_| true);
+        self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
         self.chosen = true;
         (self.diagnosed, self.all_smoothed, self.all_bounded) = (false, false, false);
+        self.recycle(old);
     }
 
     /// Takes in new samples. Calls `while_time` after each small piece of work and returns early if it is false.
@@ -185,7 +214,7 @@ impl Analysis {
                 return false;
             }
         } else if !self.smoothed.is_empty() || self.smoothing.is_some() {
-            (self.smoothed, self.smoothing, self.all_smoothed) = Default::default();
+            self.discard_smoothed();
         }
         self.all_bounded = self.wanted.bounds && self.follow_bounds(subject, while_time);
         self.all_bounded || !self.wanted.bounds
@@ -220,7 +249,7 @@ impl Analysis {
     }
 
     fn smooth(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { smoothed, smoothing, .. } = self;
+        let Self { smoothed, smoothing, waste, .. } = self;
         let Subject { bank, record, done, known, .. } = subject;
         let Scenario { filters, plant, .. } = bank.scenario();
         for place in (0..filters.len()).filter(|&place| filters[place].smoother && !is_known(known, place)) {
@@ -229,7 +258,10 @@ impl Analysis {
             }
             let Some(current) = smoothing.take().or_else(|| {
                 let smoother = bank.smoother(place, record.dt())?;
-                Some(InProgress { smoother, estimates: bank.smoothed(place) })
+                let mut estimates = bank.smoothed(place);
+                // Memory that grows is copied, which takes as long as a frame.
+                estimates.recycle(None, *done);
+                Some(InProgress { smoother, estimates })
             }) else {
                 smoothed.push(bank.smoothed(place));
                 continue;
@@ -239,6 +271,7 @@ impl Analysis {
             loop {
                 if smoother.advance(record, *done, chunk, &mut estimates) {
                     smoothed.push(estimates);
+                    waste.extend([smoother]);
                     break;
                 }
                 if !while_time() {

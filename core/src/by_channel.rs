@@ -11,6 +11,11 @@ impl ByChannel {
         Self(vec![Vec::new(); channels])
     }
 
+    /// The columns.
+    pub(crate) fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        self.0.iter_mut()
+    }
+
     /// The numbers of one channel.
     #[inline]
     pub(crate) fn of(&self, channel: usize) -> &[f64] {

@@ -3,12 +3,16 @@
 use crate::by_channel::ByChannel;
 use crate::remarks::{Monitor, Remark};
 use crate::sink::Sample;
+use crate::waste::Piecewise;
 use crate::{
     Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, gaussian_likelihood,
 };
 
 /// Reserve memory for at most this many samples; the vectors of longer runs grow.
 const ROOM: usize = 1 << 18;
+
+/// Numbers whose memory is returned at once: 4 MB.
+const FREED: usize = 1 << 19;
 
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -369,6 +373,20 @@ impl Estimates {
             .chain(&self.cov)
             .flat_map(|x| x.to_bits().to_le_bytes())
             .fold(0xcbf2_9ce4_8422_2325, |hash, b| (hash ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
+    }
+}
+
+impl Piecewise for Estimates {
+    fn free_piece(&mut self) -> bool {
+        let Self { mean, cov, canonical, variance, innovation, innovation_cov, gain, .. } = self;
+        let Self { nis, determinant, log_likelihood, effective_samples, .. } = self;
+        // The NIS last: it tells the number of samples.
+        let whole = [mean, cov, innovation, innovation_cov, gain, determinant, log_likelihood, effective_samples];
+        let mut all = whole.into_iter().chain(canonical.columns()).chain(variance.columns()).chain([nis]);
+        let Some(values) = all.find(|values| values.capacity() > 0) else { return false };
+        values.clear();
+        values.shrink_to(values.capacity().saturating_sub(FREED));
+        true
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::analysis::Subject;
 use crate::run::revision::Revision;
+use crate::study::forgotten_of;
 use crate::{Analysis, RunError, Scenario, Source, Study, Update, cost};
 
 /// The next run of a study, after an edit of its scenario or with another source. The study stays as it is until the
@@ -108,9 +109,9 @@ impl Job {
             }
             self.done = self.stage >= self.goal.min(revision.samples());
             if !self.done {
-                let half = study.window / 2;
-                revision.forget(half);
-                self.stage = (self.stage + half).min(self.goal);
+                let forgotten = forgotten_of(study.window);
+                revision.forget(forgotten);
+                self.stage = (self.stage + forgotten).min(self.goal);
             }
         }
         self.progress(study)
@@ -150,6 +151,7 @@ impl Job {
     /// Gives the job up; the study stays as it is and the memory is reused by the next job.
     pub fn cancel(self, study: &mut Study) {
         study.spare.take(self.revision.take_apart());
+        study.analysis.recycle(self.analysis);
     }
 }
 

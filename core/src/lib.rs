@@ -64,6 +64,7 @@ mod run_error;
 mod select;
 mod smoother;
 mod spare;
+mod waste;
 
 pub use analysis::{Analysis, Bound, Wanted};
 pub use channel::Channel;

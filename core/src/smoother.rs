@@ -1,6 +1,10 @@
 //! Estimates with hindsight: the whole record tells of every sample.
 
+use crate::waste::Piecewise;
 use crate::{Estimates, FilterError, Record, Stop};
+
+/// Samples whose memory is returned at once, in about a millisecond.
+const FREED: usize = 4_000;
 
 /// A smoother in progress: the filter goes forward, the smoother back, as [`crate::filter::smoother`] says. Sampled filters have no
 /// smoother here: they give no estimates. Where the filter stops, the smoother begins with the last sample before.
@@ -20,6 +24,9 @@ pub(crate) trait Beliefs: Send {
 
     /// Smooths sample `k`, whose successor is smooth.
     fn smooth(&mut self, k: usize);
+
+    /// Frees the memory of up to this many of the last samples that still have some. Returns whether there were any.
+    fn free(&mut self, samples: usize) -> bool;
 
     /// Appends sample `k` in the channels' units.
     fn report(&self, k: usize, estimates: &mut Estimates);
@@ -85,5 +92,11 @@ impl Smoother {
             Stage::Back(k) => 0.6 + 0.3 * (1.0 - of(k)),
             Stage::Report(k) => 0.9 + 0.1 * of(k),
         }
+    }
+}
+
+impl Piecewise for Smoother {
+    fn free_piece(&mut self) -> bool {
+        self.beliefs.free(FREED)
     }
 }

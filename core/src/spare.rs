@@ -1,5 +1,6 @@
 //! Memory for reuse.
 
+use crate::waste::Piecewise as _;
 use crate::{Estimates, Record};
 
 /// Old histories and a record to overwrite. Fresh pages from the system cost more than filling them.
@@ -30,7 +31,13 @@ impl Spare {
 
     /// Returns one piece of memory to the system; returns whether there was one.
     pub(crate) fn free_one(&mut self) -> bool {
-        self.estimates.pop().is_some() || self.record.take().is_some()
+        if let Some(last) = self.estimates.last_mut() {
+            if !last.free_piece() {
+                self.estimates.pop();
+            }
+            return true;
+        }
+        self.record.take().is_some()
     }
 
     /// The number of samples that the memory has held.

@@ -14,6 +14,7 @@ use super::heading::{Readout, heading_ui};
 use super::input::PlotInput;
 use super::layers::Layer;
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
+use super::turns::in_turn;
 use super::window::Window;
 use crate::request::Request;
 use crate::session::Mode;
@@ -110,7 +111,8 @@ impl Chart<'_> {
             };
             let record = session.run().record();
             let id = Id::unique(("drawn", &self.key));
-            let make = || Drawing::new(&self.layers, record, &window, self.least);
+            let draw = || Drawing::new(&self.layers, record, &window, self.least);
+            let make = || in_turn(plot.ctx(), id, session.budget(), draw);
             let drawn = drawn.get_or_init(|| cached(plot.ctx(), id, (version, window.key()), make));
             if axis.follows {
                 plot.set_plot_bounds_x(followed.0..=followed.1);

@@ -11,6 +11,7 @@ use super::range::value_range;
 use super::window::Window;
 
 /// A chart's layers, reduced to marks on a screen.
+#[derive(Default)]
 pub(crate) struct Drawing {
     marks: Vec<Mark>,
     painted: PaintedShapes,

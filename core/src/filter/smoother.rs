@@ -128,7 +128,11 @@ impl Beliefs for Smoothed {
 
     fn filter(&mut self, record: &Record, k: usize) -> Result<(), FilterError> {
         let Self { filter, sensors, correction, filtered, steps, .. } = self;
-        if k > 0 {
+        if k == 0 {
+            // Memory that grows is copied, which takes long where there is much of it.
+            filtered.reserve(record.len());
+            steps.reserve(record.len());
+        } else {
             let forces = [record.force(k - 1), record.force(k)];
             let transition = filter.belief().transition(filter.model(), filter.step(forces))?;
             filter.predict(forces)?;
@@ -157,6 +161,15 @@ impl Beliefs for Smoothed {
             // Zero but for rounding.
             cov[(i, i)] = cov[(i, i)].max(0.0);
         }
+    }
+
+    fn free(&mut self, samples: usize) -> bool {
+        let Self { filtered, steps, .. } = self;
+        let end = filtered.len().saturating_sub(samples);
+        let had_any = !filtered.is_empty();
+        filtered.truncate(end);
+        steps.truncate(end);
+        had_any
     }
 
     fn report(&self, k: usize, estimates: &mut Estimates) {
