@@ -4,6 +4,7 @@ pub(crate) mod accuracy;
 pub mod chi_squared;
 mod likelihood;
 pub(crate) mod nees;
+mod range_sums;
 mod summary;
 mod totals;
 mod verdict;
