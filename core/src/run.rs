@@ -119,7 +119,7 @@ impl Run {
         let Self { recording, samples: all, done, bank } = self;
         let begin = *done;
         let goal = samples.min(*all);
-        if !recording.advance_to(goal) {
+        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
             *all = recording.len();
         }
         *done = goal.min(*all).max(begin);
@@ -131,7 +131,7 @@ impl Run {
     /// giving memory back. What comes after is the same to the last bit. Only a simulated record can be forgotten; returns
     /// whether it is one.
     pub fn forget(&mut self, samples: usize) -> bool {
-        let samples = samples.min(self.len().saturating_sub(1));
+        let samples = samples.min(self.len().saturating_sub(1 + self.bank.reach()));
         let forgets = self.recording.forget(samples);
         if forgets {
             self.bank.forget(samples);

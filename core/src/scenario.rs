@@ -79,6 +79,10 @@ pub struct FilterSettings {
     /// The augmentations ([`crate::augment`]) that the filter estimates, or knows where their standard deviations are zero.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub augment: Vec<Channel>,
+    /// How many samples after it is recorded the plant feels the input, as the filter takes it; negative where the record is
+    /// late. Before the record's first sample and after its last, these stand.
+    #[serde(skip_serializing_if = "is_default")]
+    pub input_delay: i32,
     /// Whether the filter estimates the logarithms of the parameters that cannot be negative.
     pub log_parameters: bool,
     /// How the mean of a KF, EKF or IEKF moves.
@@ -136,6 +140,7 @@ impl Default for FilterSettings {
             color: None,
             plant: None,
             augment: Vec::new(),
+            input_delay: 0,
             log_parameters: false,
             propagation: Propagation::LocalLinearisation,
             iterations: 5,

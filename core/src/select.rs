@@ -15,5 +15,7 @@ pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) ->
         return None;
     }
     let tuned = kernel::smoother::beliefs(settings, context);
-    tuned.or_else(|| filter::smoother::beliefs(settings, &context)).map(Smoother::new)
+    tuned
+        .or_else(|| filter::smoother::beliefs(settings, &context))
+        .map(|beliefs| Smoother::new(beliefs, settings.input_delay))
 }

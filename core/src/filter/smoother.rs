@@ -40,14 +40,13 @@ impl Beliefs for Smoothed {
         self.filtered.len()
     }
 
-    fn filter(&mut self, record: &Record, k: usize) -> Result<(), FilterError> {
+    fn filter(&mut self, forces: [f64; 2], record: &Record, k: usize) -> Result<(), FilterError> {
         let Self { filter, sensors, correction, filtered, steps } = self;
         if k > 0 {
-            let forces = [record.force(k - 1), record.force(k)];
             let cross = filter.belief().cross(filter.model(), filter.step(forces))?;
             filter.predict(forces)?;
             let predicted = filter.belief().gaussian().into_owned();
-            filter.update(record.force(k), &record.sample(k, sensors), correction)?;
+            filter.update(forces[1], &record.sample(k, sensors), correction)?;
             steps.push((predicted, cross));
         }
         filtered.push(filter.belief().gaussian().into_owned());

@@ -73,14 +73,14 @@ impl<P: Model<N>, B: Smoothable<P, N>, const N: usize> Beliefs for Smoothed<P, B
         self.filtered.len()
     }
 
-    fn filter(&mut self, record: &Record, k: usize) -> Result<(), FilterError> {
+    fn filter(&mut self, [before, force]: [f64; 2], record: &Record, k: usize) -> Result<(), FilterError> {
         let Self { filter, sensors, dt, filtered, steps, .. } = self;
         if k > 0 {
-            let cross = filter.belief().cross(filter.model(), record.force(k - 1), *dt)?;
-            filter.predict(record.force(k - 1))?;
+            let cross = filter.belief().cross(filter.model(), before, *dt)?;
+            filter.predict(before)?;
             let predicted = filter.belief().gaussian().into_owned();
             let mut correction = Correction::NOTHING;
-            filter.update(record.force(k), &record.sample(k, sensors), &mut correction)?;
+            filter.update(force, &record.sample(k, sensors), &mut correction)?;
             steps.push((predicted, cross));
         }
         filtered.push(filter.belief().gaussian().into_owned());
