@@ -37,8 +37,10 @@ fn write_table(text: &mut String, run: &Run, analysis: &Analysis, step_times: &[
     if run.estimates().is_empty() {
         writeln!(text, "\nno filters")?;
     }
-    let filters = run.estimates().iter().zip(analysis.diagnostics());
-    let filters = filters.map(|(estimates, diagnostics)| Summary::of(diagnostics, estimates, record));
+    let filters = run.estimates().iter().zip(analysis.diagnostics()).enumerate();
+    let filters = filters.map(|(place, (estimates, diagnostics))| {
+        Summary::of(diagnostics, analysis.diagnosis(place), estimates, record)
+    });
     let smoothed = analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record));
     let summaries: Vec<Summary> = filters.chain(smoothed).collect();
     let rows: Vec<Vec<[String; COLUMNS]>> = summaries.iter().map(|s| s.finals.iter().map(row).collect()).collect();

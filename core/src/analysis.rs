@@ -3,7 +3,7 @@
 use crate::bank::Bank;
 use crate::diagnostics::Depth;
 use crate::smoother::Smoother;
-use crate::{CramerRao, Diagnostics, Estimates, Record, Run, Scenario, Update, cost};
+use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Update, cost};
 
 /// Samples that diagnostics take in before the time is looked at: about 0.5 ms.
 const DIAGNOSTICS_CHUNK: usize = 10_000;
@@ -73,6 +73,8 @@ pub struct Analysis {
     filters: Vec<u32>,
     /// Which of the diagnostics are those of the present estimates.
     begun: Vec<bool>,
+    /// The diagnosis of each filter, and of how many samples from the beginning it is.
+    diagnoses: Vec<(Option<Diagnosis>, usize)>,
     diagnosed: bool,
     smoothed: Vec<Estimates>,
     smoothing: Option<InProgress>,
@@ -131,6 +133,12 @@ impl Analysis {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
 
+    /// The diagnosis of the filter at a place. Of a run that goes on, it is that of an earlier sample: it is made anew as soon
+    /// as half as many samples have come as are kept, and at the end. None where there is none yet.
+    pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
+        self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
+    }
+
     /// The estimates with hindsight of the filters that have a smoother.
     pub fn smoothed(&self) -> &[Estimates] {
         if self.all_smoothed { &self.smoothed } else { &[] }
@@ -160,6 +168,7 @@ impl Analysis {
     pub(crate) fn want(&mut self, wanted: Wanted) {
         if self.wanted.diagnostics != wanted.diagnostics {
             (self.diagnostics, self.begun, self.spare) = Default::default();
+            self.diagnoses.clear();
             self.diagnosed = false;
         }
         if self.wanted.smoothed != wanted.smoothed {
@@ -193,13 +202,16 @@ impl Analysis {
         if let Some(depth) = self.wanted.diagnostics {
             self.diagnostics.resize_with(ids.len(), || Diagnostics::empty(depth));
             self.begun.resize(ids.len(), false);
+            self.diagnoses.resize(ids.len(), (None, 0));
             self.filters.clone_from(&ids);
         }
-        for (id, (diagnostics, begun)) in old.filters.into_iter().zip(old.diagnostics.into_iter().zip(old.begun)) {
+        let of_filters = old.diagnostics.into_iter().zip(old.begun).zip(old.diagnoses);
+        for (id, ((diagnostics, begun), diagnosis)) in old.filters.into_iter().zip(of_filters) {
             let place = ids.iter().position(|&new| new == id && !changed.contains(&id));
             if let Some(place) = place.filter(|&place| place < self.diagnostics.len()) {
                 self.diagnostics[place] = diagnostics;
                 self.begun[place] = begun;
+                self.diagnoses[place] = diagnosis;
             } else {
                 self.spare.push(diagnostics);
             }
@@ -233,7 +245,7 @@ impl Analysis {
     }
 
     fn diagnose(&mut self, depth: Depth, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { diagnostics, filters: ids, begun, spare, .. } = self;
+        let Self { diagnostics, diagnoses, filters: ids, begun, spare, .. } = self;
         let Subject { bank, record, known, .. } = subject;
         let filters = bank.estimates.len();
         ids.clear();
@@ -241,11 +253,13 @@ impl Analysis {
         spare.extend(diagnostics.drain(filters.min(diagnostics.len())..));
         diagnostics.resize_with(filters, || spare.pop().unwrap_or_else(|| Diagnostics::empty(depth)));
         begun.resize(filters, false);
+        diagnoses.resize(filters, (None, 0));
         for place in (0..filters).filter(|&place| !is_known(known, place)) {
             let (estimates, diagnostics) = (&bank.estimates[place], &mut diagnostics[place]);
             if !begun[place] {
                 diagnostics.clear(estimates, record);
                 begun[place] = true;
+                diagnoses[place] = (None, 0);
             }
             loop {
                 diagnostics.follow_to(diagnostics.len() + DIAGNOSTICS_CHUNK, estimates, record);
@@ -255,6 +269,13 @@ impl Analysis {
                 if !while_time() {
                     return false;
                 }
+            }
+            let (diagnosis, of) = &mut diagnoses[place];
+            let done = estimates.forgotten() + estimates.len();
+            let is_old = done >= *of + estimates.len() / 2 || subject.whole;
+            if *of != done && (diagnosis.is_none() || is_old) {
+                *diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
+                *of = done;
             }
         }
         true

@@ -1,7 +1,7 @@
 //! Identification of an oscillator with Kalman filters, without a screen.
 //!
 //! ```text
-//! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Diagnostics
+//! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Diagnostics ──tests──▶ Diagnosis
 //! (settings)   (or a CSV: measured record)
 //! ```
 //!
@@ -26,6 +26,7 @@ pub mod analysis;
 pub mod augment;
 pub mod channel;
 pub mod cramer_rao;
+pub mod diagnosis;
 pub mod diagnostics;
 pub mod estimates;
 pub mod filter;
@@ -67,6 +68,7 @@ mod spare;
 pub use analysis::{Analysis, Bound, Wanted};
 pub use channel::Channel;
 pub use cramer_rao::CramerRao;
+pub use diagnosis::{Diagnosis, Verdict, VerdictKind};
 pub use diagnostics::{Diagnostics, Summary};
 pub use estimates::{Estimates, Stop};
 pub use filter::{Adaptation, FilterError, FilterKind, Propagation};
