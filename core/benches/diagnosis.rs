@@ -27,6 +27,7 @@ fn main() {
     let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
     let first = numbers.first().copied().unwrap_or(FIRST);
     let number = numbers.get(1).copied().unwrap_or(NUMBER);
+    let trials = !std::env::args().any(|word| word == "--no-causes");
     let verbose = std::env::args().any(|word| word == "--verbose");
     let next = AtomicU64::new(first);
     let work = || {
@@ -36,7 +37,7 @@ fn main() {
             if seed >= first + number {
                 return done;
             }
-            done.push(Outcome::of(seed, verbose));
+            done.push(Outcome::of(seed, trials, verbose));
         }
     };
     let mut outcomes: Vec<Outcome> = std::thread::scope(|scope| {
@@ -47,7 +48,9 @@ fn main() {
     for known in [true, false] {
         print_verdicts(&outcomes, known);
     }
-    print_causes(&outcomes);
+    if trials {
+        print_causes(&outcomes);
+    }
 }
 
 /// What came of one situation.
@@ -61,7 +64,7 @@ struct Outcome {
 }
 
 impl Outcome {
-    fn of(seed: u64, verbose: bool) -> Self {
+    fn of(seed: u64, with_trials: bool, verbose: bool) -> Self {
         let situation = Situation::draw(seed);
         let fault = situation.fault;
         let record = situation.record().expect("the situation is valid");
@@ -75,7 +78,7 @@ impl Outcome {
             let diagnostics = Diagnostics::new(estimates, record);
             let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, record, None) else { continue };
             verdicts[place] = diagnosis.verdict.as_ref().map(|verdict| verdict.kind);
-            if verdicts[place] != Some(VerdictKind::Consistent) && causes.is_empty() {
+            if with_trials && verdicts[place] != Some(VerdictKind::Consistent) && causes.is_empty() {
                 let trials = diagnosis.trials(&situation.told, 0, &diagnostics, estimates, record);
                 let mut trials = trials.expect("the situation is valid");
                 while !trials.advance(&mut || true) {}

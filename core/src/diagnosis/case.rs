@@ -36,6 +36,14 @@ pub(crate) struct Case<'a> {
     pub(crate) kept: Chosen,
 }
 
+/// Parts of a record that a test looks at.
+pub(crate) struct Span {
+    pub(crate) parts: Chosen,
+    pub(crate) samples: Range<usize>,
+    /// What to add to a sentence about them.
+    pub(crate) words: &'static str,
+}
+
 impl<'a> Case<'a> {
     pub(crate) fn new(
         diagnostics: &'a Diagnostics,
@@ -53,12 +61,28 @@ impl<'a> Case<'a> {
         if count > 0 && count <= FORGIVEN && !bad[PARTS - 1] {
             (case.forgiven, case.kept) = (bad, bad.map(|bad| !bad));
         }
+        let kept: Vec<Range<usize>> =
+            (0..PARTS).filter(|&part| case.kept[part]).map(|part| parts::range(part, case.len())).collect();
+        SensorInnovations::transform(&mut case.sensors, &kept);
         case
     }
 
     /// The number of samples that are kept.
     pub(crate) fn len(&self) -> usize {
         self.estimates.len()
+    }
+
+    /// All that is kept.
+    pub(crate) fn whole(&self) -> Span {
+        Span { parts: self.kept, samples: 0..self.len(), words: "" }
+    }
+
+    /// All that is kept, and the last fifth alone: what has changed late is diluted by all that was before.
+    pub(crate) fn spans(&self) -> [Span; 2] {
+        let first = PARTS - 2;
+        let late: Chosen = std::array::from_fn(|part| part >= first && self.kept[part]);
+        let samples = parts::range(first, self.len()).start..self.len();
+        [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
     }
 
     /// Whether the truth of any channel is known.
@@ -113,7 +137,13 @@ impl<'a> Case<'a> {
             || self.sensors.iter().any(|one| surprised(one.level(&only), one.count(&only)))
             || self.errors.iter().any(|one| {
                 one.by_part[part].count > 0.0
-                    && !(one.level(&only) <= if one.channel.is_parameter() { OUTSIDE.0 } else { OUTSIDE.1 })
+                    && if one.channel.is_parameter() {
+                        !(one.level(&only) <= OUTSIDE.0)
+                    } else {
+                        !(one.level(&only) <= OUTSIDE.1)
+                            && !(super::distributions::chi_squared_score(one.level(&only), one.independent(&only))
+                                <= NOT_CHANCE)
+                    }
             })
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::case::Case;
+use super::case::{Case, Span};
 use super::verdict::VerdictKind;
 use crate::{Channel, Quantity};
 
@@ -60,6 +60,11 @@ pub struct Evidence {
 impl Evidence {
     /// Evidence on all samples of a case, before all tests are taken together.
     pub(crate) fn new(test: &'static Test, subject: Subject, case: &Case<'_>) -> Self {
+        Self::over(test, subject, &case.whole())
+    }
+
+    /// Evidence on some parts of a record, before all tests are taken together.
+    pub(crate) fn over(test: &'static Test, subject: Subject, span: &Span) -> Self {
         Self {
             test,
             subject,
@@ -68,7 +73,7 @@ impl Evidence {
             effect: 0.0,
             speaks_for: VerdictKind::Consistent,
             counts: false,
-            samples: 0..case.len(),
+            samples: span.samples.clone(),
             sentence: String::new(),
         }
     }

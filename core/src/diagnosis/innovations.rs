@@ -1,5 +1,7 @@
 //! One pass over the innovations of each sensor: sums by part of the record, from which the tests take their statistics.
 
+use std::ops::Range;
+
 use super::lagged::add_products;
 use super::parts::{self, Chosen, PARTS};
 use super::periodogram::Periodogram;
@@ -22,6 +24,9 @@ const LARGEST: f64 = 5.0;
 pub(crate) struct SensorInnovations {
     pub(crate) sensor: Quantity,
     pub(crate) by_part: [Sums; PARTS],
+    /// ν, limited; 0 where nothing was measured.
+    values: Vec<f64>,
+    /// Of what is kept, once that is known.
     pub(crate) periodogram: Periodogram,
 }
 
@@ -67,12 +72,9 @@ impl SensorInnovations {
                 }
             }
         }
-        let all_values: Vec<&[f64]> = all.iter().map(|(_, _, values)| values.as_slice()).collect();
-        let periodograms = Periodogram::of_all(&all_values);
         let spare = input.iter().any(|&f| f != 0.0);
         all.into_iter()
-            .zip(periodograms)
-            .map(|((sensor, mut by_part, values), periodogram)| {
+            .map(|(sensor, mut by_part, values)| {
                 for (part, sums) in by_part.iter_mut().enumerate() {
                     let range = parts::range(part, samples);
                     add_products(&mut sums.products, &values, &values, range.clone(), 0);
@@ -81,9 +83,18 @@ impl SensorInnovations {
                         add_products(&mut sums.cross, &values, &input, range, FIRST_CROSS_LAG);
                     }
                 }
-                Self { sensor, by_part, periodogram }
+                Self { sensor, by_part, values, periodogram: Periodogram::default() }
             })
             .collect()
+    }
+
+    /// The periodograms of all sensors, of these samples.
+    pub(crate) fn transform(all: &mut [Self], samples: &[Range<usize>]) {
+        let values: Vec<&[f64]> = all.iter().map(|one| one.values.as_slice()).collect();
+        let periodograms = Periodogram::of_all(&values, samples);
+        for (one, periodogram) in all.iter_mut().zip(periodograms) {
+            one.periodogram = periodogram;
+        }
     }
 
     /// The number of measurements in some parts.

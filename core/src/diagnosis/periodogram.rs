@@ -1,6 +1,7 @@
 //! The power of series over frequency, by fast Fourier transforms.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// The longest window: at 100 Hz about ten seconds.
 const LONGEST: usize = 1024;
@@ -32,8 +33,9 @@ pub(crate) struct Periodogram {
 const FIRST: usize = 2;
 
 impl Periodogram {
-    /// The periodograms of several series of one length. Two series take one transform.
-    pub(crate) fn of_all(series: &[&[f64]]) -> Vec<Self> {
+    /// The periodograms of several series of one length, of windows that have no sample outside some ranges in ascending
+    /// order. Two series take one transform.
+    pub(crate) fn of_all(series: &[&[f64]], kept: &[Range<usize>]) -> Vec<Self> {
         let samples = series.first().map_or(0, |one| one.len());
         let Some(length) = (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
         else {
@@ -43,14 +45,17 @@ impl Periodogram {
         let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
         let weights: Vec<f64> = weights.iter().map(|w| w * w).collect();
         let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
-        let windows = samples / length;
+        let begins = window_begins(kept, length);
+        let windows = begins.len();
+        if windows < WINDOWS / 2 {
+            return vec![Self::default(); series.len()];
+        }
         let mut all = Vec::with_capacity(series.len());
         let mut buffer = vec![(0.0, 0.0); length];
         for pair in series.chunks(2) {
             let (first, second) = (pair[0], pair.get(1).copied());
             let mut power = vec![[0.0; 2]; length / 2 + 1];
-            for window in 0..windows {
-                let begin = window * length;
+            for &begin in &begins {
                 for (k, (slot, weight)) in buffer.iter_mut().zip(&weights).enumerate() {
                     *slot = (weight * first[begin + k], second.map_or(0.0, |second| weight * second[begin + k]));
                 }
@@ -98,6 +103,20 @@ impl Periodogram {
         let shift = if curve < 0.0 { 0.5 * (below - above) / curve } else { 0.0 };
         Some((power, TAU * ((place + FIRST) as f64 + shift) / self.length as f64))
     }
+}
+
+/// The first samples of as many windows as fit one after the other into ranges, of which neighbours are one.
+fn window_begins(kept: &[Range<usize>], length: usize) -> Vec<usize> {
+    let mut begins = Vec::new();
+    let mut run = 0..0;
+    for range in kept {
+        run = if range.start == run.end { run.start..range.end } else { range.clone() };
+        while run.start + length <= run.end {
+            begins.push(run.start);
+            run.start += length;
+        }
+    }
+    begins
 }
 
 /// A fast Fourier transform of some length, a power of two.
@@ -152,12 +171,12 @@ mod tests {
         let mut normal = Normal::from_seed(3);
         let noise: Vec<f64> = (0..8192).map(|_| normal.sample()).collect();
         let wave: Vec<f64> = (0..8192).map(|k| noise[k] + libm::sin(0.7 * k as f64)).collect();
-        let [flat, line] = &Periodogram::of_all(&[&noise, &wave])[..] else { panic!() };
+        let [flat, line] = &Periodogram::of_all(&[&noise, &wave], &[0..3000, 3000..8192])[..] else { panic!() };
         assert!((flat.mean() - 1.0).abs() < 0.05 && flat.peak().unwrap().0 < 4.0, "{:?}", flat.peak());
         let (power, frequency) = line.peak().unwrap();
         assert!(power > 50.0 && (frequency - 0.7).abs() < 0.002, "{power} at {frequency}");
-        let alone = &Periodogram::of_all(&[&wave])[0];
+        let alone = &Periodogram::of_all(&[&wave], std::slice::from_ref(&(0..8192)))[0];
         assert!((alone.peak().unwrap().0 / power - 1.0).abs() < 1e-9);
-        assert_eq!(Periodogram::of_all(&[&noise[..100]])[0].peak(), None);
+        assert_eq!(Periodogram::of_all(&[&noise[..100]], std::slice::from_ref(&(0..100)))[0].peak(), None);
     }
 }

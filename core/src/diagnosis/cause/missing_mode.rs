@@ -67,6 +67,7 @@ fn measured_peak(matter: &Matter<'_>) -> Option<f64> {
         .find(|&sensor| sensor == Quantity::DISPLACEMENT || sensor == Quantity::VELOCITY)?;
     let values: Vec<f64> =
         record.measured_quantity(quantity)?.iter().map(|x| if x.is_nan() { 0.0 } else { *x }).collect();
-    let (_, turn) = Periodogram::of_all(&[&values]).first()?.peak()?;
+    let all = 0..values.len();
+    let (_, turn) = Periodogram::of_all(&[&values], &[all]).first()?.peak()?;
     Some(turn / record.dt())
 }

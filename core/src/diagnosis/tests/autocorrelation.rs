@@ -7,7 +7,7 @@ use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnostics::chi_squared;
 
 /// A correlation below this is as good as none.
-const TOLERANCE: f64 = 0.12;
+const TOLERANCE: f64 = 0.08;
 
 pub(super) static TEST: Test = Test {
     name: "whiteness of the innovations",
@@ -21,29 +21,28 @@ pub(super) static TEST: Test = Test {
 
 fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     for one in &case.sensors {
-        let count = one.count(&case.kept);
-        if count < 2.0 * LAGS as f64 {
-            continue;
+        for span in case.spans() {
+            let count = one.count(&span.parts);
+            if count < 2.0 * LAGS as f64 {
+                continue;
+            }
+            let correlation = one.autocorrelation(&span.parts);
+            let terms = correlation.iter().zip(1..).map(|(r, lag)| r * r / (count - f64::from(lag)));
+            let statistic = count * (count + 2.0) * terms.sum::<f64>();
+            let largest = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let (lag, largest) = largest.unwrap_or((1, 0.0));
+            let first = correlation[0];
+            let also = if lag == 1 { String::new() } else { format!(", {largest:.2} at lag {lag}") };
+            let (sensor, when) = (one.sensor.key(), span.words);
+            found.push(Evidence {
+                statistic,
+                p_value: chi_squared::upper_tail(statistic, LAGS as u32 - 1).unwrap_or(1.0),
+                effect: largest.abs() / TOLERANCE,
+                speaks_for: direction(case, first),
+                sentence: format!("the innovations of the {sensor} are correlated{when}: {first:.2} at lag 1{also}"),
+                ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
+            });
         }
-        let correlation = one.autocorrelation(&case.kept);
-        let terms = correlation.iter().zip(1..).map(|(r, lag)| r * r / (count - f64::from(lag)));
-        let statistic = count * (count + 2.0) * terms.sum::<f64>();
-        let (lag, largest) = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((1, 0.0));
-        let sensor = one.sensor.key();
-        let first = correlation[0];
-        let sentence = if lag == 1 {
-            format!("the innovations of the {sensor} are correlated: {first:.2} at lag 1")
-        } else {
-            format!("the innovations of the {sensor} are correlated: {first:.2} at lag 1, {largest:.2} at lag {lag}")
-        };
-        found.push(Evidence {
-            statistic,
-            p_value: chi_squared::upper_tail(statistic, LAGS as u32 - 1).unwrap_or(1.0),
-            effect: largest.abs() / TOLERANCE,
-            speaks_for: direction(case, first),
-            sentence,
-            ..Evidence::new(test, Subject::Sensor(one.sensor), case)
-        });
     }
 }
 

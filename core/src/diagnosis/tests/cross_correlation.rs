@@ -7,7 +7,7 @@ use crate::diagnosis::innovations::{CROSS_LAGS, FIRST_CROSS_LAG};
 use crate::diagnosis::verdict::VerdictKind;
 
 /// A correlation below this is as good as none.
-const TOLERANCE: f64 = 0.12;
+const TOLERANCE: f64 = 0.08;
 
 pub(super) static TEST: Test = Test {
     name: "cross-correlation of innovations and input",

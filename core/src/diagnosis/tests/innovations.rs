@@ -8,7 +8,7 @@ use crate::diagnosis::words::short;
 
 /// Innovations² that are less than this many times too large or too small are as good as right, however many samples say
 /// that they are not exactly so.
-const TOLERANCE: f64 = 1.2;
+const TOLERANCE: f64 = 1.12;
 
 pub(super) static SENSORS: Test = Test {
     name: "innovations of a sensor (NIS)",
@@ -30,10 +30,12 @@ pub(super) static TOGETHER: Test = Test {
 
 fn sensors(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     for one in &case.sensors {
-        let (level, count) = (one.level(&case.kept), one.count(&case.kept));
-        if count > 0.0 {
-            let evidence = Evidence::new(test, Subject::Sensor(one.sensor), case);
-            found.push(sized(evidence, level, count, &format!("of the {}", one.sensor.key())));
+        for span in case.spans() {
+            let (level, count) = (one.level(&span.parts), one.count(&span.parts));
+            if count > 0.0 {
+                let evidence = Evidence::over(test, Subject::Sensor(one.sensor), &span);
+                found.push(sized(evidence, level, count, &format!("of the {}{}", one.sensor.key(), span.words)));
+            }
         }
     }
 }

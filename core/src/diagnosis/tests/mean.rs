@@ -6,7 +6,7 @@ use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict::VerdictKind;
 
 /// A mean of fewer standard deviations is as good as none.
-const TOLERANCE: f64 = 0.15;
+const TOLERANCE: f64 = 0.1;
 
 pub(super) static TEST: Test = Test {
     name: "mean of the innovations",
