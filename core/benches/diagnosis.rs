@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use kalmanscope_core::diagnosis::{Diagnosis, VerdictKind};
 use kalmanscope_core::{Diagnostics, Record, Run};
 
-use situations::{Fault, Situation, without_truth};
+use situations::{Fault, Situation, largest_error, without_truth};
 
 /// The first seed that no limit was set on.
 const FIRST: u64 = 1_000_000;
@@ -48,6 +48,7 @@ fn main() {
     for known in [true, false] {
         print_verdicts(&outcomes, known);
     }
+    print_mistakes(&outcomes);
     if trials {
         print_causes(&outcomes);
     }
@@ -59,6 +60,8 @@ struct Outcome {
     fault: Fault,
     /// The verdicts with and without the truth.
     verdicts: [Option<VerdictKind>; 2],
+    /// The largest error of a parameter over the last fifth, in standard deviations.
+    off: f64,
     /// The keys of the causes, the likeliest first.
     causes: Vec<&'static str>,
 }
@@ -72,6 +75,7 @@ impl Outcome {
         let mut causes = Vec::new();
         let mut run = Run::on_record(&situation.told, record.clone()).expect("the situation is valid");
         run.finish();
+        let off = largest_error(&run.estimates()[0], &record);
         for (place, known) in [true, false].into_iter().enumerate() {
             let record: &Record = if known { &record } else { &without_truth(&record) };
             let estimates = &run.estimates()[0];
@@ -104,7 +108,7 @@ impl Outcome {
                 }
             }
         }
-        Self { seed, fault, verdicts, causes }
+        Self { seed, fault, verdicts, off, causes }
     }
 }
 
@@ -142,4 +146,18 @@ fn print_causes(outcomes: &[Outcome]) {
         (hits, runs) = (hits + named(2), runs + all.len());
     }
     println!("all: {hits} of {runs} among the first two");
+}
+
+/// Alarms without a fault, verdicts that are the contrary of what is true, and filters far off that pass for good.
+fn print_mistakes(outcomes: &[Outcome]) {
+    let count = |is: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|outcome| is(outcome)).count();
+    let tuned = |o: &Outcome| o.fault == Fault::WellTuned;
+    let alarms = count(&|o| tuned(o) && o.verdicts.iter().flatten().any(|v| *v != VerdictKind::Consistent));
+    let contrary = count(&|o| o.verdicts.iter().flatten().any(|v| o.fault.contrary().contains(v)));
+    let far = count(&|o| o.off > 5.0);
+    let passed = count(&|o| o.off > 5.0 && o.verdicts[0].is_some_and(VerdictKind::is_good));
+    println!("\nfalse alarms: {alarms} of {} well-tuned runs; contrary verdicts: {contrary}", count(&tuned));
+    println!(
+        "called consistent or recovered, truth known, of {far} that are more than 5σ off in the last fifth: {passed}"
+    );
 }

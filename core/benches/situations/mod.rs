@@ -7,8 +7,8 @@ use kalmanscope_core::diagnosis::VerdictKind::{self, *};
 use kalmanscope_core::filter::Normal;
 use kalmanscope_core::signal::{Ramp, Step};
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Force, Hold, PlantKind, Quantity, Record, Run, RunError, Scenario, Sensor,
-    Signal,
+    Channel, Estimates, FilterKind, FilterSettings, Force, Hold, PlantKind, Quantity, Record, Run, RunError, Scenario,
+    Sensor, Signal,
 };
 
 /// What is wrong with a filter.
@@ -402,4 +402,15 @@ impl Situation {
 /// The same record without a word on the truth.
 pub(crate) fn without_truth(record: &Record) -> Arc<Record> {
     Arc::new(record.clone().with_truth(Vec::new()).expect("no column has a wrong length"))
+}
+
+/// The largest error of a parameter over the last fifth of a record, in standard deviations: root mean square.
+pub(crate) fn largest_error(estimates: &Estimates, record: &Record) -> f64 {
+    let late = estimates.len() * 4 / 5..estimates.len();
+    let of = |(place, &channel): (usize, &Channel)| {
+        let truth = record.truth(channel).filter(|_| channel.is_parameter())?;
+        let error = |k: usize| (estimates.canonical_mean(k, place) - truth[k]) / estimates.std(k, place);
+        Some((late.clone().map(|k| error(k) * error(k)).sum::<f64>() / late.len() as f64).sqrt())
+    };
+    estimates.channels().iter().enumerate().filter_map(of).fold(0.0, f64::max)
 }
