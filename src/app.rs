@@ -20,7 +20,7 @@ use crate::tutor::Tutor;
 use crate::views;
 use crate::visibility::Visibility;
 
-/// How much larger everything is in presenter mode.
+/// Zoom factor of presenter mode.
 const LARGE: f32 = 1.4;
 
 /// The explorer.
@@ -32,29 +32,29 @@ pub struct App {
     lessons: Vec<Lesson>,
     tutor: Option<Tutor>,
     history: Undoer<Scenario>,
-    /// Whether the settings are shown, once someone has decided about it.
+    /// Whether the settings are shown; `None` until the user decides.
     controls_open: Option<bool>,
     presenting: bool,
     keys_open: bool,
-    /// Width of the window in the last frame \[points\], and the theme that was chosen then.
+    /// Width of the window in the last frame \[points\], and its theme.
     width: f32,
     theme: ThemePreference,
-    /// Whether the window is cleared in the colour of the ground, so that no panel need fill itself.
+    /// Whether the window is cleared in the ground's colour, so that panels need no fill.
     cleared: bool,
-    /// Whether a newcomer is shown where to begin.
+    /// Whether the invitation to the first lesson is shown.
     inviting: bool,
-    /// A sentence about something that could not be done, until it is dismissed.
+    /// A message about a failure, until it is dismissed.
     notice: Option<String>,
-    /// A saved session that could not be read in full: the next save keeps it.
+    /// A saved session that could not be read in full; the next save keeps it.
     unreadable: Option<String>,
     requests: Vec<Request>,
 }
 
 impl App {
-    /// The explorer as it was left, or playing the default scenario.
+    /// The explorer in its saved state, or playing the default scenario.
     ///
     /// # Errors
-    /// [`RunError`] where not even the default scenario can be run.
+    /// [`RunError`] where even the default scenario cannot be run.
     pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
         let ctx = &creation.egui_ctx;
         theme::install(ctx);
@@ -66,18 +66,18 @@ impl App {
         Self::from_found(found, Budget::FRAME)
     }
 
-    /// The explorer as [`eframe::App::save`] left it in `storage`, without fonts and styles. A part that cannot be read is
-    /// its default, a sentence says so, and the next save keeps the text.
+    /// The explorer in the state that [`eframe::App::save`] left in `storage`, without fonts and styles. A part that
+    /// cannot be read gets its default; a message says so, and the next save keeps the text.
     ///
     /// # Errors
-    /// [`RunError`] where not even the default scenario can be run.
+    /// [`RunError`] where even the default scenario cannot be run.
     pub fn restored(storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
         Self::from_found(Saved::load(storage), Budget::Unlimited)
     }
 
     fn from_found(Found { saved, new_here, unreadable }: Found, budget: Budget) -> Result<Self, RunError> {
         let mut app = Self::with_scenario(saved.scenario)?;
-        // The first frame is drawn before anything heavy is computed.
+        // The first frame is drawn before any long computation.
         app.session.set_budget(budget);
         app.session.set_mode(saved.mode);
         app.session.set_speed(saved.speed);
@@ -118,8 +118,7 @@ impl App {
         })
     }
 
-    /// For users who want nothing to move by itself: begins paused with all of the record on screen, and nothing
-    /// glides into place.
+    /// For users who prefer reduced motion: begins paused with the whole record on screen, without animations.
     pub fn reduce_motion(&mut self, ctx: &egui::Context) {
         ctx.all_styles_mut(|style| style.animation_time = 0.0);
         self.session.set_mode(Mode::Whole);
@@ -127,8 +126,8 @@ impl App {
         self.session.seek(self.session.end());
     }
 
-    /// Relies on the window being cleared in [`eframe::App::clear_color`], so that no pixel is filled twice with the
-    /// ground's colour: that takes its time where no graphics card draws.
+    /// Requires that [`eframe::App::clear_color`] clears the window, so that no pixel is filled twice with the ground's
+    /// colour. Filling costs time where no graphics card draws.
     #[must_use]
     pub fn on_cleared_window(self) -> Self {
         Self { cleared: true, ..self }
@@ -139,12 +138,12 @@ impl App {
         &self.session
     }
 
-    /// The session on screen, to be set up by tests.
+    /// The session on screen, for tests to set up.
     pub fn session_mut(&mut self) -> &mut Session {
         &mut self.session
     }
 
-    /// The views on screen, to be set up by tests.
+    /// The views on screen, for tests to set up.
     pub fn layout_mut(&mut self) -> &mut Layout {
         &mut self.layout
     }
@@ -154,7 +153,7 @@ impl App {
         &self.axis
     }
 
-    /// The sentence on screen about something that could not be done, until it is dismissed.
+    /// The message about a failure on screen, until it is dismissed.
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref()
     }
@@ -172,10 +171,10 @@ impl eframe::App for App {
             self.apply(request, ctx);
         }
         self.visible.forget_filters_but(&self.session.scenario().filters);
-        // What is dragged becomes one step of the history once it has come to rest.
+        // A drag becomes one step of the history when it ends.
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
         self.session.want(views::wanted(&self.layout.shown()));
-        // A frame that took long (a hidden tab, a breakpoint) must not swallow the story.
+        // A slow frame (a hidden tab, a breakpoint) must not skip part of the record.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         self.session.advance(elapsed);
         if self.session.playing() || self.session.behind() {

@@ -1,4 +1,4 @@
-//! The bar at the top: what to look at, and the transport.
+//! The bar at the top: views, lessons and the transport.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, PopupCloseBehavior, RichText, Ui};
@@ -13,10 +13,10 @@ use crate::transport;
 use crate::tutor;
 use crate::views::view;
 
-/// The width from which on there is room for the program's name \[points\].
+/// Limits the width below which the program's name is left out \[points\].
 const ROOMY: f32 = 1000.0;
 
-/// Everything that the bar shows.
+/// The inputs of the bar.
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
     pub(crate) layout: &'a Layout,
@@ -73,7 +73,7 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>)
 }
 
 fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
-    // One shows and hides several: the menu stays until something else is clicked.
+    // The menu stays open, because users often switch several views.
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new("Views").config(stays).ui(ui, |ui| {
         for arrangement in Arrangement::ALL {
@@ -96,7 +96,7 @@ fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
     probe::remember(ui.ctx(), "Views", button.rect);
 }
 
-/// How it looks, and help.
+/// The menu of appearance and help.
 fn more_menu_ui(ui: &mut Ui, presenting: bool, requests: &mut Vec<Request>) {
     theme_ui(ui);
     let mut presenter = presenting;

@@ -20,7 +20,7 @@ use crate::theme::{self, Palette};
 pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> bool {
     let before = scenario.clone();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-        // The scroll bar floats: it must not cover the units.
+        // The floating scroll bar must not cover the units.
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
         let Scenario { seed: _, dt: _, duration: _, plant: _, force: _, input: _, hold: _, sensors: _, filters } =
             scenario;
@@ -29,7 +29,7 @@ pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> b
         section(ui, "Force", true, |ui| force::force_ui(ui, scenario));
         section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
         for place in 0..filters {
-            // One may have been removed in this very frame.
+            // A filter may have been removed in this frame.
             if place < scenario.filters.len() {
                 filter::filter_section(ui, scenario, place, palette);
             }
@@ -41,7 +41,7 @@ pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> b
     *scenario != before
 }
 
-/// A part of the controls that can be folded away.
+/// A section of the controls that can be collapsed.
 fn section(ui: &mut Ui, title: &str, open: bool, add_contents: impl FnOnce(&mut Ui)) {
     let heading = RichText::new(title).family(theme::strong()).size(14.5);
     egui::CollapsingHeader::new(heading).id_salt(title).default_open(open).show_unindented(ui, |ui| {

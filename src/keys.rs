@@ -1,4 +1,4 @@
-//! The keyboard: one table says what each key does, and lists it.
+//! The keyboard: a table of all keys and their requests, which is also the list on screen.
 
 use egui::{Grid, Key, Modifiers, RichText, Ui};
 
@@ -6,9 +6,9 @@ use crate::request::{LegendEntry, Request};
 use crate::session::{Mode, Session};
 use crate::theme;
 
-/// A key and what it does.
+/// A key and its request.
 struct Shortcut {
-    /// As it is written on the keyboard.
+    /// The label on the keyboard.
     name: &'static str,
     what: &'static str,
     keys: &'static [Key],
@@ -16,7 +16,7 @@ struct Shortcut {
     request: fn(&Session) -> Request,
 }
 
-/// A key that is pressed alone, or with what it takes to get at its sign.
+/// A key that is pressed alone, or with the modifiers that its character needs.
 const fn plain(
     name: &'static str,
     what: &'static str,
@@ -59,7 +59,7 @@ const SHORTCUTS: &[Shortcut] = &[
 /// The keys that show and hide the filters, in their order.
 const DIGITS: [Key; 6] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
 
-/// Gestures, which ask for what they do by themselves.
+/// Gestures, which the plots handle themselves.
 const GESTURES: &[(&str, &str)] = &[
     ("1 to 6", "show or hide a filter"),
     ("Drag in a plot", "zoom in"),
@@ -70,7 +70,7 @@ const GESTURES: &[(&str, &str)] = &[
     ("Alt and wheel on a number", "turn it"),
 ];
 
-/// Pushes the requests of the pressed keys, unless something is being typed.
+/// Pushes the requests of the pressed keys, except while the user types text.
 pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Request>) {
     if ctx.memory(|memory| memory.focused().is_some()) {
         return;

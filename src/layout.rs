@@ -1,4 +1,4 @@
-//! Which views are shown, and where: a tree of tiles, as data.
+//! The views on screen and their places: a tree of tiles, as data.
 
 use egui::Id;
 use egui_tiles::{LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
@@ -28,7 +28,7 @@ impl Layout {
         Self { tree: tree(rows(arrangement)), enlarged: None }
     }
 
-    /// Some views one below the other, the first with the most room; a plane is beside the view before it.
+    /// Views one below the other, the first with the most space; a plane is beside the view before it.
     pub fn column(views: &[ViewKind]) -> Self {
         let proportions = |kind: &ViewKind| view(*kind).proportions();
         let share = |i: usize, row: &[ViewKind]| match row {
@@ -66,19 +66,19 @@ impl Layout {
         &self.tree
     }
 
-    /// The view that is shown alone, if one is.
+    /// The enlarged view, if any.
     pub(crate) fn enlarged(&self) -> Option<ViewKind> {
         self.enlarged
     }
 
-    /// Takes over the tiles as the user has dragged or resized them, unless other views are shown since.
+    /// Takes over the tiles that the user has dragged or resized, unless the views have changed since.
     pub(crate) fn rearrange(&mut self, tree: Tree<ViewKind>) {
         if shown(&tree) == self.shown() {
             self.tree = tree;
         }
     }
 
-    /// Shows one view alone, or all of them again.
+    /// Enlarges one view, or shows all of them again.
     pub(crate) fn toggle_enlarged(&mut self, view: ViewKind) {
         self.enlarged = if self.enlarged.is_some() { None } else { Some(view) };
     }
@@ -102,7 +102,7 @@ impl Layout {
             Some(root) if tree.tiles.get_container(root).is_some() => {
                 tree.move_tile_to_container(tile, root, usize::MAX, true);
             }
-            // A single view is alone, without a container.
+            // A single view has no container.
             Some(root) => {
                 let both = tree.tiles.insert_vertical_tile(vec![root, tile]);
                 *tree = Tree::new(Id::unique("views"), both, std::mem::take(&mut tree.tiles));
@@ -141,7 +141,7 @@ fn tree(rows: Rows<'_>) -> Tree<ViewKind> {
     tree
 }
 
-/// Containers of one tile, and of none, are not kept.
+/// Containers with one tile or none are removed.
 pub(crate) fn simplification() -> SimplificationOptions {
     SimplificationOptions { all_panes_must_have_tabs: false, ..SimplificationOptions::default() }
 }

@@ -1,4 +1,4 @@
-//! The legend that all plots share; a click shows or hides.
+//! The legend of all plots; a click shows or hides an entry.
 
 use egui::{Button, Color32, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
 
@@ -14,7 +14,7 @@ enum Mark {
     Band,
 }
 
-/// One row of entries with `add_contents` at its end, and below it the troubles of the run.
+/// One row of entries with `add_contents` at its end, and below it the run's problems.
 pub(crate) fn legend_ui(
     ui: &mut Ui,
     session: &Session,
@@ -49,7 +49,8 @@ pub(crate) fn legend_ui(
     troubles_ui(ui, session, palette);
 }
 
-/// Why a filter or the truth has stopped, what else there is to know of them, and why an edited scenario cannot be run.
+/// The reasons why a filter or the truth has stopped, remarks on the filters, and the reason why an edited scenario
+/// cannot be run.
 fn troubles_ui(ui: &mut Ui, session: &Session, palette: &Palette) {
     let record = session.run().record();
     if let Some(stop) = session.run().truth_stop() {

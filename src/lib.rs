@@ -1,7 +1,7 @@
-//! Kalmanscope's app: draws what the core computes.
+//! Kalmanscope's app, which draws the results of the core.
 //!
-//! Data flows one way. The controls edit a copy of the scenario, the [`session::Session`] runs it, the views draw the session.
-//! Whatever is to change is a [`request::Request`], which is carried out after the frame.
+//! Data flows one way. The controls edit a copy of the scenario, the [`session::Session`] runs it, the views draw the
+//! session. Every change is a [`request::Request`], which is applied after the frame.
 
 pub mod app;
 mod bar;

@@ -23,7 +23,7 @@ mod native {
     use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
     use kalmanscope_core::{Analysis, Scenario, Wanted};
 
-    /// Where the report goes if there is no display.
+    /// The file of the plots if there is no display.
     const REPORT: &str = "kalmanscope-report.svg";
 
     pub(super) fn main() -> ExitCode {
@@ -31,12 +31,12 @@ mod native {
         let Err(error) = window() else {
             return ExitCode::SUCCESS;
         };
-        // What comes before the last colon is the place in the toolkit's source.
+        // The message is what follows the last colon; before it is a place in the toolkit's source.
         let error = error.to_string();
         let reason = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
         match report(reason) {
             Ok(()) => ExitCode::SUCCESS,
-            // Whoever closed the pipe has read enough.
+            // A closed pipe is not an error.
             Err(error) if is_broken_pipe(error.as_ref()) => ExitCode::SUCCESS,
             Err(error) => {
                 eprintln!("error: {error}");
@@ -64,7 +64,7 @@ mod native {
     /// The report for a machine without a display: a table, and the plots as a file.
     fn report(reason: &str) -> Result<(), Box<dyn Error>> {
         let mut out = io::stdout();
-        writeln!(out, "No window can be opened here ({reason}), so here is the default scenario without one.\n")?;
+        writeln!(out, "No window can be opened ({reason}). Results of the default scenario:\n")?;
         let scenario = Scenario::default();
         let run = run_scenario(&scenario, None)?;
         plot_svg(&run, Path::new(REPORT))?;
@@ -100,7 +100,7 @@ mod web {
         static RUNNER: RefCell<Option<(eframe::WebRunner, egui::Context)>> = const { RefCell::new(None) };
     }
 
-    /// The app, findable from JavaScript.
+    /// The app, accessible from JavaScript.
     struct Page(kalmanscope::App);
 
     impl eframe::App for Page {
@@ -146,7 +146,7 @@ mod web {
         });
     }
 
-    /// Whether the user has asked the system for reduced motion.
+    /// Whether the user prefers reduced motion.
     fn wants_reduced_motion() -> bool {
         let asked = web_sys::window().and_then(|window| window.match_media("(prefers-reduced-motion: reduce)").ok()?);
         asked.is_some_and(|query| query.matches())
@@ -172,7 +172,7 @@ mod web {
             Ok(Box::new(Page(app)))
         });
         RUNNER.set(Some((runner.clone(), egui::Context::default())));
-        // There are no gradients that dithering would smooth, and it is worked out for every pixel.
+        // Dithering costs time for every pixel, and there are no gradients.
         let options = eframe::WebOptions { dithering: false, ..eframe::WebOptions::default() };
         runner
             .start(canvas, options, creator)

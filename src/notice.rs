@@ -1,11 +1,11 @@
-//! A sentence about what could not be done, until it is dismissed.
+//! A message about a failure, until it is dismissed.
 
 use egui::{Button, Ui};
 
 use crate::request::Request;
 use crate::theme::Palette;
 
-/// Shows the sentence, and a button that takes it away.
+/// Shows the message with a button to dismiss it.
 pub(crate) fn notice_ui(ui: &mut Ui, sentence: &str, palette: &Palette, requests: &mut Vec<Request>) {
     ui.horizontal_wrapped(|ui| {
         ui.colored_label(palette.warning, sentence);

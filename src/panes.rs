@@ -8,17 +8,16 @@ use crate::request::{Request, ViewKind};
 use crate::view::{Proportions, ViewContext};
 use crate::views::view;
 
-/// The height for each of several views, one below the other, from which on all are seen at once; else they scroll
-/// \[points\].
+/// Limits the height per view above which all views fit on screen; below it they scroll \[points\].
 const ENOUGH: f32 = 180.0;
 
-/// Share of a row's height that a flat view has where views stand one below the other.
+/// Relative height of a flat view in a column of views.
 const FLAT: f32 = 0.3;
 
-/// The least height of a view that is not flat where views scroll \[points\].
+/// Limits the height of other views from below where views scroll \[points\].
 const LEAST_HEIGHT: f32 = 300.0;
 
-/// Fills the rest of `ui` with the views: as tiles, or one below the other where it is narrow.
+/// Fills the rest of `ui` with the views: as tiles, or in one column where it is narrow.
 pub(crate) fn panes_ui(
     ui: &mut Ui,
     layout: &Layout,
@@ -39,7 +38,7 @@ pub(crate) fn panes_ui(
     } else if layout.tree().is_empty() {
         ui.weak("No view is shown: choose some in the menu above.");
     } else {
-        // The tiles change while they are dragged: a copy does, and is asked for if it has become another tree.
+        // Tiles are dragged in a copy; if its tree changes, the copy is requested as the new layout.
         let mut tree = layout.tree().clone();
         tree.ui(&mut panes, ui);
         if tree != *layout.tree() {
@@ -61,7 +60,7 @@ struct Panes<'a> {
 }
 
 impl Panes<'_> {
-    /// Shows views one below the other; where they would be too low they scroll.
+    /// Shows views in one column, which scrolls where they would be too low.
     fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
         let height = ui.available_height();
         let scrolls = height <= ENOUGH * kinds.len() as f32;
@@ -148,7 +147,7 @@ impl Behavior<ViewKind> for Panes<'_> {
         self.context.palette.ground
     }
 
-    /// The gap between views shows the ground; only while it is moved it shows that.
+    /// The gap between views shows the ground, and is highlighted only while it is dragged.
     fn resize_stroke(&self, style: &egui::Style, state: ResizeState) -> Stroke {
         match state {
             ResizeState::Idle => Stroke::NONE,

@@ -1,4 +1,4 @@
-//! Drawing, mostly over time: series become pixel columns, these become marks, and the marks of a chart one item of a plot.
+//! Drawing over time: series are reduced to pixel columns, these to marks, and the marks of a chart form one plot item.
 
 mod cache;
 pub(crate) mod cells;
@@ -21,4 +21,5 @@ mod simplify;
 pub(crate) mod strokes;
 pub(crate) mod ticks;
 pub mod time_axis;
+mod turns;
 mod window;

@@ -1,4 +1,4 @@
-//! What tests that drive the app from outside read: the state of the screen as data, and where controls are.
+//! Probes for tests that drive the app from outside: the state of the screen as data, and the positions of controls.
 
 mod places;
 mod screen;

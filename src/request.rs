@@ -1,4 +1,4 @@
-//! Everything that a view, the controls or a key may ask for: data only, below all that draws.
+//! Requests of the views, the controls and the keys, as data.
 
 use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::session::Mode;
 
-/// A request, carried out after the frame in which it was made.
+/// A request, applied after the frame in which it was made.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
     /// Play if paused, pause if playing; from the start if at the end.
@@ -20,17 +20,17 @@ pub enum Request {
     Restart,
     /// Go to a time after the start \[s\].
     Seek(f64),
-    /// Show the record as it grows, or all of it.
+    /// Show the record as it grows, or the whole record.
     SetMode(Mode),
     /// Simulated seconds per second.
     SetSpeed(f64),
     /// Play a built-in scenario from its start.
     Open(BuiltIn),
-    /// Take over an edited scenario.
+    /// Use an edited scenario.
     Edit(Box<Scenario>),
-    /// Take back the last change of the scenario.
+    /// Undo the last change of the scenario.
     Undo,
-    /// Make it again.
+    /// Redo it.
     Redo,
     /// Begin the lesson at a place in the menu.
     StartLesson(usize),
@@ -38,35 +38,35 @@ pub enum Request {
     GoToStep(usize),
     /// Make the change of the lesson's step.
     ChangeLesson,
-    /// Leave the lesson, and everything as it is.
+    /// Leave the lesson and keep everything as it is.
     LeaveLesson,
-    /// Show something of the legend in all plots, or hide it.
+    /// Show or hide an entry of the legend in all plots.
     ToggleEntry(LegendEntry),
     /// Show charts of all channels again.
     ShowAllChannels,
     /// Show the settings or hide them.
     ToggleControls,
-    /// Large type, or back to normal.
+    /// Switch presenter mode.
     TogglePresenter,
-    /// Show the list of keys or hide it.
+    /// Show or hide the list of keys.
     ToggleKeys,
-    /// Take away the sentence about what could not be done.
+    /// Dismiss the message about a failure.
     DismissNotice,
     /// Leave the list of keys, or the enlarged view.
     Leave,
-    /// Show a view or hide it.
+    /// Show or hide a view.
     ToggleView(ViewKind),
     /// Show the views of a ready-made arrangement.
     Arrange(Arrangement),
-    /// Take over the tiles as the user has dragged or resized them.
+    /// Use the tiles as the user has dragged or resized them.
     Rearrange(Box<Tree<ViewKind>>),
-    /// Show one view as large as can be, or all of them again.
+    /// Enlarge a view, or show all views again.
     ToggleEnlarged(ViewKind),
     /// Let the time axis follow the playback again.
     Follow,
     /// Leave the time axis where the user has put it.
     Unfollow,
-    /// Show the values at this time \[s\], or where playback stands.
+    /// Show the values at this time \[s\], or at playback.
     PointAt(Option<f64>),
 }
 
@@ -139,9 +139,9 @@ pub enum Arrangement {
     /// The story: the moving mass, parameters and states.
     #[default]
     Teach,
-    /// What one tunes Q and R by: parameters, innovations, NIS and NEES, errors.
+    /// For tuning Q and R: parameters, innovations, NIS and NEES, errors.
     Tune,
-    /// Filters against each other: scores, parameters, errors, the parameter plane.
+    /// For comparing filters: scores, parameters, errors, the parameter plane.
     Compare,
 }
 

@@ -1,4 +1,4 @@
-//! What survives a restart, and the reasons why parts of it may not.
+//! The saved session, and the reasons why parts of it may be unreadable.
 
 use egui::ThemePreference;
 use kalmanscope_core::Scenario;
@@ -12,34 +12,34 @@ use crate::session::{Mode, Session};
 /// The storage key of the saved session.
 const KEY: &str = "kalmanscope";
 
-/// The storage key of the last text under [`KEY`] that could not be read in full, which the next save would overwrite.
+/// The storage key of the last text under [`KEY`] that could not be read in full; the next save would overwrite it.
 const UNREADABLE_KEY: &str = "kalmanscope-unreadable";
 
 /// The newest format. The first had no number, and its layout was JSON within JSON.
 const VERSION: u64 = 2;
 
-/// Everything that survives a restart.
+/// The saved state.
 pub(crate) struct Saved {
     pub(crate) scenario: Scenario,
     pub(crate) mode: Mode,
     pub(crate) speed: f64,
     pub(crate) presenting: bool,
-    /// Whether it is dark; by the system's theme if neither was chosen.
+    /// The theme; the system's if none was chosen.
     dark: Option<bool>,
     pub(crate) layout: Layout,
 }
 
-/// A saved session as it was found.
+/// The result of reading a saved session.
 pub(crate) struct Found {
     /// Each part as it was saved, or its default.
     pub(crate) saved: Saved,
     /// Whether nothing had been saved.
     pub(crate) new_here: bool,
-    /// The text, and why it could not be read in full.
+    /// The text and the reason why it could not be read in full.
     pub(crate) unreadable: Option<(String, String)>,
 }
 
-/// What is written: a part a key.
+/// The format, with one key per part.
 #[derive(Serialize)]
 struct Written<'a> {
     version: u64,
@@ -76,7 +76,7 @@ impl Saved {
         Found { saved, new_here: false, unreadable }
     }
 
-    /// Each part that can be read, the others by default, and why those could not.
+    /// The parts that can be read, defaults for the others, and the reasons.
     fn read(text: &str) -> (Self, Vec<String>) {
         let parts = match serde_json::from_str(text) {
             Ok(parts) => parts,
@@ -102,7 +102,7 @@ impl Saved {
         (saved, reader.problems)
     }
 
-    /// Chooses the theme again.
+    /// Applies the chosen theme.
     pub(crate) fn apply_theme(&self, ctx: &egui::Context) {
         if let Some(dark) = self.dark {
             ctx.set_theme(if dark { ThemePreference::Dark } else { ThemePreference::Light });
@@ -110,14 +110,14 @@ impl Saved {
     }
 }
 
-/// Takes one part after the other, and notes those that it cannot read.
+/// Reads one part after the other, and notes the unreadable ones.
 struct Reader {
     parts: Map<String, Value>,
     problems: Vec<String>,
 }
 
 impl Reader {
-    /// The part of a key, or its default where it is missing or cannot be read.
+    /// The part under a key, or its default where it is missing or unreadable.
     fn part<T: DeserializeOwned>(&mut self, key: &str, usual: T) -> T {
         let part = self.parts.remove(key).map(serde_json::from_value);
         part.and_then(|part| self.note(key, part)).unwrap_or(usual)
@@ -148,7 +148,7 @@ impl Reader {
     }
 }
 
-/// Saves a session, and under a key of its own the text of one that could not be read in full.
+/// Saves a session, and keeps the text of an unreadable one under its own key.
 pub(crate) fn save(
     storage: &mut dyn eframe::Storage,
     session: &Session,

@@ -60,7 +60,7 @@ impl Session {
     /// The speed at first: brisk enough to see a change half-way through a minute without waiting for it.
     pub const DEFAULT_SPEED: f64 = 2.0;
 
-    /// Live mode keeps at most this many samples; then it forgets the first half of them.
+    /// Live mode keeps at most this many samples; then it forgets the first three quarters of them.
     pub const KEPT: usize = 100_000;
 
     /// A whole record is at most this many times dt long: a browser recomputes it in an instant, and keeps it in about 70 MB a
@@ -107,6 +107,11 @@ impl Session {
     /// Says how much is computed at once from now on.
     pub fn set_budget(&mut self, budget: Budget) {
         self.budget = budget;
+    }
+
+    /// How much is computed at once.
+    pub(crate) fn budget(&self) -> Budget {
+        self.budget
     }
 
     /// The scenario of the controls: that of the run, unless an edit of it is being computed or is impossible.

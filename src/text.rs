@@ -1,8 +1,8 @@
-//! Numbers as people read them.
+//! Numbers for people to read.
 
 use kalmanscope_core::Channel;
 
-/// A number with `digits` significant digits: fixed-point where that is short, else with an exponent.
+/// A number with `digits` significant digits, in fixed-point notation where that is short, else with an exponent.
 pub fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 {
         return "0".to_owned();
@@ -28,12 +28,12 @@ pub fn significant(x: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// The same, but padded with zeros, so that it does not jump while it changes.
+/// The same, padded with zeros so that its width is constant.
 pub fn fixed(x: f64, decimals: usize) -> String {
     if x.is_finite() && x.abs() < 1e6 { format!("{x:.decimals$}").replace('-', "−") } else { significant(x, 3) }
 }
 
-/// Reads what [`significant`] writes, and anything that Rust calls a number.
+/// Reads the output of [`significant`], and any number in Rust's notation.
 pub fn parse(text: &str) -> Option<f64> {
     text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
 }
@@ -45,7 +45,7 @@ pub fn clock(time: f64) -> String {
     format!("{sign}{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
 }
 
-/// Reads what [`clock`] writes, and `m:ss` and plain seconds \[s\].
+/// Reads the output of [`clock`], also `m:ss` and plain seconds \[s\].
 pub fn parse_clock(text: &str) -> Option<f64> {
     let text = text.trim();
     let (sign, digits) = text.strip_prefix(['-', '−']).map_or((1.0, text), |rest| (-1.0, rest));
@@ -54,7 +54,7 @@ pub fn parse_clock(text: &str) -> Option<f64> {
     parts.next().is_none().then_some(sign * time)
 }
 
-/// Decimals that show a channel's usual values well.
+/// Number of decimals for a channel's usual values.
 pub fn decimals(channel: Channel) -> usize {
     channel.usual().decimals
 }
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_can_be_read() {
+    fn written_numbers_can_be_read() {
         for x in [0.0, 4.8, 3e-5, -0.125, 2.5e9] {
             assert_eq!(parse(&significant(x, 6)), Some(x));
         }

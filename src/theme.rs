@@ -1,4 +1,4 @@
-//! Colours, fonts and spacing: every one of them is chosen here.
+//! Colours, fonts and spacing, all in one place.
 
 mod fonts;
 mod palette;
@@ -17,7 +17,7 @@ pub fn install(ctx: &egui::Context) {
     }
 }
 
-/// The family of headings and of what counts.
+/// The font family of headings and emphasised text.
 pub fn strong() -> FontFamily {
     FontFamily::Name(fonts::STRONG.into())
 }

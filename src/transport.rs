@@ -7,7 +7,7 @@ use crate::request::Request;
 use crate::session::{Mode, Session};
 use crate::text::{clock, parse_clock, significant};
 
-/// Shows the playback's buttons; where it is narrow the time has a row of its own.
+/// Shows the playback's buttons; where it is narrow, the time has its own row.
 pub(crate) fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, requests: &mut Vec<Request>) {
     let (icon, name) = if session.playing() { ("⏸", "Pause") } else { ("▶", "Play") };
     if button(ui, icon, name, "Space") {
@@ -64,7 +64,7 @@ fn speed_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Speed"));
 }
 
-/// A word and a thin bar under it.
+/// A word with a thin progress bar below it.
 fn progress_ui(ui: &mut Ui, share: f64) {
     let label = ui.weak(format!("computing, {:.0} %", (100.0 * share).floor()));
     let label = label.on_hover_text("The last complete picture stays until the next one is computed. Esc gives it up.");
@@ -75,7 +75,7 @@ fn progress_ui(ui: &mut Ui, share: f64) {
     ui.painter().rect_filled(done_bar, 0.0, done);
 }
 
-/// Height of the bar that shows how much is computed \[points\].
+/// Height of the progress bar \[points\].
 const BAR: f32 = 2.0;
 
 fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
@@ -93,7 +93,7 @@ fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     if let Some(share) = session.progress() {
         progress_ui(ui, share);
     } else if end > LONG {
-        // A pixel of the slider is minutes of a day: a time can be typed, too.
+        // A pixel of the slider may be minutes of a day, so that a time can be typed as well.
         let field = DragValue::new(&mut time).range(0.0..=session.end()).speed(1.0).update_while_editing(false);
         let field = field.custom_formatter(|time, _| clock(start + time));
         let field = ui.add(field.custom_parser(|text| parse_clock(text).map(|time| time - start)));
@@ -107,5 +107,5 @@ fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     }
 }
 
-/// From here on times are told in hours, minutes and seconds \[s\].
+/// Limits the times in plain seconds; longer ones are in hours, minutes and seconds \[s\].
 const LONG: f64 = 600.0;

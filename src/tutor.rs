@@ -1,7 +1,7 @@
-//! Lessons beside the views: what to look at, a button that changes it, what happens, why.
+//! The panel of a lesson: something to look at, a button that changes it, what happens, why.
 
 use egui::{Button, RichText, ScrollArea, Sense, TextWrapMode, Ui};
-use kalmanscope_lessons::{Lesson, LessonError, Mode as LessonMode, Step, View};
+use kalmanscope_lessons::{Lesson, LessonError, Presentation, Step, ViewName};
 
 use crate::probe;
 use crate::request::{Request, ViewKind};
@@ -17,7 +17,7 @@ pub struct Tutor {
 }
 
 impl Tutor {
-    /// At the beginning of a lesson.
+    /// The beginning of a lesson.
     pub fn new(lesson: Lesson) -> Self {
         Self { lesson, step: 0, changed: false }
     }
@@ -31,12 +31,12 @@ impl Tutor {
         self.lesson.steps.get(self.step)
     }
 
-    /// The views that the step wants, the most telling first.
+    /// The views of the step, the most important first.
     pub fn views(&self) -> Vec<ViewKind> {
         self.current().map_or(vec![], |step| step.views.iter().map(|view| kind(*view)).collect())
     }
 
-    /// Shows what the step is about: some channels or all, with bands or without.
+    /// Shows the channels and bands of the step.
     pub fn choose(&self, visible: &mut Visibility) {
         if let Some(step) = self.current() {
             visible.only.clone_from(&step.channels);
@@ -44,17 +44,17 @@ impl Tutor {
         }
     }
 
-    /// The part of the record that the step is about, if not all of it \[s\].
+    /// The part of the record that the step is about; `None` for all of it \[s\].
     pub fn frame(&self, session: &Session) -> Option<(f64, f64)> {
-        let step = self.current().filter(|step| step.mode != LessonMode::Live)?;
+        let step = self.current().filter(|step| step.mode != Presentation::Live)?;
         let (from, to) = (step.from.unwrap_or(0.0), step.to.unwrap_or(session.end()).min(session.end()));
         ((step.from.is_some() || step.to.is_some()) && from < to).then_some((from, to))
     }
 
-    /// Goes to a step, as the steps before it have left things, and shows its record.
+    /// Goes to a step, with the changes of the steps before it, and shows its record.
     ///
     /// # Errors
-    /// [`LessonError`] where a change is impossible, which a test rules out for those that come with the program.
+    /// [`LessonError`] where a change is impossible, which a test rules out for built-in lessons.
     pub fn go_to(&mut self, step: usize, session: &mut Session) -> Result<(), LessonError> {
         self.step = step.min(self.lesson.steps.len().saturating_sub(1));
         self.changed = false;
@@ -70,7 +70,7 @@ impl Tutor {
     /// Makes the change of the step.
     ///
     /// # Errors
-    /// [`LessonError`] where what the change is about is no longer there.
+    /// [`LessonError`] where the scenario no longer has the target of the change.
     pub fn change(&mut self, session: &mut Session) -> Result<(), LessonError> {
         if let Some(change) = self.current().and_then(|step| step.change.as_ref()) {
             session.set_scenario(change.adjustment.apply(session.scenario())?);
@@ -83,17 +83,17 @@ impl Tutor {
     fn show(&self, session: &mut Session) {
         let Some(step) = self.current() else { return };
         match step.mode {
-            LessonMode::Whole => {
+            Presentation::Whole => {
                 session.set_mode(Mode::Whole);
                 session.pause();
                 session.seek(step.to.unwrap_or_else(|| session.end()));
             }
-            LessonMode::Live => {
+            Presentation::Live => {
                 session.set_mode(Mode::Live);
                 session.play_from_start();
                 session.seek(step.from.unwrap_or(0.0));
             }
-            LessonMode::Step => {
+            Presentation::Step => {
                 session.set_mode(Mode::Live);
                 session.pause();
                 session.seek(step.from.unwrap_or(0.0));
@@ -124,7 +124,7 @@ impl Tutor {
             part_ui(ui, "Look", &current.look);
             if let Some(change) = &current.change {
                 let button = if *changed {
-                    // Done: it stands there to be read, and asks for nothing any more.
+                    // Done: the button remains as text.
                     Button::new(RichText::new(&change.label).weak()).frame(false).sense(Sense::hover())
                 } else {
                     Button::new(RichText::new(&change.label).color(palette.on_accent)).fill(palette.accent)
@@ -161,7 +161,7 @@ impl Tutor {
                 }
             }
         });
-        // A panel is as high as what is in it.
+        // The panel is as high as its contents.
         ui.allocate_space(ui.available_size());
     }
 }
@@ -172,25 +172,25 @@ fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
     ui.add_space(6.0);
 }
 
-/// The view that a lesson means.
-fn kind(view: View) -> ViewKind {
+/// The kind of view that a lesson names.
+fn kind(view: ViewName) -> ViewKind {
     match view {
-        View::States => ViewKind::States,
-        View::Parameters => ViewKind::Parameters,
-        View::Errors => ViewKind::Errors,
-        View::Innovations => ViewKind::Innovations,
-        View::NisNees => ViewKind::Consistency,
-        View::Autocorrelation => ViewKind::Autocorrelation,
-        View::Gain => ViewKind::Gain,
-        View::Phase => ViewKind::Phase,
-        View::ParameterPlane => ViewKind::ParameterPlane,
-        View::Matrices => ViewKind::Matrices,
-        View::Oscillator => ViewKind::Oscillator,
-        View::FrequencyResponse => ViewKind::FrequencyResponse,
+        ViewName::States => ViewKind::States,
+        ViewName::Parameters => ViewKind::Parameters,
+        ViewName::Errors => ViewKind::Errors,
+        ViewName::Innovations => ViewKind::Innovations,
+        ViewName::NisNees => ViewKind::Consistency,
+        ViewName::Autocorrelation => ViewKind::Autocorrelation,
+        ViewName::Gain => ViewKind::Gain,
+        ViewName::Phase => ViewKind::Phase,
+        ViewName::ParameterPlane => ViewKind::ParameterPlane,
+        ViewName::Matrices => ViewKind::Matrices,
+        ViewName::Oscillator => ViewKind::Oscillator,
+        ViewName::FrequencyResponse => ViewKind::FrequencyResponse,
     }
 }
 
-/// An invitation to the first lesson, for the first visit.
+/// An invitation to the first lesson, for new users.
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
     let link = ui.add(Button::new(text).frame(false).wrap_mode(TextWrapMode::Extend));
@@ -203,7 +203,7 @@ pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 /// The menu of all lessons, by group.
 pub fn menu_ui(ui: &mut Ui, lessons: &[Lesson], requests: &mut Vec<Request>) {
     let menu = ui.menu_button("Lessons", |ui| {
-        // All of them, as far as the window has room.
+        // As high as the window allows.
         let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             let mut group = "";

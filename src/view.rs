@@ -12,18 +12,18 @@ use crate::session::{Session, Wanted};
 use crate::theme::Palette;
 use crate::visibility::Visibility;
 
-/// Everything that a view may read.
+/// The input of a view.
 #[derive(Clone, Copy)]
 pub struct ViewContext<'a> {
     /// The scenario and its run.
     pub session: &'a Session,
     /// The colours of the theme.
     pub palette: &'a Palette,
-    /// The entries of the legend that are switched on.
+    /// The entries of the legend that are shown.
     pub visible: &'a Visibility,
     /// The common time axis.
     pub axis: &'a TimeAxis,
-    /// A number that changes with everything that is drawn over time.
+    /// A version number of everything that is drawn over time.
     version: u64,
 }
 
@@ -36,26 +36,26 @@ impl<'a> ViewContext<'a> {
         Self { session, palette, visible, axis, version: hasher.finish() }
     }
 
-    /// The part of it that charts read.
+    /// The part for charts.
     pub(crate) fn plot_input(&self) -> PlotInput<'a> {
         let Self { session, palette, visible: _, axis, version } = *self;
         PlotInput { session, palette, axis, version }
     }
 
-    /// The estimates of the filters that are drawn, each with its place among all filters.
+    /// The estimates of the filters that are shown, each with its place among all filters.
     pub(crate) fn filters(&self) -> impl Iterator<Item = (usize, &'a Estimates)> + use<'a> {
         let Self { session, visible, .. } = *self;
         session.run().estimates().iter().enumerate().filter(|(_, estimates)| visible.filter(estimates.id()))
     }
 
-    /// The diagnostics of the filters that are drawn, each with its filter's place and estimates; none where they are not
-    /// wanted.
+    /// The diagnostics of the filters that are shown, each with the filter's place and estimates; none where they are
+    /// not computed.
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {
         let all = self.session.diagnostics();
         self.filters().filter_map(|(place, estimates)| Some((place, estimates, all.get(place)?)))
     }
 
-    /// Whether any filter has a doubt about a channel, at first or in the end: of others there is nothing to be seen.
+    /// Whether any filter is uncertain about a channel, initially or now; other channels have nothing to show.
     pub(crate) fn in_doubt(&self, channel: Channel) -> bool {
         self.session.run().estimates().iter().any(|estimates| {
             let std = |k: usize| estimates.place(channel).map_or(0.0, |at| estimates.std(k, at));
@@ -64,20 +64,20 @@ impl<'a> ViewContext<'a> {
     }
 }
 
-/// A way to look at a run.
+/// A view of a run.
 pub trait View: Sync {
-    /// Its name in the menu and above it.
+    /// The name in the menu and above the view.
     fn name(&self) -> &'static str;
 
-    /// In three lines what is drawn and how to read it.
+    /// A description in three lines: the contents and how to read them.
     fn help(&self) -> [&'static str; 3];
 
-    /// The computations beside the estimates that it needs.
+    /// The results besides the estimates that it needs.
     fn wanted(&self) -> Wanted {
         Wanted::NOTHING
     }
 
-    /// Its shape where it may choose.
+    /// The preferred shape.
     fn proportions(&self) -> Proportions {
         Proportions::Wide
     }
@@ -86,12 +86,12 @@ pub trait View: Sync {
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64>;
 }
 
-/// The shape that suits a view.
+/// The preferred shape of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proportions {
-    /// Plots over time, the wider the better.
+    /// Plots over time, which need width.
     Wide,
-    /// One plot over something else than time, which is best about as high as wide.
+    /// A plot over something other than time, about as high as wide.
     Square,
     /// A picture that is much wider than high.
     Flat,

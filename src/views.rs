@@ -1,4 +1,4 @@
-//! The views: one a file, each a function of an immutable context, and the table of them all.
+//! The views, one per file, each a function of an immutable context, and their table.
 
 mod autocorrelation;
 mod channels;
@@ -36,7 +36,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
     }
 }
 
-/// The computations beside the estimates that some views need.
+/// The results besides the estimates that some views need.
 pub fn wanted(views: &[ViewKind]) -> Wanted {
     views.iter().map(|kind| view(*kind).wanted()).fold(Wanted::NOTHING, Wanted::and)
 }

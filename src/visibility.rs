@@ -1,4 +1,4 @@
-//! The parts of all plots that can be switched on and off: by the legend, a key or a lesson.
+//! The parts of the plots that the legend, a key or a lesson can switch.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use kalmanscope_core::{Channel, FilterSettings};
 
 use crate::request::LegendEntry;
 
-/// Which entries of the legend all plots draw.
+/// The entries of the legend that are shown in all plots.
 #[derive(Clone, Debug, PartialEq, Hash)]
 pub struct Visibility {
     /// The truth.
@@ -15,7 +15,7 @@ pub struct Visibility {
     pub measured: bool,
     /// The ±2σ bands.
     pub bands: bool,
-    /// The channels that there are charts of, or none for all.
+    /// The channels with a chart; `None` for all.
     pub only: Vec<Channel>,
     /// The ids of the filters that are hidden.
     hidden_filters: BTreeSet<u32>,
@@ -28,18 +28,18 @@ impl Default for Visibility {
 }
 
 impl Visibility {
-    /// Those of `channels` that are wanted; all where none is, since a view is not left empty.
+    /// The channels to show; all where none would be left.
     pub fn channels(&self, channels: Vec<Channel>) -> Vec<Channel> {
         let wanted: Vec<Channel> = channels.iter().copied().filter(|channel| self.only.contains(channel)).collect();
         if wanted.is_empty() { channels } else { wanted }
     }
 
-    /// Whether the filter with this id is drawn.
+    /// Whether the filter with this id is shown.
     pub fn filter(&self, id: u32) -> bool {
         !self.hidden_filters.contains(&id)
     }
 
-    /// Shows an entry of the legend, or hides it.
+    /// Shows or hides an entry of the legend.
     pub fn toggle(&mut self, entry: LegendEntry) {
         match entry {
             LegendEntry::Truth => self.truth = !self.truth,
@@ -53,7 +53,7 @@ impl Visibility {
         }
     }
 
-    /// Forgets that filters were hidden which are gone: a filter that comes later may have the id of one of them.
+    /// Forgets that removed filters were hidden, because a later filter may get the same id.
     pub(crate) fn forget_filters_but(&mut self, filters: &[FilterSettings]) {
         self.hidden_filters.retain(|id| filters.iter().any(|filter| filter.id == *id));
     }

@@ -1,4 +1,4 @@
-//! The page in `dist/`, in a real browser without a window.
+//! The page in `dist/`, in a real headless browser.
 
 #[path = "browser/driver.rs"]
 mod driver;
@@ -19,9 +19,9 @@ use serde_json::Value;
 use driver::Driver;
 use page::{Page, colours};
 
-/// How long the page may take to start, on a slow machine without a graphics card.
+/// Limits the start of the page, on a slow machine without a graphics card.
 const START: Duration = Duration::from_secs(60);
-/// What the page says that has gone wrong.
+/// The page's message about a failure.
 const FAILURE: &str = "document.getElementById('failure').hidden ? '' : document.getElementById('failure').innerText";
 
 #[test]
@@ -34,11 +34,11 @@ fn the_page_works_in_a_browser() {
         let page = driver.open().await;
         starts(&page, &address).await;
         draws(&page, &pictures.join("desktop.png")).await;
-        computes_what_this_machine_computes(&page).await;
+        computes_the_same_bits_as_this_machine(&page).await;
         a_slider_moves_the_estimates(&page).await;
         page.resize(390, 844).await;
         draws(&page, &pictures.join("phone.png")).await;
-        has_nothing_to_complain_about(&page, &address).await;
+        reports_no_problems(&page, &address).await;
         failures_can_be_read(&page).await;
     });
 }
@@ -92,13 +92,13 @@ async fn starts(page: &Page, address: &str) {
     page.go(address).await;
     let over = "!document.getElementById('loading') || !document.getElementById('failure').hidden";
     let waited = page.wait_until(over, START).await;
-    has_nothing_to_complain_about(page, address).await;
+    reports_no_problems(page, address).await;
     waited.unwrap();
-    // The window's frame takes some of its size.
+    // The window's frame takes part of its size.
     page.resize(1280, 800).await;
 }
 
-async fn has_nothing_to_complain_about(page: &Page, address: &str) {
+async fn reports_no_problems(page: &Page, address: &str) {
     let failure = page.value(FAILURE).await;
     assert_eq!(failure, "", "the page shows a failure");
     for (level, message) in page.console().await {
@@ -127,10 +127,10 @@ async fn draws(page: &Page, picture: &Path) {
     assert!(10 * most < 9 * total, "{} is nearly empty", picture.display());
 }
 
-async fn computes_what_this_machine_computes(page: &Page) {
+async fn computes_the_same_bits_as_this_machine(page: &Page) {
     let mut run = Run::new(&Scenario::default()).unwrap();
     run.finish();
-    // The end of time: the whole record, as the filters have gone through it.
+    // At the end of the record, the filters have processed all of it.
     page.click("Time", 1.0).await;
     let summary = page.summary().await;
     assert_eq!(summary["samples"], run.len(), "the record has not been played to its end");

@@ -1,4 +1,4 @@
-//! A simulated day, played in frames as the screen plays it: the memory that it takes does not grow.
+//! A simulated day, played frame by frame, takes bounded memory.
 
 use std::collections::BTreeSet;
 
@@ -14,14 +14,14 @@ fn day() -> Scenario {
     scenario
 }
 
-/// The most memory that this process has had so far \[bytes\], where the system tells.
+/// The peak memory of this process \[bytes\], where the system reports it.
 fn peak_memory() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     Some(1024 * line.trim().strip_suffix(" kB")?.parse::<usize>().ok()?)
 }
 
-/// That nothing which has a value a sample has more than are kept.
+/// Asserts that no per-sample history is longer than the kept samples.
 fn assert_bounded(session: &Session) {
     let (run, record) = (session.run(), session.run().record());
     let mut lengths = BTreeSet::from([run.len(), record.len(), record.input().len()]);
@@ -43,7 +43,7 @@ fn a_day_passes_in_bounded_memory() {
     let mut session = Session::new(scenario.clone()).unwrap();
     assert!(!session.can_be_whole() && session.mode() == Mode::Live);
     session.want(Wanted { bounds: true, ..Wanted::default() });
-    // As much in a frame as is computed in one: 200 s.
+    // Per frame, the number of samples of 200 s.
     session.set_speed(2000.0);
     let (mut frames, mut forgotten, mut generation) = (0, 0, session.generation());
     let mut early = None;
@@ -63,7 +63,7 @@ fn a_day_passes_in_bounded_memory() {
     }
     assert_eq!(frames, 432);
     if let (Some(early), Some(late)) = (early, peak_memory()) {
-        // All estimates of the day are 2.5 GB.
+        // The estimates of a whole day are 2.5 GB.
         assert!(late < early + 10_000_000, "the memory has grown from {early} to {late} bytes");
     }
 
@@ -76,7 +76,7 @@ fn a_day_passes_in_bounded_memory() {
     let verdict = Diagnosis::new(&session.diagnostics()[0], ekf, run.record(), None).unwrap().verdict.unwrap();
     assert!(verdict.kind == VerdictKind::Consistent && !verdict.reason.contains("at first"), "{verdict}");
 
-    // A run without a session, which keeps next to nothing.
+    // A run without a session that keeps few samples.
     let mut plain = Run::new(&scenario).unwrap();
     while plain.done() < plain.samples() {
         plain.forget(usize::MAX);

@@ -14,7 +14,7 @@ const PHONE: Vec2 = Vec2::new(390.0, 844.0);
 
 #[test]
 fn it_looks_as_it_did() {
-    // Text is drawn alike on every machine, lines differ by a grey level at their edges.
+    // Text is rendered identically on every machine; edges of lines differ by a grey level.
     let options = SnapshotOptions::new().threshold(2.0).max_failed_pixels(400_usize);
     let mut results = SnapshotResults::new();
     let teach = Arrangement::Teach;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use kalmanscope_core::VerdictKind;
 
-/// System identification with Kalman filters, without a screen.
+/// System identification with Kalman filters on the command line
 #[derive(Debug, Parser)]
 #[command(name = "kalmanscope-cli", version)]
 pub(crate) struct CommandLine {
@@ -15,7 +15,7 @@ pub(crate) struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a scenario to its end and tell what each filter made of it
+    /// Run a scenario to its end and print the results of each filter
     Run(RunArgs),
 }
 
@@ -26,7 +26,7 @@ pub(crate) struct RunArgs {
     /// Filter this record instead of simulating one: a CSV file with the columns t, force and one for each sensor
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record: Option<PathBuf>,
-    /// Seed of the random numbers, instead of the scenario's; nothing is random with --record
+    /// Seed of the random numbers, instead of the scenario's; has no effect with --record
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
     /// Write every estimate of every filter

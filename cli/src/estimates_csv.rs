@@ -4,10 +4,10 @@ use std::io::Write;
 
 use kalmanscope_core::{Channel, Estimates, Run};
 
-/// Writes one row a filter and sample, those of smoothers after those of filters, under the header `filter, k, t`, the means
-/// and standard deviations of all channels of truth and filters, `nis, log_likelihood`; with 17 significant digits, so that
-/// every bit survives. Undefined values are `nan`. Means are in canonical form ([`Estimates::canonical_mean`]), as in the
-/// table: the natural frequency is not negative.
+/// Writes one row per filter and sample, first the filters, then the smoothers, under the header `filter, k, t`, the
+/// means and standard deviations of all channels of truth and filters, `nis, log_likelihood`. Numbers have 17
+/// significant digits, so that every bit survives; undefined values are `nan`. Means are in canonical form
+/// ([`Estimates::canonical_mean`]), as in the table.
 ///
 /// # Errors
 /// [`csv::Error`] where `output` cannot be written.

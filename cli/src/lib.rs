@@ -1,4 +1,4 @@
-//! Kalmanscope without a screen: a whole run at once, as a table, a CSV file or a picture.
+//! Kalmanscope on the command line: whole runs as a table, a CSV file or a picture.
 //!
 //! ```
 //! use kalmanscope_cli::{run_scenario, table};

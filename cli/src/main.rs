@@ -1,26 +1,26 @@
 //! The command `kalmanscope-cli`.
 //!
-//! Exit codes: 0 done; 1 something could not be written, or a filter stopped by itself; 2 bad input; 3 a filter has a verdict
-//! that `--fail-on` names.
+//! Exit codes: 0 success; 1 a result could not be written, or a filter stopped; 2 invalid input; 3 a filter has a
+//! verdict that `--fail-on` names.
 
 mod args;
-mod command;
+mod run;
 
 use std::process::ExitCode;
 
 use clap::Parser as _;
 
 use args::{Command, CommandLine};
-use command::Ending;
+use run::Ending;
 
 fn main() -> ExitCode {
     let CommandLine { command: Command::Run(args) } = CommandLine::parse();
-    match command::run(&args) {
+    match run::run(&args) {
         Ok(Ending::Well) => ExitCode::SUCCESS,
         Ok(Ending::Stopped) => ExitCode::FAILURE,
         Ok(Ending::Verdict) => ExitCode::from(3),
         Err(error) => {
-            command::tell(&error);
+            run::report_error(&error);
             ExitCode::from(2)
         }
     }

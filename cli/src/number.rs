@@ -1,12 +1,13 @@
-//! Numbers as people read them.
+//! Numbers for people to read.
 
-/// The decimals that show two digits of a spread; none where fixed notation would not be legible.
+/// The decimals that show two digits of a standard deviation; `None` where fixed notation would be illegible.
 fn decimals(spread: f64) -> Option<usize> {
     let exponent = spread.log10().floor();
     (-8.0..7.0).contains(&exponent).then(|| (1.0 - exponent).max(0.0) as usize)
 }
 
-/// A value, and twice its standard deviation, both to the digit that the latter supports: `4.812`, `0.035`.
+/// A value and twice its standard deviation, both to the last digit that the standard deviation supports: `4.812`,
+/// `0.035`.
 pub(crate) fn with_spread(value: f64, std: f64) -> (String, String) {
     let spread = 2.0 * std;
     if spread == 0.0 {
@@ -18,7 +19,7 @@ pub(crate) fn with_spread(value: f64, std: f64) -> (String, String) {
     }
 }
 
-/// A difference from the truth, to one digit more than the standard deviation supports.
+/// A difference from the truth, to one more digit than the standard deviation supports.
 pub(crate) fn deviation(error: f64, std: f64) -> String {
     match decimals(2.0 * std).filter(|_| error.abs() < 1e9) {
         Some(decimals) => format!("{error:+.0$}", decimals + 1),
@@ -39,7 +40,7 @@ pub(crate) fn short(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A number to six digits or so, without needless zeros.
+/// A number to about six digits, without trailing zeros.
 pub(crate) fn plain(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();

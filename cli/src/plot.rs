@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use crate::number::plain;
 
-/// Why a picture could not be made.
+/// The reason why a picture could not be made.
 #[derive(Debug, Error)]
 pub enum PlotError {
     /// The picture could not be laid out.
@@ -31,19 +31,20 @@ impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PlotE
     }
 }
 
-/// Units of the drawing for each pixel of the picture: coordinates are whole numbers, and lines should not be jagged.
+/// Units of the drawing per pixel of the picture. Coordinates are whole numbers, so that larger units would give jagged
+/// lines.
 const SCALE: u32 = 4;
 const WIDTH: u32 = 1100;
 const PLOT_HEIGHT: u32 = 240;
 /// Room for the time axis below the last plot.
 const TIME_HEIGHT: u32 = 48;
-/// The most columns of a line, and the most dots.
+/// Limits the columns of a line, and the number of dots.
 const COLUMNS: usize = 750;
 const DOTS: usize = 1500;
-/// All filters together may have this many columns, so that the file stays small.
+/// Limits the columns of all filters together, so that the file stays small.
 const ALL_COLUMNS: usize = 5000;
 
-/// Okabe and Ito's colours, which people with any colour vision tell apart; one a filter, in turn.
+/// The colours of Okabe and Ito, which readers with any colour vision can distinguish; one per filter, in turn.
 const PALETTE: [RGBColor; 6] = [
     RGBColor(0x00, 0x72, 0xB2),
     RGBColor(0xD5, 0x5E, 0x00),
@@ -75,8 +76,8 @@ pub fn plot_svg(run: &Run, path: &Path) -> Result<(), PlotError> {
     Ok(std::fs::write(path, svg(run)?)?)
 }
 
-/// Draws the channels of a run over one time axis, as the text of an SVG file: the truth dark grey, measurements as
-/// dots, each filter's estimate a line of its colour over its ±2σ band.
+/// Draws the channels of a run over one time axis, as the text of an SVG file: the truth in dark grey, measurements as
+/// dots, each filter's estimate as a line of its colour over its ±2σ band.
 ///
 /// # Errors
 /// [`PlotError::Draw`] where the picture cannot be laid out.
@@ -164,7 +165,7 @@ fn edges(record: &Record, estimates: &Estimates, place: usize, k: usize) -> (f64
     (record.time(k), mean - spread, mean + spread)
 }
 
-/// A tick's value without the rounding that makes `-0.0000000000000001` of zero.
+/// A tick's value without rounding errors, so that `-0.0000000000000001` becomes zero.
 fn rounded(value: f64, (low, high): (f64, f64)) -> f64 {
     let grain = (high - low) * 1e-9;
     (value / grain).round() * grain
@@ -178,7 +179,7 @@ fn paths(
     series::clipped(line, range).into_iter().map(move |part| PathElement::new(part, style))
 }
 
-/// What was measured of a channel, if it is one that a sensor can measure.
+/// The measurements of a channel, if a sensor can measure it.
 fn measurements(record: &Record, channel: Channel) -> Option<&[f64]> {
     let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel))?;
     record.measured_quantity(*quantity)

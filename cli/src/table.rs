@@ -8,14 +8,13 @@ use kalmanscope_core::{Analysis, Channel, CramerRao, Diagnosis, Estimates, Filte
 
 use crate::number::{deviation, plain, short, with_spread};
 
-/// What each filter made of the record, for people: the verdict on it with its evidence and its `causes`, if they are given
-/// ([`crate::causes()`]), the last estimates ±2σ with units, their errors
-/// where the truth is known, σ over its Cramér-Rao bound, mean NIS and NEES with their 95 % intervals, whether the
-/// innovations are white, the log likelihood, the time per step, and where it stopped if it did; then the smoothed
-/// estimates of those filters that have a smoother.
+/// The results of each filter as a table: the verdict with its evidence and causes, the last estimates ±2σ with units, their errors where the truth
+/// is known, σ over its Cramér-Rao bound, mean NIS and NEES with their 95 % intervals, the whiteness of the
+/// innovations, the log likelihood, the time per step, and where the filter stopped if it did; then the smoothed
+/// estimates of the filters that have a smoother.
 ///
-/// Bounds are shown if the analysis has them. `step_times` \[ns\] are those of [`crate::step_times`], one a filter, or empty if
-/// they are not to be shown.
+/// `causes` are those of [`crate::causes()`], one list per filter, or empty to leave them out. Bounds are shown if the analysis has them. `step_times` \[ns\] are those of [`crate::step_times`], one per filter,
+/// or empty to leave them out.
 pub fn table(run: &Run, analysis: &Analysis, causes: &[Vec<Finding>], step_times: &[Option<f64>]) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -127,7 +126,7 @@ fn write_causes(text: &mut String, causes: &[Finding]) -> fmt::Result {
     Ok(())
 }
 
-/// How far each σ is above the least that it could be, at the last sample.
+/// The ratio of each σ to its Cramér-Rao bound at the last sample.
 fn write_bound(text: &mut String, estimates: &Estimates, bound: &CramerRao) -> fmt::Result {
     let Some(last) = estimates.len().min(bound.len()).checked_sub(1) else { return Ok(()) };
     let ratio = |(place, &channel): (usize, &Channel)| {
@@ -165,7 +164,7 @@ fn write_quality(text: &mut String, summary: &Summary, has_innovations: bool) ->
     }
 }
 
-/// A mean and where it is relative to its interval.
+/// A mean and its position relative to its interval.
 fn placed(square: &MeanSquare, interval: &str) -> String {
     let MeanSquare { mean, interval: range, .. } = square;
     let place = if range.contains(mean) {
@@ -180,7 +179,7 @@ fn placed(square: &MeanSquare, interval: &str) -> String {
     format!("{mean}, {place} its χ² 95 % {interval} {low} … {high}")
 }
 
-/// The filter's name on one line, and its kind if the name does not say it.
+/// The filter's name on one line, with its kind unless the name contains it.
 pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     match name.trim() {
@@ -192,11 +191,11 @@ pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     }
 }
 
-/// Symbol, name, value, spread, unit, error, in standard deviations, errors of the whole record and of its last third,
-/// share inside ±2σ, time of settling.
+/// Symbol, name, value, 2σ, unit, error, error in standard deviations, root mean square errors of the whole record and
+/// of its last third, share inside ±2σ, settling time.
 const COLUMNS: usize = 11;
 
-/// What stands before each column.
+/// The text before each column.
 const LABELS: [&str; COLUMNS] = ["", "", "", "±", "", "error", "", "RMSE", "last third", "inside", "settled"];
 
 /// One channel's last estimate and its score, as text, column by column.
@@ -218,7 +217,7 @@ fn row(last: &Final) -> [String; COLUMNS] {
     [symbol, name, value, spread, unit, error, in_stds, rmse, last_third, inside, settled]
 }
 
-/// Numbers to the right of their column, words to the left; a column that is empty in every row is left out.
+/// Aligns numbers to the right of their column and words to the left; leaves out columns that are empty in every row.
 fn write_row(text: &mut String, row: &[String; COLUMNS], widths: &[usize; COLUMNS]) -> fmt::Result {
     let mut line = " ".to_owned();
     for (i, ((cell, &width), label)) in row.iter().zip(widths).zip(LABELS).enumerate() {
@@ -266,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn troubles_that_a_filter_survives_are_told_with_their_time() {
+    fn remarks_are_listed_with_their_times() {
         let text = shown(
             "duration = 5.0\n[plant]\nkind = \"shear_2\"\n[[sensors]]\nmeasures = \"velocity_2\"\n\
              noise_std = 0.1\n[[filters]]\nplant = \"sdof\"",
@@ -328,14 +327,14 @@ mod tests {
     }
 
     #[test]
-    fn nothing_to_show_is_said() {
+    fn missing_filters_and_measurements_are_stated() {
         assert!(shown("filters = []").contains("no filters"));
         let blind = shown("sensors = []\nduration = 1.0");
         assert!(blind.contains("measured: nothing") && blind.contains("– (no measurement)"), "{blind}");
     }
 
     #[test]
-    fn a_stop_is_told_with_sample_time_and_reason() {
+    fn a_stop_is_reported_with_sample_time_and_reason() {
         let wide = "duration = 5.0\n[[filters]]\nkind = \"ekf\"\nfading = 1e300\n";
         let text = shown(wide);
         assert!(text.contains("stopped at sample ") && text.contains(" s): the "), "{text}");

@@ -1,19 +1,19 @@
-//! How long a filter takes for one sample.
+//! The time that a filter takes for one sample.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use kalmanscope_core::{Run, RunError, Scenario};
 
-/// A filter is repeated this often, unless that takes longer than [`PATIENCE`]; the best time counts.
+/// Limits the repetitions of a filter, together with [`PATIENCE`]; the shortest time counts.
 const REPEATS: usize = 7;
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Time per step of each filter \[ns\], measured by running that filter alone over the record of a finished run; none
-/// for a filter that made no step.
+/// Time per step of each filter \[ns\], measured by running it alone over the record of a finished run; `None` for a
+/// filter without a step.
 ///
 /// # Errors
-/// [`RunError`] where the scenario is not the one that the run was made from.
+/// [`RunError`] where the run does not belong to the scenario.
 pub fn step_times(scenario: &Scenario, run: &Run) -> Result<Vec<Option<f64>>, RunError> {
     let record = Arc::new(run.record().clone());
     let mut times = Vec::new();

@@ -1,4 +1,4 @@
-//! The built command, as a script would call it.
+//! The built command, called as from a script.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::io::Write as _;
@@ -32,7 +32,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Runs a command that must succeed without a word on standard error; returns what it prints.
+/// Runs a command that must succeed with nothing on standard error; returns its standard output.
 #[track_caller]
 fn succeeds(command: &mut Command) -> String {
     let Output { status, stdout, stderr } = command.output().unwrap();
@@ -40,7 +40,7 @@ fn succeeds(command: &mut Command) -> String {
     text(&stdout)
 }
 
-/// Runs a command that must fail with a code; returns what it prints and what it says on standard error.
+/// Runs a command that must fail with this code; returns standard output and standard error.
 #[track_caller]
 fn fails(command: &mut Command, code: i32) -> (String, String) {
     let Output { status, stdout, stderr } = command.output().unwrap();
@@ -53,7 +53,7 @@ fn read(path: &Path) -> String {
 }
 
 #[test]
-fn the_sample_runs_and_tells_what_was_found() {
+fn the_sample_runs_and_prints_its_results() {
     let folder = folder();
     let out = folder.path().join("estimates.csv");
     let table = succeeds(command().arg(file(&folder, "sample.toml", SAMPLE)).arg("--out").arg(&out));
@@ -83,7 +83,7 @@ fn rows(path: &Path) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn reference_cases_come_out() {
+fn reference_cases_are_reproduced() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/tests/data");
     for case in ["ekf-basic", "ukf-fading-stiffness-loss", "kf-known-parameters", "ekf-acceleration-only"] {
         let folder = folder();
@@ -183,11 +183,11 @@ fn bad_scenarios_are_refused_with_file_and_place() {
     let (table, error) = fails(command().arg(&missing), 2);
     assert!(table.is_empty() && error.starts_with(&format!("error: {}: ", missing.display())), "{error}");
     for (toml, message) in [
-        ("dt = 0.01\nsped = 3", "line 2: unknown key `sped`; it can be `seed`, `dt`, "),
+        ("dt = 0.01\nsped = 3", "line 2: `sped`: unknown field `sped`, expected one of `seed`, `dt`, "),
         ("dt = 0", "`dt` is 0, but must be a finite number above 0"),
         ("duration = 86400", "`duration` is 2000000 times dt or more, but every sample is kept here"),
         ("[[filters]]\nfading = 0.5", "`filters[0].fading` is 0.5, but must be a finite number, at least 1"),
-        ("dt = \"a\"", "line 1: `dt` is \"a\", but must be a number"),
+        ("dt = \"a\"", "line 1: `dt`: invalid type: string \"a\", expected f64"),
         ("dt = ", "TOML parse error at line 1, column 6"),
     ] {
         let path = file(&folder, "bad.toml", toml);
@@ -227,7 +227,7 @@ fn bad_records_are_refused_with_file_and_place() {
 }
 
 #[test]
-fn what_cannot_be_written_is_told_after_the_rest_is_done() {
+fn failures_to_write_are_reported_after_everything_else_is_done() {
     let folder = folder();
     let sample = file(&folder, "sample.toml", SAMPLE);
     let good = folder.path().join("record.csv");
@@ -241,7 +241,7 @@ fn what_cannot_be_written_is_told_after_the_rest_is_done() {
 }
 
 #[test]
-fn a_filter_that_stops_is_told_and_keeps_what_it_had() {
+fn a_filter_that_stops_is_reported_and_keeps_its_estimates() {
     let folder = folder();
     let toml = "duration = 5.0\n[[filters]]\nname = \"wild\"\nfading = 1e60\n[[filters]]\nname = \"tame\"\n";
     let (out, picture) = (folder.path().join("estimates.csv"), folder.path().join("plots.svg"));
@@ -259,7 +259,7 @@ fn a_filter_that_stops_is_told_and_keeps_what_it_had() {
 }
 
 #[test]
-fn a_closed_pipe_is_no_fault() {
+fn a_closed_pipe_is_not_an_error() {
     let folder = folder();
     let out = folder.path().join("estimates.csv");
     let sample = file(&folder, "sample.toml", SAMPLE);

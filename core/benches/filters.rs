@@ -1,4 +1,4 @@
-//! Nanoseconds per step of each filter, of the simulation and of the bookkeeping, and milliseconds per whole record.
+//! Time per step of each filter, of the simulation and of the diagnostics \[ns\], and time per whole record \[ms\].
 
 mod cases;
 
@@ -14,7 +14,7 @@ fn run(scenario: &Scenario) -> Run {
     Run::new(scenario).expect("the scenario is valid")
 }
 
-/// The time of `steps` steps of runs that follow each other in the same memory; beginning anew is part of it.
+/// The time of `steps` steps of successive runs in the same memory, including their restarts.
 fn time_steps(steps: u64, scenario: &Scenario) -> Duration {
     let mut run = run(scenario);
     run.finish();
@@ -28,7 +28,7 @@ fn time_steps(steps: u64, scenario: &Scenario) -> Duration {
     start.elapsed()
 }
 
-/// The same with diagnostics that follow the filter sample by sample.
+/// The same with diagnostics, updated sample by sample.
 fn time_followed_steps(steps: u64, scenario: &Scenario) -> Duration {
     let mut run = run(scenario);
     run.finish();

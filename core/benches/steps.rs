@@ -1,4 +1,4 @@
-//! Makes a number of steps of one case, for a profiler to count: `steps CASE STEPS`. Without arguments it names the cases.
+//! Makes a number of steps of one case, for a profiler: `steps CASE STEPS`. Without arguments it lists the cases.
 
 mod cases;
 

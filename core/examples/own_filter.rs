@@ -1,4 +1,4 @@
-//! A filter of your own: an EKF that believes no innovation beyond three standard deviations.
+//! A user's own filter: an EKF that rejects innovations beyond three standard deviations.
 //!
 //! ```text
 //! cargo run -p kalmanscope-core --example own_filter
@@ -13,12 +13,12 @@ use kalmanscope_core::filter::{
 use kalmanscope_core::linalg::{Matrix, Vector};
 use kalmanscope_core::{FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario};
 
-/// A Gaussian that is linearised at its mean, and leaves out measurements that it cannot believe.
+/// A Gaussian that is linearised at its mean and gives little weight to outliers.
 pub(crate) struct Doubting {
     belief: Gaussian,
 }
 
-/// The most that an innovation may be, in standard deviations.
+/// Limits an innovation, in standard deviations.
 const CREDIBLE: f64 = 3.0;
 
 impl Belief for Doubting {
@@ -41,7 +41,7 @@ impl Belief for Doubting {
         let at = belief.mean.as_slice();
         let (mean, jacobian) = (observation.read(model, at), observation.jacobian(model, at));
         let mut expected = Expected::linear(belief, mean, jacobian, observation);
-        // A measurement beyond belief is one of a sensor with more noise.
+        // An outlier is treated as a measurement with more noise.
         let innovation = observation.innovation(&expected.mean);
         for i in 0..innovation.len() {
             let excess = innovation[i] * innovation[i] / (CREDIBLE * CREDIBLE) - expected.cov[(i, i)];
@@ -56,22 +56,23 @@ impl Belief for Doubting {
     }
 }
 
-/// The kind, to be used in scenarios as any other.
+/// The kind, for use in scenarios.
 pub(crate) const DOUBTING: FilterKind = FilterKind::new(&FilterInfo {
     key: "doubting",
     name: "doubting EKF",
     description: "an EKF that takes little notice of outliers",
     reference: "Huber (1964), Robust estimation of a location parameter",
     is_sampled: false,
+    has_own_likelihood: false,
     evaluations: |_, n| 1 + n,
     begin: |initial, _, _| Ok(Box::new(Doubting { belief: initial })),
 });
 
-/// Steps the filter by hand over a measurement at rest with one outlier of a metre: the displacement that it believes in
-/// after that \[m\].
+/// Steps the filter by hand over measurements at rest with one outlier of a metre. Returns the estimated displacement
+/// after it \[m\].
 ///
 /// # Errors
-/// [`FilterError`] where the filter cannot go on.
+/// [`FilterError`] where the filter fails.
 pub(crate) fn step_by_hand() -> Result<f64, FilterError> {
     let std = Vector::from_column_slice(&[0.1, 0.3, 2.0, 0.1]);
     let initial = Gaussian::independent(Vector::from_column_slice(&[0.0, 0.0, 6.0, 0.05]), &std);
@@ -87,8 +88,8 @@ pub(crate) fn step_by_hand() -> Result<f64, FilterError> {
     Ok(filter.belief().gaussian().mean[0])
 }
 
-/// The natural frequency \[rad/s\] that the filter identifies in the default scenario, where the true one is 4.8: estimate
-/// and standard deviation.
+/// The natural frequency \[rad/s\] that the filter identifies in the default scenario, where the true one is 4.8:
+/// estimate and standard deviation.
 ///
 /// # Errors
 /// [`kalmanscope_core::RunError`] where the scenario is impossible.

@@ -1,4 +1,4 @@
-//! A plant of your own: a pendulum whose natural frequency and damping ratio are identified.
+//! A user's own plant: a pendulum with unknown natural frequency and damping ratio.
 //!
 //! ```text
 //! cargo run -p kalmanscope-core --example own_plant
@@ -41,11 +41,11 @@ impl Plant for Pendulum {
     }
 }
 
-/// The kind, to be used in scenarios as any other.
+/// The kind, for use in scenarios.
 pub(crate) const PENDULUM: PlantKind = PlantKind::new(&Pendulum);
 
-/// The natural frequency \[rad/s\] of a pendulum of 5 rad/s that an EKF and a UKF identify: estimate and standard deviation
-/// of each.
+/// The natural frequency \[rad/s\] of a pendulum of 5 rad/s, identified by an EKF and a UKF: estimate and standard
+/// deviation of each.
 ///
 /// # Errors
 /// [`RunError`] where the scenario is impossible.

@@ -1,77 +1,37 @@
-//! What is computed from a run beside its estimates.
+//! Diagnostics, smoothed estimates and Cramér-Rao bounds of a run.
+
+mod bounds;
+mod wanted;
 
 use crate::bank::Bank;
 use crate::diagnostics::Depth;
 use crate::smoother::Smoother;
+use crate::waste::Waste;
 use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Update, cost};
 
-/// Samples that diagnostics take in before the time is looked at: about 0.5 ms.
+use bounds::bounds_of;
+
+pub use bounds::Bound;
+pub use wanted::Wanted;
+
+/// Limits the samples that the diagnostics take in between two checks of the time: about 0.5 ms.
 const DIAGNOSTICS_CHUNK: usize = 10_000;
 
-/// Samples that a bound takes in before the time is looked at: about 0.5 ms.
+/// Limits the samples that a bound takes in between two checks of the time: about 0.5 ms.
 const BOUND_CHUNK: usize = 2_000;
 
-/// Nanoseconds that diagnostics take for a sample, to within a factor of two.
+/// Time that the diagnostics take for one sample, to within a factor of two \[ns\].
 const DIAGNOSTICS_COST: f64 = 60.0;
 
-/// A Cramér-Rao bound and the filters that it is for.
-pub struct Bound {
-    /// The bound.
-    pub bound: CramerRao,
-    /// The filters' ids.
-    pub filters: Vec<u32>,
-}
-
-/// The computations beside the estimates that are wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wanted {
-    /// Diagnostics, and how deep.
-    pub diagnostics: Option<Depth>,
-    /// The estimates with hindsight of filters that have a smoother, once a run has come to its end.
-    pub smoothed: bool,
-    /// The Cramér-Rao bounds, which cost as much as a filter.
-    pub bounds: bool,
-}
-
-impl Wanted {
-    /// The estimates alone.
-    pub const NOTHING: Self = Self { diagnostics: None, smoothed: false, bounds: false };
-
-    /// The Cramér-Rao bounds.
-    pub const BOUNDS: Self = Self { bounds: true, ..Self::NOTHING };
-
-    /// Diagnostics of some depth.
-    pub const fn diagnostics(depth: Depth) -> Self {
-        Self { diagnostics: Some(depth), ..Self::NOTHING }
-    }
-
-    /// The computations that serve both.
-    #[must_use]
-    pub fn and(self, other: Self) -> Self {
-        Self {
-            diagnostics: self.diagnostics.max(other.diagnostics),
-            smoothed: self.smoothed || other.smoothed,
-            bounds: self.bounds || other.bounds,
-        }
-    }
-}
-
-impl Default for Wanted {
-    /// All diagnostics and smoothed estimates, no bounds.
-    fn default() -> Self {
-        Self { diagnostics: Some(Depth::All), smoothed: true, bounds: false }
-    }
-}
-
-/// Diagnostics, smoothed estimates and bounds of a run's filters, as far as they are wanted. Each of the three is there once
-/// it is complete for all filters.
+/// Diagnostics, smoothed estimates and bounds of a run's filters, as far as they are wanted. Each of the three is
+/// available once it is complete for all filters.
 #[derive(Default)]
 pub struct Analysis {
     wanted: Wanted,
     diagnostics: Vec<Diagnostics>,
-    /// The ids of their filters.
+    /// The ids of the filters that `diagnostics` belong to.
     filters: Vec<u32>,
-    /// Which of the diagnostics are those of the present estimates.
+    /// Whether each of the diagnostics belongs to the present estimates.
     begun: Vec<bool>,
     /// The diagnosis of each filter, and of how many samples from the beginning it is.
     diagnoses: Vec<(Option<Diagnosis>, usize)>,
@@ -80,35 +40,37 @@ pub struct Analysis {
     smoothing: Option<InProgress>,
     all_smoothed: bool,
     bounds: Vec<Bound>,
-    /// Whether the bounds are those of the present scenario.
+    /// Whether the bounds belong to the present scenario.
     chosen: bool,
     all_bounded: bool,
-    /// Memory of diagnostics that are no longer needed.
+    /// Diagnostics whose memory is free for reuse.
     spare: Vec<Diagnostics>,
+    /// The rest of the unused memory.
+    waste: Waste,
 }
 
-/// A smoother on its way.
+/// A smoother that has not finished.
 struct InProgress {
     smoother: Smoother,
     estimates: Estimates,
 }
 
-/// What an analysis is about.
+/// The run that an analysis follows.
 pub(crate) struct Subject<'a> {
     pub(crate) bank: &'a Bank,
     pub(crate) record: &'a Record,
-    /// The number of samples done, from the beginning.
+    /// The number of samples done, counted from the beginning of the run.
     pub(crate) done: usize,
-    /// Whether these are all.
+    /// Whether these are all samples of the run.
     pub(crate) whole: bool,
-    /// The filters that have a place here have been analysed before.
+    /// Filters that have a place here are already analysed.
     pub(crate) known: &'a [Option<usize>],
-    /// The bounds that are there.
+    /// The bounds that already exist.
     pub(crate) bounds: &'a [Bound],
 }
 
 impl<'a> Subject<'a> {
-    /// A run as far as it has come.
+    /// The part of a run that is done so far.
     pub(crate) fn of(run: &'a Run) -> Self {
         let (bank, record, done) = (run.bank(), run.record(), run.done());
         Self { bank, record, done, whole: done == run.samples(), known: &[], bounds: &[] }
@@ -116,19 +78,19 @@ impl<'a> Subject<'a> {
 }
 
 impl Analysis {
-    /// The analysis of a run as far as it has come.
+    /// The analysis of the part of a run that is done so far.
     pub fn new(run: &Run, wanted: Wanted) -> Self {
         let mut analysis = Self { wanted, ..Self::default() };
         analysis.follow(run);
         analysis
     }
 
-    /// What is wanted.
+    /// The results that are computed.
     pub fn wanted(&self) -> Wanted {
         self.wanted
     }
 
-    /// The diagnostics, one a filter; none before they are complete.
+    /// The diagnostics, one per filter; empty until they are complete.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
@@ -139,12 +101,12 @@ impl Analysis {
         self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
     }
 
-    /// The estimates with hindsight of the filters that have a smoother.
+    /// The smoothed estimates of the filters that have a smoother; empty until they are complete.
     pub fn smoothed(&self) -> &[Estimates] {
         if self.all_smoothed { &self.smoothed } else { &[] }
     }
 
-    /// The bounds: filters that know as much at first share one.
+    /// The bounds. Filters with the same initial belief and process noise share one.
     pub fn bounds(&self) -> &[Bound] {
         if self.all_bounded { &self.bounds } else { &[] }
     }
@@ -154,48 +116,71 @@ impl Analysis {
         self.bounds().iter().find(|b| b.filters.contains(&id)).map(|b| &b.bound)
     }
 
-    /// The same, complete or not.
+    /// The bounds, complete or not.
     pub(crate) fn all_bounds(&self) -> &[Bound] {
         &self.bounds
     }
 
-    /// Takes in all that is new of a run.
+    /// Takes in all new samples of a run.
     pub fn follow(&mut self, run: &Run) {
         self.advance(&Subject::of(run), &mut || true);
     }
 
-    /// Says what is to be computed from now on.
+    /// Sets the results to compute from now on.
     pub(crate) fn want(&mut self, wanted: Wanted) {
         if self.wanted.diagnostics != wanted.diagnostics {
-            (self.diagnostics, self.begun, self.spare) = Default::default();
+            let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
+            self.waste.extend(diagnostics);
+            self.begun.clear();
             self.diagnoses.clear();
             self.diagnosed = false;
         }
         if self.wanted.smoothed != wanted.smoothed {
-            (self.smoothed, self.smoothing) = Default::default();
-            self.all_smoothed = false;
+            self.discard_smoothed();
         }
         if self.wanted.bounds != wanted.bounds {
-            self.bounds.clear();
+            self.waste.extend(self.bounds.drain(..).map(|of| of.bound));
             (self.chosen, self.all_bounded) = (false, false);
         }
         self.wanted = wanted;
     }
 
-    /// An empty analysis that wants the same, in the memory that is spare here.
+    /// An empty analysis with the same wishes, which reuses the spare memory of this one.
     pub(crate) fn successor(&mut self) -> Self {
         Self { wanted: self.wanted, spare: std::mem::take(&mut self.spare), ..Self::default() }
     }
 
-    /// Takes over what has been computed anew for another run, or for some filters of the same.
+    /// Takes over the memory of an unused analysis.
+    pub(crate) fn recycle(&mut self, mut old: Self) {
+        old.discard_smoothed();
+        self.spare.append(&mut old.spare);
+        self.spare.append(&mut old.diagnostics);
+        self.waste.append(&mut old.waste);
+        self.waste.extend(old.bounds.drain(..).map(|of| of.bound));
+    }
+
+    /// Returns one piece of unused memory to the system. Returns whether there was one.
+    pub(crate) fn free_one(&mut self) -> bool {
+        self.waste.free_one()
+    }
+
+    fn discard_smoothed(&mut self) {
+        self.waste.extend(self.smoothed.drain(..));
+        if let Some(InProgress { smoother, estimates }) = self.smoothing.take() {
+            self.waste.extend([smoother]);
+            self.waste.extend([estimates]);
+        }
+        self.all_smoothed = false;
+    }
+
+    /// Takes over the results for another run, or for changed filters of the same run.
     pub(crate) fn replace(&mut self, new: Self, update: &Update, run: &Run) {
         let mut old = std::mem::replace(self, new);
-        self.spare.append(&mut old.spare);
         if self.wanted != old.wanted {
             self.want(old.wanted);
         }
         let Update::Filters(changed) = update else {
-            self.spare.append(&mut old.diagnostics);
+            self.recycle(old);
             return;
         };
         let ids: Vec<u32> = run.scenario().filters.iter().map(|filter| filter.id).collect();
@@ -205,9 +190,9 @@ impl Analysis {
             self.diagnoses.resize(ids.len(), (None, 0));
             self.filters.clone_from(&ids);
         }
-        let of_filters = old.diagnostics.into_iter().zip(old.begun).zip(old.diagnoses);
-        for (id, ((diagnostics, begun), diagnosis)) in old.filters.into_iter().zip(of_filters) {
-            let place = ids.iter().position(|&new| new == id && !changed.contains(&id));
+        let of_filters = old.diagnostics.drain(..).zip(old.begun.drain(..)).zip(old.diagnoses.drain(..));
+        for (id, ((diagnostics, begun), diagnosis)) in old.filters.iter().zip(of_filters) {
+            let place = ids.iter().position(|new| new == id && !changed.contains(id));
             if let Some(place) = place.filter(|&place| place < self.diagnostics.len()) {
                 self.diagnostics[place] = diagnostics;
                 self.begun[place] = begun;
@@ -217,16 +202,19 @@ impl Analysis {
             }
         }
         let is_kept = |smoothed: &Estimates| ids.contains(&smoothed.id()) && !changed.contains(&smoothed.id());
-        self.smoothed.extend(old.smoothed.into_iter().filter(is_kept));
+        let (kept, gone): (Vec<_>, Vec<_>) = old.smoothed.drain(..).partition(is_kept);
+        self.smoothed.extend(kept);
+        old.smoothed = gone;
         self.smoothed.sort_by_key(|smoothed| ids.iter().position(|&id| id == smoothed.id()));
         old.bounds.append(&mut self.bounds);
-        self.bounds = bounds_of(run.scenario(), run.record().dt(), old.bounds, |_| true);
+        self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
         self.chosen = true;
         (self.diagnosed, self.all_smoothed, self.all_bounded) = (false, false, false);
+        self.recycle(old);
     }
 
-    /// Takes in what is new. Asks after each little piece of work whether there is time for another. Returns whether all is
-    /// done.
+    /// Takes in new samples. Calls `while_time` after each small piece of work and returns early if it is false.
+    /// Returns whether everything is done.
     pub(crate) fn advance(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
         self.diagnosed = self.wanted.diagnostics.is_some_and(|depth| self.diagnose(depth, subject, while_time));
         if self.wanted.diagnostics.is_some() && !self.diagnosed {
@@ -238,7 +226,7 @@ impl Analysis {
                 return false;
             }
         } else if !self.smoothed.is_empty() || self.smoothing.is_some() {
-            (self.smoothed, self.smoothing, self.all_smoothed) = Default::default();
+            self.discard_smoothed();
         }
         self.all_bounded = self.wanted.bounds && self.follow_bounds(subject, while_time);
         self.all_bounded || !self.wanted.bounds
@@ -282,7 +270,7 @@ impl Analysis {
     }
 
     fn smooth(&mut self, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { smoothed, smoothing, .. } = self;
+        let Self { smoothed, smoothing, waste, .. } = self;
         let Subject { bank, record, done, known, .. } = subject;
         let Scenario { filters, plant, .. } = bank.scenario();
         for place in (0..filters.len()).filter(|&place| filters[place].smoother && !is_known(known, place)) {
@@ -291,7 +279,10 @@ impl Analysis {
             }
             let Some(current) = smoothing.take().or_else(|| {
                 let smoother = bank.smoother(place, record.dt())?;
-                Some(InProgress { smoother, estimates: bank.smoothed(place) })
+                let mut estimates = bank.smoothed(place);
+                // Memory that grows is copied, which takes as long as a frame.
+                estimates.recycle(None, *done);
+                Some(InProgress { smoother, estimates })
             }) else {
                 smoothed.push(bank.smoothed(place));
                 continue;
@@ -301,6 +292,7 @@ impl Analysis {
             loop {
                 if smoother.advance(record, *done, chunk, &mut estimates) {
                     smoothed.push(estimates);
+                    waste.extend([smoother]);
                     break;
                 }
                 if !while_time() {
@@ -335,7 +327,7 @@ impl Analysis {
         true
     }
 
-    /// What is done and what there is to do, in nanoseconds.
+    /// The work that is done and the whole work, in nanoseconds.
     pub(crate) fn work(&self, subject: &Subject<'_>) -> (f64, f64) {
         let Subject { bank, done, known, .. } = subject;
         let scenario = bank.scenario();
@@ -365,21 +357,4 @@ impl Analysis {
 
 fn is_known(known: &[Option<usize>], place: usize) -> bool {
     known.get(place).is_some_and(Option::is_some)
-}
-
-/// The bounds of a scenario's filters: those of `old` that are for them, and new ones for places that need one.
-fn bounds_of(scenario: &Scenario, dt: f64, mut old: Vec<Bound>, is_needed: impl Fn(usize) -> bool) -> Vec<Bound> {
-    let mut bounds: Vec<Bound> = Vec::new();
-    for place in (0..scenario.filters.len()).filter(|&place| is_needed(place)) {
-        let id = scenario.filters[place].id;
-        let is_for = |b: &Bound| b.bound.is_for(scenario, place);
-        if let Some(same) = bounds.iter_mut().find(|b| is_for(b)) {
-            same.filters.push(id);
-        } else if let Some(same) = old.iter().position(is_for) {
-            bounds.push(Bound { filters: vec![id], ..old.swap_remove(same) });
-        } else if let Some(bound) = CramerRao::new(scenario, place, dt) {
-            bounds.push(Bound { bound, filters: vec![id] });
-        }
-    }
-    bounds
 }

@@ -1,11 +1,12 @@
-//! Properties of the input and of the sensors that any plant can be given, and any filter can estimate or know.
+//! Properties of the input and of the sensors, which can be added to any plant and to the state of any filter.
 //!
 //! ```text
 //! F = g f + o + u,  zᵢ = hᵢ(y, F) + bᵢ
 //! ```
 //!
 //! with the recorded force over mass f, its gain g, its offset o, an unknown force over mass u and the bias bᵢ of a sensor.
-//! Each is one more component of the state, constant but for its process noise: with that an unknown force is a random walk.
+//! Each is one more component of the state, constant except for its process noise, so that an unknown force is a random
+//! walk.
 //!
 //! Source: Lourens, Reynders, De Roeck, Degrande and Lombaert (2012), An augmented Kalman filter for force identification in
 //! structural dynamics (the unknown force); Friedland (1969), Treatment of bias in recursive filtering.
@@ -51,7 +52,7 @@ impl Channel {
     pub const INPUT_GAIN: Self = Self::new(&INPUT_GAIN);
     /// o \[m/s²\], a constant force over mass that the record lacks
     pub const INPUT_OFFSET: Self = Self::new(&INPUT_OFFSET);
-    /// u \[m/s²\], a force over mass that nobody records
+    /// u \[m/s²\], a force over mass that is not recorded
     pub const UNKNOWN_FORCE: Self = Self::new(&UNKNOWN_FORCE);
 }
 
@@ -63,7 +64,7 @@ pub fn all() -> impl Iterator<Item = Channel> {
     OF_INPUT.into_iter().chain(Quantity::all().iter().map(|quantity| quantity.bias()))
 }
 
-/// The augmentations that a plant can have: those of the input, then the biases of what can be measured of it.
+/// The augmentations that a plant can have: those of the input, then the biases of its measurable quantities.
 pub fn of(plant: PlantKind) -> impl Iterator<Item = Channel> {
     OF_INPUT.into_iter().chain(plant.quantities().map(Quantity::bias))
 }

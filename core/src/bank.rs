@@ -6,7 +6,7 @@ use crate::select::smoother;
 use crate::smoother::Smoother;
 use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
-/// The filters of a scenario on their way through one record, with their histories.
+/// The filters of a scenario and their histories, over one record.
 pub(crate) struct Bank {
     scenario: Scenario,
     quantities: Vec<Quantity>,
@@ -17,7 +17,7 @@ pub(crate) struct Bank {
 }
 
 impl Bank {
-    /// No filter yet of a scenario, over a record of its kind.
+    /// An empty bank for a scenario and a record of its kind.
     pub(crate) fn new(scenario: &Scenario, record: &Record) -> Result<Self, RunError> {
         let quantities = scenario.sensors.iter().map(|s| s.measures).collect();
         let sensors = sensor_places(scenario, record)?;
@@ -26,7 +26,7 @@ impl Bank {
         Ok(Self { scenario, quantities, sensors, passes: Vec::new(), estimates: Vec::new() })
     }
 
-    /// The scenario; each filter has an id of its own.
+    /// The scenario; each filter has a unique id.
     pub(crate) fn scenario(&self) -> &Scenario {
         &self.scenario
     }
@@ -35,8 +35,8 @@ impl Bank {
         FilterContext::new(&self.scenario, &self.quantities, dt, &self.scenario.filters[place])
     }
 
-    /// Adds the scenario's next filter before the first sample, with room for `samples` in the memory of estimates that are
-    /// no longer needed.
+    /// Adds the scenario's next filter before the first sample. Reserves memory for `samples`, or reuses that of old
+    /// estimates.
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
         let place = self.passes.len();
         let filter = &self.scenario.filters[place];
@@ -47,7 +47,7 @@ impl Bank {
         self.estimates.push(estimates);
     }
 
-    /// Leaves the place of the scenario's next filter to one that is moved there later.
+    /// Leaves a gap at the place of the scenario's next filter, which is moved in later.
     pub(crate) fn leave_place(&mut self) {
         let filter = &self.scenario.filters[self.passes.len()];
         self.estimates.push(self.empty(filter));
@@ -70,32 +70,33 @@ impl Bank {
         self.scenario.filters.iter().map(|filter| filter.input_delay.max(0) as usize).max().unwrap_or(0)
     }
 
-    /// Lets every filter follow a record to `samples`, one after the other: each finds its own numbers in the cache.
+    /// Runs all filters over a record up to `samples`, one filter after the other, because each one's data then stays
+    /// in the cache.
     pub(crate) fn follow(&mut self, record: &Record, samples: usize) {
         for (pass, estimates) in self.passes.iter_mut().zip(&mut self.estimates) {
             pass.follow(record, samples, estimates);
         }
     }
 
-    /// Lets the filter at a place follow a record to `samples`.
+    /// Runs the filter at a place over a record up to `samples`.
     pub(crate) fn follow_one(&mut self, place: usize, record: &Record, samples: usize) {
         self.passes[place].follow(record, samples, &mut self.estimates[place]);
     }
 
-    /// Forgets the first samples of those that are kept.
+    /// Forgets the first samples that are still kept.
     pub(crate) fn forget(&mut self, samples: usize) {
         for estimates in &mut self.estimates {
             estimates.forget(samples);
         }
     }
 
-    /// The smoother of the filter at a place, if it has one and wants it.
+    /// The smoother of the filter at a place, if its settings ask for one and its kind has one.
     pub(crate) fn smoother(&self, place: usize, dt: f64) -> Option<Smoother> {
         let filter = self.scenario.filters.get(place).filter(|filter| filter.smoother)?;
         smoother(filter, self.context(dt, place))
     }
 
-    /// Empty estimates for a smoother of the filter at a place. It knows of no innovation: they are the filter's.
+    /// Empty estimates for the smoother of the filter at a place. They have no innovations; those are the filter's.
     pub(crate) fn smoothed(&self, place: usize) -> Estimates {
         let filter = &self.scenario.filters[place];
         let model = filter.model(self.scenario.plant.kind, self.scenario.input);

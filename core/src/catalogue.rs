@@ -1,4 +1,4 @@
-//! Every channel that there is: those of the plants in the registry, and the augmentations.
+//! All channels: those of the plants in the registry, and the augmentations.
 
 use std::sync::LazyLock;
 
@@ -38,7 +38,7 @@ impl<'de> Deserialize<'de> for Channel {
     }
 }
 
-/// The keys of channels to choose from in a message.
+/// The keys of channels, for a message.
 pub(crate) fn expected_channels(has: impl Fn(Channel) -> bool) -> String {
     expected(Channel::all().iter().filter(|c| c.mass() == 0 && has(**c)).map(|c| c.key()))
 }

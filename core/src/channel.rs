@@ -9,29 +9,29 @@ use serde::{Serialize, Serializer};
 /// The most masses that a plant can have.
 pub const MAX_MASSES: usize = 10;
 
-/// The part that a channel has in a plant.
+/// The role of a channel in a plant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// It moves, as the plant's equation says.
+    /// A component of the motion, governed by the plant's equation.
     Motion,
-    /// It is a property of the plant: constant, or decaying at the rate η.
+    /// A property of the plant: constant, or decaying at the rate η.
     Parameter(Sign),
-    /// It is a property of the input or of a sensor: constant, whatever the plant.
+    /// A property of the input or of a sensor: constant, for every plant.
     Augmentation,
 }
 
-/// The values that a parameter of a plant can have.
+/// The allowed sign of a plant's parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
     /// Any number.
     Any,
-    /// No number below zero.
+    /// At least zero.
     NotNegative,
-    /// Numbers above zero only.
+    /// Above zero.
     Positive,
 }
 
-/// The numbers that are usual for a channel, in its unit.
+/// Usual numbers of a channel, in its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Usual {
     /// Mean of a filter's initial belief.
@@ -40,16 +40,15 @@ pub struct Usual {
     pub std: f64,
     /// Standard deviation of the process noise per step.
     pub process: f64,
-    /// The true value, mass by mass; the last one serves all masses after it. None for what moves.
+    /// True values, mass by mass; the last one applies to all further masses. Empty for a component of the motion.
     pub truth: &'static [f64],
-    /// Ends of a slider.
+    /// Limits of a slider.
     pub slider: (f64, f64),
-    /// Decimals that show a usual value well.
+    /// Number of decimals for a usual value.
     pub decimals: usize,
 }
 
-/// All that is known of a kind of channel. Where masses have one each, keys, names and symbols are in the order of the
-/// masses.
+/// A kind of channel. Where each mass has such a channel, keys, names and symbols are in the order of the masses.
 #[derive(Debug)]
 pub struct ChannelInfo {
     /// Keys in scenario files and columns in CSV files.
@@ -60,11 +59,11 @@ pub struct ChannelInfo {
     pub symbols: &'static [&'static str],
     /// The unit, empty for a pure number.
     pub unit: &'static str,
-    /// Its part in a plant.
+    /// The role in a plant.
     pub role: Role,
-    /// The channel that is its rate of change: the velocity, of a displacement.
+    /// The channel of its rate of change: for a displacement, the velocity.
     pub rate: Option<&'static ChannelInfo>,
-    /// Whether it changes its sign together with the natural frequency, which leaves the oscillator the same.
+    /// Whether the channel changes its sign together with the natural frequency, which gives the same oscillator.
     pub mirrored: bool,
     /// Usual numbers.
     pub usual: Usual,
@@ -72,14 +71,14 @@ pub struct ChannelInfo {
 
 /// One component of a plant's augmented state: a motion, a parameter, or a property of the input or of a sensor.
 ///
-/// A plant declares the channels that it has to itself in its own file; those that several share are here.
+/// Each plant declares its own channels in its file; channels that several plants share are declared here.
 #[derive(Clone, Copy)]
 pub struct Channel {
     info: &'static ChannelInfo,
     mass: u8,
 }
 
-/// A word for each mass: that of the first as it is, those of the others with a number.
+/// A word for each mass: as given for the first, with a number for the others.
 macro_rules! by_mass {
     ($word:literal, $space:literal) => {
         &[
@@ -96,7 +95,7 @@ macro_rules! by_mass {
         ]
     };
 }
-/// A symbol for each mass: that of the first given, those of the others with a subscript.
+/// A symbol for each mass: as given for the first, with a subscript for the others.
 macro_rules! symbols_by_mass {
     ($first:literal, $symbol:literal) => {
         &[
@@ -138,17 +137,17 @@ static VELOCITY: ChannelInfo = ChannelInfo {
 };
 
 impl Channel {
-    /// x \[m\], of the first mass where there are several.
+    /// x \[m\], of the first mass in a chain.
     pub const DISPLACEMENT: Self = Self::displacement(0);
-    /// v = ẋ \[m/s\], of the first mass where there are several.
+    /// v = ẋ \[m/s\], of the first mass in a chain.
     pub const VELOCITY: Self = Self::velocity(0);
 
-    /// The channel of a kind of which there is one.
+    /// The channel of a kind that does not belong to masses.
     pub const fn new(info: &'static ChannelInfo) -> Self {
         Self { info, mass: 0 }
     }
 
-    /// The channel of a kind for a mass, counted from 0. There must be a key for it.
+    /// The channel of a kind for a mass, counted from 0. The kind must have a key for that mass.
     pub const fn of_mass(info: &'static ChannelInfo, mass: usize) -> Self {
         assert!(mass < info.keys.len(), "there is no such mass");
         Self { info, mass: mass as u8 }
@@ -164,12 +163,12 @@ impl Channel {
         Self::of_mass(&VELOCITY, mass)
     }
 
-    /// All that is known of its kind.
+    /// The kind's data.
     pub const fn info(self) -> &'static ChannelInfo {
         self.info
     }
 
-    /// The mass that it is of, counted from 0; 0 too where it is of none.
+    /// The mass, counted from 0; also 0 for a channel that belongs to no mass.
     pub const fn mass(self) -> usize {
         self.mass as usize
     }
@@ -194,7 +193,7 @@ impl Channel {
         self.info.unit
     }
 
-    /// Its part in a plant.
+    /// The role in a plant.
     pub const fn role(self) -> Role {
         self.info.role
     }
@@ -204,13 +203,13 @@ impl Channel {
         &self.info.usual
     }
 
-    /// The usual true value; zero for what moves.
+    /// The usual true value; zero for a component of the motion.
     pub fn usual_truth(self) -> f64 {
         let truth = self.info.usual.truth;
         truth.get(self.mass()).or(truth.last()).copied().unwrap_or(0.0)
     }
 
-    /// Whether the channel is a property of plant, input or sensor (true) or moves (false).
+    /// Whether the channel is a property of plant, input or sensor, and not a component of the motion.
     pub const fn is_parameter(self) -> bool {
         !matches!(self.info.role, Role::Motion)
     }
@@ -220,7 +219,7 @@ impl Channel {
         matches!(self.info.role, Role::Augmentation)
     }
 
-    /// The channel that is its rate of change: the velocity, of a displacement.
+    /// The channel of its rate of change: for a displacement, the velocity.
     pub const fn rate(self) -> Option<Self> {
         match self.info.rate {
             Some(info) => Some(Self { info, mass: self.mass }),
@@ -228,12 +227,12 @@ impl Channel {
         }
     }
 
-    /// Whether the channel is a parameter that cannot be negative, so that its logarithm may be estimated instead.
+    /// Whether the channel is a parameter that must be positive, so that its logarithm can be estimated instead.
     pub const fn is_positive(self) -> bool {
         matches!(self.info.role, Role::Parameter(Sign::NotNegative | Sign::Positive))
     }
 
-    /// Whether the channel changes its sign together with the natural frequency, which leaves the oscillator the same.
+    /// Whether the channel changes its sign together with the natural frequency, which gives the same oscillator.
     pub const fn is_mirrored(self) -> bool {
         self.info.mirrored
     }
@@ -260,7 +259,7 @@ impl PartialOrd for Channel {
 }
 
 impl Ord for Channel {
-    /// By key.
+    /// Orders by key.
     fn cmp(&self, other: &Self) -> Ordering {
         self.key().cmp(other.key())
     }
@@ -278,7 +277,7 @@ impl Serialize for Channel {
     }
 }
 
-/// The keys to choose from in a message: those of first masses, and how others are called.
+/// The keys of first masses, for a message, with a hint to those of the other masses.
 pub(crate) fn expected<'a>(keys: impl Iterator<Item = &'a str>) -> String {
     let keys: Vec<String> = keys.map(|key| format!("`{key}`")).collect();
     format!("one of {}, and of other masses as in `displacement_2`", keys.join(", "))

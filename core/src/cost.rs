@@ -1,18 +1,18 @@
-//! About how long a filter takes for a sample.
+//! Estimates of computing time.
 
 use crate::{FilterKind, FilterSettings, InputKind, PlantKind};
 
-/// How long a filter may go on before someone looks at the time: a browser is two to three times slower than this \[ns\].
+/// Limits the time between two checks of the clock; a browser is two to three times slower than this \[ns\].
 const CHUNK: f64 = 1e6;
 
-/// Nanoseconds that a sample of a simulated record takes, to within a factor of three.
+/// Time to simulate one sample of a record, to within a factor of three \[ns\].
 pub(crate) const OF_RECORD: f64 = 500.0;
 
-/// Nanoseconds that a filter takes for a sample on an ordinary processor, by kind and size, as far as that can be told
-/// beforehand: to within a factor of three. Nothing but when something is computed depends on it.
+/// Time that a filter takes for one sample on an ordinary processor, by kind and size, to within a factor of three
+/// \[ns\]. It affects only the order and the portions of the work, never the results.
 pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
     let n = settings.model(truth, InputKind::Force).size() as f64;
-    // A matrix product takes n³ multiplications, what is beside it n².
+    // A matrix product takes n³ multiplications; the rest of a step takes about n².
     let local = 60.0 + 6.0 * n * n + n * n * n;
     match settings.kind {
         kind if kind == FilterKind::IEKF => local * settings.iterations.max(1) as f64,
@@ -22,7 +22,7 @@ pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
     }
 }
 
-/// How many samples a filter makes before someone looks at the time.
+/// The number of samples that a filter computes between two checks of the clock.
 pub(crate) fn chunk(step: f64) -> usize {
     (CHUNK / step).clamp(1.0, 1e5) as usize
 }

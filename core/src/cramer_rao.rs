@@ -1,4 +1,4 @@
-//! The floor for ±σ: how well any filter could know the state at best.
+//! The Cramér-Rao bound: the smallest standard deviations that any filter can reach.
 
 use std::ops::Range;
 
@@ -11,18 +11,19 @@ use crate::kernel::plant::Visitor;
 use crate::kernel::{Belief, Correction, Filter, Linearised};
 use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, Scenario};
 
-/// The posterior Cramér-Rao bound for one filter of a scenario: no unbiased filter that begins with its initial belief and
-/// takes its process noise for true has smaller covariances. The sensors' noise is the true one, with the disturbance that an
-/// accelerometer feels, the plant the truth's, and nothing is forgotten. An augmentation of the truth that the filter lacks is
-/// taken for known.
+/// The posterior Cramér-Rao bound for one filter of a scenario. No unbiased filter with the same initial belief and
+/// process noise has smaller covariances. The bound uses the truth's plant, the true noise of the sensors (with the
+/// disturbance that an accelerometer feels) and no fading. It takes an augmentation of the truth that the filter lacks
+/// as known.
 ///
 /// ```text
 /// J⁻ₖ₊₁ = (Φₖ Jₖ⁻¹ Φₖᵀ + Q)⁻¹,  Jₖ₊₁ = J⁻ₖ₊₁ + Hₖ₊₁ᵀ R⁻¹ Hₖ₊₁
 /// ```
 ///
-/// with Φ and H along the true trajectory, which stands for the mean over all of them. The recursion runs on `J⁻¹`, by the
-/// predict and update of a filter that is told the truth at every sample: the same numbers, and a parameter that is known
-/// for certain does no harm. For a linear plant with known parameters it is the Kalman filter's own covariance.
+/// with Φ and H along the true trajectory, in place of the mean over all trajectories. The recursion is that of `J⁻¹`,
+/// computed by the predict and update of a filter whose mean is set to the truth at every sample. This is algebraically
+/// the same, and it allows parameters of variance zero. For a linear plant with known parameters the bound is the
+/// Kalman filter's own covariance.
 ///
 /// Source: Tichavský, Muravchik and Nehorai (1998), Posterior Cramér-Rao bounds for discrete-time nonlinear filtering,
 /// equations 21 and 34.
@@ -31,28 +32,28 @@ pub struct CramerRao {
     channels: Vec<Channel>,
     recursion: Box<dyn Recursion>,
     std: Vec<f64>,
-    /// How many samples the record had forgotten when it was last followed.
+    /// The number of samples that the record had forgotten at the last call.
     forgotten: usize,
-    /// Whether the recursion has met a number that is none, or lacks a sample.
+    /// Whether the recursion has failed or lacks a sample.
     stopped: bool,
 }
 
 impl CramerRao {
-    /// The bound for the filter at `place` with `dt` \[s\] between samples, before the first one. None if there is no such
-    /// filter.
+    /// The bound for the filter at `place` before the first sample, with `dt` \[s\] between samples. `None` if there is
+    /// no such filter.
     pub fn new(scenario: &Scenario, place: usize, dt: f64) -> Option<Self> {
-        let settings = told(scenario, place)?;
+        let settings = bound_settings(scenario, place)?;
         let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let plant = scenario.plant.kind;
         let (input, hold) = (scenario.input, scenario.hold);
         let context = FilterContext { plant, input, hold, sensors: &sensors, dt, seed: scenario.seed, stream: 0 };
         let channels = context.model(&settings).channels().to_vec();
         let recursion = with_model(&settings, &context, Start { settings: &settings, context })
-            .unwrap_or_else(|| Box::new(ToldByTheBook::new(&settings, &context)));
+            .unwrap_or_else(|| Box::new(DynamicBoundFilter::new(&settings, &context)));
         Some(Self { settings, channels, recursion, std: Vec::new(), forgotten: 0, stopped: false })
     }
 
-    /// Takes over the memory of a bound that is no longer needed, before the first sample.
+    /// Reuses the memory of an old bound, before the first sample.
     pub fn recycle(&mut self, old: Self) {
         if self.std.is_empty() {
             self.std = old.std;
@@ -60,39 +61,39 @@ impl CramerRao {
         }
     }
 
-    /// Whether this is the bound for the filter at `place`, too: it knows as much at first, and takes the same for chance.
+    /// Whether this bound also applies to the filter at `place`: the initial belief and the process noise are equal.
     /// The rest of the scenario must be the same.
     pub fn is_for(&self, scenario: &Scenario, place: usize) -> bool {
-        told(scenario, place).is_some_and(|settings| settings == self.settings)
+        bound_settings(scenario, place).is_some_and(|settings| settings == self.settings)
     }
 
-    /// Takes in the samples that a record of this scenario has beyond those seen so far, and forgets those that the record
-    /// has forgotten. Without the truth of every channel there is no bound, and none from a sample on that the record has
-    /// forgotten before it was seen here.
+    /// Takes in the new samples of a record of this scenario, and forgets those that the record has forgotten. There is
+    /// no bound without the truth of every channel, nor after a sample that the record forgot before it was taken in
+    /// here.
     pub fn follow(&mut self, record: &Record) {
         self.follow_to(record.len(), record);
     }
 
-    /// The same up to sample `end` of those that are kept. Returns whether there is nothing left to take in before it.
+    /// [`Self::follow`] up to sample `end` of those that are kept. Returns whether everything before it is done.
     pub(crate) fn follow_to(&mut self, end: usize, record: &Record) -> bool {
         let Self { settings: _, channels, recursion, std, forgotten, stopped } = self;
         let gone = (record.forgotten() - *forgotten) * channels.len();
         std.drain(..gone.min(std.len()));
         *forgotten = record.forgotten();
         let of = |&channel: &Channel| match record.truth(channel) {
-            // A truth without an augmentation has its usual value.
-            None if channel.is_augmentation() => Some(Known::Always(channel.usual_truth())),
-            truth => truth.map(Known::OverTime),
+            // Without an augmentation, the truth has the usual value.
+            None if channel.is_augmentation() => Some(TrueValue::Constant(channel.usual_truth())),
+            truth => truth.map(TrueValue::Varying),
         };
-        let truth: Option<Vec<Known<'_>>> = channels.iter().map(of).collect();
+        let truth: Option<Vec<TrueValue<'_>>> = channels.iter().map(of).collect();
         let Some(truth) = truth.filter(|_| !*stopped) else { return true };
-        // The sample before the first new one must still be there, unless there never was one.
+        // The recursion needs the sample before the first new one, except at the beginning.
         let seen = std.len() / channels.len();
         *stopped = (seen == 0 && *forgotten > 0) || recursion.follow(&truth, record, seen..end, std).is_err();
         *stopped || std.len() / channels.len() >= record.len()
     }
 
-    /// The channels of the bound: all of the truth's, and the augmentations that the filter estimates besides.
+    /// The channels of the bound: those of the truth, then the other augmentations that the filter estimates.
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -112,14 +113,15 @@ impl CramerRao {
         self.std.is_empty()
     }
 
-    /// The least standard deviation of a channel at sample `k` of those that the record keeps, in the channel's unit.
+    /// The bound on a channel's standard deviation at sample `k` of those that the record keeps, in the channel's unit.
     pub fn std(&self, k: usize, place: usize) -> f64 {
         self.std[k * self.channels.len() + place]
     }
 }
 
-/// What of a filter's settings the bound takes over.
-fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
+/// The settings of the bound's filter: the initial belief and process noise of the filter at `place`, the truth
+/// otherwise.
+fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     let FilterSettings { kind, augment, mut initial_std, mut process_std, initial_mean, eta, .. } =
         scenario.filters.get(place)?.clone();
     let of_truth: Vec<Channel> = scenario.plant.parameters().filter(|channel| channel.is_augmentation()).collect();
@@ -141,28 +143,29 @@ fn told(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
     })
 }
 
-/// The truth of a channel.
+/// The true values of a channel.
 #[derive(Clone, Copy)]
-enum Known<'a> {
-    Always(f64),
-    OverTime(&'a [f64]),
+enum TrueValue<'a> {
+    Constant(f64),
+    Varying(&'a [f64]),
 }
 
-impl Known<'_> {
+impl TrueValue<'_> {
     fn at(self, k: usize) -> f64 {
         match self {
-            Self::Always(value) => value,
-            Self::OverTime(values) => values[k],
+            Self::Constant(value) => value,
+            Self::Varying(values) => values[k],
         }
     }
 }
 
-/// The recursion with its size erased.
+/// The recursion, with its size erased.
 trait Recursion: Send {
-    /// Goes through some samples of a record, with the truth of every channel, and appends the standard deviations of each.
+    /// Runs over samples of a record and appends the standard deviations of every channel. `truth` has the true values
+    /// of every channel.
     fn follow(
         &mut self,
-        truth: &[Known<'_>],
+        truth: &[TrueValue<'_>],
         record: &Record,
         samples: Range<usize>,
         std: &mut Vec<f64>,
@@ -181,20 +184,20 @@ impl Visitor for Start<'_> {
         let Self { settings, context } = self;
         let belief = Linearised::new(initial_belief(&model, settings), settings.propagation, 1);
         let sensors = context.sensors.to_vec();
-        Box::new(Told { filter: build_filter(model, belief, settings, &context), sensors })
+        Box::new(BoundFilter { filter: build_filter(model, belief, settings, &context), sensors })
     }
 }
 
-/// A filter that is told the truth.
-struct Told<P, const N: usize> {
+/// A tuned filter whose mean is set to the truth at every sample.
+struct BoundFilter<P, const N: usize> {
     filter: Filter<P, Linearised<N>, N>,
     sensors: Vec<Quantity>,
 }
 
-impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
+impl<P: Model<N>, const N: usize> Recursion for BoundFilter<P, N> {
     fn follow(
         &mut self,
-        truth: &[Known<'_>],
+        truth: &[TrueValue<'_>],
         record: &Record,
         samples: Range<usize>,
         std: &mut Vec<f64>,
@@ -221,13 +224,13 @@ impl<P: Model<N>, const N: usize> Recursion for Told<P, N> {
     }
 }
 
-/// A filter of any model that is told the truth.
-struct ToldByTheBook {
+/// A filter of any model whose mean is set to the truth at every sample.
+struct DynamicBoundFilter {
     filter: filter::Filter<filter::Linearised>,
     sensors: Vec<Quantity>,
 }
 
-impl ToldByTheBook {
+impl DynamicBoundFilter {
     fn new(settings: &FilterSettings, context: &FilterContext<'_>) -> Self {
         let initial = filter::estimator::initial_gaussian(&context.model(settings), settings);
         let belief = Box::new(filter::Linearised::new(initial, settings.propagation, 1));
@@ -236,10 +239,10 @@ impl ToldByTheBook {
     }
 }
 
-impl Recursion for ToldByTheBook {
+impl Recursion for DynamicBoundFilter {
     fn follow(
         &mut self,
-        truth: &[Known<'_>],
+        truth: &[TrueValue<'_>],
         record: &Record,
         samples: Range<usize>,
         std: &mut Vec<f64>,

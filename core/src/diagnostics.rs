@@ -1,4 +1,4 @@
-//! Whether a filter is to be believed: how far it is from the truth, and whether it knows how far.
+//! The diagnostics of a filter: how far it is from the truth, and whether its covariance agrees with that.
 
 pub(crate) mod accuracy;
 pub mod chi_squared;
@@ -23,7 +23,7 @@ pub use summary::{Final, Score, Summary};
 pub use totals::{MeanSquare, Total};
 pub use whiteness::{LAGS, LjungBox, Whiteness};
 
-/// How much of the diagnostics is followed.
+/// The depth of the diagnostics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Depth {
     /// NIS, NEES and likelihood, at half the cost of all: there are no tallies of errors, no whiteness and no diagnosis.
@@ -33,13 +33,13 @@ pub enum Depth {
     All,
 }
 
-/// What the estimates of one filter are worth, from running sums that follow them sample by sample.
+/// The accuracy and consistency of one filter, from running sums that are updated sample by sample.
 ///
-/// Errors are those of the canonical form ([`Estimates::canonical_mean`]). In whatever portions the samples come, the
-/// numbers are the same to the last bit.
+/// Errors are those of the canonical form ([`Estimates::canonical_mean`]). The numbers are bit-identical however the
+/// samples are divided into portions.
 ///
-/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), they speak of those that are kept, and count
-/// from the first of these. What they still know of the others is from when on an estimate has settled.
+/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), the diagnostics cover the samples that are
+/// kept, and indices count from the first of these. Of forgotten samples only the settling time is remembered.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
     depth: Depth,
@@ -54,25 +54,25 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Diagnostics of no estimates yet, for [`Self::restart`].
+    /// Empty diagnostics, for [`Self::restart`].
     pub fn empty(depth: Depth) -> Self {
         Self { depth, ..Self::default() }
     }
 
-    /// The diagnostics of all estimates so far of a filter, against the record that it follows.
+    /// The diagnostics of all estimates of a filter so far, against the record that it uses.
     pub fn new(estimates: &Estimates, record: &Record) -> Self {
         let mut diagnostics = Self::default();
         diagnostics.restart(estimates, record);
         diagnostics
     }
 
-    /// Begins anew with other estimates, as [`Self::new`] does, as deep as before and in the memory of these diagnostics.
+    /// Begins again with other estimates, at the same depth, and reuses the memory.
     pub fn restart(&mut self, estimates: &Estimates, record: &Record) {
         self.clear(estimates, record);
         self.follow(estimates, record);
     }
 
-    /// Begins anew with other estimates, before the first sample of them.
+    /// Begins again with other estimates, before their first sample.
     pub(crate) fn clear(&mut self, estimates: &Estimates, record: &Record) {
         let Self { depth, samples, forgotten, accuracy, nees, nis, whiteness, likelihood, stop } = self;
         *samples = 0;
@@ -88,18 +88,17 @@ impl Diagnostics {
         *stop = None;
     }
 
-    /// Takes in what has been estimated since: each sample in a time that does not depend on how many there are. Both
-    /// must be those that the diagnostics began with, grown longer. Where samples have been forgotten since, begins anew with
-    /// those that are kept.
+    /// Takes in the new samples, each in constant time. `estimates` and `record` must be those that the diagnostics
+    /// began with, grown longer. Where samples have been forgotten since, begins again with those that are kept.
     pub fn follow(&mut self, estimates: &Estimates, record: &Record) {
         self.follow_to(estimates.len(), estimates, record);
     }
 
-    /// The same up to sample `end` of those that are kept.
+    /// [`Self::follow`] up to sample `end` of those that are kept.
     pub(crate) fn follow_to(&mut self, end: usize, estimates: &Estimates, record: &Record) {
         if estimates.forgotten() != self.forgotten {
             let seen_all = self.forgotten + self.samples >= estimates.forgotten();
-            let before = self.accuracy.clone_known();
+            let before = self.accuracy.clone_tracked();
             self.restart(estimates, record);
             if seen_all {
                 self.accuracy.remember(&before);
@@ -155,7 +154,7 @@ impl Diagnostics {
         self.samples == 0
     }
 
-    /// Where the filter stopped, if it could not go on.
+    /// Where and why the filter stopped, if it did.
     pub fn stop(&self) -> Option<Stop> {
         self.stop
     }
@@ -170,8 +169,8 @@ impl Diagnostics {
         Some(self.accuracy.error(self.accuracy.place(channel)?)).filter(|error| !error.is_nan())
     }
 
-    /// What a channel's errors over a range of samples come to; `None` where the truth is not known, or only consistency is
-    /// followed.
+    /// The tally of a channel's errors over a range of samples; `None` where the truth is not known, or at the depth
+    /// [`Depth::Consistency`].
     pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<Tally> {
         let tally = self.accuracy.within(self.accuracy.place(channel)?, range);
         (tally.known > 0).then_some(tally)
@@ -182,7 +181,7 @@ impl Diagnostics {
     pub(crate) fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
         let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
         let recent = self.samples * 4 / 5..self.samples;
-        let is_lost = |(at, known): (usize, &accuracy::Known)| {
+        let is_lost = |(at, known): (usize, &accuracy::TrackedChannel)| {
             let rmse = self.accuracy.within(at, recent.clone()).rmse();
             let (first, std) = (estimates.initial_std(known.place), estimates.std(last, known.place));
             let bound = known.largest_truth.max(known.first_error).max(2.0 * first);
@@ -191,25 +190,26 @@ impl Diagnostics {
         self.accuracy.known().iter().enumerate().filter_map(is_lost).collect()
     }
 
-    /// The samples of the last third: those from 2/3 of their number on.
+    /// The last third of the samples.
     pub fn last_third(&self) -> Range<usize> {
         (2 * self.samples).div_ceil(3)..self.samples
     }
 
-    /// The sample from which on a channel's estimate has been within 5 % of the truth until the last, by its number from the
-    /// run's beginning ([`Record::time_of`]); `None` where the last is not, the truth is not known, or only consistency is followed.
+    /// The sample since which a channel's estimate has stayed within 5 % of the truth, counted from the run's beginning
+    /// ([`Record::time_of`]). `None` where the last estimate is not, the truth is not known, or the depth is
+    /// [`Depth::Consistency`].
     pub fn settled(&self, channel: Channel) -> Option<usize> {
         self.accuracy.settled(self.accuracy.place(channel)?)
     }
 
-    /// The normalised estimation error squared of every sample: NaN where a truth is missing or the covariance cannot be
-    /// factored.
+    /// The normalised estimation error squared of every sample: NaN where a truth is missing or the covariance has no
+    /// factor.
     ///
     /// ```text
     /// NEES = eᵀ P⁻¹ e
     /// ```
     ///
-    /// over all channels of known truth that the filter does not hold for certain (variance zero).
+    /// over all channels of known truth and positive variance.
     ///
     /// Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section
     /// 5.4.
@@ -224,9 +224,9 @@ impl Diagnostics {
 
     /// The mean NEES of all samples, and the 95 % interval of a single sample's.
     ///
-    /// The errors of one run are so alike from sample to sample that its samples are far from independent, and nobody
-    /// knows how many independent ones they amount to. So the interval is that of one: a mean over more is inside with a
-    /// probability of more than 95 %. It assumes normal errors, and no more.
+    /// Errors of one run are strongly correlated from sample to sample, and the number of independent samples is
+    /// unknown. The interval is therefore that of a single sample. It is wide: for a consistent filter with normal
+    /// errors the mean lies inside with a probability above 95 %.
     pub fn mean_nees(&self) -> Option<MeanSquare> {
         MeanSquare::new(self.nees.totals().whole(), 1)
     }
@@ -248,7 +248,7 @@ impl Diagnostics {
         MeanSquare::new(total, total.samples)
     }
 
-    /// Whether the innovations are white, sensor by sensor; none where only consistency is followed.
+    /// The whiteness of the innovations, sensor by sensor; empty at the depth [`Depth::Consistency`].
     pub fn whiteness(&self) -> &[Whiteness] {
         &self.whiteness
     }

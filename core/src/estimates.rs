@@ -1,26 +1,32 @@
-//! What one filter has estimated so far, sample by sample.
+//! The estimates of one filter, sample by sample.
 
 use crate::by_channel::ByChannel;
-use crate::health::{Remark, Watch};
+use crate::remarks::{Monitor, Remark};
 use crate::sink::Sample;
-use crate::{Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, likelihood};
+use crate::waste::Piecewise;
+use crate::{
+    Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, gaussian_likelihood,
+};
 
 /// Reserve memory for at most this many samples; the vectors of longer runs grow.
 const ROOM: usize = 1 << 18;
 
+/// Numbers whose memory is returned at once: 4 MB.
+const FREED: usize = 1 << 19;
+
 /// Why and where a filter stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stop {
-    /// The number, from the run's beginning, of the first sample without an estimate.
+    /// The number, counted from the run's beginning, of the first sample without an estimate.
     pub sample: usize,
-    /// What went wrong there.
+    /// The error.
     pub reason: FilterError,
 }
 
-/// The estimates of one filter: everything that it computed at each sample, from k = 0 on.
+/// The estimates of one filter: the results of every sample, from k = 0 on.
 ///
-/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), `k` counts from the first one that is kept, as
-/// it does in the [`Record`](crate::Record). [`Stop`]s and [`Remark`]s tell a sample by its number from the run's beginning.
+/// Where a run has forgotten samples ([`Run::forget`](crate::Run::forget)), `k` counts from the first one that is kept,
+/// as in the [`Record`](crate::Record). [`Stop`] and [`Remark`] count samples from the run's beginning.
 ///
 /// With n channels and m sensors a sample has n means, an n × n covariance, m innovations, their m × m covariance and an
 /// n × m gain. At the run's first sample and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
@@ -33,7 +39,7 @@ pub struct Estimates {
     color: Option<FilterColor>,
     plant: PlantKind,
     channels: Vec<Channel>,
-    /// The place of the channel whose sign decides about the canonical form.
+    /// The place of the natural frequency, whose sign determines the canonical form.
     frequency: Option<usize>,
     sensors: Vec<Quantity>,
     forgotten: usize,
@@ -41,7 +47,7 @@ pub struct Estimates {
     initial_std: Vec<f64>,
     mean: Vec<f64>,
     cov: Vec<f64>,
-    /// The means in canonical form and the diagonals of the covariances, once more.
+    /// The means in canonical form and the diagonals of the covariances, as contiguous columns for plots and sums.
     canonical: ByChannel,
     variance: ByChannel,
     innovation: Vec<f64>,
@@ -49,15 +55,15 @@ pub struct Estimates {
     gain: Vec<f64>,
     nis: Vec<f64>,
     determinant: Vec<f64>,
-    /// The particles' own.
+    /// Recorded for a particle filter only.
     log_likelihood: Vec<f64>,
     effective_samples: Vec<f64>,
-    watch: Watch,
+    monitor: Monitor,
     stop: Option<Stop>,
 }
 
 impl Estimates {
-    /// Estimates without a sample, of a filter with this model that is given `sensors`.
+    /// Empty estimates of a filter with this model and these sensors.
     pub(crate) fn new(settings: &FilterSettings, model: &Model, sensors: Vec<Quantity>) -> Self {
         let (plant, channels) = (model.plant(), model.channels());
         Self {
@@ -69,7 +75,7 @@ impl Estimates {
             plant,
             channels: channels.to_vec(),
             frequency: model.place(Channel::NATURAL_FREQUENCY),
-            watch: Watch::new(settings, channels, plant, &sensors),
+            monitor: Monitor::new(settings, channels, plant, &sensors),
             sensors,
             forgotten: 0,
             initial_mean: Vec::new(),
@@ -89,16 +95,16 @@ impl Estimates {
         }
     }
 
-    /// The same for what a smoother makes of the filter's record.
+    /// Empty estimates of the filter's smoother.
     pub(crate) fn of_smoother(self) -> Self {
         Self { name: format!("{}, smoothed", self.name), smoothed: true, ..self }
     }
 
-    /// Takes over the memory of estimates that are no longer needed, with room for `samples`, or as many as are kept of a
-    /// long run: to be given fresh pages by the system costs more than to fill them.
+    /// Takes over the memory of old estimates, with room for `samples` or for the kept part of a long run. Fresh pages
+    /// from the system cost more than filling them.
     pub(crate) fn recycle(&mut self, old: Option<Self>, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
-        let sampled = usize::from(self.kind == FilterKind::PF);
+        let sampled = usize::from(self.kind.has_own_likelihood());
         let mut old = old.unwrap_or_else(|| self.clone());
         for (new, old, per_sample) in [
             (&mut self.mean, &mut old.mean, n),
@@ -119,7 +125,7 @@ impl Estimates {
         self.variance.recycle(old.variance, samples.min(ROOM));
     }
 
-    /// Forgets the first `samples` or, if the filter has stopped before that, all; in place.
+    /// Forgets the first `samples` in place; all of them if the filter has stopped before that.
     pub(crate) fn forget(&mut self, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
         let Self { mean, cov, innovation, innovation_cov, gain, nis, .. } = self;
@@ -140,10 +146,10 @@ impl Estimates {
         self.canonical.forget(samples);
         self.variance.forget(samples);
         self.forgotten += samples;
-        self.watch.forget_before(self.forgotten);
+        self.monitor.forget_before(self.forgotten);
     }
 
-    /// Appends a sample. Inlined: where a caller knows the sizes, no length is looked at.
+    /// Appends a sample. Inlined, so that a caller with fixed sizes needs no checks of lengths.
     #[inline(always)]
     pub(crate) fn append(&mut self, sample: &Sample<'_>) {
         let Sample { mean, cov, innovation, innovation_cov, gain, nis, determinant, .. } = *sample;
@@ -166,11 +172,11 @@ impl Estimates {
         self.gain.extend_from_slice(gain);
         self.nis.push(nis);
         self.determinant.push(determinant);
-        if self.kind == FilterKind::PF {
+        if self.kind.has_own_likelihood() {
             self.log_likelihood.push(sample.log_likelihood);
             self.effective_samples.push(sample.effective_samples);
         }
-        self.watch.look(self.forgotten + self.nis.len() - 1, sample);
+        self.monitor.look(self.forgotten + self.nis.len() - 1, sample);
     }
 
     pub(crate) fn set_stop(&mut self, stop: Stop) {
@@ -182,12 +188,12 @@ impl Estimates {
         self.id
     }
 
-    /// Whether these are what a smoother made of the filter's record.
+    /// Whether these are smoothed estimates.
     pub fn is_smoothed(&self) -> bool {
         self.smoothed
     }
 
-    /// The name on screen: the filter's, and whether it is smoothed.
+    /// The name on screen: the filter's, with ", smoothed" for smoothed estimates.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -232,7 +238,7 @@ impl Estimates {
         self.nis.is_empty()
     }
 
-    /// How many samples have been forgotten: the number of the first one that is kept, as in the record.
+    /// The number of forgotten samples, which is also the number of the first one that is kept.
     pub fn forgotten(&self) -> usize {
         self.forgotten
     }
@@ -242,39 +248,38 @@ impl Estimates {
         self.initial_mean.get(channel).copied().unwrap_or(f64::NAN)
     }
 
-    /// The standard deviation of one channel at the run's first sample, kept or not; NaN before it.
+    /// The standard deviation of one channel at the run's first sample, kept or not; NaN before the first sample.
     pub fn initial_std(&self, channel: usize) -> f64 {
         self.initial_std.get(channel).copied().unwrap_or(f64::NAN)
     }
 
-    /// Where the filter stopped, if it could not go on.
+    /// Where and why the filter stopped, if it did.
     pub fn stop(&self) -> Option<Stop> {
         self.stop
     }
 
-    /// What else there is to know, in the order in which it was noticed: troubles that the filter survived. Those of which
-    /// no sample is kept are forgotten.
+    /// Remarks on problems that the filter survived, in the order in which they were noticed. Remarks on forgotten
+    /// samples are dropped.
     pub fn remarks(&self) -> &[Remark] {
-        self.watch.remarks()
+        self.monitor.remarks()
     }
 
-    /// The number of samples, the run's first not counted, in which a sensor told this filter nothing.
+    /// The number of kept samples without a measurement of a sensor; the run's first sample does not count.
     pub fn missing(&self, sensor: usize) -> usize {
         let m = self.sensors.len();
         (usize::from(self.forgotten == 0)..self.len()).filter(|k| self.innovation[k * m + sensor].is_nan()).count()
     }
 
-    /// The mean at sample `k`, one number a channel.
+    /// The mean at sample `k`, one number per channel.
     #[inline]
     pub fn mean(&self, k: usize) -> &[f64] {
         chunk(&self.mean, k, self.channels.len())
     }
 
-    /// The mean of one channel at sample `k` in the canonical form of the oscillator, whose natural frequency is not
-    /// negative.
+    /// The mean of one channel at sample `k` in canonical form, in which the natural frequency is not negative.
     ///
     /// ```text
-    /// (-ωₙ, -ζ) and (ωₙ, ζ) have the same ωₙ² and 2ζωₙ: they are the same oscillator
+    /// (-ωₙ, -ζ) and (ωₙ, ζ) have the same ωₙ² and 2ζωₙ: they describe the same oscillator
     /// ```
     #[inline]
     pub fn canonical_mean(&self, k: usize, channel: usize) -> f64 {
@@ -286,8 +291,9 @@ impl Estimates {
         self.canonical.of(channel)
     }
 
-    /// What takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio where the
-    /// estimated natural frequency is negative, else 1. A covariance takes the signs of both its channels.
+    /// The sign that takes one channel at sample `k` to its canonical form: -1 for natural frequency and damping ratio
+    /// where the estimated natural frequency is negative, else 1. A covariance is multiplied by the signs of both its
+    /// channels.
     #[inline]
     pub fn canonical_sign(&self, k: usize, channel: usize) -> f64 {
         let negative = || self.frequency.is_some_and(|place| self.mean(k)[place] < 0.0);
@@ -311,7 +317,7 @@ impl Estimates {
         chunk(&self.cov, k, n * n)
     }
 
-    /// The innovations e at sample `k`, one a sensor.
+    /// The innovations e at sample `k`, one per sensor.
     #[inline]
     pub fn innovation(&self, k: usize) -> &[f64] {
         chunk(&self.innovation, k, self.sensors.len())
@@ -335,8 +341,8 @@ impl Estimates {
         &self.nis
     }
 
-    /// The determinant of S at every sample; NaN where nothing was measured, zero or infinite where it leaves the range of
-    /// numbers.
+    /// The determinant of S at every sample; NaN where nothing was measured, zero or infinite where it underflows or
+    /// overflows.
     pub fn determinant(&self) -> &[f64] {
         &self.determinant
     }
@@ -347,20 +353,20 @@ impl Estimates {
     /// -(NIS + ln det S + m ln 2π) / 2
     /// ```
     ///
-    /// Of a particle filter, the logarithm of the mean likelihood of its particles.
+    /// For a particle filter, it is the logarithm of the mean likelihood of its particles.
     pub fn log_likelihood(&self, k: usize) -> f64 {
         if let Some(&own) = self.log_likelihood.get(k) {
             return own;
         }
         match self.innovation(k).iter().map(|e| u32::from(!e.is_nan())).sum() {
             0 => f64::NAN,
-            measured => likelihood::log_likelihood(self.nis[k], self.ln_determinant(k), measured),
+            measured => gaussian_likelihood::log_likelihood(self.nis[k], self.ln_determinant(k), measured),
         }
     }
 
-    /// ln det S at sample `k`, where something was measured: a number even where the determinant has left their range.
+    /// ln det S at sample `k`, where something was measured; finite even where the determinant underflows or overflows.
     pub(crate) fn ln_determinant(&self, k: usize) -> f64 {
-        likelihood::ln_determinant(self.determinant[k], self.innovation_cov(k), self.sensors.len())
+        gaussian_likelihood::ln_determinant(self.determinant[k], self.innovation_cov(k), self.sensors.len())
     }
 
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.
@@ -368,13 +374,27 @@ impl Estimates {
         &self.effective_samples
     }
 
-    /// A number that changes whenever a bit of any mean or covariance that is kept does (64-bit FNV-1a), to compare platforms with.
+    /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.
     pub fn checksum(&self) -> u64 {
         self.mean
             .iter()
             .chain(&self.cov)
             .flat_map(|x| x.to_bits().to_le_bytes())
             .fold(0xcbf2_9ce4_8422_2325, |hash, b| (hash ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
+    }
+}
+
+impl Piecewise for Estimates {
+    fn free_piece(&mut self) -> bool {
+        let Self { mean, cov, canonical, variance, innovation, innovation_cov, gain, .. } = self;
+        let Self { nis, determinant, log_likelihood, effective_samples, .. } = self;
+        // The NIS last: it tells the number of samples.
+        let whole = [mean, cov, innovation, innovation_cov, gain, determinant, log_likelihood, effective_samples];
+        let mut all = whole.into_iter().chain(canonical.columns()).chain(variance.columns()).chain([nis]);
+        let Some(values) = all.find(|values| values.capacity() > 0) else { return false };
+        values.clear();
+        values.shrink_to(values.capacity().saturating_sub(FREED));
+        true
     }
 }
 

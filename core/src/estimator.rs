@@ -1,20 +1,20 @@
-//! A filter of any kind over any plant, as its settings say, with its types and sizes erased.
+//! Filters of any kind over any plant, with types and sizes erased.
 
 use crate::model::{Hold, InputKind, Model};
 use crate::sink::Sink;
 use crate::{FilterError, FilterSettings, PlantKind, Quantity, Scenario};
 
-/// A filter that can be stepped.
+/// A filter that computes one sample at a time.
 pub(crate) trait Estimator: Send {
     /// Reports the initial belief.
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError>;
 
-    /// Predicts from the last sample with its force, updates with this sample's measurements, and reports.
+    /// Predicts from the last sample with its force, updates with this sample's measurements, and reports the result.
     fn step(&mut self, force_before: f64, force: f64, measured: &[f64], sink: &mut dyn Sink)
     -> Result<(), FilterError>;
 }
 
-/// A filter that has no covariance to draw its sample from, or none that has a root, fails at the first sample.
+/// A filter that fails at the first sample, because its initial covariance has no root to draw samples with.
 pub(crate) struct Failed(pub(crate) FilterError);
 
 impl Estimator for Failed {
@@ -27,28 +27,28 @@ impl Estimator for Failed {
     }
 }
 
-/// What a filter is built from besides its settings.
+/// The inputs of a filter's construction besides its settings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FilterContext<'a> {
-    /// The truth's kind, which the filter takes unless it has its own.
+    /// The truth's kind of plant; the filter uses it unless its settings name another.
     pub(crate) plant: PlantKind,
-    /// What the input is.
+    /// The kind of input.
     pub(crate) input: InputKind,
-    /// How the input runs between samples.
+    /// The hold of the input between samples.
     pub(crate) hold: Hold,
-    /// What each sensor measures.
+    /// The quantity of each sensor.
     pub(crate) sensors: &'a [Quantity],
     /// Time between samples \[s\].
     pub(crate) dt: f64,
     /// Seed of the scenario.
     pub(crate) seed: u64,
-    /// The number of the filter's own stream of random numbers, from 0 on.
+    /// The number of the filter's random stream, from 0 on.
     pub(crate) stream: usize,
 }
 
 impl<'a> FilterContext<'a> {
-    /// The context of one of a scenario's filters, with `dt` \[s\] between samples; `sensors` are the quantities that the
-    /// scenario's measure.
+    /// The context of one of a scenario's filters, with `dt` \[s\] between samples; `sensors` are the quantities of the
+    /// scenario's sensors.
     pub(crate) fn new(scenario: &Scenario, sensors: &'a [Quantity], dt: f64, filter: &FilterSettings) -> Self {
         let Scenario { seed, plant, input, hold, .. } = scenario;
         let stream = filter.id.saturating_sub(1) as usize;

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! [`Filter`] has what all filters share. A method of filtering is a [`Belief`]: how it moves, and how it takes in
-//! measurements. Each has a file of its own, which ends with what is known of its kind; [`kind`] lists the kinds.
+//! measurements. Each has a file of its own, which ends with the description of its kind;
+//! the registry below lists them.
 
 mod adaptation;
 mod ensemble;
@@ -18,6 +19,7 @@ mod linearised;
 mod noise;
 mod observation;
 mod particles;
+mod propagation;
 mod sigma_points;
 pub(crate) mod smoother;
 mod square_root;
@@ -37,13 +39,44 @@ pub use ensemble::Ensemble;
 pub use gaussian::Gaussian;
 pub use kalman::{Correction, Expected};
 pub use kind::{FilterInfo, FilterKind};
-pub use linearised::{Linearised, Propagation};
+pub use linearised::Linearised;
 pub use noise::Noise;
 pub use observation::Observation;
 pub use particles::Particles;
+pub use propagation::{Propagation, Transition};
 pub use sigma_points::{Rule, SigmaPoints};
 pub use square_root::SquareRoot;
 pub use step::Step;
+
+/// The registry: a constant for each kind, whose description stands in the file of its method, and all of them.
+macro_rules! registry {
+    ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
+        impl FilterKind {
+            $($(#[$doc])* pub const $name: Self = Self::new(&$info);)*
+
+            /// Every kind of the registry.
+            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
+        }
+    };
+}
+registry! {
+    /// Kalman filter: the parameters are known, so their standard deviations and `eta` are taken as zero.
+    KF = linearised::KF;
+    /// Extended Kalman filter: local linearisation.
+    EKF = linearised::EKF;
+    /// Iterated extended Kalman filter: the sensors are linearised where the update leads.
+    IEKF = linearised::IEKF;
+    /// Unscented Kalman filter: scaled sigma points.
+    UKF = sigma_points::UKF;
+    /// Unscented Kalman filter on the root of its covariance.
+    SR_UKF = square_root::SR_UKF;
+    /// Cubature Kalman filter.
+    CKF = sigma_points::CKF;
+    /// Ensemble Kalman filter.
+    ENKF = ensemble::ENKF;
+    /// Bootstrap particle filter, regularised.
+    PF = particles::PF;
+}
 
 /// Why a filter cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -107,13 +140,13 @@ pub trait Belief: Send {
     /// Mean and covariance.
     fn gaussian(&self) -> Cow<'_, Gaussian>;
 
-    /// The covariance of the state with the state that a step makes of it, n × n: what a smoother must know. From sigma
-    /// points of mean and covariance, unless the method has a better way.
+    /// Φ, n × n: the regression of the state that a step makes on the state now, `cov(next, now) = Φ P`. A smoother must know
+    /// it. From sigma points of mean and covariance, unless the method has a better way.
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root.
-    fn cross(&self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
-        sigma_points::cross(&self.gaussian(), Rule::Unscented, model, step)
+    fn transition(&self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
+        sigma_points::transition(&self.gaussian(), Rule::Unscented, model, step)
     }
 }
 

@@ -1,4 +1,4 @@
-//! The measured force that shakes the oscillator.
+//! The input: a force over mass, or the acceleration of the ground.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use crate::random::Normal;
 pub enum Force {
     /// No force: free vibration.
     None,
-    /// Independent normal numbers, one a sample.
+    /// Independent normal numbers, one per sample.
     WhiteNoise {
         /// Standard deviation \[m/s²\].
         std: f64,
@@ -56,7 +56,8 @@ impl Default for Force {
 }
 
 impl Force {
-    /// The force of sample `k`, held over `[k dt, (k + 1) dt)`. Draws from `noise` once a sample if the force is random.
+    /// The force of sample `k`, held over `[k dt, (k + 1) dt)`. Draws one number per sample from `noise` if the force
+    /// is random.
     pub(crate) fn sample(&self, k: usize, dt: f64, noise: &mut Normal) -> f64 {
         let t = k as f64 * dt;
         match *self {
@@ -81,36 +82,6 @@ impl Force {
             }
         }
     }
-
-    /// Every number of the force with its name and what it may be, for validation.
-    pub(crate) fn numbers(&self) -> Vec<(&'static str, f64, Allowed)> {
-        use Allowed::{Finite, NotNegative, Positive};
-        match *self {
-            Self::None => vec![],
-            Self::WhiteNoise { std } => vec![("white_noise.std", std, NotNegative)],
-            Self::Sine { amplitude, frequency } => {
-                vec![("sine.amplitude", amplitude, Finite), ("sine.frequency", frequency, Finite)]
-            }
-            Self::Chirp { amplitude, from, to, sweep } => vec![
-                ("chirp.amplitude", amplitude, Finite),
-                ("chirp.from", from, Finite),
-                ("chirp.to", to, Finite),
-                ("chirp.sweep", sweep, Positive),
-            ],
-            Self::ImpulseTrain { impulse, period } => {
-                vec![("impulse_train.impulse", impulse, Finite), ("impulse_train.period", period, Positive)]
-            }
-            Self::Step { amplitude, at } => vec![("step.amplitude", amplitude, Finite), ("step.at", at, Finite)],
-        }
-    }
-}
-
-/// What a number may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Allowed {
-    Finite,
-    NotNegative,
-    Positive,
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
-//! How much motion a force gives at each frequency, as it is and as a filter believes it to be.
+//! Frequency responses of plants, true and estimated.
 //!
 //! ```text
 //! H(iω) = C (iω I - A)⁻¹ B
 //! ```
 //!
-//! takes the force over mass \[m/s²\] to the displacement \[m\] of the mass, or of the first of several, so that |H| is in
-//! s². A and B are those of the plant at rest: a Duffing or Bouc-Wen oscillator answers so as long as it hardly moves. Its
-//! cubic stiffness and the shape of its hysteresis do not show.
+//! is the transfer function from the force over mass \[m/s²\] to the displacement \[m\] of the first mass, so that |H|
+//! is in s². A and B are those of the plant at rest, so that for a Duffing or Bouc-Wen oscillator the response holds
+//! for small motion. It does not depend on the cubic stiffness or the shape of the hysteresis.
 
 mod band;
 mod transfer_function;
@@ -18,21 +18,21 @@ use band::Extremes;
 
 pub use transfer_function::TransferFunction;
 
-/// How many draws from a belief one estimate of its band is made of.
+/// The number of draws from a belief for one estimate of the band.
 const DRAWS: usize = 96;
-/// How many such estimates the band is the mean of: one alone is ragged where the belief is wide.
+/// The number of such estimates that are averaged; a single one is ragged where the belief is wide.
 const BATCHES: usize = 4;
 
-/// The response that a filter believes in, frequency by frequency \[s²\].
+/// The estimated frequency response and its band \[s²\].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Believed {
     /// |H| of the estimated parameters.
     pub mean: Vec<f64>,
-    /// The 2.5 % and the 97.5 % quantile of |H|; none where the covariance of the parameters has no root.
+    /// The 2.5 % and the 97.5 % quantile of |H|; `None` where the covariance of the parameters has no root.
     pub band: Option<(Vec<f64>, Vec<f64>)>,
 }
 
-/// The transfer function of a plant at rest with a value for each of its parameters, in the channel's unit.
+/// The transfer function of a plant at rest, with a value for each of its parameters in the channel's unit.
 pub fn transfer_function(plant: PlantKind, value: impl Fn(Channel) -> f64) -> TransferFunction {
     let value = |channel: Channel| if channel.is_parameter() { value(channel) } else { 0.0 };
     let rest: Vec<f64> = plant.channels().iter().map(|&channel| value(channel)).collect();
@@ -45,11 +45,12 @@ pub fn true_transfer_function(plant: PlantKind, record: &Record, k: usize) -> Op
     plant.parameters().all(|c| known(c).is_some()).then(|| transfer_function(plant, |c| known(c).unwrap_or(f64::NAN)))
 }
 
-/// What a filter believes at sample `k` of |H| at some frequencies \[rad/s\], which must be positive.
+/// The estimate of |H| and its band at sample `k`, at frequencies \[rad/s\] that must be positive.
 ///
-/// The band is that of draws from the normal distribution of the parameters, always the same ones, so that it moves as
-/// smoothly as the belief, and of its canonical form ([`Estimates::canonical_mean`]). A filter of logarithms reports its
-/// belief in the parameters' own units to first order, and so is its band.
+/// The band comes from draws from the normal distribution of the parameters in canonical form
+/// ([`Estimates::canonical_mean`]). The draws are the same at every sample, so that the band moves as smoothly as the
+/// belief. A filter of logarithms reports its belief in the parameters' own units to first order, and its band has the
+/// same accuracy.
 pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believed {
     let (mean, draws) = from_belief(estimates, k);
     let band = draws.map(|draws| {
@@ -71,8 +72,7 @@ pub fn believed(estimates: &Estimates, k: usize, frequencies: &[f64]) -> Believe
     Believed { mean: mean.magnitude(frequencies), band }
 }
 
-/// The transfer function for the mean of a filter's belief at sample `k`, and those for draws from it; the plant is at rest,
-/// whatever its motion is believed to be.
+/// The transfer functions for the mean of a filter's belief at sample `k` and for draws from it, at rest.
 fn from_belief(estimates: &Estimates, k: usize) -> (TransferFunction, Option<Vec<TransferFunction>>) {
     let model = Model::new(estimates.plant());
     let (n, motion) = (model.size(), model.motion());

@@ -8,9 +8,9 @@ pub use exponential::{Integrals, exponential_integrals};
 pub use impulse_response::ImpulseResponse;
 pub use runge_kutta::{RungeKutta, runge_kutta};
 
-/// 1/n! for n = 0..=16.
-pub(crate) const INVERSE_FACTORIAL: [f64; 17] = {
-    let mut table = [1.0; 17];
+/// 1/n! for n = 0..=17.
+pub(crate) const INVERSE_FACTORIAL: [f64; 18] = {
+    let mut table = [1.0; 18];
     let mut n = 1;
     while n < table.len() {
         table[n] = table[n - 1] / n as f64;

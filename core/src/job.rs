@@ -1,13 +1,15 @@
-//! Another run in place of the present one, computed beside it a little at a time.
+//! The next run of a study, computed in small portions beside the present one.
 
 use crate::analysis::Subject;
 use crate::run::revision::Revision;
+use crate::study::forgotten_of;
 use crate::{Analysis, RunError, Scenario, Source, Study, Update, cost};
 
-/// A study's next run: what an edit of its scenario, or another source, makes of it. The study stays as it is until the job
-/// is done and [finished](Self::finish), so that a screen always shows one complete picture.
+/// The next run of a study, after an edit of its scenario or with another source. The study stays as it is until the
+/// job is [finished](Self::finish), so that a screen always shows one complete picture.
 ///
-/// The core knows no clock: whoever lets the job go on says when the time is up. The bits do not depend on it.
+/// The core has no clock: the caller decides when the time is up. The results are bit-identical however the work is
+/// divided.
 ///
 /// ```
 /// use kalmanscope_core::{Job, Scenario, Source, Study};
@@ -18,7 +20,7 @@ use crate::{Analysis, RunError, Scenario, Source, Study, Update, cost};
 /// scenario.filters[0].fading = 1.01;
 /// let mut job = Job::new(&mut study, &scenario, None, 1001)?;
 /// while !job.advance(&study, &mut || false).is_done() {
-///     // Here a frame is drawn, of `study`.
+///     // Draw a frame of `study` here.
 /// }
 /// job.finish(&mut study);
 /// assert_eq!(study.run().scenario(), &scenario);
@@ -29,34 +31,34 @@ pub struct Job {
     revision: Revision,
     analysis: Analysis,
     goal: usize,
-    /// The sample before which some are forgotten, or the goal.
+    /// The number of samples before which some are forgotten, or the goal.
     stage: usize,
     done: bool,
 }
 
-/// How far a job has come.
+/// The progress of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
-    /// The share of each filter that is done, from 0 to 1, by its place in the scenario.
+    /// The share of each filter that is done, from 0 to 1, in the scenario's order.
     pub filters: Vec<f64>,
-    /// The share of the time that it takes in all, as far as that can be told, from 0 to 1.
+    /// The estimated share of the total time that has passed, from 0 to 1.
     pub all: f64,
     done: bool,
 }
 
 impl Progress {
-    /// Whether there is nothing left to do.
+    /// Whether everything is done.
     pub fn is_done(&self) -> bool {
         self.done
     }
 }
 
 impl Job {
-    /// The job that makes a study one of `scenario`, over another source if there is one, `samples` samples long. A record
-    /// and filters that it does not change are not computed again, if the study has come as far as the job.
+    /// The job that computes `samples` samples of a study with another scenario, and with another source if one is
+    /// given. A record and filters that the change does not affect are reused, if the study has as many samples.
     ///
     /// # Errors
-    /// [`RunError`] where the scenario is impossible, or its source is not one of such a scenario.
+    /// [`RunError`] where the scenario is impossible, or the source does not fit it.
     pub fn new(
         study: &mut Study,
         scenario: &Scenario,
@@ -77,12 +79,12 @@ impl Job {
         self.revision.bank().scenario()
     }
 
-    /// The number of samples that it computes.
+    /// The number of samples to compute.
     pub fn goal(&self) -> usize {
         self.goal
     }
 
-    /// The number of samples that its run has as a whole.
+    /// The number of samples of the whole run.
     pub fn samples(&self) -> usize {
         self.revision.samples()
     }
@@ -92,9 +94,9 @@ impl Job {
         self.revision.own_record().unwrap_or(study.run.record()).dt()
     }
 
-    /// Goes on for as long as `while_time` says that there is time, which is asked after each little piece of work, of a
-    /// millisecond or so; first the record, then the filters with the cheapest first, then the analysis. `study` is the one
-    /// that the job is of.
+    /// Computes until `while_time` returns false, which is called after each piece of work of about a millisecond. The
+    /// record comes first, then the filters from the cheapest to the costliest, then the analysis. `study` is the study
+    /// that the job was made for.
     pub fn advance(&mut self, study: &Study, while_time: &mut dyn FnMut() -> bool) -> Progress {
         while !self.done {
             let record = study.run.record();
@@ -107,15 +109,15 @@ impl Job {
             }
             self.done = self.stage >= self.goal.min(revision.samples());
             if !self.done {
-                let half = study.window / 2;
-                revision.forget(half);
-                self.stage = (self.stage + half).min(self.goal);
+                let forgotten = forgotten_of(study.window);
+                revision.forget(forgotten);
+                self.stage = (self.stage + forgotten).min(self.goal);
             }
         }
         self.progress(study)
     }
 
-    /// How far it has come.
+    /// The progress.
     pub fn progress(&self, study: &Study) -> Progress {
         let Self { revision, analysis, goal, stage, done } = self;
         let scenario = self.scenario();
@@ -137,7 +139,7 @@ impl Job {
         Progress { filters, all, done: *done }
     }
 
-    /// Puts the finished job in the study's place.
+    /// Replaces the study's run by the finished job's.
     pub fn finish(self, study: &mut Study) -> Update {
         let Self { revision, analysis, goal, .. } = self;
         let Study { run, analysis: old, spare, .. } = study;
@@ -146,16 +148,17 @@ impl Job {
         update
     }
 
-    /// Leaves the study as it is; the memory serves the next job.
+    /// Gives the job up; the study stays as it is and the memory is reused by the next job.
     pub fn cancel(self, study: &mut Study) {
         study.spare.take(self.revision.take_apart());
+        study.analysis.recycle(self.analysis);
     }
 }
 
 fn subject<'a>(revision: &'a Revision, study: &'a Study, stage: usize, goal: usize) -> Subject<'a> {
     let done = stage.min(revision.samples());
     let record = revision.own_record().unwrap_or(study.run.record());
-    // Bounds of another truth are of no use.
+    // Bounds of another truth cannot be reused.
     let bounds = if revision.is_of_everything() { &[] } else { study.analysis.all_bounds() };
     let whole = done >= goal.min(revision.samples()) && done == revision.samples();
     Subject { bank: revision.bank(), record, done, whole, known: revision.kept(), bounds }

@@ -14,7 +14,6 @@ mod particles;
 pub mod plant;
 pub mod propagation;
 mod sigma_points;
-pub(crate) mod smoother;
 mod square_root;
 
 use std::borrow::Cow;
@@ -117,12 +116,6 @@ pub trait Belief<P: Model<N>, const N: usize>: Send {
 
     /// Mean and covariance.
     fn gaussian(&self) -> Cow<'_, Gaussian<N>>;
-}
-
-/// A belief that can be smoothed once later measurements are known.
-pub(crate) trait Smoothable<P: Model<N>, const N: usize>: Belief<P, N> {
-    /// The covariance of the state with what a step of `dt` \[s\] makes of it, N × N.
-    fn cross(&self, model: &P, force: f64, dt: f64) -> Result<Matrix<N, N>, FilterError>;
 }
 
 /// A recursive estimator of the N-component state of a model.

@@ -1,4 +1,4 @@
-//! Identification of an oscillator with Kalman filters, without a screen.
+//! Identification of an oscillator with Kalman filters, headless.
 //!
 //! ```text
 //! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Diagnostics ──tests──▶ Diagnosis
@@ -6,8 +6,8 @@
 //! ```
 //!
 //! [`Run::step`] is the only engine: a whole record is that step in a loop. The same scenario gives the same bits on
-//! every platform: random numbers come from seeded ChaCha8 streams, one a purpose, and every transcendental function
-//! from `libm`.
+//! every platform, because random numbers come from seeded ChaCha8 streams, one per purpose, and transcendental
+//! functions from `libm`.
 //!
 //! ```
 //! use kalmanscope_core::{Run, Scenario};
@@ -32,7 +32,6 @@ pub mod estimates;
 pub mod filter;
 pub mod force;
 pub mod frequency_response;
-pub mod health;
 pub mod integrate;
 pub mod job;
 pub mod kernel;
@@ -42,6 +41,7 @@ pub mod pass;
 pub mod plant;
 pub mod quantity;
 pub mod record;
+pub mod remarks;
 pub mod run;
 pub mod scenario;
 pub mod score;
@@ -58,12 +58,14 @@ mod by_channel;
 mod catalogue;
 mod cost;
 mod estimator;
-mod likelihood;
+mod gaussian_likelihood;
+mod log_sum;
 mod random;
 mod run_error;
 mod select;
 mod smoother;
 mod spare;
+mod waste;
 
 pub use analysis::{Analysis, Bound, Wanted};
 pub use channel::Channel;
@@ -73,13 +75,13 @@ pub use diagnostics::{Diagnostics, Summary};
 pub use estimates::{Estimates, Stop};
 pub use filter::{Adaptation, FilterError, FilterKind, Propagation};
 pub use force::Force;
-pub use health::{Remark, Trouble};
 pub use job::{Job, Progress};
 pub use model::{Hold, InputKind, Model};
 pub use pass::Pass;
 pub use plant::PlantKind;
 pub use quantity::{Aspect, Quantity};
 pub use record::{Record, RecordError};
+pub use remarks::{Remark, Trouble};
 pub use run::{Run, Update};
 pub use run_error::RunError;
 pub use scenario::{FilterColor, FilterSettings, Plant, Scenario, ScenarioError, Sensor, Values};

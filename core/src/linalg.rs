@@ -2,18 +2,55 @@
 
 mod givens;
 mod ldl;
+mod product;
 mod root;
 
 use nalgebra::{DMatrix, DVector};
 
-pub use givens::add_to_root;
+pub use givens::{add_to_root, rotate, rotation};
 pub use ldl::Ldl;
-pub use root::{RootError, lower_root};
+pub use product::{
+    add_all_columns, add_product, multiply, multiply_rows, multiply_sparse, multiply_symmetric, multiply_transposed,
+};
+pub use root::{RootError, lower_root, lower_root_into};
 
 /// A column of numbers.
 pub type Vector = DVector<f64>;
 /// A rectangle of numbers.
 pub type Matrix = DMatrix<f64>;
+
+/// Gives a matrix these numbers of rows and columns, in the memory that it has where that suffices. Its entries are of no
+/// meaning then, unless it had this shape before.
+pub fn fit(matrix: &mut Matrix, rows: usize, columns: usize) {
+    if matrix.shape() == (rows, columns) {
+        return;
+    }
+    let mut entries: Vec<f64> = std::mem::replace(matrix, Matrix::zeros(0, 0)).data.into();
+    entries.resize(rows * columns, 0.0);
+    *matrix = Matrix::from_vec(rows, columns, entries);
+}
+
+/// [`fit`] for a column.
+pub fn fit_vector(vector: &mut Vector, rows: usize) {
+    if vector.len() == rows {
+        return;
+    }
+    let mut entries: Vec<f64> = std::mem::replace(vector, Vector::zeros(0)).data.into();
+    entries.resize(rows, 0.0);
+    *vector = Vector::from_vec(entries);
+}
+
+/// Makes `out` a copy, in the memory that it has where that suffices.
+pub fn copy(out: &mut Matrix, of: &Matrix) {
+    fit(out, of.nrows(), of.ncols());
+    out.as_mut_slice().copy_from_slice(of.as_slice());
+}
+
+/// [`copy`] for a column.
+pub fn copy_vector(out: &mut Vector, of: &Vector) {
+    fit_vector(out, of.len());
+    out.as_mut_slice().copy_from_slice(of.as_slice());
+}
 
 /// The lower triangle of a square matrix, mirrored: what rounding has made of a symmetric matrix is symmetric to the last
 /// bit again.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, fit};
 use crate::quantity::Term;
 use crate::{Channel, PlantKind, Quantity};
 
@@ -56,7 +56,8 @@ pub struct Model {
     /// The number of components that are the plant's own.
     own: usize,
     eta: f64,
-    log_parameters: bool,
+    /// The places of logarithms.
+    logarithms: Vec<usize>,
     input: InputKind,
     gain: Option<usize>,
     /// The places of forces that the record lacks: the offset and the unknown force.
@@ -80,8 +81,8 @@ impl Model {
     pub fn new(plant: PlantKind) -> Self {
         let channels = plant.channels().to_vec();
         let (motion, own) = (plant.motion(), channels.len());
-        let (eta, log_parameters, input) = (0.0, false, InputKind::Force);
-        Self { plant, channels, motion, own, eta, log_parameters, input, gain: None, offset: None, unknown: None }
+        let (eta, logarithms, input) = (0.0, Vec::new(), InputKind::Force);
+        Self { plant, channels, motion, own, eta, logarithms, input, gain: None, offset: None, unknown: None }
     }
 
     /// With these augmentations too, each once; channels that are none are left out.
@@ -107,7 +108,9 @@ impl Model {
     /// With the logarithms of positive parameters in the state, if so wished.
     #[must_use]
     pub fn with_logarithms(self, log_parameters: bool) -> Self {
-        Self { log_parameters, ..self }
+        let parameters = self.motion..self.own;
+        let logarithms = parameters.filter(|&place| log_parameters && self.channels[place].is_positive()).collect();
+        Self { logarithms, ..self }
     }
 
     /// With an input of this kind.
@@ -151,15 +154,41 @@ impl Model {
         self.plant.info().is_linear
     }
 
-    /// Whether a component is a logarithm.
-    pub fn is_logarithm(&self, place: usize) -> bool {
-        self.log_parameters && (self.motion..self.own).contains(&place) && self.channels[place].is_positive()
+    /// Whether the state is in the channels' units: nothing of it is a logarithm.
+    pub fn in_units(&self) -> bool {
+        self.logarithms.is_empty()
     }
 
-    /// The plant's own state, logarithms undone.
-    fn plain(&self, state: &[f64]) -> Vec<f64> {
-        let value = |i: usize| if self.is_logarithm(i) { libm::exp(state[i]) } else { state[i] };
-        (0..self.own).map(value).collect()
+    /// Whether a component is a logarithm.
+    pub fn is_logarithm(&self, place: usize) -> bool {
+        self.logarithms.contains(&place)
+    }
+
+    /// The number of components that a step changes, which come first: those of the motion, and with a decay the parameters.
+    pub fn moving(&self) -> usize {
+        if self.eta == 0.0 { self.motion } else { self.own }
+    }
+
+    /// Hands over the plant's own state, logarithms undone.
+    fn with_plain<T>(&self, state: &[f64], take: impl FnOnce(&[f64]) -> T) -> T {
+        /// Limits the states that need no memory of their own: ten masses have 31 components.
+        const FEW: usize = 32;
+        if self.logarithms.is_empty() {
+            return take(&state[..self.own]);
+        }
+        let undo = |plain: &mut [f64]| {
+            plain.copy_from_slice(&state[..self.own]);
+            self.logarithms.iter().for_each(|&place| plain[place] = libm::exp(plain[place]));
+        };
+        if self.own <= FEW {
+            let mut plain = [0.0; FEW];
+            undo(&mut plain[..self.own]);
+            take(&plain[..self.own])
+        } else {
+            let mut plain = vec![0.0; self.own];
+            undo(&mut plain);
+            take(&plain)
+        }
     }
 
     /// F, the force over mass that acts in a state under the recorded force over mass `force`, both in m/s².
@@ -181,9 +210,15 @@ impl Model {
         rate
     }
 
-    /// [`Self::rate`] in place of what `rate` holds, without reserving memory unless there are logarithms.
+    /// [`Self::rate`] in place of what `rate` holds.
     pub fn rate_into(&self, state: &[f64], force: f64, rate: &mut [f64]) {
         self.rate_under_into(state, self.acting_force(state, force), rate);
+    }
+
+    /// The rates of the components that move alone, M numbers, in place of what `rate` holds.
+    pub fn motion_rate_into(&self, state: &[f64], force: f64, rate: &mut [f64]) {
+        let acting = self.acting_force(state, force);
+        self.with_plain(state, |plain| self.plant.plant().motion_rate(plain, acting, rate));
     }
 
     /// `g` under the force over mass that acts, whatever it is made of \[m/s²\].
@@ -195,47 +230,56 @@ impl Model {
 
     fn rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
         let (motion, rest) = rate.split_at_mut(self.motion);
-        if self.log_parameters {
-            self.plant.plant().motion_rate(&self.plain(state), acting, motion);
-        } else {
-            self.plant.plant().motion_rate(&state[..self.own], acting, motion);
-        }
-        for (offset, rate) in rest.iter_mut().enumerate() {
-            let place = self.motion + offset;
-            *rate = match place {
-                _ if place >= self.own || self.eta == 0.0 => 0.0,
-                _ if self.is_logarithm(place) => -self.eta,
-                _ => -self.eta * state[place],
-            };
+        self.with_plain(state, |plain| self.plant.plant().motion_rate(plain, acting, motion));
+        rest.fill(0.0);
+        if self.eta != 0.0 {
+            for place in self.motion..self.own {
+                rest[place - self.motion] = -self.eta * if self.is_logarithm(place) { 1.0 } else { state[place] };
+            }
         }
     }
 
     /// `A = ∂g/∂y`, n × n, under the recorded force over mass `force` \[m/s²\].
     pub fn jacobian(&self, state: &[f64], force: f64) -> Matrix {
-        let n = self.size();
-        let plain = self.plain(state);
-        let mut rows = vec![0.0; self.motion * self.own];
-        self.plant.plant().motion_jacobian(&plain, &mut rows);
-        let mut jacobian = Matrix::zeros(n, n);
-        for i in 0..self.motion {
-            for j in 0..self.own {
-                let by_plain = rows[i * self.own + j];
-                jacobian[(i, j)] = if self.is_logarithm(j) { by_plain * plain[j] } else { by_plain };
+        let mut jacobian = Matrix::zeros(0, 0);
+        self.jacobian_into(state, force, &mut Vec::new(), &mut jacobian);
+        jacobian
+    }
+
+    /// [`Self::jacobian`] in place of what `jacobian` holds; `rows` is memory to work in.
+    pub fn jacobian_into(&self, state: &[f64], force: f64, rows: &mut Vec<f64>, jacobian: &mut Matrix) {
+        let (n, motion, own) = (self.size(), self.motion, self.own);
+        rows.clear();
+        rows.resize(motion * own, 0.0);
+        fit(jacobian, n, n);
+        jacobian.as_mut_slice().fill(0.0);
+        self.with_plain(state, |plain| {
+            self.plant.plant().motion_jacobian(plain, rows);
+            for (j, column) in jacobian.as_mut_slice().chunks_exact_mut(n).take(own).enumerate() {
+                for (i, entry) in column[..motion].iter_mut().enumerate() {
+                    *entry = rows[i * own + j];
+                }
+            }
+            for &place in &self.logarithms {
+                jacobian.column_mut(place).scale_mut(plain[place]);
+            }
+        });
+        if self.eta != 0.0 {
+            for place in motion..own {
+                // -η θ / θ does not depend on θ.
+                jacobian[(place, place)] = if self.is_logarithm(place) { 0.0 } else { -self.eta };
             }
         }
-        for j in self.motion..self.own {
-            // -η θ / θ does not depend on θ.
-            jacobian[(j, j)] = if self.is_logarithm(j) { 0.0 } else { -self.eta };
-        }
         if self.gain.or(self.offset).or(self.unknown).is_some() {
-            let by_force = self.by_force(state);
+            rows.resize(2 * motion, 0.0);
+            let (by_force, work) = rows.split_at_mut(motion);
+            self.motion_by_force_into(state, by_force, &mut work[..motion]);
             for (place, factor) in self.force_parts(force) {
-                for i in 0..self.motion {
-                    jacobian[(i, place)] = by_force[i] * factor;
+                for (entry, by_force) in jacobian.column_mut(place).iter_mut().zip(&*by_force) {
+                    *entry = by_force * factor;
                 }
             }
         }
-        jacobian
     }
 
     /// The components that are parts of F, with the derivative of F by each.
@@ -252,15 +296,21 @@ impl Model {
 
     /// `∂g/∂F`, n numbers: the force enters additively.
     pub fn by_force(&self, state: &[f64]) -> Vector {
-        let plain = self.plain(state);
-        let mut with = Vector::zeros(self.size());
-        let mut without = vec![0.0; self.motion];
-        self.plant.plant().motion_rate(&plain, 1.0, &mut with.as_mut_slice()[..self.motion]);
-        self.plant.plant().motion_rate(&plain, 0.0, &mut without);
-        for (with, without) in with.iter_mut().zip(without) {
-            *with -= without;
+        let mut by_force = Vector::zeros(self.size());
+        let mut work = vec![0.0; self.motion];
+        self.motion_by_force_into(state, &mut by_force.as_mut_slice()[..self.motion], &mut work);
+        by_force
+    }
+
+    /// The first M numbers of [`Self::by_force`], in place of what `by_force` holds; `work` is of the same size.
+    pub fn motion_by_force_into(&self, state: &[f64], by_force: &mut [f64], work: &mut [f64]) {
+        self.with_plain(state, |plain| {
+            self.plant.plant().motion_rate(plain, 1.0, by_force);
+            self.plant.plant().motion_rate(plain, 0.0, work);
+        });
+        for (with, without) in by_force.iter_mut().zip(work) {
+            *with -= *without;
         }
-        with
     }
 
     /// `∂F/∂f`: the input gain in a state, 1 where there is none.
@@ -318,31 +368,43 @@ impl Model {
 
     /// `∂h/∂y`, n numbers.
     pub fn read_gradient(&self, reading: &Reading, state: &[f64], force: f64) -> Vector {
-        let Reading { state: components, rates, ground } = reading;
+        let jacobian = if reading.rates.is_empty() { Matrix::zeros(0, 0) } else { self.jacobian(state, force) };
         let mut gradient = Vector::zeros(self.size());
+        self.read_gradient_into(reading, &jacobian, force, |place, part| gradient[place] += part);
+        gradient
+    }
+
+    /// `∂h/∂y` where A is `jacobian`, which only readings of rates look at: adds every part of it that is not zero to its
+    /// place.
+    pub fn read_gradient_into(
+        &self,
+        reading: &Reading,
+        jacobian: &Matrix,
+        force: f64,
+        mut add: impl FnMut(usize, f64),
+    ) {
+        let Reading { state: components, rates, ground } = reading;
         for &(place, factor) in components {
-            gradient[place] += factor;
+            add(place, factor);
         }
-        if !rates.is_empty() {
-            let jacobian = self.jacobian(state, force);
-            for &(place, factor) in rates {
-                gradient += jacobian.row(place).transpose() * factor;
+        for &(row, factor) in rates {
+            for (place, entry) in jacobian.row(row).iter().enumerate() {
+                add(place, entry * factor);
             }
         }
         if *ground != 0.0 {
             let unrecorded = self.unknown;
             for (place, factor) in self.force_parts(force).filter(|(place, _)| Some(*place) != unrecorded) {
-                gradient[place] -= ground * factor;
+                add(place, -ground * factor);
             }
         }
-        gradient
     }
 
     /// The state for values in the channels' units, and what a unit of each channel is in the state's.
     pub fn to_state(&self, values: &[f64]) -> (Vector, Vector) {
         let mut state = Vector::from_column_slice(values);
         let mut unit = Vector::repeat(values.len(), 1.0);
-        for i in (0..values.len()).filter(|&i| self.is_logarithm(i)) {
+        for &i in &self.logarithms {
             state[i] = libm::log(values[i]);
             unit[i] = 1.0 / values[i];
         }
@@ -351,13 +413,18 @@ impl Model {
 
     /// The values in the channels' units for a state, and what a unit of each component is in them.
     pub fn to_units(&self, state: &[f64]) -> (Vector, Vector) {
-        let mut values = Vector::from_column_slice(state);
-        let mut unit = Vector::repeat(state.len(), 1.0);
-        for i in (0..state.len()).filter(|&i| self.is_logarithm(i)) {
-            values[i] = libm::exp(state[i]);
-            unit[i] = values[i];
-        }
+        let (mut values, mut unit) = (Vector::from_column_slice(state), Vector::zeros(state.len()));
+        self.to_units_in_place(values.as_mut_slice(), unit.as_mut_slice());
         (values, unit)
+    }
+
+    /// [`Self::to_units`] in place of the state, and of what `unit` holds.
+    pub fn to_units_in_place(&self, state: &mut [f64], unit: &mut [f64]) {
+        unit.fill(1.0);
+        for &place in &self.logarithms {
+            state[place] = libm::exp(state[place]);
+            unit[place] = state[place];
+        }
     }
 }
 
@@ -376,6 +443,11 @@ impl Reading {
             ([], &[(place, 1.0)], 0.0) => Some(place),
             _ => None,
         }
+    }
+
+    /// Whether it reads a rate.
+    pub fn is_of_rates(&self) -> bool {
+        !self.rates.is_empty()
     }
 
     /// Whether it is linear in the state, whatever the plant.

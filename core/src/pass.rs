@@ -1,4 +1,4 @@
-//! One filter on its way through a record.
+//! One filter over one record.
 
 use crate::estimator::{Estimator, Failed, FilterContext};
 use crate::quantity::MAX_SENSORS;
@@ -7,11 +7,11 @@ use crate::select::estimator;
 use crate::sink::Sink;
 use crate::{Estimates, FilterError, FilterSettings, Quantity, Record, RunError, Scenario, Stop};
 
-/// A filter that follows a record sample by sample and reports to a [`Sink`]. A whole record, live mode and a map of
-/// thousands of runs are all this in a loop.
+/// A filter that runs over a record sample by sample and reports to a [`Sink`]. Whole records, live mode and maps of
+/// thousands of runs are loops over this.
 pub struct Pass {
     estimator: Box<dyn Estimator>,
-    /// The place of each of the scenario's sensors in the record.
+    /// The column of the record for each of the scenario's sensors.
     sensors: Vec<usize>,
     input_delay: i32,
     done: usize,
@@ -23,7 +23,7 @@ impl Pass {
     ///
     /// # Errors
     /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::NoFilter`] where there is no such filter,
-    /// [`RunError::MissingSensor`] and [`RunError::InputKind`] where the record is not one of this scenario.
+    /// [`RunError::MissingSensor`] and [`RunError::InputKind`] where the record does not fit the scenario.
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
         scenario.validate()?;
         let mut scenario = scenario.clone();
@@ -40,7 +40,7 @@ impl Pass {
         Self { estimator: estimator(settings, context), sensors, input_delay, done: 0, stop: None }
     }
 
-    /// A pass that goes nowhere.
+    /// A pass without a record, which does nothing.
     pub(crate) fn idle() -> Self {
         let estimator = Box::new(Failed(FilterError::NotFinite));
         Self { estimator, sensors: Vec::new(), input_delay: 0, done: 0, stop: None }
@@ -56,18 +56,18 @@ impl Pass {
         Ok(Estimates::new(filter, &filter.model(scenario.plant.kind, scenario.input), quantities))
     }
 
-    /// The number of samples done, from the record's beginning.
+    /// The number of samples done, counted from the record's beginning.
     pub fn done(&self) -> usize {
         self.done
     }
 
-    /// Where the filter stopped, if it could not go on.
+    /// Where and why the filter stopped, if it did.
     pub fn stop(&self) -> Option<Stop> {
         self.stop
     }
 
-    /// Goes on until `samples` samples, from the record's beginning, are done, or as far as the record goes. A filter that
-    /// fails reports why; what is left is done at once then.
+    /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A
+    /// filter that fails reports the reason to the sink and computes no further samples.
     pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
         let Self { estimator, sensors, input_delay, done, stop } = self;
         let force = |k: usize| record.delayed_force(k, *input_delay);

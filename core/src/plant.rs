@@ -1,4 +1,4 @@
-//! Plants: what moves, by which equation, with which parameters.
+//! Plants: their equations of motion and parameters.
 
 pub mod bouc_wen;
 pub mod duffing;
@@ -13,7 +13,7 @@ use crate::channel::MAX_MASSES;
 use crate::quantity::Term;
 use crate::{Channel, Quantity};
 
-/// All that is known of a plant but its equation.
+/// A plant's data besides its equation.
 #[derive(Clone, Copy, Debug)]
 pub struct PlantInfo {
     /// The key in scenario files.
@@ -22,17 +22,17 @@ pub struct PlantInfo {
     pub name: &'static str,
     /// The equation of motion, per mass.
     pub equation: &'static str,
-    /// Where it comes from.
+    /// The source of the equation.
     pub reference: &'static str,
-    /// The components of its state: those that move, then the parameters.
+    /// The components of the state: the motion, then the parameters.
     pub channels: &'static [Channel],
-    /// Whether it is linear as long as its parameters are constant: then its response is exact.
+    /// Whether it is linear while its parameters are constant; its response is exact then.
     pub is_linear: bool,
-    /// How its springs are drawn.
+    /// The symbol of its springs in the picture.
     pub spring: Spring,
 }
 
-/// How the spring of a plant is drawn.
+/// The symbol of a spring in the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spring {
     /// A spring of one stiffness.
@@ -43,16 +43,16 @@ pub enum Spring {
     Slipping(Channel),
 }
 
-/// A plant with the state `y = [motion, parameters]`, M of N components of which move. Its parameters are constant, or
-/// decay at the rate η of whoever uses the plant: its equation says nothing of that.
+/// A plant with the state `y = [motion, parameters]`, of whose N components the first M move. Its parameters are
+/// constant or decay at a rate η; the model of the plant adds that, not the plant's equation.
 ///
 /// ```text
 /// ẏ = g(y, f),  A = ∂g/∂y
 /// ```
 ///
-/// The force over mass f enters additively, and every mass alike.
+/// The force over mass f enters additively, and equally for every mass.
 pub trait Plant: Send + Sync {
-    /// What it is called and what its state is made of.
+    /// Names, keys and the components of the state.
     fn info(&self) -> &PlantInfo;
 
     /// The first M components of `g(y, f)`, each in its unit per second, from a state of N components and the force over
@@ -63,11 +63,11 @@ pub trait Plant: Send + Sync {
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]);
 }
 
-/// A plant, by what it is called: one of the registry, or one of your own.
+/// A plant by its data: one of the registry, or a user's own.
 #[derive(Clone, Copy)]
 pub struct PlantKind(&'static dyn Plant);
 
-/// The registry: a constant for each plant, and all of them.
+/// The registry: a constant for each plant, and the list of all.
 macro_rules! registry {
     ($($(#[$doc:meta])* $name:ident = $plant:expr;)*) => {
         impl PlantKind {
@@ -106,7 +106,7 @@ registry! {
 }
 
 impl PlantKind {
-    /// A plant of your own, which scenarios can then have. Files name plants of the registry only.
+    /// A user's own plant, for use in scenarios. Files can name plants of the registry only.
     pub const fn new(plant: &'static dyn Plant) -> Self {
         Self(plant)
     }
@@ -121,7 +121,7 @@ impl PlantKind {
         self.0
     }
 
-    /// What it is called and what its state is made of.
+    /// Names, keys and the components of the state.
     pub fn info(self) -> &'static PlantInfo {
         self.0.info()
     }
@@ -141,12 +141,12 @@ impl PlantKind {
         self.info().equation
     }
 
-    /// Where it comes from.
+    /// The source of the equation.
     pub fn reference(self) -> &'static str {
         self.info().reference
     }
 
-    /// The components of the plant's state, those that move first.
+    /// The components of the state: the motion, then the parameters.
     pub fn channels(self) -> &'static [Channel] {
         self.info().channels
     }
@@ -166,12 +166,12 @@ impl PlantKind {
         self.channels().iter().copied().filter(|c| c.is_parameter())
     }
 
-    /// The quantities that can be measured of the plant.
+    /// The measurable quantities of the plant.
     pub fn quantities(self) -> impl Iterator<Item = Quantity> {
         Quantity::all().iter().copied().filter(move |&quantity| self.has(quantity))
     }
 
-    /// Whether a quantity can be measured of the plant.
+    /// Whether the plant has a quantity to measure.
     pub fn has(self, quantity: Quantity) -> bool {
         quantity.reads().iter().all(|(term, _)| match term {
             Term::State(channel) | Term::Rate(channel) => self.channels().contains(channel),

@@ -1,4 +1,6 @@
-//! What a sensor measures, as data.
+//! The measurable quantities, as data.
+
+mod aspect;
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -8,159 +10,19 @@ use std::sync::LazyLock;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::Channel;
-use crate::channel::{ChannelInfo, MAX_MASSES, Role, Usual, by_mass, expected, symbols_by_mass};
+use crate::channel::{MAX_MASSES, expected};
+
+pub use aspect::{Aspect, AspectInfo, Term};
 
 /// The most sensors that one scenario can have.
 pub const MAX_SENSORS: usize = 12;
 
-/// A part of a sensor's reading.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Term {
-    /// A component of the state.
-    State(Channel),
-    /// The rate of change of a component of the state.
-    Rate(Channel),
-    /// The acceleration of the ground \[m/s²\], which is zero unless the input is one.
-    Ground,
-}
-
-/// What of a mass is measured: all that is known of it.
-#[derive(Debug)]
-pub struct AspectInfo {
-    /// Keys in scenario files and columns in CSV files, in the order of the masses; also the names.
-    pub keys: &'static [&'static str],
-    /// Symbols in formulas, in the order of the masses.
-    pub symbols: &'static [&'static str],
-    /// The unit.
-    pub unit: &'static str,
-    /// A usual standard deviation of its noise.
-    pub usual_noise: f64,
-    /// The reading for a mass, counted from 0, as a sum of terms with their factors.
-    pub reads: fn(usize) -> Vec<(Term, f64)>,
-    /// The number of the first mass's random stream, and the distance to the next mass's. Fixed for ever: another number is
-    /// another noise.
-    pub streams: (u64, u64),
-    /// The bias that such a sensor can have.
-    pub bias: ChannelInfo,
-}
-
-/// What of a mass is measured.
-#[derive(Clone, Copy)]
-pub struct Aspect(&'static AspectInfo);
-
-/// A measurable quantity of a mass: of the only one, or of one in a chain.
+/// A measurable quantity: an aspect of a mass.
 #[derive(Clone, Copy)]
 pub struct Quantity {
     aspect: Aspect,
     mass: u8,
 }
-
-/// The bias of a sensor, in the sensor's unit.
-macro_rules! bias {
-    ($key:literal, $name:literal, $symbol:literal, $unit:literal, $noise:literal) => {
-        ChannelInfo {
-            keys: by_mass!($key, "_"),
-            names: by_mass!($name, " "),
-            symbols: symbols_by_mass!($symbol, $symbol),
-            unit: $unit,
-            role: Role::Augmentation,
-            rate: None,
-            mirrored: false,
-            usual: Usual {
-                mean: 0.0,
-                std: 5.0 * $noise,
-                process: 0.0,
-                truth: &[0.0],
-                slider: (-20.0 * $noise, 20.0 * $noise),
-                decimals: 4,
-            },
-        }
-    };
-}
-
-static DISPLACEMENT: AspectInfo = AspectInfo {
-    keys: by_mass!("displacement", "_"),
-    symbols: symbols_by_mass!("x", "x"),
-    unit: "m",
-    usual_noise: 0.01,
-    reads: |mass| vec![(Term::State(Channel::displacement(mass)), 1.0)],
-    streams: (16, 3),
-    bias: bias!("bias_displacement", "bias of the displacement", "bˣ", "m", 0.01),
-};
-
-static VELOCITY: AspectInfo = AspectInfo {
-    keys: by_mass!("velocity", "_"),
-    symbols: symbols_by_mass!("v", "v"),
-    unit: "m/s",
-    usual_noise: 0.06,
-    reads: |mass| vec![(Term::State(Channel::velocity(mass)), 1.0)],
-    streams: (17, 3),
-    bias: bias!("bias_velocity", "bias of the velocity", "bᵛ", "m/s", 0.06),
-};
-
-static ACCELERATION: AspectInfo = AspectInfo {
-    keys: by_mass!("acceleration", "_"),
-    symbols: symbols_by_mass!("ẍ", "ẍ"),
-    unit: "m/s²",
-    usual_noise: 0.3,
-    reads: |mass| vec![(Term::Rate(Channel::velocity(mass)), 1.0)],
-    streams: (18, 3),
-    bias: bias!("bias_acceleration", "bias of the acceleration", "bᵃ", "m/s²", 0.3),
-};
-
-static TOTAL_ACCELERATION: AspectInfo = AspectInfo {
-    keys: by_mass!("total_acceleration", "_"),
-    symbols: symbols_by_mass!("ẍᵗ", "ẍᵗ"),
-    unit: "m/s²",
-    usual_noise: 0.3,
-    reads: |mass| vec![(Term::Rate(Channel::velocity(mass)), 1.0), (Term::Ground, 1.0)],
-    streams: (1 << 32, 1),
-    bias: bias!("bias_total_acceleration", "bias of the total acceleration", "bᵗ", "m/s²", 0.3),
-};
-
-static DRIFT: AspectInfo = AspectInfo {
-    keys: by_mass!("drift", "_"),
-    symbols: symbols_by_mass!("Δx", "Δx"),
-    unit: "m",
-    usual_noise: 0.01,
-    reads: |mass| {
-        let above = (Term::State(Channel::displacement(mass)), 1.0);
-        let below = mass.checked_sub(1).map(|below| (Term::State(Channel::displacement(below)), -1.0));
-        std::iter::once(above).chain(below).collect()
-    },
-    streams: (2 << 32, 1),
-    bias: bias!("bias_drift", "bias of the drift", "bᵈ", "m", 0.01),
-};
-
-impl Aspect {
-    /// The displacement against the base \[m\].
-    pub const DISPLACEMENT: Self = Self(&DISPLACEMENT);
-    /// The velocity against the base \[m/s\].
-    pub const VELOCITY: Self = Self(&VELOCITY);
-    /// The acceleration against the base \[m/s²\].
-    pub const ACCELERATION: Self = Self(&ACCELERATION);
-    /// The acceleration against the world: that against the base, and the ground's \[m/s²\].
-    pub const TOTAL_ACCELERATION: Self = Self(&TOTAL_ACCELERATION);
-    /// The displacement against the mass below, or the base \[m\].
-    pub const DRIFT: Self = Self(&DRIFT);
-
-    /// Every aspect.
-    pub const ALL: [Self; 5] =
-        [Self::DISPLACEMENT, Self::VELOCITY, Self::ACCELERATION, Self::TOTAL_ACCELERATION, Self::DRIFT];
-
-    /// All that is known of it.
-    pub const fn info(self) -> &'static AspectInfo {
-        self.0
-    }
-}
-
-impl PartialEq for Aspect {
-    fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self.0, other.0)
-    }
-}
-
-impl Eq for Aspect {}
 
 impl Quantity {
     /// x \[m\]
@@ -192,7 +54,7 @@ impl Quantity {
         Self::all().iter().copied().find(|quantity| quantity.key() == key)
     }
 
-    /// What of the mass is measured.
+    /// The measured aspect of the mass.
     pub const fn aspect(self) -> Aspect {
         self.aspect
     }
@@ -204,7 +66,7 @@ impl Quantity {
 
     /// The key in scenario files and the column in CSV files.
     pub const fn key(self) -> &'static str {
-        self.aspect.0.keys[self.mass as usize]
+        self.aspect.info().keys[self.mass as usize]
     }
 
     /// The name in running text.
@@ -214,20 +76,20 @@ impl Quantity {
 
     /// The symbol in formulas.
     pub const fn symbol(self) -> &'static str {
-        self.aspect.0.symbols[self.mass as usize]
+        self.aspect.info().symbols[self.mass as usize]
     }
 
     /// The unit.
     pub const fn unit(self) -> &'static str {
-        self.aspect.0.unit
+        self.aspect.info().unit
     }
 
-    /// The reading of a perfect sensor, as a sum of terms with their factors.
+    /// The reading of a perfect sensor, as a sum of weighted terms.
     pub fn reads(self) -> Vec<(Term, f64)> {
-        (self.aspect.0.reads)(self.mass())
+        (self.aspect.info().reads)(self.mass())
     }
 
-    /// The channel that it shows directly, if it is one.
+    /// The channel that equals the reading, if there is one.
     pub fn channel(self) -> Option<Channel> {
         match self.reads()[..] {
             [(Term::State(channel), 1.0)] => Some(channel),
@@ -235,14 +97,14 @@ impl Quantity {
         }
     }
 
-    /// The bias that a sensor for it can have.
+    /// The bias of a sensor for it.
     pub const fn bias(self) -> Channel {
-        Channel::of_mass(&self.aspect.0.bias, self.mass as usize)
+        Channel::of_mass(&self.aspect.info().bias, self.mass as usize)
     }
 
     /// The number of the random stream of its noise.
     pub(crate) const fn stream(self) -> u64 {
-        let (first, distance) = self.aspect.0.streams;
+        let (first, distance) = self.aspect.info().streams;
         first + distance * self.mass as u64
     }
 
@@ -273,7 +135,7 @@ impl PartialOrd for Quantity {
 }
 
 impl Ord for Quantity {
-    /// Mass by mass.
+    /// Orders by mass, then by aspect.
     fn cmp(&self, other: &Self) -> Ordering {
         self.place().cmp(&other.place())
     }

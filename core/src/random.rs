@@ -1,22 +1,22 @@
-//! Seeded streams of standard normal numbers, one a purpose.
+//! Seeded streams of standard normal numbers, one per purpose.
 //!
-//! The Box-Muller transform stands here, and not a crate's sampler, because the bits must not depend on the build:
-//! `rand_distr` takes its logarithm from `num-traits`, and that from the platform's mathematical library as soon as any
-//! other crate of the build asks `num-traits` for `std`.
+//! The Box-Muller transform is written out here because the bits must not depend on the build: `rand_distr` takes its
+//! logarithm from `num-traits`, which uses the platform's mathematical library as soon as any other crate of the build
+//! enables its `std` feature.
 
 use std::f64::consts::TAU;
 
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// What a stream of random numbers is for. Each purpose has a stream of its own, so that adding a sensor or a
-/// disturbance does not reshuffle the rest.
+/// The purpose of a stream of random numbers. Each purpose has its own stream, so that adding a sensor or a disturbance
+/// changes no other noise.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Purpose {
     Force,
     Disturbance,
     Sensor(crate::Quantity),
-    /// The members of a filter's ensemble, by the number of its stream.
+    /// The members of a filter's ensemble, by the number of the filter's stream.
     Ensemble(usize),
 }
 
@@ -45,7 +45,7 @@ impl Normal {
         Self { rng, spare: None }
     }
 
-    /// A stream of your own.
+    /// A stream with its own purpose.
     pub fn from_seed(seed: u64) -> Self {
         Self { rng: ChaCha8Rng::seed_from_u64(seed), spare: None }
     }
@@ -91,5 +91,15 @@ mod tests {
         assert_ne!(first(1, Purpose::Force), first(2, Purpose::Force));
         assert_ne!(first(1, Purpose::Force), first(1, Purpose::Disturbance));
         assert_ne!(first(1, Purpose::Sensor(Quantity::DISPLACEMENT)), first(1, Purpose::Sensor(Quantity::VELOCITY)));
+    }
+
+    #[test]
+    fn no_two_purposes_share_a_stream() {
+        let sensors = Quantity::all().iter().map(|&quantity| Purpose::Sensor(quantity));
+        let ensembles = (0..1000).map(Purpose::Ensemble);
+        let purposes = [Purpose::Force, Purpose::Disturbance].into_iter().chain(sensors).chain(ensembles);
+        let streams: Vec<u64> = purposes.map(Purpose::stream).collect();
+        let different: std::collections::HashSet<u64> = streams.iter().copied().collect();
+        assert_eq!(different.len(), streams.len());
     }
 }

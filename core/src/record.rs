@@ -1,4 +1,4 @@
-//! What was applied and measured, simulated or from a file.
+//! The input and the measurements, simulated or from a file.
 
 mod csv_file;
 mod error;
@@ -7,10 +7,10 @@ pub use error::RecordError;
 
 use crate::{Channel, Hold, InputKind, Quantity};
 
-/// Equally spaced samples of the input, measurements and, where it is known, the truth.
+/// Equally spaced samples of the input, the measurements and, where it is known, the truth.
 ///
-/// A run can forget its first samples ([`Run::forget`](crate::Run::forget)). Samples are told by their index among those
-/// that are kept; by their number, counted from the run's beginning, only where it says so ([`Self::time_of`]).
+/// A run can forget its first samples ([`Run::forget`](crate::Run::forget)). Indices count from the first sample that
+/// is kept; only [`Self::time_of`] counts from the run's beginning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     dt: f64,
@@ -28,11 +28,11 @@ pub struct Record {
 /// The input of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// What it is.
+    /// The kind of input.
     pub kind: InputKind,
-    /// How it runs between samples.
+    /// The hold between samples.
     pub hold: Hold,
-    /// Its value at every sample \[m/s²\].
+    /// The value at every sample \[m/s²\].
     pub values: Vec<f64>,
 }
 
@@ -40,8 +40,8 @@ pub struct Input {
 const OPTIONAL: &str = "a number or NaN";
 
 impl Record {
-    /// A measured record whose samples are `dt` \[s\] apart, from t = 0 on: one column of measurements a quantity, each as
-    /// long as the input, in the quantity's unit. NaN is a missing measurement.
+    /// A measured record with `dt` \[s\] between samples, from t = 0 on, and one column of measurements per quantity,
+    /// of the length of the input and in the quantity's unit. NaN is a missing measurement.
     ///
     /// ```
     /// use kalmanscope_core::record::{Input, Record};
@@ -105,13 +105,13 @@ impl Record {
         }
     }
 
-    /// The same without a sample.
+    /// The same columns without samples.
     pub(crate) fn emptied(&self) -> Self {
         let Self { dt, kind, hold, sensors, truth_channels, .. } = self;
         Self::empty(*dt, *kind, *hold, sensors.clone(), truth_channels.clone())
     }
 
-    /// Takes over the memory of a record that is no longer needed.
+    /// Reuses the memory of an old record.
     pub(crate) fn recycle(&mut self, old: Self) {
         let new = std::iter::once(&mut self.input).chain(&mut self.measured).chain(&mut self.truth);
         let old = std::iter::once(old.input).chain(old.measured).chain(old.truth);
@@ -166,12 +166,13 @@ impl Record {
         self.time_of(self.forgotten + k)
     }
 
-    /// Time of the sample with this number from the run's beginning \[s\], kept or not, and also beyond the last.
+    /// The time of the sample with this number, counted from the run's beginning, kept or not, also beyond the last
+    /// \[s\].
     pub fn time_of(&self, number: usize) -> f64 {
         self.start + number as f64 * self.dt
     }
 
-    /// How many samples have been forgotten: the number of the first one that is kept.
+    /// The number of forgotten samples, which is also the number of the first one that is kept.
     pub fn forgotten(&self) -> usize {
         self.forgotten
     }
@@ -191,7 +192,7 @@ impl Record {
         &self.input
     }
 
-    /// What the input is.
+    /// The kind of input.
     pub fn input_kind(&self) -> InputKind {
         self.kind
     }
@@ -215,7 +216,7 @@ impl Record {
         self.force(place.min(self.len() - 1))
     }
 
-    /// What is measured.
+    /// The measured quantities.
     pub fn sensors(&self) -> &[Quantity] {
         &self.sensors
     }
@@ -230,7 +231,7 @@ impl Record {
         self.sensors.iter().position(|&s| s == quantity).map(|i| self.measured(i))
     }
 
-    /// What sample `k` has of some quantities; NaN where one is missing or not measured at all.
+    /// The measurements of some quantities at sample `k`; NaN where one is missing or not measured.
     pub(crate) fn sample(&self, k: usize, quantities: &[Quantity]) -> Vec<f64> {
         quantities.iter().map(|&q| self.measured_quantity(q).map_or(f64::NAN, |values| values[k])).collect()
     }
@@ -240,18 +241,19 @@ impl Record {
         self.truth_place(channel).map(|i| self.truth[i].as_slice())
     }
 
-    /// The place of a channel among those whose truth is known.
+    /// The place of a channel among those of known truth.
     pub(crate) fn truth_place(&self, channel: Channel) -> Option<usize> {
         self.truth_channels.iter().position(|&c| c == channel)
     }
 
-    /// The true value at sample `k` of the channel in a place that [`Self::truth_place`] gave.
+    /// The true value at sample `k` of the channel at a place given by [`Self::truth_place`].
     pub(crate) fn truth_at(&self, place: usize, k: usize) -> f64 {
         self.truth[place][k]
     }
 }
 
-/// Columns apart from what they are of, if each is of something else, as long as it should be, and without infinities.
+/// Separates keys from columns. Fails where a key is repeated, a column has the wrong length, or a value is not
+/// allowed.
 fn complete<T: Copy + PartialEq>(
     columns: Vec<(T, Vec<f64>)>,
     expected: usize,

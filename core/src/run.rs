@@ -1,4 +1,4 @@
-//! The one engine: a truth or a measured record, and the filters that follow it sample by sample.
+//! The engine: a truth or a measured record, and the filters that use it, sample by sample.
 
 pub(crate) mod revision;
 
@@ -15,9 +15,9 @@ use revision::Revision;
 
 /// A scenario in progress.
 ///
-/// A simulated run may forget its first samples ([`Self::forget`]), and can then go on for ever in the same memory. Counts
-/// of all samples, [`Self::done`] and [`Self::samples`], are from the run's beginning; [`Self::len`] and every index into
-/// [`Self::record`] and [`Self::estimates`] are of those that are kept.
+/// A simulated run can forget its first samples ([`Self::forget`]) and go on without limit in constant memory.
+/// [`Self::done`] and [`Self::samples`] count from the run's beginning; [`Self::len`] and every index into
+/// [`Self::record`] and [`Self::estimates`] count from the first sample that is kept.
 pub struct Run {
     recording: Recording,
     samples: usize,
@@ -25,12 +25,13 @@ pub struct Run {
     bank: Bank,
 }
 
-/// What [`Run::update`] has computed again.
+/// The parts that [`Run::update`] has computed again.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Update {
-    /// The truth, or the way in which a given record is read, and every filter.
+    /// Everything: the truth, or the way in which a given record is read, and every filter.
     Everything,
-    /// The filters with these ids; the truth and all other filters are as they were, but for those that are gone.
+    /// The filters with these ids. The truth and the other filters are unchanged; filters that the scenario lacks are
+    /// removed.
     Filters(Vec<u32>),
 }
 
@@ -43,7 +44,7 @@ impl Run {
         Self::from_source(scenario, Source::Simulated)
     }
 
-    /// A run of the scenario's filters over a given record, whose `dt` counts instead of the scenario's.
+    /// A run of the scenario's filters over a given record, whose `dt` replaces the scenario's.
     ///
     /// # Errors
     /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::MissingSensor`] where the record lacks one
@@ -52,7 +53,7 @@ impl Run {
         Self::from_source(scenario, Source::Measured(record))
     }
 
-    /// A run over either, before its first sample.
+    /// A run over either source, before its first sample.
     ///
     /// # Errors
     /// As [`Self::on_record`].
@@ -72,10 +73,10 @@ impl Run {
         Ok(Self { recording, samples, done: 0, bank })
     }
 
-    /// Begins anew with another scenario over the same source, in the memory of this run.
+    /// Begins again with another scenario over the same source, and reuses the memory of this run.
     ///
     /// # Errors
-    /// As [`Self::on_record`]; this run stays as it is then.
+    /// As [`Self::on_record`]; this run is then unchanged.
     pub fn restart(&mut self, scenario: &Scenario) -> Result<(), RunError> {
         scenario.validate()?;
         let source = self.source();
@@ -88,12 +89,12 @@ impl Run {
         Ok(())
     }
 
-    /// Takes over another scenario as far as this run has come, as a new run of it would come there: with the same bits, but
-    /// a truth and filters whose settings have not changed are not computed again, and a given record stays. Where the truth
-    /// has changed, or a run has forgotten samples, begins anew.
+    /// Changes the scenario and computes the run again up to the present sample, with the same bits as a new run. A
+    /// truth and filters with unchanged settings are not computed again, and a given record stays. Begins again where
+    /// the truth has changed or samples have been forgotten.
     ///
     /// # Errors
-    /// As [`Self::on_record`]; this run stays as it is then.
+    /// As [`Self::on_record`]; this run is then unchanged.
     pub fn update(&mut self, scenario: &Scenario) -> Result<Update, RunError> {
         let mut spare = Spare::default();
         let mut revision = Revision::new(self, scenario, None, &mut spare)?;
@@ -106,15 +107,15 @@ impl Run {
     }
 
     /// Advances by one sample: the truth moves on, then every filter predicts and updates. The first step reports the
-    /// initial beliefs. A filter that fails keeps its estimates so far and says why in [`Estimates::stop`]; the others go
-    /// on. Returns whether there was a sample left; a truth that runs away ends the record early and says why in
-    /// [`Self::truth_stop`].
+    /// initial beliefs. A filter that fails keeps its estimates and reports the reason in [`Estimates::stop`]; the
+    /// others go on. Returns whether there was a sample left. A truth that diverges ends the record early and reports
+    /// the reason in [`Self::truth_stop`].
     pub fn step(&mut self) -> bool {
         self.advance_to(self.done + 1) > 0
     }
 
-    /// Steps until `samples` samples, from the run's beginning, are done or there are none left. Returns how many steps that
-    /// took.
+    /// Steps until `samples` samples, counted from the run's beginning, are done, or to the end. Returns the number of
+    /// steps.
     pub fn advance_to(&mut self, samples: usize) -> usize {
         let Self { recording, samples: all, done, bank } = self;
         let begin = *done;
@@ -127,9 +128,9 @@ impl Run {
         *done - begin
     }
 
-    /// Forgets the first `samples` of those that are kept, or all but the last, and whatever has been told of them, without
-    /// giving memory back. What comes after is the same to the last bit. Only a simulated record can be forgotten; returns
-    /// whether it is one.
+    /// Forgets the first `samples` of those that are kept, but never the last one, and everything derived from them.
+    /// The memory stays reserved. Later samples are bit-identical to those of a run that keeps everything. Returns
+    /// false for a given record, which cannot be forgotten.
     pub fn forget(&mut self, samples: usize) -> bool {
         let samples = samples.min(self.len().saturating_sub(1 + self.bank.reach()));
         let forgets = self.recording.forget(samples);
@@ -149,17 +150,17 @@ impl Run {
         self.bank.scenario()
     }
 
-    /// Where its samples come from.
+    /// The source of the samples.
     pub fn source(&self) -> Source {
         self.recording.source()
     }
 
-    /// The number of samples done, from the run's beginning.
+    /// The number of samples done, counted from the run's beginning.
     pub fn done(&self) -> usize {
         self.done
     }
 
-    /// The number of samples done that are kept: all, unless some have been forgotten.
+    /// The number of samples done and kept: all, unless some have been forgotten.
     pub fn len(&self) -> usize {
         self.done - self.record().forgotten()
     }
@@ -169,28 +170,29 @@ impl Run {
         self.done == 0
     }
 
-    /// The number of samples of the whole record, from the run's beginning, kept or not.
+    /// The number of samples of the whole record, counted from the run's beginning, kept or not.
     pub fn samples(&self) -> usize {
         self.samples
     }
 
-    /// Where the simulated truth stopped and why, if it had no numbers left before the record was complete.
+    /// Where and why the simulated truth stopped, if it diverged before the record was complete.
     pub fn truth_stop(&self) -> Option<TruthStop> {
         self.recording.stop()
     }
 
-    /// The record: as far as it is simulated and kept, or all of a measured one.
+    /// The record: the part that is simulated and kept, or all of a measured one.
     pub fn record(&self) -> &Record {
         self.recording.record()
     }
 
-    /// The estimates so far, as far as they are kept, one a filter.
+    /// The estimates so far, as far as they are kept, one per filter.
     pub fn estimates(&self) -> &[Estimates] {
         &self.bank.estimates
     }
 
-    /// The estimates of every filter with a smoother in the light of all samples so far. They have means and
-    /// covariances, but no innovations. A smoother begins where the filter did: a run that has forgotten samples has none.
+    /// The smoothed estimates of every filter with a smoother, given all samples so far. They have means and
+    /// covariances, but no innovations. A run that has forgotten samples has none, because a smoother needs the first
+    /// sample.
     ///
     /// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems.
     pub fn smoothed(&self) -> Vec<Estimates> {
@@ -209,14 +211,14 @@ impl Run {
         (0..self.scenario().filters.len()).filter_map(of).collect()
     }
 
-    /// Every channel that the truth or a filter has.
+    /// Every channel of the truth and of the filters.
     pub fn channels(&self) -> Vec<Channel> {
         let known =
             |c: &Channel| self.record().truth(*c).is_some() || self.estimates().iter().any(|e| e.place(*c).is_some());
         Channel::all().iter().copied().filter(known).collect()
     }
 
-    /// Checksum of all estimates that are kept, to compare platforms with.
+    /// A hash of all estimates that are kept, to compare platforms.
     pub fn checksum(&self) -> u64 {
         self.estimates().iter().fold(0, |sum: u64, e| sum.rotate_left(1) ^ e.checksum())
     }
@@ -225,7 +227,7 @@ impl Run {
         &self.bank
     }
 
-    /// The memory of what is kept. The run is of no use before it has been given other things.
+    /// The memory of the run's data. The run cannot be used before it has been given other data.
     fn take_apart(&mut self) -> (Option<Record>, Vec<Estimates>) {
         let empty = Recording::Measured(Arc::new(self.record().emptied()));
         let record = std::mem::replace(&mut self.recording, empty).into_simulated();

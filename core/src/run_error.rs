@@ -1,10 +1,10 @@
-//! Why a run cannot begin.
+//! Errors that keep a run from beginning.
 
 use thiserror::Error;
 
 use crate::{InputKind, Quantity, Record, Scenario, ScenarioError};
 
-/// Why a run cannot begin.
+/// The reason why a run cannot begin.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum RunError {
     /// The scenario is impossible.
@@ -33,7 +33,7 @@ fn input_name(kind: InputKind) -> &'static str {
     }
 }
 
-/// The place in a record of each of a scenario's sensors, if the record is one of such a scenario.
+/// The column of a record for each of a scenario's sensors, if the record fits the scenario.
 pub(crate) fn sensor_places(scenario: &Scenario, record: &Record) -> Result<Vec<usize>, RunError> {
     if record.input_kind() != scenario.input {
         return Err(RunError::InputKind { record: record.input_kind(), scenario: scenario.input });

@@ -1,17 +1,19 @@
-//! Numbers about a filter that need no history.
+//! Scores of a filter that need no history.
 
 use crate::diagnostics::Total;
-use crate::diagnostics::accuracy::{Known, sign_of};
+use crate::diagnostics::accuracy::{TrackedChannel, sign_of};
 use crate::diagnostics::nees::ErrorSquare;
-use crate::likelihood::{LogSum, ln_determinant, log_likelihood};
+use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
+use crate::log_sum::LogSum;
 use crate::sink::{Sample, Sink};
 use crate::{Channel, Estimates, FilterKind, Record, Stop};
 
-/// An error of more standard deviations than this, larger than the truth and all doubts at first, is a truth lost.
+/// Limits the error, in standard deviations: above it, and above the truth and the initial uncertainty, the truth is
+/// lost.
 const LOST: f64 = 10.0;
 
-/// Running sums over the samples of one filter, in memory that does not grow: for maps of thousands of runs. The numbers are
-/// those of [`Diagnostics`](crate::Diagnostics) to the last bit.
+/// Running sums over the samples of one filter, in constant memory, for maps of thousands of runs. The numbers are
+/// bit-identical to those of [`Diagnostics`](crate::Diagnostics).
 ///
 /// ```
 /// use kalmanscope_core::{Channel, Pass, Run, Scenario, Scores};
@@ -29,12 +31,12 @@ const LOST: f64 = 10.0;
 pub struct Scores {
     kind: FilterKind,
     channels: usize,
-    /// The place of the channel whose sign decides about the canonical form.
+    /// The place of the natural frequency, whose sign determines the canonical form.
     frequency: Option<usize>,
     sensors: usize,
     samples: usize,
-    known: Vec<Known>,
-    /// The last error and standard deviation of each known channel, and its standard deviation at first.
+    known: Vec<TrackedChannel>,
+    /// The last error and standard deviation of each tracked channel, and its initial standard deviation.
     last: Vec<Last>,
     /// The errors' squares and their number in the record's last fifth.
     recent: Vec<(f64, u32)>,
@@ -55,7 +57,7 @@ struct Last {
     initial_std: f64,
 }
 
-/// How well one channel was estimated, in its unit.
+/// The accuracy of one channel, in its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChannelScore {
     /// The last mean minus the truth.
@@ -66,14 +68,14 @@ pub struct ChannelScore {
     pub rmse: f64,
     /// The share of samples with the truth inside ±2σ.
     pub share_inside: f64,
-    /// The sample from which on the estimate has been within 5 % of the truth, if it is one.
+    /// The sample since which the estimate has stayed within 5 % of the truth, if it is.
     pub settled: Option<usize>,
 }
 
 impl Scores {
-    /// Sums without a sample, of a filter with such a history over the whole of a record.
+    /// Empty sums, for a filter with this empty history over the whole of a record.
     pub fn new(history: &Estimates, record: &Record) -> Self {
-        let known: Vec<Known> = Known::of(history.channels(), record, 0).collect();
+        let known: Vec<TrackedChannel> = TrackedChannel::of(history.channels(), record, 0).collect();
         let mut square = ErrorSquare::default();
         square.restart(known.iter().map(|known| known.place));
         Self {
@@ -96,7 +98,7 @@ impl Scores {
         }
     }
 
-    /// The sink for samples of this record, which must be the one that the sums began with.
+    /// The sink for samples of this record, which must be the one given to [`Self::new`].
     pub fn against<'a>(&'a mut self, record: &'a Record) -> Scoring<'a> {
         Scoring { scores: self, record }
     }
@@ -123,17 +125,17 @@ impl Scores {
 
     /// Sum of the log likelihoods of all samples with a measurement.
     pub fn log_likelihood(&self) -> f64 {
-        match (self.kind == FilterKind::PF, self.nis.degrees) {
+        match (self.kind.has_own_likelihood(), self.nis.degrees) {
             (true, _) => self.particles,
             (false, 0) => 0.0,
             (false, degrees) => log_likelihood(self.nis.sum, self.ln_determinants.value(), degrees),
         }
     }
 
-    /// How well a channel was estimated; `None` where the truth is not known.
+    /// The accuracy of a channel; `None` where the truth is not known.
     pub fn channel(&self, channel: Channel) -> Option<ChannelScore> {
         let at = self.known.iter().position(|known| known.channel == channel)?;
-        let (Known { total, settled, .. }, Last { error, std, .. }) = (self.known[at], self.last[at]);
+        let (TrackedChannel { total, settled, .. }, Last { error, std, .. }) = (self.known[at], self.last[at]);
         (total.known > 0).then(|| ChannelScore {
             error,
             std,
@@ -143,15 +145,15 @@ impl Scores {
         })
     }
 
-    /// Where the filter stopped, if it could not go on.
+    /// Where and why the filter stopped, if it did.
     pub fn stop(&self) -> Option<Stop> {
         self.stop
     }
 
-    /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error is more than 10σ
-    /// and larger than the truth ever was and than was thought possible at first.
+    /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error exceeds 10σ,
+    /// the largest truth and the initial uncertainty.
     pub fn diverged(&self) -> bool {
-        let lost = |((known, last), &(squares, samples)): ((&Known, &Last), &(f64, u32))| {
+        let lost = |((known, last), &(squares, samples)): ((&TrackedChannel, &Last), &(f64, u32))| {
             let rmse = (squares / f64::from(samples)).sqrt();
             let bound = known.largest_truth.max(known.first_error).max(2.0 * last.initial_std);
             last.std > 0.0 && rmse > LOST * last.std && rmse > bound
@@ -160,7 +162,7 @@ impl Scores {
     }
 }
 
-/// [`Scores`] that take in samples against their record.
+/// [`Scores`] with their record, as a sink.
 pub struct Scoring<'a> {
     scores: &'a mut Scores,
     record: &'a Record,
@@ -201,7 +203,7 @@ impl Sink for Scoring<'_> {
         if sample.determinant.is_nan() {
             return;
         }
-        if kind == FilterKind::PF {
+        if kind.has_own_likelihood() {
             *particles += sample.log_likelihood;
         } else {
             let ln = || ln_determinant(sample.determinant, sample.innovation_cov, sensors);

@@ -1,21 +1,18 @@
-//! The choice between a tuned kernel and the book.
+//! The choice between a tuned kernel and the reference filters. Smoothers have no kernel: one pass over a record is enough.
 
 use crate::estimator::{Estimator, FilterContext};
 use crate::smoother::Smoother;
 use crate::{FilterSettings, filter, kernel};
 
-/// Builds the filter of some settings: a tuned kernel where there is one, else the book.
+/// Builds the filter of some settings: a tuned kernel where there is one, else the reference filter.
 pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
     kernel::estimator::estimator(settings, context).unwrap_or_else(|| filter::estimator::estimator(settings, &context))
 }
 
-/// The smoother of a filter, if it can have one.
+/// The smoother of a filter, if its kind has one.
 pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) -> Option<Smoother> {
     if settings.kind.is_sampled() {
         return None;
     }
-    let tuned = kernel::smoother::beliefs(settings, context);
-    tuned
-        .or_else(|| filter::smoother::beliefs(settings, &context))
-        .map(|beliefs| Smoother::new(beliefs, settings.input_delay))
+    filter::smoother::beliefs(settings, &context).map(|beliefs| Smoother::new(beliefs, settings.input_delay))
 }

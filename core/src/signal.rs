@@ -6,11 +6,11 @@ use std::fmt;
 use serde::de::{self, Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-/// A value over time. In a scenario file a bare number is a constant, anything else a table with the shape's name:
-/// `{ step = { from = 6.0, to = 4.8, at = 30.0 } }`.
+/// A value over time. In a scenario file a bare number is a constant; other shapes are tables with the shape's name: `{
+/// step = { from = 6.0, to = 4.8, at = 30.0 } }`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Signal {
-    /// The same value for ever.
+    /// A constant value.
     Constant(f64),
     /// One sudden change.
     Step(Step),
@@ -22,7 +22,7 @@ pub enum Signal {
 
 /// `from` before the time `at`, `to` from then on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Step {
     /// Value before.
     pub from: f64,
@@ -34,7 +34,7 @@ pub struct Step {
 
 /// `from` until `start`, then linear, `to` from `end` on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Ramp {
     /// Value before.
     pub from: f64,
@@ -48,11 +48,11 @@ pub struct Ramp {
 
 /// `mean + amplitude sin(2π t / period)`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Sine {
     /// Mean value.
     pub mean: f64,
-    /// Largest distance from the mean.
+    /// Amplitude.
     pub amplitude: f64,
     /// Time of one cycle \[s\].
     pub period: f64,
@@ -67,7 +67,7 @@ enum Shape {
 }
 
 #[derive(Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[serde(field_identifier, rename_all = "snake_case")]
 enum ShapeKey {
     Step,
     Ramp,

@@ -1,4 +1,4 @@
-//! The truth: the plant's response and what the sensors make of it.
+//! The simulation of the truth: the plant's response and the sensors' measurements.
 
 mod inputs;
 mod response;
@@ -12,36 +12,36 @@ use crate::{Channel, Quantity, Record, Scenario};
 use inputs::Inputs;
 use response::Response;
 
-/// Why a truth cannot go on.
+/// The reason why a truth cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum TruthError {
-    /// The plant has run away, as one with a softening spring can, or a parameter's signal overflows.
+    /// The plant diverges, as one with a softening spring can, or a parameter's signal overflows.
     #[error("the true {} is no longer a finite number: the plant has run away", .0.name())]
     Channel(Channel),
-    /// The force and the disturbance are too large for a number.
+    /// The force and the disturbance overflow.
     #[error("the force is no longer a finite number")]
     Force,
-    /// A sensor's reading is too large for a number.
+    /// A sensor's reading overflows.
     #[error("the sensor for {} no longer reads a finite number", .0.key())]
     Reading(Quantity),
-    /// Between two samples the plant swings more often than can be followed.
+    /// The plant oscillates too fast to be integrated between two samples.
     #[error("the plant swings too fast to be followed from one sample to the next: dt is too long for it")]
     StepTooLong,
 }
 
-/// Where a truth stopped, and why.
+/// The sample at which a truth stopped, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TruthStop {
-    /// The number, from the run's beginning, of the first sample that the record lacks.
+    /// The number, counted from the run's beginning, of the first sample that the record lacks.
     pub sample: usize,
-    /// What went wrong there.
+    /// The reason.
     pub reason: TruthError,
 }
 
-/// Produces a record sample by sample, for as long as it is asked.
+/// Simulates a record sample by sample, without an end.
 ///
-/// Disturbance and parameters are held over each step, the input as the scenario says. The response to that is exact where
-/// the plant is linear; elsewhere it is of Runge-Kutta steps so short that their error is below 1e-9 of the signal.
+/// Disturbance and parameters are held over each step, the input by the scenario's hold. The response of a linear plant
+/// is exact. For other plants, Runge-Kutta steps are refined until their error is below 1e-9 of the signal.
 pub struct Simulator {
     scenario: Scenario,
     inputs: Inputs,
@@ -75,20 +75,20 @@ impl Simulator {
         }
     }
 
-    /// An empty record of the right shape.
+    /// An empty record with the columns of the scenario.
     pub fn empty_record(&self) -> Record {
         let Scenario { dt, input, hold, sensors, .. } = &self.scenario;
         let sensors = sensors.iter().map(|s| s.measures).collect();
         Record::empty(*dt, *input, *hold, sensors, self.model.channels().to_vec())
     }
 
-    /// Where the truth stopped, if it could not go on.
+    /// Where and why the truth stopped, if it did.
     pub fn stop(&self) -> Option<TruthStop> {
         self.stop
     }
 
-    /// Appends the next sample to `record`. Returns whether there was one: a plant that is not stable, such as one with a
-    /// softening spring, can run away to where there are no numbers. [`Self::stop`] then says why.
+    /// Appends the next sample to `record`. Returns whether there was one: an unstable plant, such as one with a
+    /// softening spring, can diverge beyond the largest number. [`Self::stop`] then has the reason.
     pub fn step(&mut self, record: &mut Record) -> bool {
         if self.stop.is_some() {
             return false;

@@ -1,9 +1,9 @@
-//! Where a filter reports to.
+//! Receivers of a filter's results.
 
 use crate::{Estimates, Stop};
 
-/// One sample of a filter: its belief after the update, in the channels' units, and what the measurement told. n channels,
-/// m sensors.
+/// One sample of a filter: its belief after the update, in the channels' units, and the results of the update. n
+/// channels, m sensors.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a> {
     /// Mean, n numbers.
@@ -18,19 +18,19 @@ pub struct Sample<'a> {
     pub gain: &'a [f64],
     /// Normalised innovation squared.
     pub nis: f64,
-    /// det S over the sensors that measured; zero or infinite where it leaves the range of numbers.
+    /// det S over the sensors with a measurement; zero or infinite where it underflows or overflows.
     pub determinant: f64,
-    /// Of a particle filter, the logarithm of the mean likelihood of its particles; NaN for any other, where it follows
-    /// from NIS and det S.
+    /// For a particle filter, the logarithm of the mean likelihood of its particles; NaN for other filters, where it
+    /// follows from NIS and det S.
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.
     pub effective_samples: f64,
-    /// Of an adaptive filter, the variances of process and sensor noise that it assumes by now.
+    /// For an adaptive filter, the present variances of process and sensor noise.
     pub noise: Option<AssumedNoise<'a>>,
 }
 
 impl<'a> Sample<'a> {
-    /// A belief that no measurement belongs to.
+    /// A belief without a measurement.
     pub fn unmeasured(mean: &'a [f64], cov: &'a [f64]) -> Self {
         let nan = f64::NAN;
         Self {
@@ -48,7 +48,7 @@ impl<'a> Sample<'a> {
     }
 }
 
-/// The variances that an adaptive filter assumes.
+/// The variances of an adaptive filter.
 #[derive(Clone, Copy, Debug)]
 pub struct AssumedNoise<'a> {
     /// Diagonal of Q, n numbers, in the state's units squared.
@@ -89,11 +89,11 @@ pub trait Sink {
     /// Takes in the next sample. The first one is the initial belief.
     fn push(&mut self, sample: &Sample<'_>);
 
-    /// The filter has stopped; there are no more samples.
+    /// Notes that the filter has stopped; there are no more samples.
     fn stop_at(&mut self, stop: Stop);
 
-    /// The history that samples are appended to, if the sink is one: a filter whose sizes the compiler knows then writes
-    /// each sample without looking at lengths.
+    /// The history that samples are appended to, if the sink is one. A filter of fixed sizes then appends each sample
+    /// without checks of lengths.
     fn history(&mut self) -> Option<&mut Estimates> {
         None
     }

@@ -1,19 +1,13 @@
 //! Estimates with hindsight: the whole record tells of every sample.
 
+use crate::waste::Piecewise;
 use crate::{Estimates, FilterError, Record, Stop};
 
-/// A smoother in progress: the filter goes forward, the smoother back.
-///
-/// ```text
-/// G = C (P⁻ₖ₊₁)⁻¹,  C = cov(yₖ, y⁻ₖ₊₁)
-/// yₖˢ = yₖ + G (yˢₖ₊₁ - y⁻ₖ₊₁),  Pₖˢ = Pₖ + G (Pˢₖ₊₁ - P⁻ₖ₊₁) Gᵀ
-/// ```
-///
-/// `C = P Φᵀ` for the KF, EKF and IEKF, and comes from the sigma points for UKF, SR-UKF and CKF. Sampled filters have no
+/// Samples whose memory is returned at once, in about a millisecond.
+const FREED: usize = 4_000;
+
+/// A smoother in progress: the filter goes forward, the smoother back, as [`crate::filter::smoother`] says. Sampled filters have no
 /// smoother here: they give no estimates. Where the filter stops, the smoother begins with the last sample before.
-///
-/// Source: Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented
-/// Rauch-Tung-Striebel smoother.
 pub(crate) struct Smoother {
     beliefs: Box<dyn Beliefs>,
     input_delay: i32,
@@ -31,6 +25,9 @@ pub(crate) trait Beliefs: Send {
 
     /// Smooths sample `k`, whose successor is smooth.
     fn smooth(&mut self, k: usize);
+
+    /// Frees the memory of up to this many of the last samples that still have some. Returns whether there were any.
+    fn free(&mut self, samples: usize) -> bool;
 
     /// Appends sample `k` in the channels' units.
     fn report(&self, k: usize, estimates: &mut Estimates);
@@ -97,5 +94,11 @@ impl Smoother {
             Stage::Back(k) => 0.6 + 0.3 * (1.0 - of(k)),
             Stage::Report(k) => 0.9 + 0.1 * of(k),
         }
+    }
+}
+
+impl Piecewise for Smoother {
+    fn free_piece(&mut self) -> bool {
+        self.beliefs.free(FREED)
     }
 }

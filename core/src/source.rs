@@ -1,35 +1,35 @@
-//! Where samples come from.
+//! Sources of samples.
 
 use std::sync::Arc;
 
 use crate::simulate::{Simulator, TruthStop};
 use crate::{Record, Scenario};
 
-/// Where the samples of a run come from.
+/// The source of a run's samples.
 #[derive(Clone, Debug, Default)]
 pub enum Source {
-    /// The scenario's own truth.
+    /// A simulation of the scenario's truth.
     #[default]
     Simulated,
-    /// A given record, whose time between samples counts instead of the scenario's.
+    /// A given record, whose time between samples replaces the scenario's.
     Measured(Arc<Record>),
 }
 
-/// A record that is being simulated, or a given one.
+/// A record in simulation, or a given one.
 pub(crate) enum Recording {
-    /// As far as it is simulated and kept.
+    /// The simulated part that is kept.
     Simulated {
-        /// Appends to it.
+        /// The simulator that appends to it.
         simulator: Box<Simulator>,
         /// The record.
         record: Record,
     },
-    /// All of it.
+    /// The whole record.
     Measured(Arc<Record>),
 }
 
 impl Recording {
-    /// The record of a valid scenario before its first sample, in the memory of one that is no longer needed; or a given one.
+    /// The empty record of a valid scenario, in the memory of an old one; or a given one.
     pub(crate) fn new(scenario: &Scenario, source: Source, spare: Option<Record>) -> Self {
         match source {
             Source::Measured(record) => Self::Measured(record),
@@ -44,7 +44,7 @@ impl Recording {
         }
     }
 
-    /// Where its samples come from.
+    /// The source of the samples.
     pub(crate) fn source(&self) -> Source {
         match self {
             Self::Simulated { .. } => Source::Simulated,
@@ -60,7 +60,7 @@ impl Recording {
         }
     }
 
-    /// The record, where it is simulated and so can be taken apart.
+    /// The record with its memory, if it is simulated.
     pub(crate) fn into_simulated(self) -> Option<Record> {
         match self {
             Self::Simulated { record, .. } => Some(record),
@@ -68,7 +68,7 @@ impl Recording {
         }
     }
 
-    /// How many samples the whole record of a scenario has.
+    /// The number of samples of a scenario's whole record.
     pub(crate) fn samples(&self, scenario: &Scenario) -> usize {
         match self {
             Self::Simulated { .. } => scenario.samples(),
@@ -76,13 +76,14 @@ impl Recording {
         }
     }
 
-    /// The number of samples, from the beginning, that there are.
+    /// The number of samples that exist, counted from the beginning.
     pub(crate) fn len(&self) -> usize {
         let record = self.record();
         record.forgotten() + record.len()
     }
 
-    /// Simulates until there are `samples` samples from the beginning. Returns whether there are: a truth can run away.
+    /// Simulates until there are `samples` samples, counted from the beginning. Returns false if the truth has diverged
+    /// before.
     pub(crate) fn advance_to(&mut self, samples: usize) -> bool {
         if let Self::Simulated { simulator, record } = self {
             while record.forgotten() + record.len() < samples {
@@ -94,14 +95,14 @@ impl Recording {
         self.len() >= samples
     }
 
-    /// Forgets the first samples of those that are kept. Only a simulated record can; returns whether it is one.
+    /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.
     pub(crate) fn forget(&mut self, samples: usize) -> bool {
         let Self::Simulated { record, .. } = self else { return false };
         record.forget(samples);
         true
     }
 
-    /// Where the simulated truth stopped, if it could not go on.
+    /// Where and why the simulated truth stopped, if it did.
     pub(crate) fn stop(&self) -> Option<TruthStop> {
         match self {
             Self::Simulated { simulator, .. } => simulator.stop(),

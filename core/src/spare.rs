@@ -1,8 +1,9 @@
-//! Memory that is no longer needed for what it holds.
+//! Memory for reuse.
 
+use crate::waste::Piecewise as _;
 use crate::{Estimates, Record};
 
-/// Histories and a record to be overwritten: to be given fresh pages by the system costs more than to fill them.
+/// Old histories and a record to overwrite. Fresh pages from the system cost more than filling them.
 #[derive(Default)]
 pub(crate) struct Spare {
     record: Option<Record>,
@@ -20,20 +21,26 @@ impl Spare {
         self.estimates.pop()
     }
 
-    /// Keeps these.
+    /// Adds old data.
     pub(crate) fn take(&mut self, (record, mut estimates): (Option<Record>, Vec<Estimates>)) {
         self.record = record.or(self.record.take());
-        // The first is asked for first: filters seldom change places.
+        // Reversed, because the last is taken first and filters seldom change places.
         estimates.reverse();
         self.estimates.extend(estimates);
     }
 
-    /// Gives one piece of memory back to the system; returns whether there was one.
+    /// Returns one piece of memory to the system; returns whether there was one.
     pub(crate) fn free_one(&mut self) -> bool {
-        self.estimates.pop().is_some() || self.record.take().is_some()
+        if let Some(last) = self.estimates.last_mut() {
+            if !last.free_piece() {
+                self.estimates.pop();
+            }
+            return true;
+        }
+        self.record.take().is_some()
     }
 
-    /// The number of samples that it has held.
+    /// The number of samples that the memory has held.
     pub(crate) fn len(&self) -> usize {
         self.estimates.iter().map(Estimates::len).sum()
     }

@@ -1,29 +1,29 @@
-//! How the power of a force is spread over frequency.
+//! The power spectral density of a force.
 
 use std::f64::consts::{PI, TAU};
 
-/// How many cycles of its frequencies a window holds, unless the longest is shorter.
+/// The number of cycles in a window, unless the longest window is shorter.
 const CYCLES: f64 = 8.0;
-/// The fewest samples of half a window.
+/// Limits the samples of half a window from below.
 const FEWEST: usize = 4;
-/// How many frequencies share a window: the compiler makes vector instructions of so many.
+/// The number of frequencies that share a window, so that the compiler can vectorise over them.
 const LANES: usize = 8;
 
-/// The one-sided power spectral density of a series at some frequencies, from running sums that follow it sample by sample.
+/// The one-sided power spectral density of a series at some frequencies, from running sums.
 ///
 /// ```text
 /// S(ω) = Δt/(πn) · Σ |Σₖ wₖ fₖ exp(-iωkΔt)|²,  ∫ S dω = mean of fₖ²
 /// ```
 ///
 /// over half-sine windows that overlap by half, the outer sum over windows; in the series' unit squared per rad/s. The
-/// squares of the two weights that each of the n samples has add up to one, so that a blow counts the same whenever it
-/// falls. White noise of standard deviation s has `S = s² Δt / π` up to the Nyquist frequency `π / Δt`. It is the density of
-/// the samples: that of a force held between them is `(sin(ωΔt/2) / (ωΔt/2))²` times as large.
+/// squares of the two weights of each of the n samples add up to one, so that an impulse has the same power at any
+/// time. White noise of standard deviation s has `S = s² Δt / π` up to the Nyquist frequency `π / Δt`. This is the
+/// density of the samples; a force held between them has `(sin(ωΔt/2) / (ωΔt/2))²` times that density.
 ///
-/// A window is eight cycles long, so that a line is equally wide everywhere on a logarithmic axis, but no longer than asked
-/// for. The first one has its peak at the first sample, and the last ones count as far as they have come, so that there is
-/// a density from the first sample on. In whatever portions the samples come, the numbers are the same to the last bit, and
-/// memory does not grow.
+/// A window is eight cycles long, so that a spectral line has the same width everywhere on a logarithmic axis, but at
+/// most `longest`. The first window peaks at the first sample, and incomplete windows count, so that there is a density
+/// from the first sample on. The numbers are bit-identical however the samples are divided into portions, and the
+/// memory is constant.
 ///
 /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Harris (1978), On the use of
 /// windows for harmonic analysis with the discrete Fourier transform, section V.C; Brown (1991), Calculation of a constant Q
@@ -37,8 +37,8 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// The spectrum of no sample yet, at `frequencies` \[rad/s\] in ascending order, with `dt` \[s\] between samples and
-    /// windows no longer than `longest` \[s\].
+    /// An empty spectrum at `frequencies` \[rad/s\] in ascending order, with `dt` \[s\] between samples and windows of
+    /// at most `longest` \[s\].
     pub fn new(frequencies: Vec<f64>, dt: f64, longest: f64) -> Self {
         let groups = frequencies.chunks(LANES).map(|chunk| Group::new(chunk, dt, longest)).collect();
         Self { frequencies, dt, samples: 0, groups }
@@ -49,7 +49,7 @@ impl Spectrum {
         &self.frequencies
     }
 
-    /// Takes in the samples that come next.
+    /// Takes in the next samples.
     pub fn extend(&mut self, samples: &[f64]) {
         for group in &mut self.groups {
             group.extend(samples, self.dt);
@@ -65,37 +65,37 @@ impl Spectrum {
     }
 }
 
-/// Frequencies that share their windows. Each window is a rising and a falling half; while one falls, the next one rises.
+/// Frequencies that share their windows. Each window has a rising and a falling half; while one falls, the next rises.
 #[derive(Clone, Debug)]
 struct Group {
     frequencies: [f64; LANES],
-    /// From one sample to the next.
+    /// The rotation from one sample to the next.
     turn: Phasors,
-    /// Samples of half a window.
+    /// The number of samples of half a window.
     half: usize,
-    /// Halves that are complete.
+    /// The number of complete halves.
     halves: usize,
-    /// Samples of the present half.
+    /// The number of samples of the present half.
     samples: usize,
     phase: Phasors,
-    /// Cosine and sine of an angle that goes from 0 to π/2 in a half: the weights that fall and rise; and of its step.
+    /// Cosine and sine of an angle from 0 to π/2 within a half, the falling and rising weights; and of its step.
     window: (f64, f64),
     window_turn: (f64, f64),
     rising: Sum,
     falling: Sum,
-    /// The half that rose before this one: the first part of the window that is falling.
+    /// The sums of the previous rising half, the first part of the window that is falling.
     risen: Sum,
     squares: [f64; LANES],
 }
 
-/// Complex numbers of length one, one a frequency.
+/// Complex numbers of modulus one, one per frequency.
 #[derive(Clone, Copy, Debug)]
 struct Phasors {
     cos: [f64; LANES],
     sin: [f64; LANES],
 }
 
-/// Weighted sums, one a frequency.
+/// Weighted sums, one per frequency.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sum {
     re: [f64; LANES],
@@ -140,7 +140,7 @@ impl Sum {
     }
 }
 
-/// A window's samples stand in the middle of their shares of it.
+/// Samples stand in the middle of their intervals of the window.
 fn start_of_half(half: usize) -> (f64, f64) {
     let (sin, cos) = libm::sincos(0.25 * PI / half as f64);
     (cos, sin)
@@ -148,7 +148,7 @@ fn start_of_half(half: usize) -> (f64, f64) {
 
 impl Group {
     fn new(chunk: &[f64], dt: f64, longest: f64) -> Self {
-        // The last group may have too few: what it repeats is left out in the end.
+        // The last group may have too few frequencies and repeats one; the result leaves out the repetitions.
         let frequencies = std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)]);
         let length = (CYCLES * TAU / chunk[chunk.len() / 2]).min(longest);
         let half = (libm::round(0.5 * length / dt) as usize).max(FEWEST);
@@ -191,8 +191,8 @@ impl Group {
         self.samples += samples.len();
     }
 
-    /// The window that fell is complete, the one that rose falls from now on. Phases begin anew from the time, so that
-    /// their rounding does not build up.
+    /// Ends a half: the falling window is complete and the rising one begins to fall. Phases are computed from the time
+    /// again, so that rounding does not accumulate.
     fn finish_half(&mut self, dt: f64) {
         for (sum, square) in self.squares.iter_mut().zip(self.risen.squares_with(&self.falling)) {
             *sum += square;
@@ -206,7 +206,7 @@ impl Group {
         self.phase = Phasors::new(self.frequencies.map(|w| w * time));
     }
 
-    /// The squares of all windows, those in progress as far as they have come.
+    /// The sum of squares over all windows, including incomplete ones.
     fn sums(&self) -> [f64; LANES] {
         let falling = self.risen.squares_with(&self.falling);
         let rising = self.rising.squares_with(&Sum::default());

@@ -1,14 +1,23 @@
-//! A run with its analysis, always about the same samples.
+//! A run with its analysis, over the same samples.
 
 use crate::analysis::Subject;
 use crate::spare::Spare;
 use crate::{Analysis, Run, RunError, Scenario, Source, Wanted, cost};
 
-/// Keep the memory of at most this many samples for the next edit; more is given back to the system.
+/// Limits the samples whose memory is kept for the next edit; more is returned to the system.
 const KEPT_SPARE: usize = 100_000;
 
-/// A run and its analysis: the parts of one picture. The run can be lengthened ([`Self::advance_to`]), or replaced by
-/// another one that a [`Job`](crate::Job) has computed beside it.
+/// Limits a window from below: there must be something to forget and something to keep.
+const LEAST_WINDOW: usize = 4;
+
+/// The samples to forget at the limit of a window. A quarter stays: all that stays is moved, and analysed again, within one
+/// frame.
+pub(crate) fn forgotten_of(window: usize) -> usize {
+    window - window / 4
+}
+
+/// A run and its analysis, which make one picture. The run can be extended ([`Self::advance_to`]), or replaced by one
+/// that a [`Job`](crate::Job) has computed beside it.
 pub struct Study {
     pub(crate) run: Run,
     pub(crate) analysis: Analysis,
@@ -17,14 +26,14 @@ pub struct Study {
 }
 
 impl Study {
-    /// A study before the first sample. Of a simulated run it keeps no more than `window` samples, and forgets half of them
-    /// when they are reached.
+    /// A study before the first sample. It keeps at most `window` samples of a simulated run, and forgets the first
+    /// three quarters of them at that limit.
     ///
     /// # Errors
-    /// [`RunError`] where the scenario is impossible, or the source is not one of such a scenario.
+    /// [`RunError`] where the scenario is impossible, or the source does not fit it.
     pub fn new(scenario: &Scenario, source: Source, window: usize) -> Result<Self, RunError> {
         let run = Run::from_source(scenario, source)?;
-        Ok(Self { run, analysis: Analysis::default(), spare: Spare::default(), window: window.max(2) })
+        Ok(Self { run, analysis: Analysis::default(), spare: Spare::default(), window: window.max(LEAST_WINDOW) })
     }
 
     /// The run.
@@ -37,20 +46,34 @@ impl Study {
         &self.analysis
     }
 
-    /// Keeps no more than this many samples of a simulated run from now on.
+    /// Limits the samples of a simulated run that are kept from now on.
     pub fn keep(&mut self, window: usize) {
-        self.window = window.max(2);
+        self.window = window.max(LEAST_WINDOW);
     }
 
-    /// Says what is to be computed beside the estimates from now on.
+    /// Sets the results to compute besides the estimates from now on.
     pub fn want(&mut self, wanted: Wanted) {
         self.analysis.want(wanted);
     }
 
-    /// Lets all filters go on side by side until `samples` samples from the beginning are done, and the analysis with them.
-    /// Asks after each little piece of work, of a millisecond or so, whether there is time for another. Returns whether all
-    /// is done.
+    /// Returns unused memory to the system, except for what the next edit needs. Calls `while_time` after each piece and
+    /// returns early if it is false. Returns whether everything is done.
+    pub fn free(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while self.analysis.free_one() {
+            if !while_time() {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Runs all filters side by side until `samples` samples, counted from the beginning, are done, and the analysis
+    /// with them. Calls `while_time` after each piece of work of about a millisecond and returns early if it is false.
+    /// Returns whether everything is done.
     pub fn advance_to(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
+        if !self.free(while_time) {
+            return false;
+        }
         let Self { run, analysis, spare, window } = self;
         while spare.len() > KEPT_SPARE && spare.free_one() {
             if !while_time() {
@@ -67,8 +90,8 @@ impl Study {
         while run.done() < samples.min(run.samples()) {
             let end = if is_measured { usize::MAX } else { run.record().forgotten().saturating_add(*window) };
             if run.done() >= end {
-                // All of it has been analysed.
-                run.forget(*window / 2);
+                // The analysis covers everything that is forgotten.
+                run.forget(forgotten_of(*window));
                 continue;
             }
             run.advance_to(samples.min(run.done() + chunk).min(end));

@@ -1,9 +1,9 @@
-//! The last samples of a filter that runs for as long as it likes.
+//! The last samples of a filter that runs without limit.
 
 use crate::sink::{Sample, Sink};
 use crate::{Estimates, Stop};
 
-/// A history that forgets its first samples by itself, and so stays in the same memory.
+/// A history that forgets its first samples by itself, in constant memory.
 #[derive(Clone, Debug)]
 pub struct Window {
     estimates: Estimates,
@@ -11,7 +11,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// A window over estimates that keeps at most `most` samples and at least half as many, 1 at least.
+    /// An empty window that keeps at most `most` samples, and at least half of them but never less than 1.
     pub fn new(estimates: Estimates, most: usize) -> Self {
         Self { estimates, most: most.max(2) }
     }
@@ -25,7 +25,7 @@ impl Window {
 impl Sink for Window {
     fn push(&mut self, sample: &Sample<'_>) {
         if self.estimates.len() >= self.most {
-            // Half at once: to forget a sample moves all others.
+            // Half of the samples at once, because forgetting moves all others.
             self.estimates.forget(self.most / 2);
         }
         self.estimates.append(sample);

@@ -1,4 +1,4 @@
-//! Different ways to the same numbers agree.
+//! Different computations of the same numbers agree.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 #[path = "common/run.rs"]
@@ -17,7 +17,7 @@ fn parameters_known() -> Values {
     Values::ZERO.with([(Channel::DISPLACEMENT, 0.3), (Channel::VELOCITY, 1.0)])
 }
 
-/// All sensors, parameters known to every filter.
+/// All sensors; parameters known to every filter.
 fn known_parameters(kinds: &[FilterKind], dt: f64) -> Scenario {
     let mut scenario = Scenario { dt, duration: 4.0, ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
@@ -52,7 +52,7 @@ fn eventful(dt: f64) -> Scenario {
     scenario
 }
 
-/// Every number of some estimates, to the bit.
+/// Every number of some estimates, as bits.
 fn bits(estimates: &Estimates) -> Vec<u64> {
     let per_sample = (0..estimates.len()).flat_map(|k| {
         [
@@ -100,7 +100,7 @@ fn difference(a: &Estimates, b: &Estimates) -> f64 {
 }
 
 #[test]
-fn all_filters_are_one_where_the_plant_is_linear() {
+fn all_filters_agree_on_a_linear_plant() {
     const KINDS: [FilterKind; 6] =
         [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
     let run = finished(&known_parameters(&KINDS, 0.001));
@@ -153,8 +153,7 @@ fn exponential(m: Matrix3<f64>) -> Matrix3<f64> {
     (0..10).fold(sum, |power, _| power * power)
 }
 
-/// A Kalman filter as in the first chapter of any textbook: the oscillator's exact discretisation, an explicit inverse,
-/// `(I - K H) P`.
+/// A textbook Kalman filter: the oscillator's exact discretisation, an explicit inverse, `(I - K H) P`.
 fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64>, Matrix2<f64>)> {
     let settings = &scenario.filters[0];
     let (wn, zeta) = (settings.initial_mean[Channel::NATURAL_FREQUENCY], settings.initial_mean[Channel::DAMPING_RATIO]);
@@ -187,7 +186,7 @@ fn naive_kalman_filter(scenario: &Scenario, record: &Record) -> Vec<(Vector2<f64
 }
 
 #[test]
-fn the_kalman_filter_is_the_textbooks() {
+fn the_kalman_filter_equals_the_textbooks() {
     let scenario = known_parameters(&[FilterKind::KF], 0.01);
     let run = finished(&scenario);
     let kf = &run.estimates()[0];
@@ -206,7 +205,7 @@ fn the_kalman_filter_is_the_textbooks() {
 }
 
 #[test]
-fn any_rhythm_of_steps_gives_the_same_bits() {
+fn any_division_into_steps_gives_the_same_bits() {
     let scenario = eventful(0.01);
     let whole = finished(&scenario);
     let mut stepped = Run::new(&scenario).unwrap();
@@ -240,7 +239,7 @@ fn a_simulated_record_filtered_again_gives_the_same_bits() {
 
 #[test]
 fn a_record_from_a_file_gives_the_same_bits() {
-    // For some of these, (n dt) / n is not dt.
+    // For some of these, (n dt) / n is not equal to dt.
     for (dt, steps) in [(0.01, 700), (0.01, 116), (0.005, 114), (0.1 / 3.0, 333), (1.0 / 60.0, 777), (0.015, 1240)] {
         let scenario = Scenario { duration: f64::from(steps) * dt, ..eventful(dt) };
         let simulated = finished(&scenario);
@@ -271,7 +270,7 @@ fn sensors_may_stand_in_any_order() {
 }
 
 #[test]
-fn a_run_that_begins_anew_is_a_new_run() {
+fn a_restarted_run_equals_a_new_one() {
     let first = Scenario { duration: 3.0, ..Scenario::default() };
     let mut second = Scenario { seed: 9, duration: 2.0, ..Scenario::default() };
     second.filters.rotate_left(1);
@@ -292,9 +291,9 @@ fn a_run_that_begins_anew_is_a_new_run() {
     assert_eq!(run.checksum(), before, "an impossible scenario leaves the run as it is");
 }
 
-/// Whatever is edited, an updated run has the bits of a new one, and computes again only what it must.
+/// After any edit, an updated run has the bits of a new one, and computes only the affected parts again.
 #[test]
-fn an_updated_run_is_a_new_run() {
+fn an_updated_run_equals_a_new_one() {
     let mut scenario = Scenario { duration: 3.0, ..Scenario::default() };
     let more = FilterKind::ALL.map(|kind| FilterSettings {
         name: kind.name().to_owned(),

@@ -1,4 +1,4 @@
-//! Properties of input and sensors that filters find besides the plant's, and an input that is linear between samples.
+//! Filters identify properties of input and sensors besides the plant's, and inputs that are linear between samples.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::filter::{Propagation, Step};
@@ -8,7 +8,8 @@ use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Hold, Model, PlantKind, Quantity, Run, Scenario, Sensor, Signal,
 };
 
-/// A truth with constant parameters under white noise, seen by displacement, acceleration and whatever a channel needs.
+/// A truth with constant parameters under white noise, with sensors for displacement, acceleration and what a channel
+/// needs.
 fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scenario {
     let filter = FilterSettings { kind, augment: augment.to_vec(), ..FilterSettings::default() };
     let mut scenario = Scenario { duration: 40.0, filters: vec![filter], ..Scenario::default() };
@@ -24,7 +25,7 @@ fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scen
     scenario
 }
 
-/// Whether the filter ends within three standard deviations of the truth, and knows the channel well by then.
+/// Whether the filter ends within three standard deviations of the truth, with a small standard deviation.
 fn assert_found(scenario: &Scenario, channel: Channel, std: f64) {
     let mut run = Run::new(scenario).unwrap();
     run.finish();

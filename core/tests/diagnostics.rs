@@ -1,4 +1,4 @@
-//! Diagnostics of whole runs: against direct computations, in any portions, in the canonical form.
+//! Diagnostics of whole runs: against direct computations, for any portions, in the canonical form.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 #[path = "common/run.rs"]
@@ -18,7 +18,7 @@ fn verdict(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) ->
     Diagnosis::new(diagnostics, estimates, record, None)?.verdict
 }
 
-/// Frequency 6 rad/s, damping 0.05, an EKF with a first guess of the frequency.
+/// An oscillator of 6 rad/s with damping 0.05, and an EKF with another initial frequency.
 fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
     let mut scenario = Scenario::default();
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
@@ -28,7 +28,7 @@ fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
     scenario
 }
 
-/// Every number that diagnostics have, to the bit.
+/// Every number of the diagnostics, as bits.
 fn bits(diagnostics: &Diagnostics) -> Vec<u64> {
     let n = diagnostics.len();
     let tally = |Tally { squares, known, inside }: Tally| [squares, f64::from(known), f64::from(inside)];
@@ -78,7 +78,7 @@ fn any_portions_give_the_same_bits() {
 }
 
 #[test]
-fn diagnostics_that_begin_anew_are_new_diagnostics() {
+fn restarted_diagnostics_equal_new_ones() {
     let (first, second) = (finished(&Scenario::default()), finished(&guessing(9.0, 0.1)));
     let mut diagnostics = Diagnostics::new(&first.estimates()[1], first.record());
     diagnostics.restart(&second.estimates()[0], second.record());
@@ -86,7 +86,7 @@ fn diagnostics_that_begin_anew_are_new_diagnostics() {
 }
 
 #[test]
-fn consistency_alone_is_that_of_all_diagnostics() {
+fn the_consistency_depth_gives_the_same_numbers() {
     let run = finished(&guessing(-7.0, -0.1));
     let (estimates, record) = (&run.estimates()[0], run.record());
     let all = Diagnostics::new(estimates, record);
@@ -111,7 +111,7 @@ fn direct_rmse(estimates: &Estimates, record: &Record, place: usize, from: usize
 }
 
 #[test]
-fn running_sums_are_what_a_direct_computation_gives() {
+fn running_sums_equal_a_direct_computation() {
     for steps in [600, 601, 602] {
         let run = finished(&Scenario { duration: f64::from(steps) * 0.01, ..guessing(8.0, 0.1) });
         let (estimates, record) = (&run.estimates()[0], run.record());
@@ -160,7 +160,7 @@ fn the_nees_is_that_of_the_inverse_covariance() {
 }
 
 #[test]
-fn a_mirrored_oscillator_is_as_good_as_its_mirror_image() {
+fn a_mirrored_oscillator_scores_like_its_mirror_image() {
     let (plain, mirrored) = (finished(&guessing(8.0, 0.1)), finished(&guessing(-8.0, -0.1)));
     let (a, b) = (&plain.estimates()[0], &mirrored.estimates()[0]);
     let last = b.len() - 1;
@@ -182,7 +182,7 @@ fn a_mirrored_oscillator_is_as_good_as_its_mirror_image() {
 }
 
 #[test]
-fn what_is_not_known_or_not_measured_is_not_scored() {
+fn unknown_truths_and_missing_measurements_are_not_scored() {
     let mut scenario = Scenario { duration: 3.0, force: Force::None, ..Scenario::default() };
     scenario.filters.truncate(1);
     let run = finished(&scenario);

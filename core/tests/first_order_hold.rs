@@ -3,7 +3,7 @@
 
 use kalmanscope_core::{Channel, Force, Hold, PlantKind, Run, Scenario};
 
-/// The rows of a table of numbers; lines that begin with `#` are remarks.
+/// The rows of a table of numbers without the lines that begin with `#`.
 fn rows(text: &str) -> Vec<Vec<f64>> {
     let row = |line: &str| line.split(',').map(|cell| cell.trim().parse().unwrap()).collect();
     text.lines().filter(|line| !line.starts_with('#')).map(row).collect()
@@ -46,7 +46,7 @@ fn a_linear_plant_answers_a_piecewise_linear_input_as_lsim_says() {
         }
         let error = difference(&run, kind, &reference);
         assert!(error < 1e-9, "{kind:?}: {error}");
-        // The same input held from sample to sample is another one.
+        // The same input with a zero-order hold gives another response.
         assert!(difference(&response(kind, dt, Hold::Zero), kind, &reference) > 1e-2, "{kind:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! A run that forgets its first samples goes on as if it had not, in the same memory.
+//! A run that forgets its first samples continues bit by bit, in constant memory.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use kalmanscope_core::{
     Quantity, Run, Scenario, Sensor, Signal, Summary,
 };
 
-/// Every kind of filter, filters that learn, that stop and that know another plant, over a plant that changes.
+/// Every kind of filter, also adaptive ones, ones that stop and ones with another plant, over a plant that changes.
 fn eventful() -> Scenario {
     let mut scenario = Scenario { duration: 9.0, ..Scenario::default() };
     scenario.plant.disturbance_std = 0.5;
@@ -35,7 +35,7 @@ fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|x| x.to_bits()).collect()
 }
 
-/// That `kept` has the last samples of what `all` has, to the bit, and tells the same of them.
+/// Asserts that `kept` has the last samples of `all`, bit by bit, and the same stops and remarks.
 fn assert_is_end_of(kept: &Estimates, all: &Estimates) {
     let (gone, name) = (kept.forgotten(), all.name());
     assert_eq!(kept.len(), all.len().saturating_sub(gone), "{name}");
@@ -96,7 +96,7 @@ fn forgetting_changes_no_bit_of_what_is_kept() {
 }
 
 #[test]
-fn the_memory_stays_where_it_is() {
+fn the_memory_is_reused() {
     let mut run = Run::new(&Scenario { duration: 100.0, ..Scenario::default() }).unwrap();
     run.advance_to(1000);
     let places = |run: &Run| {
@@ -113,7 +113,7 @@ fn the_memory_stays_where_it_is() {
 }
 
 #[test]
-fn a_truth_that_runs_away_does_so_at_the_same_sample() {
+fn a_diverging_truth_stops_at_the_same_sample() {
     let mut scenario = Scenario { force: Force::None, ..Scenario::default() };
     scenario.set_plant(PlantKind::DUFFING);
     scenario.plant.set(Channel::CUBIC_STIFFNESS, Signal::Constant(-300.0));
@@ -130,7 +130,7 @@ fn a_truth_that_runs_away_does_so_at_the_same_sample() {
 }
 
 #[test]
-fn diagnostics_and_bounds_speak_of_what_is_kept() {
+fn diagnostics_and_bounds_cover_the_kept_samples() {
     let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
     scenario.filters.push(FilterSettings { kind: FilterKind::KF, ..scenario.filters[0].clone() });
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));

@@ -1,4 +1,4 @@
-//! Numerical trouble is reported as what it is, at its sample: never a panic, never a silent NaN.
+//! Numerical problems are reported at their sample, without panics and without silent NaN.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 #[path = "common/health.rs"]
@@ -18,13 +18,13 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
 use run::finished;
 
-/// The same cases every time, so that a test fails for a reason.
+/// The same cases every time, so that a failure is reproducible.
 fn config(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, rng_seed: RngSeed::Fixed(20_261_121), failure_persistence: None, ..Default::default() }
 }
 
 #[test]
-fn a_million_steps_of_any_scenarios_are_healthy_or_say_why_not() {
+fn a_million_steps_of_random_scenarios_are_valid_or_stop_with_a_reason() {
     let steps = Cell::new(0);
     let any_bytes = proptest::collection::vec(any::<u8>(), 400);
     let result = TestRunner::new(config(4400)).run(&any_bytes, |bytes| {
@@ -82,7 +82,7 @@ fn remark(estimates: &Estimates, what: Trouble) -> Option<Remark> {
 }
 
 #[test]
-fn what_is_well_has_no_remarks() {
+fn healthy_filters_have_no_remarks() {
     for name in
         ["constant", "free-vibration", "hammer", "chirp", "stiffness-loss", "acceleration-only", "no-excitation"]
     {
@@ -118,7 +118,7 @@ fn a_wound_up_covariance_that_overflows_stops_the_filter() {
     scenario.filters[0].fading = 3.0;
     let stop = stop(&scenario).unwrap();
     assert_eq!(stop.reason, FilterError::NotFinite);
-    // The variance has tripled at each sample until there are no numbers left.
+    // The variance triples at each sample until it overflows.
     assert!((640..650).contains(&stop.sample), "{stop:?}");
 }
 
@@ -152,7 +152,7 @@ fn perfect_sensors_make_s_singular_sooner_or_later() {
 
 #[test]
 fn an_indefinite_covariance_is_refused_or_remarked() {
-    // Rank one, and shrinking: what is left of the variances is rounding.
+    // A matrix of rank one that shrinks: its small variances are rounding errors.
     let filter = FilterSettings {
         kind: FilterKind::EKF,
         initial_mean: Values::ZERO.with([(Channel::NATURAL_FREQUENCY, 61.7), (Channel::DAMPING_RATIO, 0.55)]),
@@ -170,7 +170,7 @@ fn an_indefinite_covariance_is_refused_or_remarked() {
 }
 
 #[test]
-fn a_divergence_is_one() {
+fn a_diverging_filter_stops_with_divergence() {
     let mut scenario = with_filter(FilterKind::EKF);
     scenario.dt = 0.5;
     scenario.duration = 1000.0;
@@ -180,7 +180,7 @@ fn a_divergence_is_one() {
 }
 
 #[test]
-fn settings_too_large_to_square_are_said_to_be_so_at_the_first_sample() {
+fn settings_that_overflow_when_squared_stop_at_the_first_sample() {
     for kind in FilterKind::ALL {
         let wide = |settings: &mut FilterSettings| settings.initial_std[Channel::DISPLACEMENT] = 1e200;
         let noisy = |settings: &mut FilterSettings| settings.process_std[Channel::DISPLACEMENT] = 1e200;
@@ -206,7 +206,7 @@ fn a_measurement_without_likelihood_is_not_called_divergence() {
 }
 
 #[test]
-fn a_plant_that_runs_away_ends_the_record_and_says_where() {
+fn a_diverging_plant_ends_the_record_with_a_reason() {
     let plant = Plant::default().of_kind(PlantKind::DUFFING).with(Channel::CUBIC_STIFFNESS, -300.0);
     let mut scenario = Scenario { plant, ..with_filter(FilterKind::UKF) };
     scenario.plant.initial.displacement = 1.0;
@@ -234,7 +234,7 @@ fn a_force_and_a_sensor_that_overflow_end_the_record_and_are_named() {
     assert_eq!(reason, TruthError::Reading(Quantity::VELOCITY));
 }
 
-/// Every step of such a motion crosses kinks, and halving it does not help: once that took for ever.
+/// Every step of such a motion crosses kinks, so that halving the steps does not help.
 #[test]
 fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
     let plant = Plant::default().of_kind(PlantKind::BOUC_WEN).with(Channel::NATURAL_FREQUENCY, 1e9);
@@ -242,7 +242,7 @@ fn a_hysteresis_too_fast_for_any_step_takes_no_longer_than_another() {
     check_scenario(&scenario, 0).unwrap();
 }
 
-/// The gain of a particle filter is reported, but moves nothing that would overflow with it.
+/// The gain of a particle filter is a report only, so that its overflow affects no estimate.
 #[test]
 fn particles_too_far_apart_for_a_covariance_stop_the_filter() {
     let mut scenario = with_filter(FilterKind::PF);
@@ -272,7 +272,7 @@ fn missing_measurements_are_counted_and_a_run_of_them_is_remarked() {
         cells.join(",")
     };
     let record = changed(&scenario, |i, line| {
-        // Sample k stands on line k + 1.
+        // Sample k is on line k + 1.
         if (201..231).contains(&i) || i == 301 { without_displacement(line) } else { line.to_owned() }
     });
     let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
@@ -284,7 +284,7 @@ fn missing_measurements_are_counted_and_a_run_of_them_is_remarked() {
 }
 
 #[test]
-fn a_sensor_that_the_filters_plant_does_not_know_is_remarked() {
+fn a_sensor_without_a_quantity_of_the_filters_plant_is_remarked() {
     let mut scenario = Scenario::default();
     scenario.set_plant(PlantKind::SHEAR_2);
     scenario.add_sensor(Sensor { measures: Quantity::new(Aspect::DISPLACEMENT, 1), noise_std: 0.01 });
@@ -313,7 +313,7 @@ fn particles_collapse_where_sensors_are_much_more_precise_than_they_are_many() {
 }
 
 #[test]
-fn noise_that_is_learnt_to_be_nothing_or_everything_is_remarked() {
+fn learnt_noise_that_vanishes_or_grows_is_remarked() {
     let adaptation = Adaptation { sensor_noise: true, process_noise: true, forgetting: 0.9 };
     let mut scenario = Scenario { force: Force::None, ..with_filter(FilterKind::EKF) };
     scenario.sensors.iter_mut().for_each(|sensor| sensor.noise_std = 0.0);

@@ -12,7 +12,7 @@ use kalmanscope_core::{
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
 use run::finished;
 
-/// A KF, or another filter told the same, of an oscillator whose parameters it knows.
+/// A KF, or another filter with the same settings, of an oscillator with known parameters.
 fn known(kind: FilterKind, samples: usize) -> Scenario {
     let mut scenario = Scenario { duration: 0.01 * (samples - 1) as f64, ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
@@ -36,7 +36,7 @@ fn smoothed(run: &Run) -> Estimates {
 const SAMPLES: usize = 12;
 const STATES: usize = 2 * SAMPLES;
 
-/// All states at once: the joint normal distribution of the motion at every sample, conditioned on all measurements.
+/// The joint normal distribution of the motion at all samples, conditioned on all measurements.
 fn batch(run: &Run, scenario: &Scenario) -> (SVector<f64, STATES>, SMatrix<f64, STATES, STATES>) {
     let filter = &scenario.filters[0];
     let record = run.record();
@@ -66,7 +66,7 @@ fn batch(run: &Run, scenario: &Scenario) -> (SVector<f64, STATES>, SMatrix<f64, 
         let own = transition * last * transition.transpose() + variance(&filter.process_std);
         cov.fixed_view_mut::<2, 2>(2 * k, 2 * k).copy_from(&own);
     }
-    // Both sensors at every sample but the first.
+    // Both sensors at every sample except the first.
     let noise = Vector2::new(filter.sensor_std[0].powi(2), filter.sensor_std[1].powi(2));
     let mut innovation_cov = cov;
     let mut innovation = SVector::<f64, STATES>::zeros();
@@ -103,7 +103,7 @@ fn smoothing_is_conditioning_on_the_whole_record() {
 }
 
 #[test]
-fn hindsight_knows_the_parameters_better() {
+fn smoothing_reduces_parameter_errors() {
     for kind in [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
         for log_parameters in [false, true] {
             let mut scenario = Scenario::default();
@@ -117,7 +117,7 @@ fn hindsight_knows_the_parameters_better() {
             assert_eq!(smoothed.len(), scenario.samples());
             let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
             assert!((0..4).all(|i| close(smoothed.mean(last)[i], filtered.mean(last)[i])), "{}", kind.name());
-            // After two seconds the filter has seen a thirtieth of what the smoother has.
+            // After two seconds the filter has used a thirtieth of the smoother's data.
             let k = 200;
             for i in [2, 3] {
                 assert!(smoothed.std(k, i) < 0.5 * filtered.std(k, i), "{} {i}", kind.name());
@@ -129,7 +129,7 @@ fn hindsight_knows_the_parameters_better() {
 }
 
 #[test]
-fn a_smoother_sees_what_the_run_has_seen() {
+fn a_smoother_uses_all_samples_so_far() {
     let scenario = known(FilterKind::EKF, 300);
     let mut run = Run::new(&scenario).unwrap();
     assert!(smoothed(&run).is_empty());
@@ -172,7 +172,7 @@ fn the_bound_of_a_linear_plant_is_the_kalman_filters_covariance() {
     }
 }
 
-/// Tichavský's recursion as printed, on the information matrix, for a plant without anything certain.
+/// Tichavský's recursion as printed, on the information matrix, for a plant without exactly known components.
 #[test]
 fn the_bound_is_the_information_recursion() {
     let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
@@ -215,7 +215,7 @@ fn the_bound_is_the_information_recursion() {
 }
 
 #[test]
-fn no_filter_is_surer_than_the_bound_and_the_ekf_comes_close() {
+fn no_filter_is_below_the_bound_and_the_ekf_comes_close() {
     let mut scenario = Scenario::default();
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
     scenario.filters.truncate(1);
@@ -246,4 +246,53 @@ fn the_bound_grows_with_the_record() {
     };
     assert_eq!(bits(&growing), bits(&whole));
     assert!(CramerRao::new(&scenario, 2, scenario.dt).is_none());
+}
+
+/// A motion whose fast part dies within a tenth of the record, and no noise stirs it: the covariance of a prediction loses its
+/// rank, and what the measurements tell of the beginning is known exactly.
+#[test]
+fn a_motion_that_dies_out_is_smoothed_back_to_its_beginning() {
+    let (wn, zeta, dt) = (6.0_f64, 3.0_f64, 0.01);
+    // Sigma points move by a Runge-Kutta step, whose error so fast a motion shows.
+    let kinds = [(FilterKind::KF, 1e-6), (FilterKind::EKF, 1e-6), (FilterKind::UKF, 1e-3), (FilterKind::SR_UKF, 1e-3)];
+    for (kind, tolerance) in kinds {
+        let mut scenario = known(kind, 2001);
+        scenario.plant.disturbance_std = 0.0;
+        scenario.plant.set(Channel::DAMPING_RATIO, Signal::Constant(zeta));
+        scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = zeta;
+        scenario.filters[0].process_std = Values::ZERO;
+        let smoothed = smoothed(&finished(&scenario));
+        assert_eq!(smoothed.len(), 2001);
+
+        // h and its derivative by both roots of the characteristic equation.
+        let root = wn * (zeta * zeta - 1.0).sqrt();
+        let [slow, fast] = [root - zeta * wn, -root - zeta * wn];
+        let h = ((slow * dt).exp() - (fast * dt).exp()) / (2.0 * root);
+        let dh = (slow * (slow * dt).exp() - fast * (fast * dt).exp()) / (2.0 * root);
+        let transition = Matrix2::new(dh + 2.0 * zeta * wn * h, h, -wn * wn * h, dh);
+        let filter = &scenario.filters[0];
+        let inverse = |std: f64| 1.0 / (std * std);
+        let sensors =
+            Matrix2::from_diagonal(&Vector2::new(inverse(filter.sensor_std[0]), inverse(filter.sensor_std[1])));
+        let [x, v] = [Channel::DISPLACEMENT, Channel::VELOCITY].map(|channel| inverse(filter.initial_std[channel]));
+        let mut information = Matrix2::from_diagonal(&Vector2::new(x, v));
+        let mut from_begin = Matrix2::identity();
+        for _ in 1..2001 {
+            from_begin = transition * from_begin;
+            information += from_begin.transpose() * sensors * from_begin;
+        }
+        let mut cov = information.try_inverse().unwrap();
+        for k in 0..40 {
+            for i in 0..2 {
+                let error = smoothed.std(k, i) / cov[(i, i)].sqrt() - 1.0;
+                assert!(
+                    error.abs() < tolerance,
+                    "{} at {k}: std {} of {i}, {error:e}",
+                    kind.name(),
+                    smoothed.std(k, i)
+                );
+            }
+            cov = transition * cov * transition.transpose();
+        }
+    }
 }

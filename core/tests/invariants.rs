@@ -1,4 +1,4 @@
-//! What holds for every scenario that is valid.
+//! Invariants of every valid scenario.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 #[path = "common/run.rs"]
@@ -17,7 +17,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use run::finished;
 
-/// The same cases every time, so that a test fails for a reason.
+/// The same cases every time, so that a failure is reproducible.
 fn config(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, rng_seed: RngSeed::Fixed(20_240_607), failure_persistence: None, ..Default::default() }
 }
@@ -201,7 +201,7 @@ proptest! {
     }
 
     #[test]
-    fn what_is_known_stays_known(mut scenario in scenario(), which in 1_usize..4) {
+    fn known_channels_stay_exact(mut scenario in scenario(), which in 1_usize..4) {
         let known = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
         let known = match which { 1 => &known[..1], 2 => &known[1..], _ => &known[..] };
         for filter in &mut scenario.filters {
@@ -281,7 +281,7 @@ proptest! {
 proptest! {
     #![proptest_config(config(60))]
 
-    /// Settings that a person might try: no filter gives up, and the truth is found.
+    /// With realistic settings, no filter stops and every filter finds the truth.
     #[test]
     fn sensible_filters_find_the_truth(
         seed in 0_u64..1000,
@@ -316,7 +316,7 @@ proptest! {
     }
 }
 
-/// A covariance of rank one that shrinks without anything to lift it: its variances are zero to rounding, on either side.
+/// A covariance of rank one that only shrinks: rounding makes its small variances positive or negative.
 #[test]
 fn rounding_makes_no_variance_negative() {
     for kind in FilterKind::ALL {

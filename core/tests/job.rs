@@ -1,4 +1,4 @@
-//! Jobs come to the same bits as a run in one go, whatever the slices.
+//! Jobs give the same bits as a run in one go, for any slices.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
@@ -45,7 +45,7 @@ fn study(scenario: &Scenario, source: Source, window: usize) -> Study {
     study
 }
 
-/// Time for as many pieces of work as this at once.
+/// Limits the pieces of work in one slice.
 fn slices(pieces: usize) -> impl FnMut() -> bool {
     let mut left = pieces;
     move || {
@@ -54,7 +54,7 @@ fn slices(pieces: usize) -> impl FnMut() -> bool {
     }
 }
 
-/// Lets a job come to its end; returns the progress of each slice.
+/// Runs a job to its end; returns the progress of each slice.
 fn complete(job: &mut Job, study: &Study, pieces: usize) -> Vec<f64> {
     let mut while_time = slices(pieces);
     let mut all = Vec::new();
@@ -91,7 +91,7 @@ fn assert_same(study: &Study, scenario: &Scenario) {
 }
 
 #[test]
-fn whatever_the_slices_a_job_comes_to_the_bits_of_a_run() {
+fn a_job_gives_the_bits_of_a_run_for_any_slices() {
     for pieces in [1, 2, 7, usize::MAX] {
         let before = scenario();
         let mut study = study(&before, Source::Simulated, WINDOW);
@@ -109,7 +109,7 @@ fn whatever_the_slices_a_job_comes_to_the_bits_of_a_run() {
 }
 
 #[test]
-fn what_an_edit_leaves_alone_is_not_computed_again() {
+fn unaffected_parts_are_not_computed_again() {
     let mut current = scenario();
     let mut study = study(&current, Source::Simulated, WINDOW);
     type Edit = fn(&mut Scenario);
@@ -127,14 +127,14 @@ fn what_an_edit_leaves_alone_is_not_computed_again() {
         let mut job = Job::new(&mut study, &current, None, samples).unwrap();
         complete(&mut job, &study, 1);
         assert_eq!(job.finish(&mut study), Update::Filters(changed.to_vec()));
-        // The analysis of filters that were there may have to catch up.
+        // The analysis of unchanged filters may still be behind.
         assert!(study.advance_to(samples, &mut || true));
         assert_same(&study, &current);
     }
 }
 
 #[test]
-fn a_job_that_is_given_up_leaves_no_trace() {
+fn an_abandoned_job_changes_nothing() {
     let before = scenario();
     let mut study = study(&before, Source::Simulated, WINDOW);
     let longer = Scenario { duration: 60.0, ..before.clone() };
@@ -214,12 +214,12 @@ fn a_measured_record_stays_when_settings_change() {
     current.filters[1].fading = 1.02;
     assert_eq!(run.update(&current).unwrap(), Update::Filters(vec![2]));
     assert!(is_measured(&run) && run.checksum() == fresh(&current));
-    // The truth has no part in it.
+    // The settings of the truth do not affect a measured record.
     current.duration = 99.0;
     current.plant.disturbance_std *= 2.0;
     assert_eq!(run.update(&current).unwrap(), Update::Filters(vec![]));
     assert!(is_measured(&run) && run.checksum() == fresh(&current));
-    // The filters' random numbers have.
+    // The seed affects the filters' random numbers.
     current.seed += 1;
     assert_eq!(run.update(&current).unwrap(), Update::Everything);
     run.finish();

@@ -1,4 +1,4 @@
-//! Plants and filters that are written outside of the crate.
+//! Plants and filters from outside of the crate.
 
 #[path = "../examples/own_filter.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
@@ -6,6 +6,9 @@ mod own_filter;
 #[path = "../examples/own_plant.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
 mod own_plant;
+
+use kalmanscope_core::filter::{FilterInfo, Particles};
+use kalmanscope_core::{Diagnostics, FilterKind, Run, Scenario};
 
 #[test]
 fn a_plant_of_ones_own_is_identified() {
@@ -20,4 +23,31 @@ fn a_filter_of_ones_own_can_be_stepped_by_hand_and_used_in_a_scenario() {
     assert!(after_an_outlier.abs() < 0.05, "{after_an_outlier}");
     let (estimate, std) = own_filter::identify().expect("the scenario is possible");
     assert!((estimate - 4.8).abs() < 4.0 * std && std < 0.3, "{estimate} ± {std}");
+}
+
+#[test]
+fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
+    static OWN: FilterInfo = FilterInfo {
+        key: "own_pf",
+        name: "own PF",
+        description: "particles from outside",
+        reference: "Gordon, Salmond and Smith (1993)",
+        is_sampled: true,
+        has_own_likelihood: true,
+        evaluations: |settings, _| 4 * settings.ensemble_size,
+        begin: |initial, settings, normal| Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?)),
+    };
+    let results = [FilterKind::PF, FilterKind::new(&OWN)].map(|kind| {
+        let mut scenario = Scenario { duration: 0.5, ..Scenario::default() };
+        scenario.filters.truncate(1);
+        scenario.filters[0].kind = kind;
+        let mut run = Run::new(&scenario).expect("the scenario is valid");
+        run.finish();
+        let diagnostics = Diagnostics::new(&run.estimates()[0], run.record());
+        let estimates = &run.estimates()[0];
+        assert!(estimates.effective_samples()[20] > 1.0, "{kind:?}");
+        (estimates.log_likelihood(20), diagnostics.log_likelihood())
+    });
+    let close = |a: f64, b: f64| (a - b).abs() < 1e-6 * b.abs();
+    assert!(close(results[0].0, results[1].0) && close(results[0].1, results[1].1), "{results:?}");
 }

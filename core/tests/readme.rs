@@ -1,4 +1,4 @@
-//! What the README says of filters and plants is what there is.
+//! The README lists the filters and plants that exist.
 
 use kalmanscope_core::{Channel, FilterKind, PlantKind};
 
@@ -28,7 +28,7 @@ fn every_plant_is_in_its_table() {
         let parameters: Vec<&str> = kind.parameters().map(Channel::symbol).collect();
         row(format!("`{}`", kind.key()), kind.name().to_owned(), parameters.join(", "), *kind)
     };
-    // Chains share a row.
+    // All chains share a row.
     let (chains, others): (Vec<PlantKind>, Vec<PlantKind>) = PlantKind::ALL.iter().partition(|kind| kind.masses() > 1);
     let (first, last) = (chains[0], chains[chains.len() - 1]);
     let key = format!("`{}` … `{}`", first.key(), last.key());

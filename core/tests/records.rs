@@ -30,7 +30,7 @@ fn columns_make_a_record() {
 }
 
 #[test]
-fn columns_that_make_none_are_told() {
+fn invalid_columns_are_reported() {
     let velocity = |values: &[f64]| vec![(Quantity::VELOCITY, values.to_vec())];
     let two = || input(&[0.0, 1.0]);
     assert_eq!(message(Record::new(0.0, two(), vec![])), "dt = 0 s, but must be positive and finite");

@@ -1,4 +1,4 @@
-//! Every case that an independent program has worked out, to 1e-8.
+//! The results of an independent program are reproduced to 1e-8.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::path::{Path, PathBuf};

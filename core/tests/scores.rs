@@ -1,4 +1,4 @@
-//! Scores are the numbers of the diagnostics, in memory that does not grow.
+//! Scores equal the numbers of the diagnostics, in constant memory.
 
 use kalmanscope_core::{
     Diagnosis, Diagnostics, FilterKind, FilterSettings, Pass, PlantKind, Run, Scenario, Scores, VerdictKind, Window,

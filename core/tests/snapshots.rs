@@ -1,4 +1,4 @@
-//! The built-in scenarios: what each ends with, to ten digits, and a checksum of every bit on the way.
+//! The built-in scenarios: the final numbers to ten digits, and a checksum of every bit of the histories.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 #[path = "common/run.rs"]
@@ -57,7 +57,7 @@ fn described(run: &Run) -> String {
         assert_eq!(stop, None, "{name}");
     }
     writeln!(text, "checksum {:016x}", run.checksum()).unwrap();
-    // An editor may take away spaces at the end of a line.
+    // An editor may remove spaces at the end of a line.
     text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
 }
 
@@ -84,13 +84,13 @@ fn the_stiffness_loss_is_the_default() {
     assert_eq!(scenario("stiffness-loss"), Scenario::default());
 }
 
-/// Errors of a parameter at the end, in standard deviations, one a filter.
+/// Final errors of a parameter in standard deviations, one per filter.
 fn final_errors(run: &Run, place: usize) -> Vec<f64> {
     let error = |s: &Summary| s.finals[place].score.unwrap().error.abs() / s.finals[place].std;
     summaries(run).iter().map(error).collect()
 }
 
-/// The first time from `start` on from which natural frequency stays within 2 % of the truth.
+/// The time, from `start` on, since which the natural frequency has stayed within 2 % of the truth.
 fn settled(run: &Run, filter: usize, start: f64) -> f64 {
     let truth = run.record().truth(kalmanscope_core::Channel::NATURAL_FREQUENCY).unwrap();
     let estimates = &run.estimates()[filter];

@@ -1,4 +1,4 @@
-//! The simulator against independent answers.
+//! The simulator against independent solutions.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::signal::{Ramp, Sine, Step};
@@ -63,7 +63,7 @@ fn a_step_of_force_gives_the_step_response() {
     for k in 0..record.len() {
         let (x, v) = match record.time(k) - at {
             t if t <= 0.0 => (0.0, 0.0),
-            // From the new rest position's view the mass is let go from -rest.
+            // Seen from the new position of rest, the mass is released at the negative of it.
             t => free_vibration(wn, zeta, -rest, 0.0, t),
         };
         let x = if record.time(k) > at { x + rest } else { x };
@@ -229,14 +229,15 @@ fn parameters_follow_their_signals() {
 }
 
 #[test]
-fn a_plant_that_swings_too_fast_for_its_step_is_not_said_to_run_away() {
+fn a_plant_too_fast_for_its_step_does_not_count_as_diverging() {
     let mut scenario = Scenario { dt: 5.0, duration: 500.0, force: Force::None, ..Scenario::default() };
     scenario.set_plant(PlantKind::DUFFING);
     scenario.plant.set(Channel::NATURAL_FREQUENCY, 6.0);
     scenario.plant.set(Channel::DAMPING_RATIO, 0.0);
     scenario.plant.set(Channel::CUBIC_STIFFNESS, 300.0);
     (scenario.plant.initial.displacement, scenario.plant.initial.velocity) = (0.3, 1.0);
-    // Its energy bounds its motion: it cannot run away, but some forty radians a step take more halvings than there are.
+    // The energy bounds the motion, so it cannot diverge; but forty radians per step need more halvings than are
+    // allowed.
     let mut run = Run::new(&scenario).unwrap();
     run.finish();
     let energy = |k: usize| {

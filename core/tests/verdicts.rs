@@ -1,4 +1,4 @@
-//! The verdicts, over ten seeds of each situation that they must tell apart.
+//! The verdicts, over ten seeds of each situation that they must distinguish.
 //!
 //! The limits of the tests are set elsewhere, on situations drawn at random (`benches/diagnosis.rs`).
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
@@ -29,7 +29,7 @@ fn verdict(scenario: &Scenario) -> Option<Verdict> {
     verdict_on(&run)
 }
 
-/// The verdict on a record like the scenario's own, but without a word on the truth.
+/// The verdict on the same measurements without the truth.
 fn verdict_without_truth(scenario: &Scenario) -> Option<Verdict> {
     let mut run = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
     run.finish();
@@ -43,7 +43,7 @@ fn verdict_without_truth(scenario: &Scenario) -> Option<Verdict> {
     verdict_on(&run)
 }
 
-/// Constant parameters and one filter that is well tuned for them.
+/// Constant parameters and one filter with well-tuned settings.
 fn well_tuned(kind: FilterKind) -> Scenario {
     let mut scenario = Scenario::default();
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
@@ -72,7 +72,7 @@ fn no_excitation(scenario: &mut Scenario) {
     process_times(scenario, &[Channel::DISPLACEMENT, Channel::VELOCITY], 0.01);
 }
 
-/// A name, what makes it of the well-tuned scenario, and the verdicts that are right.
+/// A name, the change to the well-tuned scenario, and the correct verdicts.
 type Situation = (&'static str, fn(&mut Scenario), &'static [VerdictKind]);
 
 const SITUATIONS: &[Situation] = &[
@@ -193,7 +193,7 @@ fn forgetting_without_excitation_winds_up() {
 }
 
 #[test]
-fn what_excitation_does_not_tell_is_said() {
+fn unidentified_parameters_are_named() {
     let mut scenario = well_tuned(FilterKind::EKF);
     no_excitation(&mut scenario);
     let reason = verdict(&scenario).unwrap().reason;
@@ -224,7 +224,7 @@ fn built_in_scenarios_have_their_verdicts() {
             let alone = |seed| Scenario { seed, filters: vec![filter.clone()], ..scenario.clone() };
             let name = format!("{} {}", toml.lines().next().unwrap(), filter.name);
             assert_verdict(&name, scenario.seed, &[kind], verdict(&alone(scenario.seed)));
-            // Without excitation, some three records in a hundred do mislead a filter by more than 3σ.
+            // Without excitation, about three records in a hundred give an error above 3σ.
             let right = SEEDS.filter(|&seed| verdict(&alone(seed)).unwrap().kind == kind).count();
             assert!(right >= 9, "{name}: {right} of 10");
         }

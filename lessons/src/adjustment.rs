@@ -1,4 +1,4 @@
-//! What a lesson changes in a scenario.
+//! The changes that a lesson makes to a scenario.
 
 use kalmanscope_core::{Quantity, Scenario, ScenarioError, Sensor};
 use serde::Deserialize;
@@ -11,29 +11,29 @@ use crate::path;
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Adjustment {
-    /// Filters to be removed, by their names.
+    /// Filters to remove, by their names.
     pub remove_filters: Vec<String>,
-    /// Filters to be added, as in a scenario file; `like = "NAME"` takes what is left out from another filter.
+    /// Filters to add, as in a scenario file; `like = "NAME"` copies missing settings from another filter.
     pub add_filters: Vec<Table>,
-    /// Sensors to be removed.
+    /// Sensors to remove.
     pub remove_sensors: Vec<Quantity>,
-    /// Sensors to be added. Every filter is told their true noise.
+    /// Sensors to add. Every filter assumes their true noise.
     pub add_sensors: Vec<Sensor>,
     /// Values by their paths, such as `"filters.EKF.fading" = 1.005` or `"filters.*.process_std.natural_frequency" = 1e-3`.
     pub set: Table,
 }
 
-/// A change that a button makes.
+/// A change with the button that makes it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(from = "LabelledChange")]
 pub struct Change {
     /// The button's text.
     pub label: String,
-    /// What it does.
+    /// The change.
     pub adjustment: Adjustment,
 }
 
-/// A change as it stands in a file, where label and adjustment are one table.
+/// A change as in a file, where label and adjustment are one table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LabelledChange {
@@ -61,7 +61,7 @@ impl Adjustment {
     /// The scenario with these changes.
     ///
     /// # Errors
-    /// [`LessonError`] where a change is about what the scenario does not have, or makes it impossible.
+    /// [`LessonError`] where the scenario lacks something to change, or the changed scenario is impossible.
     pub fn apply(&self, scenario: &Scenario) -> Result<Scenario, LessonError> {
         let Self { remove_filters, add_filters, remove_sensors, add_sensors, set } = self;
         let mut scenario = scenario.clone();
@@ -116,12 +116,12 @@ fn add_filter(file: &mut Table, filter: &Table) -> Result<(), LessonError> {
     Ok(())
 }
 
-/// The scenario with all that it has, defaults too, so that each setting has its path.
+/// The scenario with all its settings, defaults included, so that each has a path.
 fn written(scenario: &Scenario) -> Result<Table, LessonError> {
     Table::try_from(scenario).map_err(|error| LessonError::Scenario(ScenarioError::Syntax(error.to_string())))
 }
 
-/// The scenario of a file, by way of its text: what follows from the rest is completed and everything is checked.
+/// The scenario of a table, by way of its text, so that missing settings are filled in and everything is checked.
 pub(crate) fn read(file: &Table) -> Result<Scenario, LessonError> {
     let text = toml::to_string(file).map_err(|error| LessonError::Syntax(error.to_string()))?;
     Ok(Scenario::from_toml(&text)?)

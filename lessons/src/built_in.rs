@@ -1,8 +1,8 @@
-//! The scenarios that come with the program.
+//! The built-in scenarios.
 
 use kalmanscope_core::{Scenario, ScenarioError};
 
-/// A scenario that comes with the program.
+/// A built-in scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuiltIn {
     /// The name of its file.
@@ -47,7 +47,7 @@ impl BuiltIn {
         BUILT_IN.iter().find(|scenario| scenario.file == file)
     }
 
-    /// What one sees, in a sentence: the file's first comment.
+    /// A sentence on what the scenario shows: the file's first comment.
     pub fn description(&self) -> &'static str {
         self.toml.lines().next().unwrap_or_default().trim_start_matches(['#', ' '])
     }
@@ -60,7 +60,7 @@ impl BuiltIn {
     /// The scenario.
     ///
     /// # Errors
-    /// [`ScenarioError`] where the file is wrong, which a test rules out.
+    /// [`ScenarioError`] where the file is invalid, which a test rules out.
     pub fn scenario(&self) -> Result<Scenario, ScenarioError> {
         Scenario::from_toml(self.toml)
     }

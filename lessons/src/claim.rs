@@ -1,4 +1,4 @@
-//! Lessons held to what they say.
+//! Claims: the results of a lesson's checks.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -9,7 +9,7 @@ use crate::check::{Check, SEEDS};
 use crate::value::Value;
 use crate::{Lesson, LessonError, Outcome};
 
-/// A check of a lesson and what came of it, seed by seed.
+/// A check of a lesson with its result for each seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
     /// The lesson's title.
@@ -18,12 +18,12 @@ pub struct Claim {
     pub step: usize,
     /// The check.
     pub check: Check,
-    /// Each seed and what was measured.
+    /// Each seed with the measured value.
     pub values: Vec<(u64, Value)>,
 }
 
 impl Claim {
-    /// Whether the check holds in as many seeds as it must. It may fail in as many as it may of ten.
+    /// Whether the check holds in enough seeds. It allows as many failures as with ten seeds.
     pub fn holds(&self) -> bool {
         self.failures().count() <= SEEDS - self.check.seeds.min(SEEDS)
     }
@@ -33,7 +33,7 @@ impl Claim {
         self.values.iter().filter(|(_, value)| !self.check.holds(value))
     }
 
-    /// The least and the largest number, or all words that occur.
+    /// The least and the largest number, or all words.
     fn span(&self) -> String {
         let numbers = self.values.iter().filter_map(|(_, v)| if let Value::Number(x) = v { Some(*x) } else { None });
         let mut sorted: Vec<f64> = numbers.collect();
@@ -59,7 +59,7 @@ impl fmt::Display for Claim {
     }
 }
 
-/// Runs a lesson with each seed and makes its checks, in the order of the file.
+/// Runs a lesson with each seed and evaluates its checks, in the order of the file.
 ///
 /// # Errors
 /// [`LessonError`] where the lesson's scenarios are impossible, which [`Lesson::from_toml`] rules out.
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn a_claim_that_fails_says_all_there_is_to_know() {
+    fn a_failed_claim_reports_measure_values_and_seeds() {
         let lesson = lesson("{ filter = \"EKF\", measure = \"evaluations\", above = 5.5, seeds = 9 }");
         let claim = verify(&lesson, 3..=4).unwrap().remove(0);
         assert!(!claim.holds());

@@ -1,10 +1,10 @@
-//! What a filter's prediction costs, in a number that does not depend on the machine.
+//! The cost of a filter's prediction, independent of the machine.
 
-use kalmanscope_core::{FilterKind, FilterSettings, InputKind, PlantKind, Propagation};
+use kalmanscope_core::{FilterSettings, InputKind, PlantKind};
 
-/// How often a filter evaluates the plant's rate `g(y, f)` to predict one step. `truth` is the plant that it takes the truth
-/// for unless its settings name another, with n channels. A Jacobian counts as n evaluations, one a column, as it would
-/// take by differences.
+/// The number of evaluations of the plant's rate `g(y, f)` in one predicted step. `truth` is the filter's plant unless
+/// its settings name another; it has n channels. A Jacobian counts as n evaluations, one per column, as in finite
+/// differences.
 ///
 /// ```text
 /// KF, EKF, IEKF    1 + n by local linearisation or Euler, 4 (1 + n) by Runge-Kutta
@@ -13,25 +13,13 @@ use kalmanscope_core::{FilterKind, FilterSettings, InputKind, PlantKind, Propaga
 /// EnKF, PF         4 times the size of the ensemble
 /// ```
 pub fn evaluations_per_step(settings: &FilterSettings, truth: PlantKind) -> usize {
-    let n = settings.model(truth, InputKind::Force).size();
-    let kind = settings.kind;
-    if kind.is_sampled() {
-        4 * settings.ensemble_size
-    } else if kind == FilterKind::CKF {
-        4 * 2 * n
-    } else if [FilterKind::UKF, FilterKind::SR_UKF].contains(&kind) {
-        4 * (2 * n + 1)
-    } else {
-        match settings.propagation {
-            Propagation::LocalLinearisation | Propagation::Euler => 1 + n,
-            Propagation::RungeKutta => 4 * (1 + n),
-        }
-    }
+    (settings.kind.info().evaluations)(settings, settings.model(truth, InputKind::Force).size())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kalmanscope_core::{FilterKind, Propagation};
 
     #[test]
     fn each_kind_has_its_count() {

@@ -1,49 +1,49 @@
-//! What can be wrong with a lesson.
+//! Errors of lessons.
 
 use kalmanscope_core::{Quantity, RunError, ScenarioError};
 use thiserror::Error;
 
-/// Why a lesson cannot be used.
+/// The reason why a lesson cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum LessonError {
     /// The text is not a lesson: the message has line and key.
     #[error("{0}")]
     Syntax(String),
-    /// The lesson begins with a scenario that does not come with the program.
+    /// The lesson begins with a scenario that is not built in.
     #[error("there is no built-in scenario `{0}`")]
     UnknownScenario(String),
-    /// A change sets what is not there.
+    /// A change sets something that the scenario lacks.
     #[error("the scenario has no setting `{0}`")]
     UnknownPath(String),
-    /// A change or a check is about a filter that is not there.
+    /// A change or a check names a filter that the scenario lacks.
     #[error("the scenario has no filter `{0}`")]
     UnknownFilter(String),
-    /// A change adds a filter without a name, or with that of another.
+    /// A change adds a filter without a name, or with the name of another.
     #[error("a filter is added as `{0}`, but must have a name that no other has")]
     AmbiguousFilter(String),
-    /// A change or a check is about a sensor that is not there.
+    /// A change or a check names a sensor that the scenario lacks.
     #[error("the scenario has no sensor for {}", .0.key())]
     UnknownSensor(Quantity),
-    /// A check does not say what its measure needs to know, or how large it may be.
+    /// A check lacks a setting or a limit.
     #[error("the check of `{measure}` {trouble}")]
     Check {
         /// The measure's key.
         measure: String,
-        /// What is wrong.
+        /// The problem.
         trouble: String,
     },
-    /// The scenario that comes of it is impossible.
+    /// The changed scenario is impossible.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
     /// The scenario cannot be run.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// As any of the others, with the step.
+    /// Another error, with its step.
     #[error("step {number}: {error}")]
     Step {
         /// The step's number, from 1 on.
         number: usize,
-        /// What is wrong there.
+        /// The error.
         error: Box<LessonError>,
     },
 }

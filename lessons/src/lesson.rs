@@ -1,4 +1,4 @@
-//! A lesson as it stands in its file.
+//! Lessons and their files.
 
 use kalmanscope_core::{Channel, Scenario};
 use serde::Deserialize;
@@ -7,7 +7,7 @@ use toml::Table;
 use crate::adjustment::{self, Adjustment, Change};
 use crate::{BuiltIn, Check, LessonError};
 
-/// An experiment in steps. Each begins with what the steps before have changed.
+/// An experiment in steps. Each step includes the changes of the steps before it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lesson {
@@ -15,24 +15,24 @@ pub struct Lesson {
     pub title: String,
     /// The group in the menu.
     pub group: String,
-    /// What one learns, in a sentence.
+    /// A sentence on what the lesson teaches.
     pub summary: String,
-    /// The scenario that it begins with.
+    /// The initial scenario.
     pub scenario: Base,
-    /// What is different from that at first.
+    /// Changes to the initial scenario, before the first step.
     #[serde(default)]
     pub adjust: Adjustment,
-    /// What to do, in order.
+    /// The steps, in order.
     pub steps: Vec<Step>,
 }
 
-/// The scenario that a lesson begins with.
+/// The initial scenario of a lesson.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum Base {
     /// A built-in one, by the name of its file.
     Named(String),
-    /// One of its own, as in a scenario file.
+    /// A scenario of the lesson's own, as in a scenario file.
     Inline(Table),
 }
 
@@ -42,29 +42,29 @@ pub enum Base {
 pub struct Step {
     /// What to look at.
     pub look: String,
-    /// What to change, if anything.
+    /// The change, if any.
     pub change: Option<Change>,
-    /// What happens then.
+    /// What happens.
     pub happens: String,
     /// Why.
     pub why: String,
-    /// The views that show it, the most telling first.
+    /// The views to show, the most important first.
     #[serde(default)]
-    pub views: Vec<View>,
-    /// The channels that it is about, which the views then show alone; all if left out.
+    pub views: Vec<ViewName>,
+    /// The channels to show; all if left out.
     #[serde(default)]
     pub channels: Vec<Channel>,
     /// Whether the ±2σ bands are shown.
     #[serde(default = "yes")]
     pub bands: bool,
-    /// Whether the record is played or shown whole.
+    /// Whether the record is played, stepped through or shown whole.
     #[serde(default)]
-    pub mode: Mode,
-    /// The time that the record is played or stepped through from \[s\], or that is shown from; its beginning if left out.
+    pub mode: Presentation,
+    /// The time at which playing, stepping or the shown range begins \[s\]; the record's beginning if left out.
     pub from: Option<f64>,
-    /// The time until which the record is shown \[s\]; its end if left out.
+    /// The time at which the shown range ends \[s\]; the record's end if left out.
     pub to: Option<f64>,
-    /// What the text says, in numbers.
+    /// The claims of the text, as numbers.
     #[serde(default)]
     pub checks: Vec<Check>,
 }
@@ -73,10 +73,10 @@ const fn yes() -> bool {
     true
 }
 
-/// What a step wants to be seen.
+/// A view that a step can ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum View {
+pub enum ViewName {
     /// Motion over time.
     States,
     /// Parameters over time.
@@ -106,10 +106,10 @@ pub enum View {
 /// How a step shows the record.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Mode {
-    /// Sample by sample as time goes on.
+pub enum Presentation {
+    /// Sample by sample, playing.
     Live,
-    /// Sample by sample, paused: the user goes on.
+    /// Sample by sample, paused, for the user to step.
     Step,
     /// All at once.
     #[default]
@@ -117,10 +117,10 @@ pub enum Mode {
 }
 
 impl Lesson {
-    /// Reads a lesson file and checks that each of its steps can be taken.
+    /// Reads a lesson file and checks that each of its steps is possible.
     ///
     /// # Errors
-    /// [`LessonError::Syntax`] where it is no lesson, [`LessonError::Step`] where a step asks for what is not there.
+    /// [`LessonError::Syntax`] where it is not a lesson, [`LessonError::Step`] where a step is impossible.
     pub fn from_toml(text: &str) -> Result<Self, LessonError> {
         let lesson: Self = toml::from_str(text).map_err(|error| LessonError::Syntax(error.to_string()))?;
         let scenarios = lesson.scenarios()?;
@@ -139,10 +139,10 @@ impl Lesson {
         Ok(lesson)
     }
 
-    /// The scenario that the lesson begins with, before the first step's change.
+    /// The initial scenario, before the first step's change.
     ///
     /// # Errors
-    /// [`LessonError`] where there is no such scenario or it cannot be adjusted like this.
+    /// [`LessonError`] where there is no such scenario or its adjustment is impossible.
     pub fn first_scenario(&self) -> Result<Scenario, LessonError> {
         let scenario = match &self.scenario {
             Base::Named(name) => {
@@ -154,11 +154,11 @@ impl Lesson {
         self.adjust.apply(&scenario)
     }
 
-    /// The scenario of a step, counted from 0, with its change and those of all steps before. That of the last step if
-    /// there are not so many.
+    /// The scenario of a step, counted from 0, with its change and those of the steps before. Beyond the last step it
+    /// is that of the last.
     ///
     /// # Errors
-    /// [`LessonError::Step`] where a step changes what is not there.
+    /// [`LessonError::Step`] where a change is impossible.
     pub fn scenario_at(&self, step: usize) -> Result<Scenario, LessonError> {
         let mut scenario = self.first_scenario()?;
         for (number, step) in self.steps.iter().enumerate().take(step + 1) {
@@ -172,7 +172,7 @@ impl Lesson {
     /// The scenario of every step.
     ///
     /// # Errors
-    /// [`LessonError::Step`] where a step changes what is not there.
+    /// [`LessonError::Step`] where a change is impossible.
     pub fn scenarios(&self) -> Result<Vec<Scenario>, LessonError> {
         (0..self.steps.len()).map(|step| self.scenario_at(step)).collect()
     }
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(steps, [(5.0, 1.005, 1, 0.0), (5.0, 1.1, 1, 0.0), (5.0, 1.1, 9, 0.5)]);
         assert_eq!(of(&lesson.scenario_at(99).unwrap()), steps[2]);
         assert_eq!(of(&lesson.first_scenario().unwrap()), steps[0]);
-        assert_eq!((lesson.steps[0].mode, &lesson.steps[0].change), (Mode::Whole, &None));
+        assert_eq!((lesson.steps[0].mode, &lesson.steps[0].change), (Presentation::Whole, &None));
     }
 
     #[test]
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_its_step() {
+    fn errors_name_their_step() {
         let check = |check: &str| format!("{HEAD}{STEP}{STEP}checks = [{{ filter = \"EKF\", {check} }}]");
         for (text, message) in [
             (HEAD.replace("stiffness-loss", "x") + STEP, "there is no built-in scenario `x`"),

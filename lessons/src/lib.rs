@@ -1,7 +1,8 @@
-//! Lessons on Kalman filters: experiments in steps, and checks that hold each of them to what it says.
+//! Lessons on Kalman filters: experiments in steps, with checks of every claim.
 //!
-//! A lesson is a file in `assets/lessons/`: a scenario, and steps that say what to look at, what to change, what happens
-//! and why. The text makes claims, so each step carries them as checks too, which [`verify`] runs over several seeds.
+//! A lesson is a file in `assets/lessons/`: a scenario, and steps with something to look at, something to change, what
+//! happens and why. The text makes claims, so each step also states them as checks, which [`verify`] runs over several
+//! seeds.
 //!
 //! ```toml
 //! title = "Fading memory"
@@ -46,6 +47,7 @@ mod check;
 mod claim;
 mod cost;
 mod error;
+mod evaluate;
 mod lesson;
 mod library;
 mod measure;
@@ -55,11 +57,12 @@ mod value;
 
 pub use adjustment::{Adjustment, Change};
 pub use built_in::{BUILT_IN, BuiltIn};
-pub use check::{Check, Measure, Times};
+pub use check::{Check, Times};
 pub use claim::{Claim, verify};
 pub use cost::evaluations_per_step;
 pub use error::LessonError;
-pub use lesson::{Base, Lesson, Mode, Step, View};
+pub use lesson::{Base, Lesson, Presentation, Step, ViewName};
 pub use library::{LESSONS, lessons};
+pub use measure::Measure;
 pub use outcome::Outcome;
 pub use value::{Expected, Value};

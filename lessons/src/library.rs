@@ -1,4 +1,4 @@
-//! The lessons that come with the program.
+//! The built-in lessons.
 
 use crate::{Lesson, LessonError};
 
@@ -31,7 +31,7 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "19-ekf-against-ukf",
 ];
 
-/// Every lesson in the menu's order. A test rules out that one is wrong.
+/// Every lesson in the menu's order. A test rules out invalid ones.
 pub fn lessons() -> Vec<Result<Lesson, LessonError>> {
     LESSONS.iter().map(|(_, text)| Lesson::from_toml(text)).collect()
 }
@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn each_lesson_can_be_read_and_says_all_that_it_should() {
+    fn every_lesson_is_valid_and_complete() {
         for ((name, _), lesson) in LESSONS.iter().zip(lessons()) {
             let lesson = lesson.unwrap_or_else(|error| panic!("{name}: {error}"));
             assert!(["Advantages", "Challenges", "Practice"].contains(&lesson.group.as_str()), "{name}");

@@ -1,4 +1,4 @@
-//! A scenario that has run to its end, with everything that a check may ask.
+//! Complete runs of scenarios, with the results that checks need.
 
 use std::cell::OnceCell;
 
@@ -6,18 +6,18 @@ use kalmanscope_core::{Analysis, CramerRao, Diagnostics, Estimates, FilterSettin
 
 use crate::LessonError;
 
-/// What came of a scenario.
+/// A complete run of a scenario, with its results.
 pub struct Outcome {
     scenario: Scenario,
     run: Run,
     analysis: Analysis,
-    /// Of the smoothed estimates.
+    /// The diagnostics of the smoothed estimates.
     diagnostics: Vec<Diagnostics>,
-    /// The Cramér-Rao bounds, once one has been asked for.
+    /// The Cramér-Rao bounds, computed on first use.
     bounds: OnceCell<Analysis>,
 }
 
-/// One filter of an outcome, with its estimates or what its smoother made of them.
+/// One filter of an outcome, with its estimates or the smoothed ones.
 #[derive(Clone, Copy)]
 pub(crate) struct FilterOutcome<'a> {
     pub(crate) outcome: &'a Outcome,
@@ -64,7 +64,7 @@ impl Outcome {
         Some(FilterOutcome { outcome: self, place, estimates, diagnostics })
     }
 
-    /// The Cramér-Rao bound of the filter at a place, worked out when it is first asked for.
+    /// The Cramér-Rao bound of the filter at a place, computed on first use.
     pub(crate) fn bound(&self, place: usize) -> Option<&CramerRao> {
         let id = self.run.estimates().get(place)?.id();
         self.bounds.get_or_init(|| Analysis::new(&self.run, Wanted::BOUNDS)).bound(id)

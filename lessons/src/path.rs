@@ -3,13 +3,13 @@
 use kalmanscope_core::Channel;
 use toml::{Table, Value};
 
-/// The settings of a filter that a scenario leaves out where they have no value: its colour, its augmentations, and
-/// the plant that it takes the truth for.
+/// Optional settings of a filter, which a scenario's table leaves out where they are unset: colour, augmentations and
+/// assumed plant.
 const OPTIONAL: [&str; 3] = ["augment", "color", "plant"];
 
-/// Puts a value where a path leads, instead of what is there. Returns whether the path exists.
+/// Replaces the value at a path. Returns whether the path exists.
 ///
-/// Keys are separated by dots. A filter is found by its name, a sensor by what it measures, a number of a list by its place
+/// Keys are separated by dots. A filter is found by its name, a sensor by its quantity, a number of a list by its place
 /// from 0 on; `*` stands for all of them.
 pub(crate) fn set(file: &mut Table, path: &str, value: &Value) -> bool {
     let keys: Vec<&str> = path.split('.').collect();
@@ -59,7 +59,7 @@ fn is_called(item: &Table, name: &str) -> bool {
     ["name", "measures"].iter().any(|key| item.get(*key).and_then(Value::as_str) == Some(name))
 }
 
-/// Lays a table over another: what both have as tables is merged, anything else is replaced.
+/// Merges a table into another: subtables are merged, other values are replaced.
 pub(crate) fn lay_over(below: &mut Table, above: &Table) {
     for (key, value) in above {
         match (below.get_mut(key), value) {
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_exist_cannot_be_set() {
+    fn unknown_settings_cannot_be_set() {
         for path in [
             "",
             "plnt.natural_frequency",

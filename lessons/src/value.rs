@@ -1,10 +1,10 @@
-//! What a measure gives, and what it must be.
+//! Values of measures, measured and expected.
 
 use std::fmt;
 
 use serde::Deserialize;
 
-/// What must come out of a measure that is no number.
+/// The expected result of a measure that is not a number.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
 pub enum Expected {
@@ -16,7 +16,7 @@ pub enum Expected {
     OneOf(Vec<String>),
 }
 
-/// What a measure gave.
+/// The result of a measure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// A number, or a ratio of two.

@@ -1,11 +1,11 @@
-//! Each lesson does what it says, with ten seeds.
+//! Every claim of the lessons holds, with ten seeds.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Mutex;
 
 use kalmanscope_lessons::{Claim, LESSONS, Lesson, verify};
 
-/// Lessons whose file's name contains the value of `LESSON` if that is set, to be quick while one is written.
+/// The lessons whose file name contains the value of `LESSON`, if it is set, to save time while writing one.
 fn wanted() -> Vec<Lesson> {
     let part = std::env::var("LESSON").unwrap_or_default();
     let chosen = LESSONS.iter().filter(|(name, _)| name.contains(&part));
@@ -29,7 +29,7 @@ fn verify_all(lessons: &[Lesson]) -> Vec<Claim> {
 }
 
 #[test]
-fn each_lesson_does_what_it_says() {
+fn every_claim_of_each_lesson_holds() {
     let claims = verify_all(&wanted());
     for claim in &claims {
         println!("{} {claim}", if claim.holds() { "holds" } else { "FAILS" });

@@ -1,4 +1,4 @@
-//! Carries out requests.
+//! Applies requests.
 
 use super::{App, LARGE};
 use crate::controls::number;
@@ -9,7 +9,7 @@ use crate::tutor::Tutor;
 use crate::visibility::Visibility;
 
 impl App {
-    /// Carries out what a view, a menu or a key has asked for.
+    /// Applies the request of a view, a menu or a key.
     pub(super) fn apply(&mut self, request: Request, ctx: &egui::Context) {
         let Self { session, axis, visible, layout, lessons, tutor, history, .. } = self;
         match request {
@@ -62,11 +62,11 @@ impl App {
                 if let Some(lesson) = tutor
                     && lesson.change(session).is_err()
                 {
-                    // What the change is about is gone: begin the step again as it should be.
+                    // The target of the change is gone: begin the step again.
                     let step = lesson.step();
                     self.go_to_step(step);
                 } else if let Some(lesson) = tutor {
-                    // The record may be longer now.
+                    // The record may have become longer.
                     axis.framed = lesson.frame(session);
                 }
             }
@@ -94,7 +94,7 @@ impl App {
             Request::Arrange(arrangement) => *layout = Layout::of(arrangement),
             Request::Rearrange(tree) => layout.rearrange(*tree),
             Request::ToggleEnlarged(view) => layout.toggle_enlarged(view),
-            // The first time back to what is of interest, then to all.
+            // First back to the range of interest, then to the whole record.
             Request::Follow if axis.follows => axis.framed = None,
             Request::Follow => axis.follows = true,
             Request::Unfollow => axis.follows = false,
@@ -102,7 +102,7 @@ impl App {
         }
     }
 
-    /// Goes to a step of the lesson in progress; without one, or to one that cannot be taken, nowhere.
+    /// Goes to a step of the current lesson; does nothing without a lesson, or if the step is impossible.
     fn go_to_step(&mut self, step: usize) {
         let Self { session, axis, visible, layout, tutor, .. } = self;
         let Some(lesson) = tutor else { return };

@@ -14,10 +14,10 @@ use crate::theme::Palette;
 use crate::tutor;
 use crate::view::ViewContext;
 
-/// Below this width the settings are a drawer under the plots \[points\].
+/// Limits the width of a window whose settings are a drawer under the plots \[points\].
 const NARROW: f32 = 720.0;
 
-/// Below this width a lesson has the settings' room, unless someone wants to see them \[points\].
+/// Limits the width of a window in which a lesson replaces the settings, unless the user opens them \[points\].
 pub(super) const WIDE: f32 = 1500.0;
 
 impl App {
@@ -53,7 +53,7 @@ impl App {
     }
 
     fn controls_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {
-        // A drawer leaves the plots in sight, so that one sees what one does.
+        // A drawer leaves the plots visible, so that the effect of a setting can be seen.
         let panel = if narrow {
             Panel::bottom("drawer").default_size(0.46 * ui.available_height()).size_range(120.0..=600.0).resizable(true)
         } else {

@@ -1,16 +1,16 @@
-//! A filter's initial belief, and its trust in model and sensors: initial mean and std, Q and R.
+//! A filter's initial belief and assumed noise: initial mean and std, Q and R.
 
 use egui::{Grid, RichText, Ui, Vec2};
 use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Sensor};
 
-use super::number::{field, spread};
+use super::number::{field, std_field};
 
 /// Width of the column of symbols \[points\].
 const SYMBOL_WIDTH: f32 = 22.0;
 /// Width of the column of units \[points\].
 const UNIT_WIDTH: f32 = 36.0;
 
-/// A table with a row a channel and a row a sensor of a filter, for a truth of the given kind.
+/// A table with one row per channel and one per sensor of a filter, for a truth of the given kind.
 pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sensor], truth: PlantKind) {
     let channels = filter.model(truth, InputKind::Force).channels().to_vec();
     let known: Vec<Channel> = channels.iter().copied().filter(|channel| filter.knows(*channel)).collect();
@@ -31,10 +31,10 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
         ui.label("");
         heading(ui, "initial guess", "Mean of the initial belief");
         heading(ui, "± σ of guess", "Standard deviation of the initial belief: how sure the filter is of its guess");
-        heading(ui, "√Q per step", "Standard deviation of what the model leaves out in one step");
+        heading(ui, "√Q per step", "Standard deviation of the model's error in one step");
         ui.end_row();
         for &channel in &channels {
-            // The KF knows the parameters: it has no uncertainty to set.
+            // The parameters of a KF are known and have no uncertainty to set.
             let uncertain = !known.contains(&channel);
             ui.label(channel.symbol()).on_hover_text(channel.name());
             let title = |what: &str| format!("{name} {what} of {}", channel.name());
@@ -45,11 +45,11 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
             });
             let std = &mut initial_std[channel];
             cell(ui, uncertain, &mut |ui| {
-                spread(ui, std, 0.0, 10.0 * scale, &title("initial std"), "How sure the filter is of its guess");
+                std_field(ui, std, 0.0, 10.0 * scale, &title("initial std"), "How sure the filter is of its guess");
             });
             let process = &mut process_std[channel];
             cell(ui, uncertain, &mut |ui| {
-                spread(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
+                std_field(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
             });
             ui.weak(channel.unit());
             ui.end_row();
@@ -63,7 +63,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
             });
             let title = format!("{name} sensor std of {}", quantity.key());
             cell(ui, true, &mut |ui| {
-                spread(ui, std, 1e-9, 10.0, &title, "Standard deviation that the filter ascribes to the sensor");
+                std_field(ui, std, 1e-9, 10.0, &title, "Standard deviation that the filter ascribes to the sensor");
             });
             ui.weak(quantity.unit());
             ui.end_row();
@@ -71,7 +71,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
     });
 }
 
-/// A usual size of the channel's values: what a filter is uncertain by at first.
+/// A usual size of the channel's values: the usual initial standard deviation.
 fn scale(channel: Channel) -> f64 {
     let usual = channel.usual();
     if usual.std > 0.0 { usual.std } else { usual.mean.abs() }

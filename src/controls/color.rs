@@ -5,7 +5,7 @@ use kalmanscope_core::{FilterColor, FilterSettings, Scenario};
 
 use crate::theme::Palette;
 
-/// The dot of a filter; a click offers the other colours.
+/// The dot of a filter; a click opens the palette.
 pub(super) fn color_ui(ui: &mut Ui, filter: &mut FilterSettings, palette: &Palette) {
     let color = color_of(filter);
     let label = format!("Colour of {}", filter.name);
@@ -25,8 +25,7 @@ pub(super) fn color_ui(ui: &mut Ui, filter: &mut FilterSettings, palette: &Palet
     }
 }
 
-/// The colour to give to a new filter with this id: none where the usual one of its id is free, else the first that no filter
-/// has.
+/// The colour for a new filter with this id: `None` where the id's default colour is free, else the first free colour.
 pub(super) fn free_color(scenario: &Scenario, id: u32) -> Option<FilterColor> {
     let taken: Vec<FilterColor> = scenario.filters.iter().map(color_of).collect();
     if taken.contains(&FilterColor::of(id)) {
@@ -36,7 +35,7 @@ pub(super) fn free_color(scenario: &Scenario, id: u32) -> Option<FilterColor> {
     }
 }
 
-/// The filter's own colour, else the usual one of its id.
+/// The filter's own colour, else the default colour of its id.
 fn color_of(filter: &FilterSettings) -> FilterColor {
     filter.color.unwrap_or(FilterColor::of(filter.id))
 }

@@ -11,7 +11,7 @@ use super::options::options_ui;
 use crate::text::significant;
 use crate::theme::{self, Palette};
 
-/// The filter's section: a dot of its colour, its name and kind, its numbers.
+/// The filter's section: a dot of its colour, its name and kind, its settings.
 pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
     let id = ui.make_persistent_id(("filter", scenario.filters[place].id));
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
@@ -36,7 +36,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             ui.add_space(2.0);
             ui.horizontal_wrapped(|ui| {
                 let hint =
-                    "Set R to the sensors' true noise, and Q to what disturbance and changing parameters do in a step";
+                    "Set R to the sensors' true noise, and Q to the effect of disturbance and changing parameters in a step";
                 match_truth = ui.button("Match the truth").on_hover_text(hint).clicked();
                 let small = |ui: &mut Ui, text: &str, enabled: bool| {
                     let button = ui.add_enabled(enabled, egui::Button::new(text));
@@ -70,7 +70,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
     }
 }
 
-/// A button that adds a filter, as long as the screen has colours for it.
+/// A button that adds a filter, while there are free colours.
 pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let room = scenario.filters.len() < MOST_FILTERS;
     if ui.add_enabled(room, egui::Button::new("Add a filter")).clicked() {
@@ -83,10 +83,10 @@ pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
     }
 }
 
-/// As many filters as there are colours that can be told apart.
+/// Limits the filters to the number of distinguishable colours.
 const MOST_FILTERS: usize = 6;
 
-/// The name, or the name with the first number that makes it one of its own.
+/// The name, extended by the first number that makes it unique if it is taken.
 fn free_name(scenario: &Scenario, name: &str) -> String {
     let taken = |name: &str| scenario.filters.iter().any(|filter| filter.name == name);
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
@@ -94,7 +94,7 @@ fn free_name(scenario: &Scenario, name: &str) -> String {
     if taken(name) { numbered.find(|name| !taken(name)).unwrap_or_default() } else { name.to_owned() }
 }
 
-/// A new name takes effect when it is complete and no other filter has it.
+/// A new name takes effect when it is complete and unique.
 fn rename_ui(ui: &mut Ui, filter: &mut FilterSettings, others: &[String]) {
     ui.horizontal(|ui| {
         ui.label("name");
@@ -116,7 +116,7 @@ fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[Str
             }
         });
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("Kind of filter {}", place + 1)));
-    // A name that only says the kind goes with it, but no two filters get the same.
+    // A name that is that of the kind follows the kind, but stays unique.
     let numbered = |kind: FilterKind| format!("{} {}", kind.name(), place + 1);
     if filter.kind != before && (filter.name == before.name() || filter.name == numbered(before)) {
         let name = filter.kind.name().to_owned();
@@ -144,7 +144,7 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
     };
     ui.horizontal(|ui| {
         ui.add_space(119.0);
-        let hint = "Memory half-life: how long until a measurement counts half";
+        let hint = "Memory half-life: the time after which a measurement counts half";
         ui.add(egui::Label::new(RichText::new(memory).small()).truncate()).on_hover_text(hint);
     });
     ui.add_enabled_ui(filter.kind != FilterKind::KF, |ui| {

@@ -1,11 +1,11 @@
-//! The measured force.
+//! The input.
 
 use egui::{ComboBox, Ui};
 use kalmanscope_core::{Force, Hold, InputKind, Scenario};
 
 use super::number::Number;
 
-/// The name of each kind, and its first settings.
+/// The name of each kind, with its initial settings.
 const KINDS: [(&str, Force); 6] = [
     ("white noise", Force::WhiteNoise { std: 10.0 }),
     ("sine", Force::Sine { amplitude: 5.0, frequency: 6.0 }),
@@ -71,7 +71,7 @@ pub(super) fn force_ui(ui: &mut Ui, scenario: &mut Scenario) {
     }
 }
 
-/// A row in which one of a few names is chosen.
+/// A row with a choice of names.
 fn choice_ui<T: Copy + PartialEq>(
     ui: &mut Ui,
     label: &str,

@@ -5,15 +5,15 @@ use kalmanscope_core::Scenario;
 
 use super::number::Number;
 
-/// The longest record \[s\]: a day.
+/// Limits the length of a record: a day \[s\].
 const LONGEST: f64 = 86_400.0;
 
-/// Lengths at the press of a button \[s\].
+/// Lengths with a button \[s\].
 const LENGTHS: [(&str, f64); 3] = [("1 min", 60.0), ("1 h", 3600.0), ("1 day", LONGEST)];
 
 pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let Scenario { seed, dt, duration, .. } = scenario;
-    let hint = "Length of the record, up to a day; a long one can only be seen live, and its beginning is forgotten";
+    let hint = "Length of the record, up to a day; a long one is shown live only, and its beginning is forgotten";
     Number {
         label: "duration",
         name: "Duration",

@@ -5,7 +5,7 @@ use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Strok
 use crate::probe::remember;
 use crate::text::{parse, significant};
 
-/// Width of the labels, so that all sliders stand in one line \[points\].
+/// Width of the labels, so that all sliders are aligned \[points\].
 const LABEL_WIDTH: f32 = 112.0;
 /// Width of the field with the value \[points\].
 const FIELD_WIDTH: f32 = 62.0;
@@ -18,24 +18,24 @@ const DECADES: f64 = 5.0;
 /// A number's name, unit and limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Number<'a> {
-    /// Name on screen.
+    /// The name on screen.
     pub label: &'a str,
-    /// Name that is unique on screen, for screen readers.
+    /// The accessible name, unique on screen.
     pub name: &'a str,
-    /// Unit, empty for a pure number.
+    /// The unit, empty for a pure number.
     pub unit: &'a str,
-    /// Ends of the slider.
+    /// The limits of the slider.
     pub range: (f64, f64),
-    /// The least that may be typed.
+    /// Limits typed values from below.
     pub least: f64,
-    /// Whether equal steps of the slider are equal factors.
+    /// Whether the slider is logarithmic.
     pub logarithmic: bool,
-    /// Its meaning.
+    /// The explanation.
     pub hint: &'a str,
 }
 
 impl Number<'_> {
-    /// Shows a row with the number.
+    /// Shows the number in a row.
     pub fn show(&self, ui: &mut Ui, value: &mut f64) {
         let Self { label, name, unit, range: (low, high), least, logarithmic, hint } = *self;
         let initial = initial(ui, name, *value);
@@ -67,7 +67,7 @@ impl Number<'_> {
     }
 }
 
-/// A compact number in a table: only a field to drag, scroll or type in.
+/// A compact number in a table: a field to drag, scroll or type in.
 pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) -> Response {
     let initial = initial(ui, name, *value);
     let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
@@ -81,9 +81,8 @@ pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, h
     field
 }
 
-/// As [`field`], for a standard deviation: it is also a slider whose equal steps are equal factors, and shows where it
-/// stands on that slider, which ends at `scale`.
-pub fn spread(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) {
+/// A [`field`] for a standard deviation. It is also a logarithmic slider up to `scale`, and marks the position on it.
+pub fn std_field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) {
     let rect = field(ui, value, least, scale, name, hint).rect;
     let share = 1.0 + (*value / scale).log10() / DECADES;
     if share > 0.0 {
@@ -95,12 +94,12 @@ pub fn spread(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, 
     }
 }
 
-/// Lets a double click take every number back to what it is now.
+/// Makes the present values the ones that a double click restores.
 pub fn begin_anew(ctx: &egui::Context) {
     ctx.data_mut(|data| *data.get_temp_mut_or_default::<u64>(Id::unique("numbers' beginning")) += 1);
 }
 
-/// The number's value when it was first shown since [`begin_anew`].
+/// The number's value when it was first shown after [`begin_anew`].
 fn initial(ui: &Ui, name: &str, value: f64) -> f64 {
     ui.data_mut(|data| {
         let beginning: u64 = data.get_temp(Id::unique("numbers' beginning")).unwrap_or_default();
@@ -108,7 +107,7 @@ fn initial(ui: &Ui, name: &str, value: f64) -> f64 {
     })
 }
 
-/// A double click takes the number back to what it was.
+/// A double click restores the initial value.
 fn reset(control: &Response, value: &mut f64, initial: f64) {
     let twice = control.ctx.input(|input| input.pointer.button_double_clicked(PointerButton::Primary));
     if twice && control.enabled() && control.contains_pointer() {
@@ -117,8 +116,8 @@ fn reset(control: &Response, value: &mut f64, initial: f64) {
     }
 }
 
-/// The wheel turns the number that is being typed, and with Alt that under the pointer. Without either it moves the page,
-/// as it does everywhere else.
+/// The wheel changes the number that is being edited, and with Alt the one under the pointer. Otherwise it scrolls the
+/// page.
 fn scroll(ui: &Ui, field: &Response, value: &mut f64, step: f64) {
     if !field.enabled() || !field.contains_pointer() {
         return;
@@ -146,7 +145,7 @@ fn drag_value(value: &mut f64, low: f64, high: f64) -> DragValue<'_> {
         .update_while_editing(false)
 }
 
-/// A point of dragging: small for small values and large for large ones, so that a long drag goes through the decades.
+/// The change per point of dragging, proportional to the value, so that a long drag spans decades.
 fn step(value: f64, low: f64, high: f64) -> f64 {
     0.01 * value.abs().max(smallest(low, high))
 }

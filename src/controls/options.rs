@@ -3,7 +3,7 @@
 use egui::{Checkbox, ComboBox, DragValue, Ui};
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Propagation, Sensor, augment};
 
-/// The most members of an ensemble: a frame has time for no more.
+/// Limits the members of an ensemble to what a frame can compute.
 const MOST_MEMBERS: usize = 2000;
 
 /// The less common settings of a filter.
@@ -16,7 +16,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         }
         let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, smoother, .. } = filter;
         if *kind == FilterKind::IEKF {
-            let hint = "The most times that the sensors are linearised in one update";
+            let hint = "Limit of the linearisations of the sensors in one update";
             whole_ui(ui, "iterations", &format!("{name} iterations"), iterations, (1, 20), hint);
         }
         if kind.is_sampled() {
@@ -41,7 +41,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
     });
 }
 
-/// The augmentations that the filter estimates beside its plant.
+/// The augmentations that the filter estimates.
 fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensors: &[Sensor]) {
     let FilterSettings { id, name, augment, .. } = filter;
     let biases = sensors.iter().map(|sensor| sensor.measures.bias());
@@ -67,7 +67,7 @@ fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensor
         });
         ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(format!("{name} augmentations")));
     });
-    // A sensor that is gone leaves no bias behind, and a plant without a quantity none of it.
+    // A removed sensor's bias goes too, and so does that of a quantity that the plant lacks.
     augment.retain(|channel| augment::of(plant).any(|c| c == *channel));
 }
 

@@ -7,7 +7,7 @@ use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, augment};
 use super::number::Number;
 use super::signal::{Parameter, signal_ui};
 
-/// The least natural frequency that can be set \[rad/s\].
+/// Limits the natural frequency from below \[rad/s\].
 const LEAST_POSITIVE: f64 = 0.01;
 
 pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
@@ -26,7 +26,7 @@ pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let at_start = "At the start of the record";
     number(ui, "x at start", "Initial displacement", "m", (-1.0, 1.0), any, at_start, &mut initial.displacement);
     number(ui, "v at start", "Initial velocity", "m/s", (-5.0, 5.0), any, at_start, &mut initial.velocity);
-    let hint = "Standard deviation of a force that nobody measures";
+    let hint = "Standard deviation of an unmeasured force";
     number(ui, "disturbance", "Disturbance", "m/s²", (0.0, 10.0), 0.0, hint, disturbance_std);
 }
 
@@ -45,7 +45,7 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario) {
     ui.add_space(4.0);
 }
 
-/// A parameter or an augmentation over time; an augmentation can be taken away.
+/// The signal of a parameter or an augmentation; an augmentation can be removed.
 fn parameter_ui(ui: &mut Ui, plant: &mut Plant, channel: Channel) {
     let name = sentence_case(channel.name());
     let label = format!("{} {}", channel.symbol(), channel.name());
@@ -67,7 +67,7 @@ fn parameter_ui(ui: &mut Ui, plant: &mut Plant, channel: Channel) {
     }
 }
 
-/// Gives the truth a property of its input or of a sensor that the filters are not told.
+/// Adds a property of the input or of a sensor to the truth; filters do not know of it unless their settings say so.
 fn augmentation_ui(ui: &mut Ui, plant: &mut Plant) {
     let has: Vec<Channel> = plant.parameters().collect();
     let mut chosen = None;

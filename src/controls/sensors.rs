@@ -1,4 +1,4 @@
-//! Which quantities are measured, and how noisily.
+//! The sensors and their noise.
 
 use egui::{Checkbox, ComboBox, Ui};
 use kalmanscope_core::quantity::MAX_SENSORS;
@@ -6,7 +6,7 @@ use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
 use super::number::Number;
 
-/// Up to this number of quantities each has a check box.
+/// Limits the quantities that are all shown with a check box.
 const FEW: usize = 12;
 
 fn is_measured(scenario: &Scenario, quantity: Quantity) -> bool {
@@ -17,7 +17,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let full = scenario.sensors.len() >= MAX_SENSORS;
     let offered = offered(scenario);
     ui.horizontal_wrapped(|ui| {
-        // A chain has too many quantities to show all of them: those that are not measured are in a list.
+        // A chain has too many quantities to show all; those without a sensor are in a list.
         let shown = offered.iter().filter(|quantity| offered.len() <= FEW || is_measured(scenario, **quantity));
         for &quantity in shown.collect::<Vec<_>>() {
             let mut measured = is_measured(scenario, quantity);
@@ -54,7 +54,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
             range: noise_range(quantity),
             least: 0.0,
             logarithmic: true,
-            hint: "True standard deviation of the sensor's noise; what each filter assumes is set with the filter",
+            hint: "True standard deviation of the sensor's noise; each filter has its own assumption among its settings",
         }
         .show(ui, &mut sensor.noise_std);
     }
@@ -68,7 +68,7 @@ fn usual_noise(quantity: Quantity) -> f64 {
     quantity.aspect().info().usual_noise
 }
 
-/// The quantities that are worth a sensor: those that another one does not stand for already.
+/// The quantities to offer, without those that equal another one.
 fn offered(scenario: &Scenario) -> Vec<Quantity> {
     let (kind, input) = (scenario.plant.kind, scenario.input);
     let is_told_apart = |quantity: &Quantity| match quantity.aspect() {
@@ -80,7 +80,7 @@ fn offered(scenario: &Scenario) -> Vec<Quantity> {
     kind.quantities().filter(|quantity| is_told_apart(quantity) || measured(quantity)).collect()
 }
 
-/// Three decades around the usual.
+/// Three decades around the usual noise.
 fn noise_range(quantity: Quantity) -> (f64, f64) {
     let usual = usual_noise(quantity);
     (usual / 30.0, usual * 30.0)

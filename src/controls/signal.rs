@@ -17,7 +17,7 @@ pub(super) struct Parameter<'a> {
 
 const SHAPES: [&str; 4] = ["constant", "step", "ramp", "sine"];
 
-/// Shape and numbers of a signal.
+/// The shape and the numbers of a signal.
 pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Signal) {
     let Parameter { label, name, unit, range, least } = *parameter;
     let mut shape = shape_of(signal);
@@ -62,7 +62,7 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
         }
         Signal::Sine(Sine { mean, amplitude, period }) => {
             value(ui, "mean", mean);
-            // The lowest value must stay possible.
+            // The lowest value must stay allowed.
             let room = *mean - least;
             let name = format!("{name}, amplitude");
             let hint = "Largest distance from the mean";
@@ -83,7 +83,7 @@ fn shape_of(signal: &Signal) -> usize {
     }
 }
 
-/// Another shape with the same values, as far as there are such.
+/// Another shape with the same values, where both have them.
 fn reshaped(signal: &Signal, shape: usize) -> Signal {
     let (from, to, start) = match *signal {
         Signal::Constant(value) => (value, 0.8 * value, 30.0),

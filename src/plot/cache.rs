@@ -1,4 +1,4 @@
-//! Values of the last frame that still hold in this one.
+//! Values of the last frame, kept while they are valid.
 
 use std::any::Any;
 use std::hash::{DefaultHasher, Hash, Hasher as _};
@@ -6,21 +6,25 @@ use std::sync::Arc;
 
 use egui::{Context, Id};
 
-/// The value of `make`, computed anew only when `depends_on` has changed since the last frame.
-pub(crate) fn cached<T: Any + Send + Sync>(
+/// The value of `make`, computed again only if `depends_on` has changed since the last frame. If `make` returns `None`, the
+/// last value stays; before the first one it is the default.
+pub(crate) fn cached<T: Any + Default + Send + Sync>(
     ctx: &Context,
     id: Id,
     depends_on: impl Hash,
-    make: impl FnOnce() -> T,
+    make: impl FnOnce() -> Option<T>,
 ) -> Arc<T> {
     let mut hasher = DefaultHasher::new();
     depends_on.hash(&mut hasher);
     let version = hasher.finish();
     let last: Option<(u64, Arc<T>)> = ctx.data(|data| data.get_temp(id));
-    if let Some((_, value)) = last.filter(|(of, _)| *of == version) {
-        return value;
+    if let Some((_, value)) = last.as_ref().filter(|(of, _)| *of == version) {
+        return Arc::clone(value);
     }
-    let value = Arc::new(make());
+    let Some(value) = make() else {
+        return last.map(|(_, value)| value).unwrap_or_default();
+    };
+    let value = Arc::new(value);
     ctx.data_mut(|data| data.insert_temp(id, (version, Arc::clone(&value))));
     value
 }

@@ -1,23 +1,23 @@
-//! Several plots in one view: how they share its room.
+//! The arrangement of several plots in one view.
 
 use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
 
-/// The least height of a plot where there are many: then they scroll \[points\].
+/// Limits the height of a plot from below where there are many; they scroll then \[points\].
 const LEAST_HEIGHT: f32 = 72.0;
-/// Height of the time axis, which the last row has \[points\].
+/// Height of the time axis in the last row \[points\].
 const AXIS: f32 = 18.0;
 /// Space between rows of plots \[points\].
 const GAP: f32 = 6.0;
 /// Space between columns of plots \[points\].
 const GUTTER: f32 = 16.0;
-/// The width from which on plots are in two columns, and the width from which on they are so that they do not become lower
-/// than [`LOW`] \[points\].
+/// Limits the width for two columns of plots, and the width at which two columns avoid plots lower than [`LOW`]
+/// \[points\].
 const TWO_COLUMNS: [f32; 2] = [640.0, 480.0];
-/// The height of a plot below which two columns tell more than one \[points\].
+/// Limits the height of plots below which two columns are better \[points\].
 const LOW: f32 = 120.0;
 
-/// Fills `ui` with `count` cells in two columns, or one where it is narrow. Tells each cell its number and whether it is in
-/// the last row.
+/// Fills `ui` with `count` cells in two columns, or one where it is narrow. Passes each cell its number and whether it
+/// is in the last row.
 pub(crate) fn cells_ui(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut Ui, usize, bool)) {
     let area = ui.available_size();
     if area.x < 1.0 || area.y < 1.0 || count == 0 {

@@ -14,11 +14,12 @@ use super::heading::{Readout, heading_ui};
 use super::input::PlotInput;
 use super::layers::Layer;
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
+use super::turns::in_turn;
 use super::window::Window;
 use crate::request::Request;
 use crate::session::Mode;
 
-/// Ticks' labels are drawn in full from this distance on \[points\].
+/// Labels of ticks are opaque from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
 /// One chart: its heading and its layers.
@@ -32,19 +33,19 @@ pub(crate) struct Chart<'a> {
     pub(crate) unit: &'static str,
     pub(crate) readouts: Vec<Readout>,
     pub(crate) layers: Vec<Layer<'a>>,
-    /// Whether no chart of the view is below this one: it has the time axis for those above it.
+    /// Whether the chart is the lowest of the view, which has the time axis.
     pub(crate) last_row: bool,
-    /// The least that the vertical axis shows.
+    /// The range that the vertical axis shows at least.
     pub(crate) least: Option<(f64, f64)>,
-    /// Whether the values are logarithms to the base of ten, which the vertical axis labels with the numbers themselves.
+    /// Whether the values are logarithms to the base of ten; the axis is labelled with the numbers themselves.
     pub(crate) logarithmic: bool,
 }
 
 /// The user's gestures on a chart.
 pub(crate) struct ChartResponse {
-    /// The time that the user points at \[s\].
+    /// The time under the pointer \[s\].
     pub(crate) pointed: Option<f64>,
-    /// Whether the user wants it to be alone, or with the others again.
+    /// Whether the user enlarges the chart, or shows all charts again.
     pub(crate) alone: bool,
 }
 
@@ -110,7 +111,8 @@ impl Chart<'_> {
             };
             let record = session.run().record();
             let id = Id::unique(("drawn", &self.key));
-            let make = || Drawing::new(&self.layers, record, &window, self.least);
+            let draw = || Drawing::new(&self.layers, record, &window, self.least);
+            let make = || in_turn(plot.ctx(), id, session.budget(), draw);
             let drawn = drawn.get_or_init(|| cached(plot.ctx(), id, (version, window.key()), make));
             if axis.follows {
                 plot.set_plot_bounds_x(followed.0..=followed.1);

@@ -7,8 +7,8 @@ use super::chart::Chart;
 use super::input::PlotInput;
 use crate::request::Request;
 
-/// Fills `ui` with charts, or with the one that the user wants to see alone. `chart` makes one from its number and from
-/// whether none is below it. Returns the time that the user points at \[s\].
+/// Fills `ui` with charts, or with the enlarged one. `chart` makes a chart from its number and from whether it is the
+/// lowest. Returns the time under the pointer \[s\].
 pub(crate) fn charts_ui<'a>(
     ui: &mut Ui,
     count: usize,

@@ -1,4 +1,4 @@
-//! Long series reduced to what a screen can show: minimum and maximum per pixel column.
+//! Long series reduced to the minimum and maximum of each pixel column.
 
 use std::ops::Range;
 
@@ -11,9 +11,9 @@ pub(crate) struct Column {
     pub(crate) low: f64,
     /// Largest value.
     pub(crate) high: f64,
-    /// Whether it ends no lower than it begins: then a line goes from the smallest to the largest value.
+    /// Whether it ends no lower than it begins; a line then goes from the smallest to the largest value.
     pub(crate) rising: bool,
-    /// Whether the smallest and the largest value are those at the ends.
+    /// Whether the smallest and the largest value are at the ends.
     pub(crate) at_ends: bool,
 }
 
@@ -23,7 +23,7 @@ impl Column {
         Self { samples, low, high, rising: first <= last, at_ends }
     }
 
-    /// The values where it begins and where it ends, if these are its extremes.
+    /// The values at the beginning and the end, if these are the extremes.
     pub(crate) fn ends(&self) -> Option<[f64; 2]> {
         self.at_ends.then_some(if self.rising { [self.low, self.high] } else { [self.high, self.low] })
     }
@@ -38,7 +38,7 @@ pub(crate) struct BandColumn {
     pub(crate) low: f64,
     /// Largest value of the upper edge.
     pub(crate) high: f64,
-    /// Both edges where it begins and where it ends, if nothing is outside of these.
+    /// Both edges at the beginning and the end, if these enclose all others.
     pub(crate) ends: Option<[(f64, f64); 2]>,
     /// The largest distance between the edges.
     pub(crate) widest: f64,
@@ -52,8 +52,8 @@ impl BandColumn {
     }
 }
 
-/// Reduces a series to at most `columns` + 1 columns; `values` gives those of some samples. Values that are not finite are
-/// left out. Columns begin at multiples of their width, so that they stay put while the range slides.
+/// Reduces a series to at most `columns` + 1 columns; `values` gives the values of some samples. Values that are not
+/// finite are left out. Columns begin at multiples of their width, so that they do not move while the range slides.
 pub(crate) fn reduce<I: Iterator<Item = f64>>(
     range: Range<usize>,
     columns: usize,
@@ -64,13 +64,13 @@ pub(crate) fn reduce<I: Iterator<Item = f64>>(
         let mut all = values(samples.clone());
         let begin = all.next()?;
         let (mut low, mut high, mut end) = (begin, begin, begin);
-        // Comparisons without branches, and no more of them than it takes: this loop sees every sample of every series.
+        // Comparisons without branches, and as few as possible: this loop runs over every sample of every series.
         for x in all {
             low = if x < low { x } else { low };
             high = if x > high { x } else { high };
             end = x;
         }
-        // What is no number loses every comparison, unless it is the first.
+        // NaN loses every comparison, except as the first value.
         if low.is_finite() && high.is_finite() && end.is_finite() {
             return Some(Column::new((first, last), [low, high], [begin, end]));
         }
@@ -84,7 +84,7 @@ pub(crate) fn reduce<I: Iterator<Item = f64>>(
     })
 }
 
-/// The same of everything between two edges, the lower first. A column with a value that is not finite is left out.
+/// The same for a band between two edges, the lower first. A column with a value that is not finite is left out.
 pub(crate) fn reduce_between<I: Iterator<Item = (f64, f64)>>(
     range: Range<usize>,
     columns: usize,
@@ -107,7 +107,7 @@ pub(crate) fn reduce_between<I: Iterator<Item = (f64, f64)>>(
     })
 }
 
-/// Applies `column` to the samples of each column.
+/// Calls `column` with the samples of each column.
 #[inline]
 fn by_column<C>(range: Range<usize>, columns: usize, column: impl Fn(Range<usize>) -> Option<C>) -> Vec<C> {
     let width = stride(range.len(), columns);
@@ -128,8 +128,7 @@ fn stride(samples: usize, columns: usize) -> usize {
     samples.div_ceil(columns.max(1)).max(1)
 }
 
-/// The range that holds all values but the outermost `share` at either end: a few extreme samples must not flatten the
-/// rest.
+/// The range of the values without the outermost `share` at either end, so that a few extremes do not flatten the rest.
 pub(crate) fn central_range(mut values: Vec<f64>, share: f64) -> Option<(f64, f64)> {
     if values.is_empty() {
         return None;

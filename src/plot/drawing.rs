@@ -11,19 +11,20 @@ use super::range::value_range;
 use super::window::Window;
 
 /// A chart's layers, reduced to marks on a screen.
+#[derive(Default)]
 pub(crate) struct Drawing {
     marks: Vec<Mark>,
     painted: PaintedShapes,
-    /// The range that the vertical axis should show.
+    /// The range of the vertical axis.
     pub(crate) range: Option<(f64, f64)>,
 }
 
 impl Drawing {
-    /// Reduces `layers` to what the window shows. `least` is the least that the vertical axis shows.
+    /// Reduces `layers` to the window. `least` is the range that the vertical axis shows at least.
     pub(crate) fn new(layers: &[Layer<'_>], record: &Record, window: &Window, least: Option<(f64, f64)>) -> Self {
         let columns: Vec<LayerColumns> = layers.iter().map(|layer| LayerColumns::new(layer, record, window)).collect();
         let range = value_range(layers.iter().zip(&columns), least);
-        // Without a scale nothing has a value.
+        // Without a range there are no values to draw.
         let marks = window.scale(range).map_or(Vec::new(), |scale| {
             layers.iter().zip(&columns).filter_map(|(layer, c)| Mark::new(layer, c, record, scale)).collect()
         });

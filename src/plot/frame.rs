@@ -1,11 +1,11 @@
-//! The frame that all plots share: room for labels, and what fingers and pointers do.
+//! The frame of all plots: space for labels, and gestures.
 
 use egui::{InputState, Sense, Ui};
 
-/// Least room at the left of a plot for the labels of its ticks \[points\].
+/// Width for the labels of the vertical axis, at least \[points\].
 pub(crate) const Y_AXIS: f32 = 44.0;
 
-/// The gestures that a plot senses: where there are fingers a drag scrolls the page, and two zoom.
+/// The gestures that a plot senses. On a touch screen one finger scrolls the page and two zoom.
 pub(crate) fn sense(ui: &Ui) -> Sense {
     if ui.input(InputState::has_touch_screen) { Sense::click() } else { Sense::click_and_drag() }
 }

@@ -7,12 +7,12 @@ use super::projection::Projection;
 use super::strokes::Strokes;
 use super::ticks::{log_tick, log_ticks, ticks};
 
-/// The lines at round numbers and at the left and lower edge, below everything else.
+/// Lines at round numbers and at the left and lower edge, below everything else.
 #[derive(Clone, Copy)]
 pub(crate) struct Grid {
-    /// About the most lines from left to right, and from bottom to top.
+    /// The approximate number of lines, from left to right and from bottom to top.
     pub(crate) counts: (f32, f32),
-    /// Whether the values are logarithms, along an axis of this length \[points\].
+    /// For logarithms, the length of the axis \[points\].
     pub(crate) logarithmic: Option<f32>,
     pub(crate) color: Color32,
 }

@@ -1,4 +1,4 @@
-//! The line above a chart: what it shows, and the values at the cursor.
+//! The line above a chart: its title, and the values at the cursor.
 
 use egui::{Align, Color32, Id, Layout, Response, RichText, TextStyle, Ui, vec2};
 
@@ -8,17 +8,17 @@ use crate::theme;
 pub(crate) struct Readout {
     pub(crate) text: String,
     pub(crate) color: Color32,
-    /// Whose value it is.
+    /// The owner of the value.
     pub(crate) hint: String,
 }
 
 /// Space between the parts of a heading \[points\].
 const GAP: f32 = 10.0;
-/// Room for the sign that values are left out \[points\].
+/// Space for the sign of omitted values \[points\].
 const ELLIPSIS: f32 = 20.0;
 
-/// Name and unit at the left, values at the cursor or at playback at the right: as much of them as there is room for, the
-/// values first. Returns the symbol, at the very left.
+/// Name and unit at the left, values at the cursor or at playback at the right, as many as fit; the values take
+/// precedence. Returns the symbol at the very left.
 pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) -> Response {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = GAP;
@@ -37,16 +37,16 @@ pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
     .inner
 }
 
-/// As many values as there is room for, without their ±2σ where it is tight.
+/// The values that fit, without their ±2σ where space is short.
 struct Values<'a> {
     all: &'a [Readout],
-    /// Text and width of those that are shown.
+    /// Text and width of the values that fit.
     shown: Vec<(&'a str, f32)>,
 }
 
 impl<'a> Values<'a> {
     fn new(ui: &Ui, symbol: &str, all: &'a [Readout], room: f32) -> Self {
-        // A value keeps the room that it once had: nothing jumps while it changes.
+        // A value keeps the largest width so far, so that nothing moves while it changes.
         let scope = ui.scope_id();
         let sized = |(readout, text): (&Readout, &'a str)| {
             (text, steady(ui, scope.with((symbol, &readout.hint)), width(ui, text, &TextStyle::Small)))
@@ -65,7 +65,7 @@ impl<'a> Values<'a> {
         self.shown.iter().map(|(_, width)| width + GAP).sum::<f32>() + if left_out { ELLIPSIS } else { 0.0 }
     }
 
-    /// From the right; where some are left out, the hint has all.
+    /// From the right; where some are left out, the hint lists all.
     fn ui(&self, ui: &mut Ui) {
         let Self { all, shown } = self;
         if shown.len() < all.len() {
@@ -82,7 +82,7 @@ impl<'a> Values<'a> {
     }
 }
 
-/// The value without what is after it.
+/// The value without its ±2σ.
 fn value(text: &str) -> &str {
     text.split(' ').next().unwrap_or(text)
 }
@@ -92,7 +92,7 @@ fn width(ui: &Ui, text: &str, style: &TextStyle) -> f32 {
     ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER).size().x
 }
 
-/// The largest width so far, unless that was much more.
+/// The largest width so far, unless that was much larger.
 fn steady(ui: &Ui, id: Id, width: f32) -> f32 {
     ui.data_mut(|data| {
         let kept = data.get_temp_mut_or(id, width);

@@ -1,4 +1,4 @@
-//! Everything that a chart draws, as one item of the plot.
+//! A chart's drawing as one plot item.
 
 use std::ops::RangeInclusive;
 
@@ -11,11 +11,11 @@ use super::marks::Mark;
 use super::projection::{DASH, Projection};
 use super::strokes::Strokes;
 
-/// Radius of a dot, and of one among few \[points\].
+/// Radius of a dot, and of a dot among few \[points\].
 const DOT: f32 = 1.3;
 const LARGE_DOT: f32 = 2.2;
 
-/// Dots are large where there are at most this many.
+/// Limits the number of dots that are large.
 const FEW: usize = 300;
 
 /// The grid and all marks of a chart as one item of the plot: points are transformed once, and no hover search runs.
@@ -27,7 +27,7 @@ pub(crate) struct DrawingItem<'a> {
 }
 
 impl<'a> DrawingItem<'a> {
-    /// `painted` keeps the shapes of the same marks from the last frame.
+    /// `painted` keeps the shapes of the last frame.
     pub(crate) fn new(grid: Grid, marks: &'a [Mark], painted: &'a PaintedShapes) -> Self {
         Self { base: PlotItemBase::new("drawing".to_owned()), grid, marks, painted }
     }
@@ -72,11 +72,11 @@ impl<'a> DrawingItem<'a> {
     }
 }
 
-/// The shapes of the last frame and where they stand: they serve again as long as the plot stays there.
+/// The shapes of the last frame and their position; they are reused while the plot stays there.
 #[derive(Default)]
 pub(crate) struct PaintedShapes(Mutex<Option<(Place, Vec<Shape>)>>);
 
-/// Where a plot is, what it shows, and the size of a pixel.
+/// The plot's position and range, and the size of a pixel.
 type Place = (Rect, [f64; 2], [f64; 2], f32);
 
 impl PlotItem for DrawingItem<'_> {

@@ -7,20 +7,20 @@ use super::columns::{BandColumn, Column};
 use super::series::{Band, Series};
 use super::window::Window;
 
-/// One thing that a chart shows, at every sample; the first of a list are the lowest.
+/// A layer of a chart, at every sample; the first of a list is the lowest.
 pub(crate) enum Layer<'a> {
-    /// The area between two edges. A line as wide as `under`, if that is not zero, will hide the middle \[points\].
+    /// The area between two edges. A line of width `under`, if positive, hides its middle \[points\].
     Band { band: Band<'a>, color: Color32, under: f32 },
-    /// Single values.
+    /// Single values as dots.
     Dots { series: Series<'a>, color: Color32 },
-    /// A line. `bounds` says whether the vertical axis must hold all of it, outliers too.
+    /// A line. `bounds` says whether the vertical axis includes all of it, also outliers.
     Line { series: Series<'a>, color: Color32, width: f32, dashed: bool, bounds: bool },
     /// The same value at all times.
     Level { value: f64, color: Color32 },
 }
 
-/// The width of the line of the filter that is drawn at this place, the first being `first` wide: each line is 0.6 points
-/// thinner than the one below it, so that coinciding lines remain visible \[points\].
+/// The width of the line of the filter at this place; the first has the width `first`. Each line is 0.6 points thinner
+/// than the one below it, so that coinciding lines remain visible \[points\].
 pub(crate) fn line_width(place: usize, first: f32) -> f32 {
     (first - 0.6 * place as f32).max(1.0)
 }
@@ -29,7 +29,7 @@ pub(crate) fn line_width(place: usize, first: f32) -> f32 {
 pub(crate) enum LayerColumns {
     Band(Vec<BandColumn>),
     Series(Vec<Column>),
-    /// The same value in all.
+    /// A constant value.
     Level,
 }
 
@@ -37,7 +37,7 @@ impl LayerColumns {
     pub(crate) fn new(layer: &Layer<'_>, record: &Record, window: &Window) -> Self {
         let (times, columns) = (window.times, window.columns());
         match layer {
-            // Half the columns suffice for the smooth edges of a band, and for dots as wide as two.
+            // Half of the columns are enough for the smooth edges of a band, and for dots of two points.
             Layer::Band { band, .. } => Self::Band(band.columns(record, times, columns / 2)),
             Layer::Dots { series, .. } => Self::Series(series.columns(record, times, columns / 2)),
             Layer::Line { series, .. } => Self::Series(series.columns(record, times, columns)),

@@ -1,4 +1,4 @@
-//! Marks: what a layer draws on a screen of a given scale, without the points that make no difference there.
+//! Marks: the visible shapes of a layer at a given scale, without points that make no visible difference.
 
 use egui::Color32;
 use egui_plot::PlotPoint;
@@ -9,13 +9,14 @@ use super::layers::{Layer, LayerColumns};
 use super::simplify::simplify;
 use super::window::Scale;
 
-/// A band has no outline above this climb of its edge, per way across the screen: the outline would be a blur.
+/// Limits the climb of a band's edge relative to the screen; a steeper edge has no outline, which would be a blur.
 const STEEP: f64 = 6.0;
 
-/// Values nearer to each other than this cannot be told apart \[points\].
+/// Values closer than this look the same \[points\].
 const ALIKE: f64 = 0.2;
 
-/// Above this climb \[points\] and this many reversals per point of width a line is filled as an area: noise is, waves are not.
+/// Limits the climb \[points\] and the reversals per point of width; a line above both is filled as an area, because it
+/// is noise.
 const DENSE: (f64, f64) = (16.0, 1.0);
 
 /// A band at one time.
@@ -24,13 +25,13 @@ pub(crate) struct Rung {
     pub(crate) time: f64,
     pub(crate) low: f64,
     pub(crate) high: f64,
-    /// How wide it is at most.
+    /// The largest width.
     widest: f64,
 }
 
-/// A layer as it is drawn.
+/// A layer's visible shape.
 pub(crate) enum Mark {
-    /// Those parts of a band that no line hides. `steep` says whether lines along its edges would be one blur.
+    /// The parts of a band that no line hides. `steep` says whether its outline would be a blur.
     Band {
         parts: Vec<Vec<Rung>>,
         color: Color32,
@@ -40,7 +41,7 @@ pub(crate) enum Mark {
         points: Vec<PlotPoint>,
         color: Color32,
     },
-    /// `dense` says whether it goes up and down so much that it is an area.
+    /// `dense` says whether the line goes up and down so often that it is drawn as an area.
     Line {
         points: Vec<PlotPoint>,
         color: Color32,
@@ -55,7 +56,7 @@ pub(crate) enum Mark {
 }
 
 impl Mark {
-    /// The layer on a screen of this scale, without what makes no difference there.
+    /// The layer at this scale, without points that make no visible difference.
     pub(crate) fn new(layer: &Layer<'_>, columns: &LayerColumns, record: &Record, scale: Scale) -> Option<Self> {
         Some(match (layer, columns) {
             (&Layer::Band { color, under, .. }, LayerColumns::Band(columns)) => {
@@ -81,7 +82,7 @@ impl Mark {
     }
 }
 
-/// Whether lines along the edges of a band would be one blur.
+/// Whether the outline of a band would be a blur.
 fn are_steep(parts: &[&[Rung]], scale: Scale) -> bool {
     let climb = |two: &[Rung]| (two[1].low - two[0].low).abs();
     let climbed: f64 = parts.iter().flat_map(|rungs| rungs.windows(2)).map(climb).sum();
@@ -89,7 +90,7 @@ fn are_steep(parts: &[&[Rung]], scale: Scale) -> bool {
     scale.y * climbed > STEEP * scale.x * length
 }
 
-/// Whether a line, simplified to the points `kept`, is to be drawn as an area.
+/// Whether a line, simplified to the points `kept`, is drawn as an area.
 fn is_dense(points: &[PlotPoint], kept: &[PlotPoint], scale: Scale) -> bool {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return false };
     let way: f64 = points.windows(2).map(|pair| (pair[1].y - pair[0].y).abs()).sum();
@@ -98,7 +99,7 @@ fn is_dense(points: &[PlotPoint], kept: &[PlotPoint], scale: Scale) -> bool {
     scale.y * way > DENSE.0 * length && turns() as f64 > DENSE.1 * length
 }
 
-/// A band at both ends of each column where they hold all of it; where they do not, its extremes.
+/// A band at both ends of each column if these enclose all of it, else its extremes.
 fn rungs(record: &Record, columns: &[BandColumn]) -> Vec<Rung> {
     let mut rungs = Vec::with_capacity(2 * columns.len());
     for &BandColumn { samples: (first, last), low, high, ends, widest } in columns {
@@ -117,7 +118,7 @@ fn unhidden(rungs: &[Rung], line: f64) -> impl Iterator<Item = &[Rung]> {
     runs.filter(move |run| run[0].widest > line)
 }
 
-/// The rungs that a band needs to look as it does.
+/// The rungs that a band needs for the same picture.
 fn simplify_band(rungs: &[Rung], Scale { x, y }: Scale) -> Vec<Rung> {
     let edge = |value: fn(&Rung) -> f64| simplify(rungs.iter().map(|rung| (x * rung.time, y * value(rung))));
     let mut kept = edge(|rung| rung.high);
@@ -130,8 +131,8 @@ fn simplify_band(rungs: &[Rung], Scale { x, y }: Scale) -> Vec<Rung> {
     kept.into_iter().map(|i| rungs[i]).collect()
 }
 
-/// A line through the extremes of each column, in the order in which they come: where it only rises or falls these are its
-/// ends, and a steep line is no staircase. Extremes that cannot be told apart are one.
+/// A line through the extremes of each column, in their order. Where it only rises or falls these are its ends, so that
+/// a steep line has no steps. Extremes that look the same are merged.
 fn line(record: &Record, columns: &[Column], scale: Scale) -> Vec<PlotPoint> {
     let alike = ALIKE / scale.y;
     let mut points = Vec::with_capacity(2 * columns.len());

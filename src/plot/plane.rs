@@ -1,4 +1,4 @@
-//! Plots of one quantity over another: the frame that they share.
+//! The frame of plots of one quantity over another.
 
 use egui::{Id, Shape, Stroke, Ui, Vec2};
 use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
@@ -7,16 +7,16 @@ use super::frame::{Y_AXIS, sense};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
 use crate::theme::Palette;
 
-/// How both axes of a plot are divided.
+/// The scale of both axes of a plot.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Scale {
+enum AxisScale {
     Linear,
     /// All coordinates are logarithms to the base of ten.
     Logarithmic,
 }
 
-/// Draws a plot into all of `ui`. `range` is what it shows unless the user has zoomed, `[x, y]`, each low and high; a double
-/// click goes back to it.
+/// Draws a plot into all of `ui`. It shows `range`, `[x, y]`, each low and high, unless the user has zoomed; a double
+/// click restores it.
 pub(crate) fn plane_ui(
     ui: &mut Ui,
     key: &str,
@@ -25,11 +25,11 @@ pub(crate) fn plane_ui(
     range: Option<[(f64, f64); 2]>,
     draw: impl FnOnce(&mut PlotUi<'_>),
 ) {
-    scaled_plane_ui(ui, key, labels, (palette, Scale::Linear), range, draw);
+    scaled_plane_ui(ui, key, labels, (palette, AxisScale::Linear), range, draw);
 }
 
-/// [`plane_ui`] of logarithms to the base of ten, range and all; the axes are labelled with the numbers themselves. Returns
-/// what `draw` does.
+/// [`plane_ui`] of logarithms to the base of ten, also in `range`; the axes are labelled with the numbers themselves.
+/// Returns the result of `draw`.
 pub(crate) fn log_plane_ui<R>(
     ui: &mut Ui,
     key: &str,
@@ -38,26 +38,26 @@ pub(crate) fn log_plane_ui<R>(
     range: Option<[(f64, f64); 2]>,
     draw: impl FnOnce(&mut PlotUi<'_>) -> R,
 ) -> R {
-    scaled_plane_ui(ui, key, labels, (palette, Scale::Logarithmic), range, draw)
+    scaled_plane_ui(ui, key, labels, (palette, AxisScale::Logarithmic), range, draw)
 }
 
 fn scaled_plane_ui<R>(
     ui: &mut Ui,
     key: &str,
     [x_label, y_label]: [&str; 2],
-    (palette, scale): (&Palette, Scale),
+    (palette, scale): (&Palette, AxisScale),
     range: Option<[(f64, f64); 2]>,
     draw: impl FnOnce(&mut PlotUi<'_>) -> R,
 ) -> R {
     let size = ui.available_size().max(Vec2::splat(1.0));
     let axis = |axis: AxisHints<'static>, length: f32, side: Side| match scale {
-        Scale::Linear => axis.formatter(move |mark, range| tick_inside(mark, range, length, side)),
-        Scale::Logarithmic => axis.formatter(|mark, _| log_tick(mark)).label_spacing(LOG_TICKS_FADE),
+        AxisScale::Linear => axis.formatter(move |mark, range| tick_inside(mark, range, length, side)),
+        AxisScale::Logarithmic => axis.formatter(|mark, _| log_tick(mark)).label_spacing(LOG_TICKS_FADE),
     };
     let spacer = move |length: f32, apart: f32| {
         move |input: GridInput| match scale {
-            Scale::Linear => ticks(input.bounds, length / apart),
-            Scale::Logarithmic => log_ticks(input.bounds, length, apart),
+            AxisScale::Linear => ticks(input.bounds, length / apart),
+            AxisScale::Logarithmic => log_ticks(input.bounds, length, apart),
         }
     };
     let plot = Plot::new(key)

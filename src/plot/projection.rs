@@ -1,4 +1,4 @@
-//! From values to positions on screen, and the outlines that are drawn there.
+//! Positions of values on screen, and outlines through them.
 
 use egui::{Color32, Pos2, Rangef, Stroke, pos2};
 use egui_plot::{PlotPoint, PlotTransform};
@@ -6,16 +6,16 @@ use egui_plot::{PlotPoint, PlotTransform};
 use super::marks::Rung;
 use super::strokes::Strokes;
 
-/// How far outside the plot things are drawn at most \[points\]: the plot cuts them off, and larger numbers would lose their
-/// digits on the way there.
+/// Limits the distance from the plot at which things are drawn: the plot clips them, and larger coordinates would lose
+/// digits \[points\].
 const OUTSIDE: f32 = 4000.0;
 
 /// Dash and gap \[points\].
 pub(crate) const DASH: (f32, f32) = (5.0, 3.0);
 
-/// Where values stand on screen.
+/// The map from values to positions on screen.
 pub(crate) struct Projection {
-    /// Screen position of the value at the middle of the plot, that value, and points per unit; for each axis.
+    /// For each axis, the screen position of the value at the plot's centre, that value, and points per unit.
     x: [f64; 3],
     y: [f64; 3],
     /// Positions on the vertical axis are clamped to this range.
@@ -53,7 +53,7 @@ impl Projection {
         if dashed { strokes.dashed(&path, stroke, DASH) } else { strokes.line(&path, stroke) }
     }
 
-    /// Draws a line that goes up and down in every pixel column: as the area that it covers.
+    /// Draws a line that goes up and down in every pixel column as the area that it covers.
     pub(crate) fn dense_line(&self, points: &[PlotPoint], stroke: Stroke, strokes: &mut Strokes) {
         let mut columns: Vec<(f32, Rangef)> = Vec::with_capacity(points.len());
         let mut before = points.first().map_or(0.0, |point| self.y(point.y));
@@ -65,7 +65,7 @@ impl Projection {
             }
             before = y;
         }
-        // Lines under it still show through.
+        // Transparent, so that lines under it remain visible.
         let fill = stroke.color.gamma_multiply(0.8);
         let columns: Vec<[Pos2; 2]> =
             columns.iter().map(|&(x, range)| [pos2(x, range.max), pos2(x, range.min)]).collect();
@@ -84,7 +84,7 @@ impl Projection {
     }
 }
 
-/// Fills what is between the ends of columns, and draws a line along both.
+/// Fills the columns between their ends, and outlines them.
 fn outlined(columns: &[[Pos2; 2]], fill: Color32, outline: Stroke, strokes: &mut Strokes) {
     strokes.area(columns, fill);
     for end in 0..2 {

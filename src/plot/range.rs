@@ -3,14 +3,14 @@
 use super::columns::central_range;
 use super::layers::{Layer, LayerColumns};
 
-/// Share of the values at either end that the axis does not bend to: the first instants of a wide guess.
+/// Share of the values at either end that the axis ignores, such as the first instants of a wide guess.
 const OUTLIERS: f64 = 0.006;
 
-/// A layer counts as the extremes of at most this many pieces: enough to know where most values are.
+/// Limits the pieces whose extremes represent a layer.
 const PIECES: usize = 250;
 
-/// A range that holds all of the lines marked so, and the other layers but for their outermost values; dots count only where
-/// there is nothing else.
+/// A range that includes all of the lines marked so, and the other layers without their outermost values. Dots count
+/// only if there is nothing else.
 pub(crate) fn value_range<'a>(
     layers: impl Iterator<Item = (&'a Layer<'a>, &'a LayerColumns)>,
     least: Option<(f64, f64)>,

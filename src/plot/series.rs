@@ -1,4 +1,4 @@
-//! Quantities at every sample, which can be reduced to the pixel columns of a screen.
+//! Quantities over time, reducible to pixel columns.
 
 use std::ops::Range;
 
@@ -6,14 +6,14 @@ use kalmanscope_core::Record;
 
 use super::columns::{BandColumn, Column, reduce, reduce_between};
 
-/// A quantity at every sample, NaN where there is none.
+/// A quantity at every sample; NaN where it does not exist.
 pub(crate) struct Series<'a> {
     len: usize,
     reduce: Box<dyn Fn(Range<usize>, usize) -> Vec<Column> + 'a>,
 }
 
 impl<'a> Series<'a> {
-    /// `values` gives those of some of the samples up to `len`.
+    /// `values` gives the values of some of the samples up to `len`.
     pub(crate) fn new<I: Iterator<Item = f64>>(len: usize, values: impl Fn(Range<usize>) -> I + 'a) -> Self {
         Self { len, reduce: Box::new(move |range, columns| reduce(range, columns, &values)) }
     }
@@ -23,7 +23,7 @@ impl<'a> Series<'a> {
         Self::new(values.len(), |samples| values[samples].iter().copied())
     }
 
-    /// The series through a function that preserves order, which then is asked for the extremes only.
+    /// The series through a monotonic function, which is called for the extremes only.
     pub(crate) fn through(self, function: fn(f64) -> f64) -> Self {
         let Self { len, reduce } = self;
         let through = move |column: Column| {
@@ -34,7 +34,7 @@ impl<'a> Series<'a> {
         Self { len, reduce: Box::new(reduce) }
     }
 
-    /// At most `columns` columns of the part that the window shows, `(from, to)` \[s\].
+    /// The part in the window, `(from, to)` \[s\], as at most `columns` columns.
     pub(crate) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<Column> {
         (self.reduce)(samples_in(record, window, self.len), columns)
     }
@@ -59,7 +59,7 @@ impl<'a> Band<'a> {
 
     /// Two standard deviations on either side of zero; `variances` gives those of some of the samples up to `len`.
     pub(crate) fn around_zero<I: Iterator<Item = f64>>(len: usize, variances: impl Fn(Range<usize>) -> I + 'a) -> Self {
-        // One root a column, not one a sample.
+        // One root per column instead of one per sample.
         let around = |column: Column| {
             let edges = |variance: f64| (-2.0 * variance.sqrt(), 2.0 * variance.sqrt());
             let (low, high) = edges(column.high);
@@ -70,13 +70,13 @@ impl<'a> Band<'a> {
         Self { len, reduce: Box::new(reduce) }
     }
 
-    /// At most `columns` columns of the part that the window shows, `(from, to)` \[s\].
+    /// The part in the window, `(from, to)` \[s\], as at most `columns` columns.
     pub(crate) fn columns(&self, record: &Record, window: (f64, f64), columns: usize) -> Vec<BandColumn> {
         (self.reduce)(samples_in(record, window, self.len), columns)
     }
 }
 
-/// The samples that the window shows, one more at either side, as far as there are any.
+/// The samples in the window and one more on either side, if they exist.
 fn samples_in(record: &Record, (from, to): (f64, f64), len: usize) -> Range<usize> {
     let index = |time: f64| ((time - record.time(0)) / record.dt()).clamp(0.0, len as f64);
     let first = index(from).floor() as usize;

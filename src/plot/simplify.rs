@@ -1,13 +1,13 @@
-//! Polylines with no more points than their picture needs: every segment is triangles to fill.
+//! Polylines reduced to the points that their picture needs, because every segment costs triangles.
 
-/// How far a point that is left out may be from the line in its place \[points of the screen\].
+/// Limits the distance of an omitted point from the line \[points of the screen\].
 const TOLERANCE: f64 = 0.35;
 
-/// The indices of the points that a polyline needs to look as it does, its ends among them. Coordinates in points of the
-/// screen.
+/// The indices of the points that a polyline needs for the same picture, including its ends. Coordinates are in points
+/// of the screen.
 ///
-/// From a point that is kept on, those are left out that a single line passes within the tolerance, as long as they lead
-/// away from it. Williams (1978), An efficient algorithm for the piecewise linear approximation of planar curves.
+/// After a kept point, points are omitted while a single line passes them within the tolerance and they lead away from
+/// the kept point. Williams (1978), An efficient algorithm for the piecewise linear approximation of planar curves.
 pub(crate) fn simplify(points: impl IntoIterator<Item = (f64, f64)>) -> Vec<usize> {
     let mut points = points.into_iter().enumerate();
     let mut kept = Vec::with_capacity(points.size_hint().0);
@@ -29,12 +29,12 @@ pub(crate) fn simplify(points: impl IntoIterator<Item = (f64, f64)>) -> Vec<usiz
     kept
 }
 
-/// The directions in which a line from a point may go.
+/// The allowed directions of a line from a point.
 struct Cone {
     apex: (f64, f64),
-    /// How far the points have led so far.
+    /// The largest distance of the points so far.
     reach: f64,
-    /// Right and left edge; none while the points are too near to tell a direction.
+    /// Right and left edge; `None` while the points are too near to have a direction.
     edges: Option<[(f64, f64); 2]>,
 }
 
@@ -43,18 +43,18 @@ impl Cone {
         Self { apex, reach: 0.0, edges: None }
     }
 
-    /// Leaves the directions that pass a further point too. Returns whether the line may go to that point.
+    /// Narrows the directions to those that pass another point. Returns whether the line may end at that point.
     fn narrow(&mut self, point: (f64, f64)) -> bool {
         let (x, y) = (point.0 - self.apex.0, point.1 - self.apex.1);
         let distance = (x * x + y * y).sqrt();
         if distance <= TOLERANCE && self.edges.is_none() {
             return true;
         }
-        // Where it turns back there is a peak.
+        // A peak, because the line turns back.
         if distance < self.reach {
             return false;
         }
-        // The edges to either side of it, `distance` times as long: no division.
+        // The edges on either side, scaled by `distance` to avoid a division.
         let (along, across) = ((x * distance, y * distance), (-y * TOLERANCE, x * TOLERANCE));
         let mut right = (along.0 - across.0, along.1 - across.1);
         let mut left = (along.0 + across.0, along.1 + across.1);

@@ -1,17 +1,17 @@
-//! Lines with soft edges, in two triangles a segment, because every frame draws many lines anew.
+//! Lines with soft edges, in two triangles per segment, because every frame draws many lines.
 //!
-//! egui gives a line three strips of triangles, the outer ones fading to nothing. Here a line has one strip, and a texture
-//! holds the cross-sections of lines of all widths.
+//! egui draws a line as three strips of triangles, the outer ones fading to nothing. Here a line is one strip, and a
+//! texture holds the cross-sections of lines of all widths.
 
 use egui::epaint::Vertex;
 use egui::{
     Color32, ColorImage, Context, Id, Mesh, Pos2, Shape, Stroke, TextureHandle, TextureOptions, Vec2, pos2, vec2,
 };
 
-/// Widths of which there is a cross-section: this and its multiples \[pixels\].
+/// Step between the widths that have a cross-section \[pixels\].
 const STEP: f32 = 0.25;
 
-/// The number of widths, and of texels across each.
+/// The number of widths, and the texels across each.
 const ROWS: usize = 64;
 const COLUMNS: usize = 64;
 
@@ -27,12 +27,12 @@ impl Strokes {
         Self { mesh: Mesh::with_texture(profiles(ctx).id()), pixel: 1.0 / ctx.pixels_per_point() }
     }
 
-    /// Where a straight line as wide as a pixel is to be so that it covers one.
+    /// The position at which a straight line of one pixel covers exactly one pixel.
     pub(crate) fn on_a_pixel(&self, position: f32) -> f32 {
         ((position / self.pixel).floor() + 0.5) * self.pixel
     }
 
-    /// Draws a line through points; a single one is a dot as wide.
+    /// Draws a line through points; a single point becomes a dot of the line's width.
     pub(crate) fn line(&mut self, points: &[Pos2], stroke: Stroke) {
         if let &[alone] = points {
             let half = vec2(0.5 * stroke.width, 0.0);
@@ -54,12 +54,12 @@ impl Strokes {
         }
     }
 
-    /// Fills what is between the lower and the upper end of columns, from left to right.
+    /// Fills columns between their lower and upper ends, from left to right.
     pub(crate) fn area(&mut self, columns: &[[Pos2; 2]], fill: Color32) {
         let Self { mesh, pixel: _ } = self;
         reserve(mesh, columns.len());
         for (i, ends) in columns.iter().enumerate() {
-            // The middle of the widest line.
+            // The middle of the widest line is fully opaque.
             add_rung(mesh, &ends.map(|pos| Vertex { pos, uv: pos2(0.5, 1.0), color: fill }), i > 0);
         }
     }
@@ -81,7 +81,7 @@ struct Brush {
 
 impl Brush {
     fn new(stroke: Stroke, pixel: f32) -> Self {
-        // A line that is wider than any in the texture has edges a little too soft.
+        // A line wider than any in the texture has slightly softer edges.
         let widest = STEP * ROWS as f32;
         let width = stroke.width / pixel;
         let row = (width.clamp(STEP, widest) / STEP - 0.5) / ROWS as f32;
@@ -101,7 +101,7 @@ fn reserve(mesh: &mut Mesh, rungs: usize) {
     mesh.reserve_triangles(2 * rungs);
 }
 
-/// Adds two vertices, with all that is between them and the last two if they go `on` from these.
+/// Adds two vertices, and the triangles to the last two if they continue a strip.
 #[inline]
 fn add_rung(mesh: &mut Mesh, ends: &[Vertex; 2], on: bool) {
     let next = mesh.vertices.len() as u32;
@@ -111,18 +111,18 @@ fn add_rung(mesh: &mut Mesh, ends: &[Vertex; 2], on: bool) {
     }
 }
 
-/// Where a strip bends, begins or ends.
+/// A bend, beginning or end of a strip.
 #[derive(Clone, Copy, Debug)]
 struct Joint {
     at: Pos2,
-    /// The way to the strip's left edge, for a width of two.
+    /// The direction to the strip's left edge, for a width of two.
     normal: Vec2,
-    /// Whether the strip goes on from the joint before.
+    /// Whether the strip continues from the joint before.
     goes_on: bool,
 }
 
-/// Goes along a line from point to point. A corner sharper than a right angle ends one strip and begins another. Strips begin
-/// and end a little beyond where the line does: so far at its own ends, and so far at corners.
+/// The joints of a line. A corner sharper than a right angle ends one strip and begins another. Strips extend a little
+/// beyond their ends, by one length at the line's ends and another at corners.
 fn joints(points: &[Pos2], [beyond_end, beyond_corner]: [f32; 2], mut visit: impl FnMut(Joint)) {
     let Some((&(mut at), others)) = points.split_first() else { return };
     let begin = |at: Pos2, normal: Vec2, by: f32| Joint { at: at + by * normal.rot90(), normal, goes_on: false };
@@ -130,7 +130,7 @@ fn joints(points: &[Pos2], [beyond_end, beyond_corner]: [f32; 2], mut visit: imp
     let mut last: Option<Vec2> = None;
     for &next in others {
         let way = next - at;
-        // Not `length`, which guards against squares out of range and takes long.
+        // Not `length`, which is slow because it guards against overflow.
         let length = way.length_sq().sqrt();
         if length.is_nan() || length == 0.0 {
             continue;
@@ -155,7 +155,7 @@ fn joints(points: &[Pos2], [beyond_end, beyond_corner]: [f32; 2], mut visit: imp
     }
 }
 
-/// The texture with the cross-sections, one a row: how much of a pixel is covered from one edge to the other.
+/// The texture with the cross-sections, one per row: the coverage of a pixel from one edge to the other.
 fn profiles(ctx: &Context) -> TextureHandle {
     let id = Id::unique("cross-sections of lines");
     if let Some(texture) = ctx.data(|data| data.get_temp(id)) {
@@ -169,7 +169,7 @@ fn profiles(ctx: &Context) -> TextureHandle {
     };
     let texels = (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| texel(row, column))).collect();
     let image = ColorImage::new([COLUMNS, ROWS], texels);
-    // Its texels are finer than pixels: nothing need be interpolated, which costs a software renderer much.
+    // Its texels are finer than pixels, so that no interpolation is needed, which is slow in a software renderer.
     let texture = ctx.load_texture("cross-sections of lines", image, TextureOptions::NEAREST);
     ctx.data_mut(|data| data.insert_temp(id, texture.clone()));
     texture
@@ -208,14 +208,14 @@ mod tests {
     }
 
     #[test]
-    fn what_goes_nowhere_is_nothing() {
+    fn lines_without_length_have_no_joints() {
         assert!(along(&[]).is_empty());
         assert!(along(&[(1.0, 1.0), (1.0, 1.0)]).is_empty());
         assert_eq!(along(&[(0.0, 0.0), (f32::NAN, 1.0), (2.0, 0.0)]).len(), 2);
     }
 
     #[test]
-    fn they_take_two_triangles_a_segment() {
+    fn strokes_take_two_triangles_per_segment() {
         let ctx = Context::default();
         let mut strokes = Strokes::new(&ctx);
         let stroke = Stroke::new(2.0, Color32::RED);

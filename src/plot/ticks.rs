@@ -6,7 +6,8 @@ use egui_plot::GridMark;
 
 use crate::text::{fixed, significant};
 
-/// Multiples of 1, 2 or 5 times a power of ten, about `count` of them, and two where they fit: one alone tells no scale.
+/// Multiples of 1, 2 or 5 times a power of ten: about `count`, and at least two where they fit, because one tick shows
+/// no scale.
 pub(crate) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
     let rough = (high - low) / f64::from(count.max(2.0));
     if !rough.is_finite() || rough <= 0.0 {
@@ -25,7 +26,7 @@ pub(crate) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
     std::iter::once(coarse.clone()).chain(finer).find(|marks| marks.clone().count() > 1).unwrap_or(coarse).collect()
 }
 
-/// [`tick`], but for a mark whose text would be cut off at the right or run into the texts of the other axis at the bottom.
+/// [`tick`], without marks whose text would be cut off at the right or overlap the other axis's texts at the bottom.
 pub(crate) fn tick_inside(mark: GridMark, range: &RangeInclusive<f64>, length: f32, side: Side) -> String {
     let text = tick(mark.value, mark.step_size);
     let share = (mark.value - range.start()) / (range.end() - range.start());
@@ -36,21 +37,21 @@ pub(crate) fn tick_inside(mark: GridMark, range: &RangeInclusive<f64>, length: f
     if room as f32 * length < least { String::new() } else { text }
 }
 
-/// Where an axis is.
+/// The side of an axis.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
     Bottom,
     Left,
 }
 
-/// About half the width and half the height of a tick's text \[points\].
+/// Half the width and half the height of a tick's text, approximately \[points\].
 const HALF_DIGIT: f32 = 3.4;
 const HALF_LINE: f32 = 4.0;
 
-/// Labels stay legible up to this multiple of the number of ticks asked for.
+/// Limits the number of ticks relative to the request, above which labels overlap.
 const CROWDED: f32 = 2.2;
 
-/// A tick's text, with just the digits that tell it from its neighbours.
+/// A tick's text, with the digits that distinguish it from its neighbours.
 pub(crate) fn tick(value: f64, step: f64) -> String {
     if step < 1e-4 && value.abs() < 100.0 * step {
         return significant(if value.abs() < 1e-3 * step { 0.0 } else { value }, 3);
@@ -59,9 +60,8 @@ pub(crate) fn tick(value: f64, step: f64) -> String {
     fixed(if value.abs() < 1e-3 * step { 0.0 } else { value }, decimals)
 }
 
-/// Multiples of powers of ten along an axis `length` long that shows their logarithms: all where labels `apart` from each
-/// other fit at 1, 2 and 5, else the powers alone; round numbers of any kind where there is less than a decade to see
-/// \[points\].
+/// Ticks of an axis of logarithms: multiples of powers of ten where labels `apart` from each other fit at 1, 2 and 5,
+/// else the powers alone, and round numbers where the axis shows less than a decade \[points\].
 pub(crate) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec<GridMark> {
     let decade = f64::from(length / apart) / (high - low);
     if !decade.is_finite() || decade <= 0.0 {
@@ -71,7 +71,7 @@ pub(crate) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec
         let linear = ticks((10_f64.powf(low), 10_f64.powf(high)), length / apart);
         return linear.iter().map(|mark| GridMark { value: mark.value.log10(), step_size: LABELLED }).collect();
     }
-    // Where there is room for two labels in three tenths of a decade, between 1 and 2.
+    // The condition is two labels within 0.3 decades, the distance from 1 to 2.
     let labelled = |digit: i32| digit == 1 || (decade >= 1.8 && matches!(digit, 2 | 5));
     let every = if decade < 0.5 { (0.5 / decade).ceil() as i32 } else { 1 };
     let powers = (low.floor() as i32..=high.ceil() as i32).filter(|power| power % every == 0);
@@ -88,11 +88,11 @@ pub(crate) fn log_ticks((low, high): (f64, f64), length: f32, apart: f32) -> Vec
     marks.filter(|mark| (low..=high).contains(&mark.value)).collect()
 }
 
-/// Labels of a logarithmic axis are chosen with its ticks; only where none would fit do they fade \[points\].
+/// Labels of a logarithmic axis are chosen with its ticks, and fade only where none would fit \[points\].
 pub(crate) const LOG_TICKS_FADE: egui::Rangef = egui::Rangef { min: 6.0, max: 10.0 };
-/// Up to here the multiples of a power of ten would be too few \[decades\].
+/// Limits the range in which multiples of a power of ten would be too few \[decades\].
 const LESS_THAN_A_DECADE: f64 = 0.7;
-/// The step of a tick of [`log_ticks`] that is no power of ten, with a label and without.
+/// The step of a tick of [`log_ticks`] that is not a power of ten, with a label and without.
 const LABELLED: f64 = 0.3;
 const UNLABELLED: f64 = 0.05;
 

@@ -1,15 +1,15 @@
-//! The time axis that all plots share.
+//! The common time axis of all plots.
 
 use crate::session::{Mode, Session};
 
-/// Where the common time axis stands and where the user points.
+/// The position of the common time axis and of the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimeAxis {
     /// Whether the axis follows the playback, or stays where the user has put it.
     pub follows: bool,
-    /// The part of the record that is of interest, if not all of it, `(from, to)` after its start \[s\].
+    /// The part of the record that is of interest, `(from, to)` after its start \[s\]; `None` for all of it.
     pub framed: Option<(f64, f64)>,
-    /// The time that the user points at \[s\].
+    /// The time under the pointer \[s\].
     pub pointed: Option<f64>,
 }
 
@@ -19,11 +19,12 @@ impl Default for TimeAxis {
     }
 }
 
-/// How much of the past is seen while the record grows: little at first, so that the bands are seen to close \[s\].
+/// The range of the past on screen while the record grows; short at first, so that the closing of the bands is visible
+/// \[s\].
 const LIVE_SPAN: (f64, f64) = (5.2, 20.0);
 
 impl TimeAxis {
-    /// The part of the record that an axis that follows shows, `(from, to)` \[s\].
+    /// The part of the record on an axis that follows the playback, `(from, to)` \[s\].
     pub fn followed(&self, session: &Session) -> (f64, f64) {
         let record = session.run().record();
         let start = record.time_of(0);
@@ -32,11 +33,11 @@ impl TimeAxis {
         match (session.mode(), framed) {
             (Mode::Whole, _) | (Mode::Live, Some(_)) => {
                 let (from, to) = framed.unwrap_or((0.0, session.end()));
-                // A little room, so that the last tick's text is not cut off.
+                // A margin, so that the last tick's text is not cut off.
                 (start + from, start + to + 0.03 * (to - from))
             }
             (Mode::Live, None) => {
-                // A little room ahead, so that the newest estimate does not stick to the frame.
+                // A margin, so that the newest estimate does not touch the frame.
                 let ahead = now + 0.6;
                 let span = ahead.clamp(LIVE_SPAN.0, LIVE_SPAN.1).min(session.end() + 0.6);
                 let to = start + ahead.max(span);
@@ -45,7 +46,7 @@ impl TimeAxis {
         }
     }
 
-    /// The index of the sample whose values are read out: the one pointed at, else where playback stands.
+    /// The index of the sample whose values are shown: the one under the pointer, else that of the playback.
     pub fn readout(&self, session: &Session) -> usize {
         let record = session.run().record();
         let last = session.run().len().saturating_sub(1);

@@ -1,4 +1,4 @@
-//! The part of a record that a plot shows, and the scale at which it shows it.
+//! The part of a record on a plot, and its scale.
 
 use std::hash::Hash;
 
@@ -6,30 +6,30 @@ use egui::Vec2;
 
 use super::frame::Y_AXIS;
 
-/// The part of the record that a plot shows.
+/// The part of the record on a plot.
 #[derive(Clone, Copy)]
 pub(crate) struct Window {
-    /// From when to when \[s\].
+    /// Beginning and end \[s\].
     pub(crate) times: (f64, f64),
-    /// The vertical axis, where the user has chosen it.
+    /// The range of the vertical axis, if the user has chosen it.
     pub(crate) values: Option<(f64, f64)>,
     /// The plot's size \[points\].
     pub(crate) size: Vec2,
 }
 
 impl Window {
-    /// The number of its columns, a point wide each.
+    /// The number of pixel columns, each one point wide.
     pub(crate) fn columns(&self) -> usize {
         ((self.size.x - Y_AXIS) as usize).max(16)
     }
 
-    /// The scale of the screen, where the vertical axis shows `range` unless the user has chosen it.
+    /// The scale of the screen. The vertical axis shows `range` unless the user has chosen another.
     pub(crate) fn scale(&self, range: Option<(f64, f64)>) -> Option<Scale> {
         let per = |(low, high): (f64, f64), length: f32| f64::from(length) / (high - low);
         Some(Scale { x: per(self.times, self.size.x), y: per(self.values.or(range)?, self.size.y) })
     }
 
-    /// Everything that a drawing depends on.
+    /// A key of everything that a drawing depends on.
     pub(crate) fn key(&self) -> impl Hash + use<> {
         let bits = |(low, high): (f64, f64)| [low.to_bits(), high.to_bits()];
         (bits(self.times), self.values.map(bits), self.size.x.to_bits(), self.size.y.to_bits())

@@ -1,17 +1,17 @@
-//! Where the named controls are, for tests that drive the app from outside.
+//! Positions of the named controls, for tests that drive the app from outside.
 
 use std::collections::BTreeMap;
 
 use egui::{Context, Id, Rect};
 
-/// Each control's place \[points\] and the frame in which it was drawn.
+/// Each control's position \[points\] and the frame in which it was drawn.
 type Places = BTreeMap<String, (u64, Rect)>;
 
 fn id() -> Id {
     Id::unique("places of the controls")
 }
 
-/// Takes note of where a control is drawn in this frame.
+/// Records the position of a control in this frame.
 pub(crate) fn remember(ctx: &Context, name: &str, rect: Rect) {
     let frame = ctx.cumulative_frame_nr();
     ctx.data_mut(|data| {
@@ -25,7 +25,7 @@ pub(crate) fn remember(ctx: &Context, name: &str, rect: Rect) {
 
 /// The controls that the last frame drew, by name.
 pub(crate) fn all(ctx: &Context) -> Vec<(String, Rect)> {
-    // Between frames, the number is that of the frame to come.
+    // Between frames, the number is that of the next frame.
     let last = ctx.cumulative_frame_nr().saturating_sub(1);
     let drawn = |(name, (frame, rect)): (&String, &(u64, Rect))| (*frame >= last).then(|| (name.clone(), *rect));
     ctx.data_mut(|data| data.get_temp_mut_or_default::<Places>(id()).iter().filter_map(drawn).collect())

@@ -1,4 +1,4 @@
-//! The state of the screen as data: for tests that drive it from outside.
+//! The state of the screen as data, for tests that drive it from outside.
 
 use kalmanscope_core::{Channel, Estimates};
 use serde::Serialize;
@@ -11,17 +11,17 @@ use crate::session::{Mode, Session};
 pub struct ScreenState {
     /// `live` or `whole`.
     pub mode: &'static str,
-    /// Whether time goes on.
+    /// Whether playback runs.
     pub playing: bool,
     /// The number of samples shown.
     pub samples: usize,
-    /// The latest estimates, one a filter.
+    /// The latest estimates, one per filter.
     pub filters: Vec<Latest>,
     /// Checksum of all estimates shown, as 16 hexadecimal digits.
     pub checksum: String,
     /// Frames drawn since the start.
     pub frames: u64,
-    /// Where the named controls are.
+    /// Positions of the named controls.
     pub controls: Vec<Control>,
 }
 
@@ -61,7 +61,7 @@ pub struct Control {
 }
 
 impl ScreenState {
-    /// Sums up what is on screen.
+    /// The present state.
     pub fn new(session: &Session, ctx: &egui::Context) -> Self {
         let estimates = session.run().estimates();
         Self {

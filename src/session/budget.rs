@@ -14,8 +14,16 @@ pub enum Budget {
 }
 
 impl Budget {
-    /// A frame computes for at most 12 ms, so that there is time to draw it.
+    /// A frame computes for at most 12 ms, and draws charts anew for as long, so that it takes no more than 50 ms in all.
     pub const FRAME: Self = Self::Time(Duration::from_millis(12));
+
+    /// Whether there is time for more where so much is spent. Where pieces are counted, a frame draws everything.
+    pub(crate) fn allows(self, spent: Duration) -> bool {
+        match self {
+            Self::Time(time) => spent < time,
+            Self::Unlimited | Self::Pieces(_) => true,
+        }
+    }
 
     /// Says, for one slice that begins now, whether there is time for another piece of work.
     pub(super) fn slice(self) -> impl FnMut() -> bool {

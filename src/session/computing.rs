@@ -139,7 +139,7 @@ impl Session {
         let mut while_time = self.budget.slice();
         let shown = self.shown();
         while let Some(mut job) = self.job.take() {
-            let is_done = job.advance(&self.study, &mut while_time).is_done();
+            let is_done = self.study.free(&mut while_time) && job.advance(&self.study, &mut while_time).is_done();
             self.slices += 1;
             if is_done {
                 job.finish(&mut self.study);

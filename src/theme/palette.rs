@@ -5,12 +5,13 @@ use kalmanscope_core::FilterColor;
 
 /// Every colour of one theme.
 ///
-/// Filters have the colours of Okabe and Ito, which the colour-blind can tell apart, a little lighter on dark ground.
+/// Filters have the colours of Okabe and Ito, which colour-blind readers can distinguish, a little lighter on dark
+/// ground.
 #[derive(Clone, Copy, Debug, Hash)]
 pub struct Palette {
-    /// Ground of everything, plots and panels alike: what has no ground of its own need not be painted.
+    /// Ground of plots and panels, painted once for all.
     pub ground: Color32,
-    /// Ground of what stands out a little.
+    /// Ground of slightly raised parts.
     pub faint: Color32,
     /// Lines between panels.
     pub separator: Color32,
@@ -18,11 +19,11 @@ pub struct Palette {
     pub grid: Color32,
     /// Text.
     pub text: Color32,
-    /// Text that stands back.
+    /// Secondary text.
     pub weak: Color32,
     /// Selected widgets.
     pub accent: Color32,
-    /// Text on what is selected.
+    /// Text on selected widgets.
     pub on_accent: Color32,
     /// Warnings.
     pub warning: Color32,

@@ -1,9 +1,9 @@
-//! Letters without interpolation.
+//! Glyphs without interpolation.
 
 use egui::{Context, FullOutput, Plugin, TextureId, TextureOptions};
 
-/// Has letters and dots drawn texel by texel. Letters are as large in their texture as on screen and stand on whole pixels, so
-/// that nothing is lost; and where no graphics card draws, interpolation takes as long as all else that is done for a pixel.
+/// Draws glyphs and dots texel by texel. Glyphs have the size of the screen in their texture and are aligned to pixels,
+/// so that this changes nothing. Without a graphics card, interpolation would cost as much as everything else together.
 pub(super) struct Texels;
 
 impl Plugin for Texels {

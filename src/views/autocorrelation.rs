@@ -1,4 +1,4 @@
-//! Whether the innovations are white.
+//! The autocorrelation of the innovations, a test of their whiteness.
 
 use egui::Ui;
 use egui_plot::{Bar, BarChart, HLine, LineStyle};
@@ -20,9 +20,9 @@ impl View for Autocorrelation {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "How far each sensor's innovations repeat themselves some samples later, as a correlation from −1 to 1.",
+            "The correlation of each sensor's innovations with those some samples later, from −1 to 1.",
             "Innovations of a well tuned filter are white: 19 of 20 bars are between the dashed lines.",
-            "Positive bars that fall slowly: the filter follows too sluggishly. Negative first bars: it follows every noise.",
+            "Positive bars that fall slowly: the filter follows too slowly. Negative first bars: it follows the noise.",
         ]
     }
 

@@ -35,13 +35,13 @@ impl View for Channels {
         match self {
             Self::States => [
                 "The motion over time: truth thick, measurements as dots, each filter's estimate with its ±2σ band.",
-                "A filter that is right about itself has the truth in its band 95 % of the time.",
-                "The estimate should be closer to the truth than the dots are: that is what filtering is for.",
+                "The band of a consistent filter contains the truth 95 % of the time.",
+                "The estimate should be closer to the truth than the dots.",
             ],
             Self::Parameters => [
                 "The plant's parameters over time: truth thick, each filter's estimate with its ±2σ band.",
-                "Nobody measures them: a filter infers them from how the motion answers the force.",
-                "The band narrows as evidence comes in. A change of the truth is followed only by a filter that forgets or doubts.",
+                "They are not measured: a filter infers them from the response of the motion to the force.",
+                "The band narrows with every measurement. Only a filter with fading memory or process noise follows a change of the truth.",
             ],
         }
     }

@@ -1,4 +1,4 @@
-//! NIS and NEES over time: whether a filter's claims fit what happens.
+//! NIS and NEES over time: the consistency of a filter's covariances with its errors.
 
 use egui::Ui;
 use kalmanscope_core::diagnostics::{Depth, Diagnostics, Total, chi_squared};
@@ -13,7 +13,7 @@ use crate::session::Wanted;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
-/// The moving mean is over this time \[s\].
+/// Duration of the moving mean \[s\].
 const WINDOW: f64 = 2.0;
 
 /// Normalised squares of innovations and errors.
@@ -26,8 +26,8 @@ impl View for Consistency {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "Squares of innovations (NIS) and errors (NEES) over what the filter expects of them, as a moving mean, on a logarithmic axis.",
-            "At 1 the filter is as sure as it may be. Above: overconfident. Below: too modest. Between the dashed lines chance explains it.",
+            "Squares of innovations (NIS) and errors (NEES) over their expectation, as a moving mean, on a logarithmic axis.",
+            "At 1 the filter is consistent. Above: overconfident. Below: underconfident. Between the dashed lines chance explains the difference.",
             "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
         ]
     }
@@ -62,7 +62,7 @@ fn chart<'a>(
     let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.truth }];
     let mut readouts = Vec::new();
-    // Independent numbers of one window for NIS, of one sample for NEES.
+    // The samples of one window are independent for NIS; for NEES they count as one.
     let last = context
         .diagnostics()
         .map(|(_, _, d)| within(d, d.len().saturating_sub(window)..d.len()))

@@ -23,9 +23,9 @@ impl View for Errors {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "Estimate minus truth over time, in the band ±2σ that the filter claims; dashed is ±2 times the Cramér-Rao bound.",
-            "An error outside its band more than 5 % of the time: the filter is overconfident. Far inside all the time: it is too modest.",
-            "No unbiased filter with the same knowledge can be surer than the dashed lines.",
+            "Estimate minus truth over time, in the filter's ±2σ band; dashed is ±2 times the Cramér-Rao bound.",
+            "An error outside its band more than 5 % of the time: the filter is overconfident. Far inside all the time: it is underconfident.",
+            "No unbiased filter with the same initial belief and noise has a band inside the dashed lines.",
         ]
     }
 

@@ -18,14 +18,14 @@ use curves::Curves;
 
 /// Height of the heading above the plot \[points\].
 const HEADING: f32 = 22.0;
-/// How much of the plot's height the spectrum has.
+/// Share of the plot's height for the spectrum.
 const SPECTRUM: f64 = 0.22;
-/// The most that is visible of the magnitudes, and of the bands above the lines \[decades\].
+/// Limits the visible range of the magnitudes, and of the bands above the lines \[decades\].
 const MOST: (f64, f64) = (6.0, 0.3);
 
-/// The least distance of a line from the edges of the plot \[decades\].
+/// Limits the distance of a line from the edges of the plot from below \[decades\].
 const HEADROOM: f64 = 0.08;
-/// The logarithm that stands for those of zero and infinity.
+/// The logarithm in place of those of zero and infinity.
 const BOUNDLESS: f64 = 300.0;
 
 /// |H| of truth and filters.
@@ -38,9 +38,9 @@ impl View for FrequencyResponse {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "How far a force of each frequency moves the first mass: the truth thick, and each filter with the band that it gives 95 % to. A nonlinear plant is visible as it is near rest.",
+            "The displacement of the first mass per force at each frequency: the truth thick, and each filter with its 95 % band. A nonlinear plant is shown for small motion.",
             "A peak in the wrong place is a wrong natural frequency, a peak too high or too low a wrong damping.",
-            "At the bottom, on a scale of its own, is the spectrum of the force so far: a frequency that nothing excites tells a filter nothing.",
+            "At the bottom, on a scale of its own, is the spectrum of the force so far: a frequency without excitation gives a filter no information.",
         ]
     }
 
@@ -69,13 +69,13 @@ impl View for FrequencyResponse {
     }
 }
 
-/// The frequency of a place and the magnitudes there.
+/// The frequency at a place and the magnitudes there.
 fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout> {
     let ViewContext { session, palette, visible, .. } = *context;
     let mut readouts = vec![Readout {
         text: format!("at {} rad/s", significant(curves.frequencies[i], 3)),
         color: palette.weak,
-        hint: "The frequency pointed at, else that of the peak".to_owned(),
+        hint: "The frequency under the pointer, else that of the peak".to_owned(),
     }];
     let truth = curves.truth.iter().filter(|_| visible.truth);
     readouts.extend(truth.map(|truth| Readout {
@@ -99,7 +99,7 @@ fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout
     readouts
 }
 
-/// The curves as logarithms, and as far as they are visible.
+/// The curves as logarithms, limited to the visible range.
 struct Drawn<'a> {
     curves: &'a Curves,
     frequencies: Vec<f64>,
@@ -131,7 +131,7 @@ impl<'a> Drawn<'a> {
         }
     }
 
-    /// The range of both axes: all of the lines and a little of bands beyond them. It moves in steps, so that it is still
+    /// The range of both axes: all of the lines and a margin of the bands. It changes in steps, so that it is constant
     /// most of the time.
     fn range(&self) -> [(f64, f64); 2] {
         let lines = self.truth.iter().chain(self.filters.iter().map(|filter| &filter.mean));
@@ -147,7 +147,7 @@ impl<'a> Drawn<'a> {
         [x, (low.max(high - MOST.0), high)]
     }
 
-    /// Where the truth, else the first filter has its peak.
+    /// The peak of the truth, else of the first filter.
     fn peak(&self) -> Option<usize> {
         let line = self.truth.as_ref().or_else(|| self.filters.first().map(|filter| &filter.mean))?;
         (0..line.len()).filter(|&i| line[i].abs() < BOUNDLESS).max_by(|&i, &j| line[i].total_cmp(&line[j]))
@@ -181,7 +181,7 @@ impl<'a> Drawn<'a> {
         }
     }
 
-    /// The force's spectrum at the bottom of what is seen, however far one has zoomed in.
+    /// The force's spectrum at the bottom of the visible range, at any zoom.
     fn draw_spectrum(&self, plot: &mut PlotUi<'_>, context: &ViewContext<'_>) {
         let palette = context.palette;
         let [x, y] = if plot.auto_bounds().any() {

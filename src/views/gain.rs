@@ -22,9 +22,9 @@ impl View for Gain {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "How far each channel moves for an innovation of one standard deviation: K times √S, for one sensor.",
-            "Large at first, when the filter knows little; then it settles where new evidence balances process noise and fading.",
-            "A gain that goes to zero is a filter that no longer listens.",
+            "The change of each channel by an innovation of one standard deviation: K times √S, for one sensor.",
+            "Large at first, when the filter knows little; then constant, when measurements balance process noise and fading.",
+            "With a gain near zero, measurements no longer change the estimate.",
         ]
     }
 
@@ -43,7 +43,7 @@ impl View for Gain {
     }
 }
 
-/// Lets the user choose a sensor, if there is a choice.
+/// Lets the user choose a sensor, if there are several.
 fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
     let id = Id::unique("sensor of the gain");
     let mut chosen = ui.data(|data| data.get_temp(id)).unwrap_or(0).min(sensors.len() - 1);

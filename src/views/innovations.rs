@@ -1,4 +1,4 @@
-//! Innovations within ±2√S: what each measurement adds.
+//! Innovations within ±2√S: the new information of each measurement.
 
 use egui::Ui;
 use kalmanscope_core::Quantity;
@@ -22,9 +22,9 @@ impl View for Innovations {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "Measurement minus what the filter expected, in the band ±2√S of what it thought possible.",
-            "Of a well tuned filter they are white noise, and 95 % are in the band: what could be known has been taken out.",
-            "A rhythm in them, or a band that does not fit, says that model, Q or R is wrong; the truth is not needed to see it.",
+            "Measurement minus prediction, in its ±2√S band.",
+            "For a well tuned filter they are white noise, and 95 % are in the band.",
+            "A rhythm in them, or a band that does not fit, shows that model, Q or R is wrong, without knowledge of the truth.",
         ]
     }
 

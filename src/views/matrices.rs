@@ -8,7 +8,7 @@ use crate::text::significant;
 use crate::theme;
 use crate::view::{View, ViewContext};
 
-/// Width of a column, so that the table stands still while its numbers change \[points\].
+/// Width of a column, fixed so that the table does not move while its numbers change \[points\].
 const COLUMN: f32 = 66.0;
 
 /// The algebra of the current sample.
@@ -21,9 +21,9 @@ impl View for Matrices {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "One sample in numbers: what the filter knew, what it predicted, what the sensors said, what it made of that.",
+            "One sample in numbers: the belief before, the prediction, the measurements, the belief after the update.",
             "Predicting carries mean and covariance over a step and widens σ; updating moves the mean by K e and narrows σ.",
-            "Go on sample by sample with the step button (→) and see which number makes the next.",
+            "Go on sample by sample with the step button (→) and follow how each number leads to the next.",
         ]
     }
 
@@ -61,7 +61,7 @@ fn header(ui: &mut Ui, names: &[&str]) {
 fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize) {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
     let (gain, e, s) = (estimates.gain(k), estimates.innovation(k), estimates.innovation_cov(k));
-    // K e and K S Kᵀ of the sensors that delivered.
+    // K e and K S Kᵀ of the sensors with a measurement.
     let delivered = |sensor: &usize| !e[*sensor].is_nan();
     let shift = |i: usize| (0..m).filter(delivered).map(|a| gain[a * n + i] * e[a]).sum::<f64>();
     let known = |i: usize| {
@@ -96,7 +96,7 @@ fn channels_ui(ui: &mut Ui, estimates: &Estimates, k: usize) {
     );
 }
 
-/// The measurement, its expectation and the innovation of each sensor.
+/// The measurement, its prediction and the innovation of each sensor.
 fn sensors_ui(ui: &mut Ui, estimates: &Estimates, record: &Record, k: usize) {
     let m = estimates.sensors().len();
     if record.forgotten() + k == 0 || m == 0 {

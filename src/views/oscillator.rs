@@ -1,4 +1,4 @@
-//! The moving masses on their springs and dampers, the force, the sensors' noise, and what each filter believes.
+//! The moving masses with springs and dampers, the force, the sensors' noise, and each filter's belief.
 
 mod arrow;
 mod body;
@@ -32,9 +32,9 @@ impl View for Oscillator {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "What truly moves is grey. Each filter has a slice of every mass: an outline where it believes the mass to be, and a bar of ±2σ. A slice that slides out is wrong.",
-            "The dots are the last readings of the displacement, each as far from the mast as it was from the truth. A bar narrower than their cloud is what filtering gains.",
-            "The arrow is the mean of the force over mass in the last 0.1 s: white noise itself would only flicker.",
+            "The true masses are grey. Each filter has a slice of every mass: an outline at its estimate, and a bar of ±2σ. A slice outside its mass is an error.",
+            "The dots are the last readings of the displacement, each as far from the mast as it was from the truth. A bar narrower than their cloud shows the gain of filtering.",
+            "The arrow is the mean of the force over mass in the last 0.1 s: white noise itself would flicker.",
         ]
     }
 
@@ -54,12 +54,12 @@ impl View for Oscillator {
     }
 }
 
-/// Where there is so much more room than the masses need, their trails are drawn below \[points\].
+/// Limits the height of the trails below the masses: with less spare height none are drawn \[points\].
 const LEAST_TRAIL: f32 = 60.0;
 
-/// A span that is worth seeing before anything has moved: half of what the surest filter takes for likely at first \[m\].
+/// The span before anything has moved: half of the smallest initial standard deviation of any filter \[m\].
 fn first_span(run: &Run, k: usize) -> f64 {
-    /// So long does it count \[s\].
+    /// Duration for which the initial span counts \[s\].
     const AT_FIRST: f64 = 1.0;
     if k as f64 * run.record().dt() > AT_FIRST {
         return 0.0;

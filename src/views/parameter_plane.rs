@@ -10,10 +10,10 @@ use crate::view::{Proportions, View, ViewContext};
 
 type Points2 = Vec<[f64; 2]>;
 
-/// The estimate's path in the plane of the first two parameters.
+/// The path of the estimate in the plane of the first two parameters.
 pub(super) struct ParameterPlane;
 
-/// Half axes of the ellipse that holds 95 % of a normal distribution in the plane, in standard deviations.
+/// Semi-axes of the ellipse that holds 95 % of a normal distribution in the plane, in standard deviations.
 const ELLIPSE: f64 = 2.447_746_830_680_816;
 
 impl View for ParameterPlane {
@@ -23,8 +23,8 @@ impl View for ParameterPlane {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "The path of each filter's estimate in the plane of the first two parameters, and the ellipse that it gives 95 % to.",
-            "The cross is the truth: a filter that is right about itself has it in the ellipse 19 times of 20.",
+            "The path of each filter's estimate in the plane of the first two parameters, and its 95 % ellipse.",
+            "The cross is the truth: the ellipse of a consistent filter contains it 19 times of 20.",
             "A tilted ellipse: the filter cannot tell the two apart, only a combination of them.",
         ]
     }
@@ -54,7 +54,7 @@ impl View for ParameterPlane {
         let truth = run.record().truth(x).zip(run.record().truth(y)).and_then(|(x, y)| Some([*x.get(k)?, *y.get(k)?]));
         let truth = truth.filter(|_| visible.truth);
         let seen = |axis: usize| {
-            // The ellipses and the truth now, and not the whole of a wide first guess.
+            // The ellipses and the truth at this time, without all of a wide initial belief.
             paths
                 .iter()
                 .flat_map(|(path, ellipse, _)| ellipse.iter().chain(path.first()))
@@ -86,7 +86,7 @@ impl View for ParameterPlane {
     }
 }
 
-/// The ellipse of two components that the belief at sample `k` gives 95 % to.
+/// The 95 % ellipse of two components of the belief at sample `k`.
 fn ellipse(estimates: &Estimates, k: usize, [i, j]: [usize; 2]) -> Vec<[f64; 2]> {
     let n = estimates.channels().len();
     let cov = |a: usize, b: usize| {

@@ -8,7 +8,7 @@ use crate::plot::plane::{around, plane_ui};
 use crate::request::Request;
 use crate::view::{Proportions, View, ViewContext};
 
-/// How much of the past is drawn \[s\].
+/// Duration of the past that is drawn \[s\].
 const TAIL: f64 = 5.0;
 
 /// The motion in the phase plane.
@@ -37,7 +37,7 @@ impl View for Phase {
         let record = run.record();
         let last = axis.readout(session);
         let first = last.saturating_sub((TAIL / record.dt()) as usize);
-        // A few hundred points are as smooth as thousands.
+        // A few hundred points are smooth enough.
         let stride = ((last - first) / 600).max(1);
         let samples = |end: usize| (first..(last + 1).min(end)).rev().step_by(stride);
         let truth = record.truth(Channel::DISPLACEMENT).zip(record.truth(Channel::VELOCITY)).filter(|_| visible.truth);
@@ -52,7 +52,7 @@ impl View for Phase {
                 paths.push((path.collect(), palette.shade(estimates.color()), 1.4));
             }
         }
-        // All of the motion until now, so that the frame does not breathe with it.
+        // All of the motion so far, so that the frame does not change with it.
         let past = || (0..last + 1).step_by((last / 600).max(1));
         let reach = |channel: Channel| match record.truth(channel) {
             Some(truth) => around(past().map(|k| truth[k])),

@@ -9,7 +9,7 @@ use crate::text::significant;
 use crate::theme;
 use crate::view::{View, ViewContext};
 
-/// Which filter is best at what.
+/// A table of the filters' scores with the best values marked.
 pub(super) struct Scores;
 
 impl View for Scores {
@@ -19,9 +19,9 @@ impl View for Scores {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "What each filter has made of the record so far, or of what is kept of a long one; a click on a row's name sorts by it.",
-            "RMSE is how far it was off on average; the verdict is whether it knew how far.",
-            "A small error with a wrong verdict is luck: do not build on it.",
+            "The scores of each filter over the record so far, or over the kept part of a long one; a click on a row's name sorts by it.",
+            "RMSE is the size of the errors; the verdict says whether the filter's σ agrees with them.",
+            "A small error of an inconsistent filter may be chance.",
         ]
     }
 
@@ -71,7 +71,7 @@ impl View for Scores {
                     if row_name_ui(ui, row, sorts) {
                         sorted_by = (!sorts).then(|| row.name.clone());
                     }
-                    // What looks the same is as good.
+                    // Scores that are equal as printed are equally good.
                     let best = row.best().map(|best| significant(best, 3));
                     for value in &row.values {
                         let value = value.map_or("–".to_owned(), |x| significant(x, 3));
@@ -97,7 +97,7 @@ struct Row {
 }
 
 impl Row {
-    /// How far from the best a value is.
+    /// The distance of a value from the best.
     fn distance(&self, value: f64) -> f64 {
         if self.ideal == f64::INFINITY { -value } else { (value - self.ideal).abs() }
     }
@@ -108,7 +108,7 @@ impl Row {
     }
 }
 
-/// Returns whether the user wants the filters in another order.
+/// Returns whether the user wants the filters sorted by this row.
 fn row_name_ui(ui: &mut Ui, row: &Row, sorts: bool) -> bool {
     let text =
         if sorts { RichText::new(format!("{} ▸", row.name)).strong() } else { RichText::new(&row.name).weak() };
@@ -142,7 +142,7 @@ fn rows(summaries: &[(usize, Summary)]) -> Vec<Row> {
         }));
         if channel.is_parameter() {
             let name = format!("settled {symbol} [s]");
-            rows.push(row(&name, "From when on it stays within 5 % of the truth", 0.0, &|s| score(s)?.settled));
+            rows.push(row(&name, "The time since which it stays within 5 % of the truth", 0.0, &|s| score(s)?.settled));
         }
     }
     let per_number = |square: &Option<kalmanscope_core::diagnostics::MeanSquare>| {

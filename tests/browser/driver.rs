@@ -1,4 +1,4 @@
-//! Chromium without a window, driven by chromedriver.
+//! Headless Chromium, driven by chromedriver.
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{Ipv4Addr, TcpStream};
@@ -34,7 +34,7 @@ impl Driver {
         let mut lines = BufReader::new(child.stdout.take().expect("its output is piped")).lines().map_while(Result::ok);
         let port =
             lines.find_map(|line| line.split_once("successfully on port ")?.1.trim_end_matches('.').parse().ok());
-        // Nobody reading its output would stop it once the pipe is full.
+        // Its output is discarded, because a full pipe would block it.
         thread::spawn(move || lines.for_each(drop));
         let Some(port) = port else {
             child.kill().ok();
@@ -45,7 +45,7 @@ impl Driver {
         Self { child, port, profile }
     }
 
-    /// The number of the process whose descendants the browser's are.
+    /// The id of the process whose descendants are the browser's processes.
     pub(crate) fn process(&self) -> u32 {
         self.child.id()
     }
@@ -82,7 +82,7 @@ impl Driver {
 
 impl Drop for Driver {
     fn drop(&mut self) {
-        // Killed outright, chromedriver would leave its browsers behind.
+        // A killed chromedriver would leave its browsers running.
         if let Ok(mut stream) = TcpStream::connect((Ipv4Addr::LOCALHOST, self.port)) {
             stream.set_read_timeout(Some(Duration::from_secs(10))).ok();
             write!(stream, "GET /shutdown HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n").ok();

@@ -1,4 +1,4 @@
-//! How many frames a second the page draws while a slider is dragged, and what takes the time.
+//! The frame rate of the page while a slider is dragged, and the cost of a frame.
 
 use std::fs;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::page::Page;
 
-/// Sums up what the page's callbacks for animation frames take \[ms\], from before the page's first script on.
+/// Adds up the time of the page's animation callbacks \[ms\], beginning before the page's first script.
 pub(crate) const STOPWATCH: &str = "
     window.busy = { sum: 0, longest: 0 };
     const native = window.requestAnimationFrame.bind(window);
@@ -19,22 +19,22 @@ pub(crate) const STOPWATCH: &str = "
         window.busy.longest = Math.max(window.busy.longest, took);
     });";
 
-/// The clock ticks of `/proc` in a second, which Linux has fixed.
+/// The clock ticks of `/proc` per second, a constant of Linux.
 const TICKS: f64 = 100.0;
 
-/// What a drag has cost.
+/// The cost of a drag.
 pub(crate) struct Frames {
-    /// Frames drawn a second.
+    /// Frames per second.
     pub(crate) per_second: f64,
-    /// What the page's own code takes for a frame: the arithmetic, the widgets, the triangles \[ms\].
+    /// Time of the page's own code per frame: arithmetic, widgets, triangles \[ms\].
     pub(crate) page: f64,
-    /// What it took for the longest \[ms\].
+    /// The longest such time \[ms\].
     pub(crate) longest: f64,
-    /// Processor time for a frame, of each kind of the browser's processes \[ms\].
+    /// Processor time per frame, by kind of the browser's processes \[ms\].
     pub(crate) processes: Vec<(String, f64)>,
 }
 
-/// Drags a slider to and fro for about so long.
+/// Drags a slider to and fro for about this time.
 pub(crate) async fn drag(page: &Page, browser: u32, name: &str, between: (f64, f64), duration: Duration) -> Frames {
     let before = (Moment::now(page).await, processor_times(browser));
     page.value("void (window.busy.longest = 0)").await;
@@ -57,7 +57,7 @@ pub(crate) async fn drag(page: &Page, browser: u32, name: &str, between: (f64, f
     }
 }
 
-/// What the page has done so far.
+/// The page's totals so far.
 struct Moment {
     frames: f64,
     time: f64,
@@ -76,7 +76,7 @@ impl Moment {
     }
 }
 
-/// Number, kind and processor time \[ms\] of all processes that descend from one.
+/// Number, kind and processor time \[ms\] of all descendants of a process.
 fn processor_times(ancestor: u32) -> Vec<(u32, String, f64)> {
     let all: Vec<(u32, u32, f64)> = fs::read_dir("/proc")
         .into_iter()
@@ -94,10 +94,10 @@ fn processor_times(ancestor: u32) -> Vec<(u32, String, f64)> {
     found
 }
 
-/// A process's number, that of its parent, and its processor time \[ms\].
+/// A process's id, that of its parent, and its processor time \[ms\].
 fn stat(id: u32) -> Option<(u32, u32, f64)> {
     let text = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
-    // Its name, in brackets, may have spaces.
+    // The name, in brackets, may contain spaces.
     let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks: f64 = fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?;
     Some((id, fields.get(1)?.parse().ok()?, 1e3 * ticks / TICKS))

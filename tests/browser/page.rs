@@ -1,4 +1,4 @@
-//! The page in the browser: what it shows, and hands on its controls.
+//! The page in the browser: its state, and actions on its controls.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -13,7 +13,7 @@ pub(crate) struct Page {
     client: Client,
 }
 
-/// Where a control is \[CSS pixels\].
+/// The rectangle of a control \[CSS pixels\].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rect {
     pub(crate) x: f64,
@@ -56,13 +56,13 @@ impl Page {
         Ok(())
     }
 
-    /// Waits for the app's next two frames, so that what is on screen follows from all input so far.
+    /// Waits for the app's next two frames, so that the screen reflects all input so far.
     pub(crate) async fn settle(&self) {
         let script = "const done = arguments[0]; requestAnimationFrame(() => requestAnimationFrame(() => done()));";
         self.client.execute_async(script, Vec::new()).await.expect("frames are drawn");
     }
 
-    /// What the app says of itself.
+    /// The state that the app reports.
     pub(crate) async fn summary(&self) -> Value {
         let text = self.value("window.wasmBindings.kalmanscope_summary()").await;
         let summary: Value = serde_json::from_str(text.as_str().expect("the summary is text")).expect("it is JSON");
@@ -75,7 +75,7 @@ impl Page {
         self.client.screenshot().await.expect("a screenshot can be taken")
     }
 
-    /// Everything that the console has got since the last call, as (level, message).
+    /// The messages on the console since the last call, as (level, message).
     pub(crate) async fn console(&self) -> Vec<(String, String)> {
         let entries = self.post("se/log", json!({ "type": "browser" })).await;
         let text = |entry: &Value, key: &str| entry[key].as_str().unwrap_or_default().to_owned();
@@ -106,7 +106,7 @@ impl Page {
         self.settle().await;
     }
 
-    /// Presses at a fraction of a control's width, and lets go at another.
+    /// Presses at a fraction of a control's width, and releases at another.
     pub(crate) async fn drag(&self, name: &str, from: f64, to: f64) {
         let rect = self.bring_into_view(name).await;
         let go = |fraction: f64, milliseconds: u64| {
@@ -128,7 +128,7 @@ impl Page {
         self.settle().await;
     }
 
-    /// Drags a control to and fro between two fractions of its width, as fast as the page takes it.
+    /// Drags a control to and fro between two fractions of its width, as fast as the page processes it.
     pub(crate) async fn sweep(&self, name: &str, (from, to): (f64, f64), duration: Duration) {
         const STEPS: usize = 60;
         let rect = self.bring_into_view(name).await;
@@ -152,13 +152,13 @@ impl Page {
         self.settle().await;
     }
 
-    /// Runs a script before any of a page's own, on every page that is opened from now on.
+    /// Runs a script before any other, on every page opened from now on.
     pub(crate) async fn prepare(&self, script: &str) {
         let body = json!({ "cmd": "Page.addScriptToEvaluateOnNewDocument", "params": { "source": script } });
         self.post("goog/cdp/execute", body).await;
     }
 
-    /// Scrolls the panel with a control until all of it can be seen. Returns where it then is.
+    /// Scrolls the panel with a control until all of it is visible. Returns its rectangle.
     async fn bring_into_view(&self, name: &str) -> Rect {
         let height = self.value("innerHeight").await.as_f64().expect("the window has a height");
         for _ in 0..40 {
@@ -176,7 +176,7 @@ impl Page {
             };
             let actions = WheelActions::new("wheel".to_owned()).then(scroll);
             self.client.perform_actions(actions).await.expect("the wheel can be turned");
-            // The app scrolls smoothly: what has not come to rest is missed by the pointer.
+            // The app scrolls smoothly, and the pointer would miss a control in motion.
             tokio::time::sleep(Duration::from_millis(300)).await;
             self.settle().await;
         }
@@ -198,7 +198,7 @@ impl Page {
     }
 }
 
-/// A command that is chromedriver's own.
+/// A command of chromedriver only.
 #[derive(Debug)]
 struct Vendor {
     command: &'static str,

@@ -1,18 +1,18 @@
-//! A static file server on loopback, as simple as any that the page may be put on.
+//! A minimal static file server on loopback.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::{fs, io, thread};
 
-/// Serves a folder for as long as the process lives. Returns its address.
+/// Serves a folder until the process ends. Returns its address.
 pub(crate) fn serve(folder: PathBuf) -> io::Result<SocketAddr> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
     let address = listener.local_addr()?;
     thread::spawn(move || {
         for stream in listener.incoming().flatten() {
             let folder = folder.clone();
-            // A browser that goes away in the middle of an answer is no concern of the test.
+            // A browser may disconnect in the middle of an answer.
             thread::spawn(move || answer(&stream, &folder).ok());
         }
     });
@@ -29,7 +29,7 @@ fn answer(mut stream: &TcpStream, folder: &Path) -> io::Result<()> {
     }
     let path = request.split(' ').nth(1).and_then(|path| path.split('?').next()).unwrap_or_default();
     let name = if path == "/" { "index.html" } else { path.trim_start_matches('/') };
-    // The page is one folder without subfolders: a name with a slash is not part of it.
+    // The page has no subfolders, so a name with a slash is invalid.
     let body = if name.contains('/') { None } else { fs::read(folder.join(name)).ok() };
     let (status, kind, body) = match body {
         Some(body) => ("200 OK", media_type(name), body),

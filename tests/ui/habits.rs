@@ -1,14 +1,14 @@
-//! What a person is used to: keys, wheels, double clicks, large type, a drawer on the phone.
+//! Usual gestures: keys, wheels, double clicks, large type, a drawer on the phone.
 
 use egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase};
 
 use super::*;
 
-/// Presses twice on a control, fast.
+/// Clicks twice on a control in quick succession.
 fn double_click(screen: &mut Screen, label: &str) {
     let at = screen.get_by_label(label).rect().center();
     screen.hover_at(at);
-    // Long enough after any click before.
+    // Long enough after any earlier click.
     screen.run_steps(60);
     for _ in 0..2 {
         screen.drag_at(at);
@@ -37,7 +37,7 @@ fn a_double_click_takes_a_number_back_to_what_it_was() {
         double_click(&mut screen, double_clicked);
         assert_eq!(numbers(&screen), before, "{control}");
     }
-    // Another scenario is another beginning.
+    // Another scenario resets the initial values.
     screen.get_by_label("Scenario").click();
     screen.run_steps(3);
     screen.get_by_label(kalmanscope_lessons::BUILT_IN[2].title).click();
@@ -72,7 +72,7 @@ fn the_wheel_turns_a_number_only_with_alt() {
 }
 
 #[test]
-fn keys_do_what_their_list_says() {
+fn keys_have_the_listed_effects() {
     let mut screen = screen(DESKTOP, Theme::Light);
     let press = |screen: &mut Screen, key| {
         screen.key_press(key);
@@ -199,7 +199,7 @@ fn scores_are_sorted_by_the_row_that_is_clicked() {
 }
 
 #[test]
-fn hindsight_is_shown_of_the_whole_record() {
+fn smoothed_estimates_are_shown_of_the_whole_record() {
     let mut screen = workbench();
     screen.get_all_by_label("Options").next().expect("each filter has options").click();
     screen.run_steps(12);

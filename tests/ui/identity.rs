@@ -1,4 +1,4 @@
-//! Filters are known by their ids as others come and go.
+//! Filters keep their identity when others are added or removed.
 
 use kalmanscope_core::FilterSettings;
 
@@ -9,7 +9,7 @@ fn click(screen: &mut Screen, label: &str) {
     screen.run_steps(3);
 }
 
-/// Whether the legend shows each filter, in their order.
+/// Whether the legend shows each filter, in order.
 fn shown(screen: &Screen) -> Vec<(String, bool)> {
     let on = |name: &str| {
         let label = format!("Show {name}");
@@ -31,7 +31,7 @@ fn a_hidden_filter_stays_hidden_when_another_goes() {
     assert_eq!(shown(&screen), names(&[("EKF", true), ("UKF", false), ("EKF 2", true)]));
     click(&mut screen, "Remove EKF");
     assert_eq!(shown(&screen), names(&[("UKF", false), ("EKF 2", true)]));
-    // A filter that comes later does not inherit it.
+    // A new filter does not inherit it.
     click(&mut screen, "Remove UKF");
     click(&mut screen, "Add a filter");
     assert_eq!(shown(&screen), names(&[("EKF 2", true), ("EKF", true)]));

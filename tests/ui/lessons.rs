@@ -1,4 +1,4 @@
-//! What a step of a lesson puts on screen.
+//! The screen of a lesson's step.
 
 use super::*;
 
@@ -77,7 +77,7 @@ fn a_lesson_has_the_room_of_the_settings_unless_they_are_wanted() {
 }
 
 #[test]
-fn what_a_filter_takes_for_known_has_no_chart_of_errors() {
+fn known_channels_have_no_chart_of_errors() {
     let screen = lesson(DESKTOP, "Sensitivity to assumptions");
     let plots = ["error of the displacement", "error of the natural frequency"];
     assert_eq!(shown(&screen, &plots), [true, false]);

@@ -1,4 +1,4 @@
-//! The app without a screen: every control, every view, any size.
+//! The app in a headless harness: every control, every view, any size.
 
 mod frequency_response;
 mod habits;
@@ -39,7 +39,7 @@ fn screen(size: Vec2, theme: Theme) -> Screen {
     screen
 }
 
-/// A screen that stands still, with all sections of the controls open.
+/// A paused screen with all sections of the controls open.
 fn workbench() -> Screen {
     let mut screen = screen(Vec2::new(1280.0, 2400.0), Theme::Light);
     screen.state_mut().session_mut().toggle_play();
@@ -52,7 +52,7 @@ fn workbench() -> Screen {
 fn open(screen: &mut Screen, section: &str) {
     match section {
         "UKF" => {
-            // The header of a filter is a widget of its own, beside its name.
+            // The header of a filter is a widget separate from its name.
             let y = screen
                 .get_all_by_label("UKF")
                 .map(|node| node.rect())
@@ -73,13 +73,13 @@ fn scenario(screen: &Screen) -> &Scenario {
     screen.state().session().scenario()
 }
 
-/// Sets the control of this name, as someone who cannot see it would.
+/// Sets the control of this name by its accessibility interface.
 fn set(screen: &mut Screen, name: &str, value: f64) {
     screen.get_by_label(name).set_value_accesskit(value);
     screen.run_steps(3);
 }
 
-/// Opens a combo box and takes the option that it has brought up.
+/// Opens a combo box and chooses an option.
 fn choose(screen: &mut Screen, combo: &str, option: &str) {
     let before: Vec<_> = screen.query_all_by_label(option).map(|node| node.rect()).collect();
     screen.get_by_label(combo).click();

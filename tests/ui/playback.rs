@@ -1,9 +1,9 @@
-//! Time, the axis that the plots share, ready-made scenarios and what survives a restart.
+//! Playback, the common time axis, built-in scenarios and saved sessions.
 
 use super::*;
 
 #[test]
-fn the_transport_does_what_it_says() {
+fn the_transport_buttons_work() {
     let mut screen = screen(DESKTOP, Theme::Dark);
     let position = |screen: &Screen| screen.state().session().position();
     let begin = position(&screen);
@@ -40,7 +40,7 @@ fn the_transport_does_what_it_says() {
     assert_eq!(screen.state().session().speed(), 10.0);
 }
 
-/// Where a session is saved.
+/// The storage of saved sessions.
 const KEY: &str = "kalmanscope";
 
 #[derive(Default)]
@@ -62,7 +62,7 @@ impl eframe::Storage for Memory {
     fn flush(&mut self) {}
 }
 
-/// A session that is not the default one, as it was saved.
+/// A saved session with settings other than the defaults.
 fn saved() -> (App, Memory) {
     let mut edited = Scenario { seed: 5, force: Force::None, ..Scenario::default() };
     edited.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(3.0));
@@ -91,7 +91,7 @@ fn settings_survive() {
 }
 
 #[test]
-fn each_part_that_cannot_be_read_is_told_and_kept() {
+fn unreadable_parts_are_reported_and_kept() {
     let (mut app, memory) = saved();
     let text = &memory.0[KEY];
     let scenario = app.session().scenario().clone();
@@ -141,7 +141,7 @@ fn a_session_of_the_first_format_can_be_read() {
 }
 
 #[test]
-fn what_cannot_be_read_is_on_screen_until_it_is_dismissed() {
+fn a_message_about_unreadable_parts_stays_until_dismissed() {
     let mut memory = Memory::default();
     memory.set_string(KEY, "gibberish".to_owned());
     let mut screen = Harness::builder().with_size(DESKTOP).build_eframe(move |creation| {
@@ -167,7 +167,7 @@ fn a_paused_screen_comes_to_rest() {
 }
 
 #[test]
-fn pointing_and_zooming_do_what_they_say() {
+fn pointing_and_zooming_work() {
     let mut screen = screen(DESKTOP, Theme::Light);
     let session = screen.state_mut().session_mut();
     session.toggle_play();

@@ -1,4 +1,4 @@
-//! Every control writes what it says to the scenario.
+//! Every control sets its setting.
 
 use super::*;
 
@@ -68,7 +68,7 @@ fn every_number_of_a_belief_changes_the_scenario() {
 }
 
 #[test]
-fn no_number_can_be_set_to_what_the_core_refuses() {
+fn no_control_can_set_an_invalid_number() {
     let mut screen = workbench();
     let names: Vec<String> = screen
         .root()
@@ -95,7 +95,7 @@ fn sensors_can_be_added_and_removed() {
     screen.run_steps(3);
     assert_eq!(scenario(&screen).sensors.len(), 3);
     assert_eq!(scenario(&screen).filters[1].sensor_std.len(), 3);
-    // Neither the ground nor a mass below moves: two more aspects would say nothing new.
+    // Without ground motion and a mass below, the other two aspects would repeat these.
     assert!(screen.query_by_label("total_acceleration").is_none() && screen.query_by_label("drift").is_none());
     for quantity in ["displacement", "velocity", "acceleration"] {
         screen.get_by_label(quantity).click();

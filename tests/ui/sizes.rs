@@ -1,4 +1,4 @@
-//! Every view at any size, with anything to show or nothing.
+//! Every view at any size, with and without contents.
 
 use super::*;
 
@@ -30,7 +30,7 @@ fn plots_of_the_first_arrangement_have_room_at_any_size() {
     }
 }
 
-/// The default scenario, and those with less and less to show.
+/// The default scenario, and scenarios with ever fewer contents.
 fn scenarios() -> [Scenario; 4] {
     let usual = Scenario { duration: 10.0, ..Scenario::default() };
     let unmeasured = {

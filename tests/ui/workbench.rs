@@ -1,4 +1,4 @@
-//! Lessons, views, filters side by side, undo and what is told of troubles.
+//! Lessons, views, filters side by side, undo and messages about problems.
 
 use super::*;
 
@@ -125,7 +125,7 @@ fn a_change_can_be_undone_and_made_again() {
 }
 
 #[test]
-fn troubles_are_told() {
+fn problems_are_reported() {
     let mut screen = workbench();
     let mut wound_up = kalmanscope_lessons::BUILT_IN[8].scenario().unwrap();
     assert_eq!(wound_up.force, Force::None);

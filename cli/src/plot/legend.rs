@@ -1,4 +1,4 @@
-//! Who is who in the picture.
+//! The legend of the picture.
 
 use kalmanscope_core::{Channel, Run};
 use plotters::prelude::*;

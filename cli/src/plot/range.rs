@@ -1,14 +1,14 @@
-//! What part of the value axis is worth showing.
+//! The range of a value axis.
 
 use kalmanscope_core::{Channel, Run};
 
 use super::{measurements, series};
 
-/// Enough samples to tell what is usual.
+/// The number of samples above which outliers are left out.
 const SAMPLES: usize = 4000;
 
-/// The range of a channel's plot: all of the truth, nearly all of the measurements and estimates and most of the bands,
-/// but not what would flatten these: a wide initial band or a filter that has gone astray.
+/// The range of a channel's plot: all of the truth, nearly all of the measurements and estimates, and most of the
+/// bands. It leaves out values that would flatten the rest, such as a wide initial band or a diverged filter.
 pub(super) fn of(run: &Run, channel: Channel) -> (f64, f64) {
     let record = run.record();
     let out = |tail: f64| (record.len().min(SAMPLES) as f64 * tail) as usize;
@@ -24,7 +24,7 @@ pub(super) fn of(run: &Run, channel: Channel) -> (f64, f64) {
         let Some(place) = estimates.place(channel) else { continue };
         let mean = |k: usize| estimates.canonical_mean(k, place);
         let spread = |k: usize| 2.0 * estimates.std(k, place);
-        // The samples are those of the record: a filter that soon stopped has little to say.
+        // Shares are those of the whole record, so that a filter that stopped early counts little.
         let samples = || series::thinned(record.len(), SAMPLES).filter(|&k| k < estimates.len());
         estimated = union(estimated, without_tails(samples().map(mean), out(0.005)));
         banded = union(banded, without_tails(samples().map(|k| mean(k) - spread(k)), out(0.1)));
@@ -64,7 +64,7 @@ fn union(a: Range, b: Range) -> Range {
     }
 }
 
-/// The range of the values but the `out` lowest and the `out` highest; none if that leaves nothing.
+/// The range of the values without the `out` lowest and the `out` highest; `None` if no value is left.
 fn without_tails(values: impl Iterator<Item = f64>, out: usize) -> Range {
     let mut values: Vec<f64> = values.filter(|x| x.is_finite()).collect();
     values.sort_unstable_by(f64::total_cmp);

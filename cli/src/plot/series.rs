@@ -1,4 +1,4 @@
-//! Long series made short enough to draw, without losing their extremes.
+//! Long series reduced to few points that keep the extremes.
 
 /// A point in data coordinates: time \[s\] and value.
 pub(super) type Point = (f64, f64);
@@ -29,8 +29,8 @@ pub(super) fn line(samples: usize, max_columns: usize, value: impl Fn(usize) -> 
     points
 }
 
-/// The outline of a band: along the highest upper edge of each column, back along the lowest lower one. `edges` gives
-/// time, lower and upper edge of a sample.
+/// The outline of a band: forwards along the highest upper edge of each column, backwards along the lowest lower edge.
+/// `edges` gives time, lower and upper edge of a sample.
 pub(super) fn band(
     samples: usize,
     max_columns: usize,
@@ -40,7 +40,7 @@ pub(super) fn band(
     let mut upper = Vec::new();
     let mut lower = Vec::new();
     for (first, last) in columns(samples, max_columns) {
-        // The last column ends with the record, every other where it begins.
+        // The last column ends with the record, the others at the beginning of the next.
         let time = edges(if last == samples { last - 1 } else { first }).0;
         let low = (first..last).map(|k| edges(k).1).fold(f64::INFINITY, f64::min);
         let high = (first..last).map(|k| edges(k).2).fold(f64::NEG_INFINITY, f64::max);

@@ -1,4 +1,4 @@
-//! The cases that are timed and counted: filters alone, without a record to write, on records made beforehand.
+//! The cases to time and count: filters alone, on prepared records, without writing a history.
 
 use std::hint::black_box;
 
@@ -21,7 +21,7 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    /// Makes `steps` predictions and updates, over the record again and again.
+    /// Makes `steps` predictions and updates, over the record in a loop.
     pub(crate) fn run(&mut self, steps: usize) {
         (self.stepper)(steps);
     }
@@ -43,7 +43,7 @@ pub(crate) fn cases() -> Vec<Case> {
 
 fn plant<P: Model<N>, const N: usize>(cases: &mut Vec<Case>, kind: PlantKind, plant: P) {
     let eta = plant.eta();
-    // As a run has it, which may want logarithms.
+    // As in a run, in which logarithms are possible.
     let model = LogParameters { plant, on: false };
     let mut scenario = Scenario { duration: 20.0, filters: vec![], ..Scenario::default() };
     scenario.set_plant(kind);

@@ -1,21 +1,21 @@
-//! How far the estimates are from a known truth, channel by channel.
+//! The errors of estimates against a known truth, channel by channel.
 
 use std::ops::Range;
 
 use super::range_sums::RangeSums;
 use crate::{Channel, Estimates, Record};
 
-/// An estimate has settled on the truth within this part of it.
+/// Limits the relative error of an estimate that has settled.
 const SETTLED: f64 = 0.05;
 
-/// What a channel's errors come to over some samples.
+/// The tally of a channel's errors over some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Sum of the squared errors, in the channel's unit squared.
     pub squares: f64,
     /// The number of samples with a known truth.
     pub known: u32,
-    /// How many of them have the truth inside ±2σ.
+    /// The number of samples with the truth inside ±2σ.
     pub inside: u32,
 }
 
@@ -31,26 +31,26 @@ impl Tally {
     }
 }
 
-/// A channel whose truth is known, and what is remembered of it.
+/// A channel of known truth, with its running sums.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Known {
+pub(crate) struct TrackedChannel {
     pub(crate) channel: Channel,
-    /// Its place among the filter's channels.
+    /// The place among the filter's channels.
     pub(crate) place: usize,
-    /// Its place in the record.
+    /// The place in the record.
     pub(crate) truth: usize,
     pub(crate) total: Tally,
-    /// The first absolute error, kept or not; 0 before it.
+    /// The first absolute error, kept or not; 0 before the first.
     pub(crate) first_error: f64,
     /// The largest absolute truth so far, kept or not.
     pub(crate) largest_truth: f64,
-    /// The number, from the run's beginning, of the sample from which on the estimate has been within [`SETTLED`]; the next
-    /// one if it is not.
+    /// The number, from the run's beginning, of the sample since which the error has stayed within [`SETTLED`]; the
+    /// number of the next sample if the last one is not within it.
     pub(crate) settled: usize,
 }
 
-impl Known {
-    /// The channels of some estimates that a record knows the truth of, before the sample of this number.
+impl TrackedChannel {
+    /// The channels whose truth a record has. `first` is the number of the first sample.
     pub(crate) fn of<'a>(
         channels: &'a [Channel],
         record: &'a Record,
@@ -90,19 +90,19 @@ impl Known {
     }
 }
 
-/// What makes the mirrored channels of a mean canonical.
+/// The sign of the mirrored channels of a mean: -1 where the natural frequency is negative.
 #[inline]
 pub(crate) fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {
     if frequency.is_some_and(|place| mean[place] < 0.0) { -1.0 } else { 1.0 }
 }
 
-/// The channels with a known truth. Errors are those of the canonical form.
+/// The errors of the channels of known truth, in canonical form.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accuracy {
-    known: Vec<Known>,
+    known: Vec<TrackedChannel>,
     /// The number of the first sample.
     first: usize,
-    /// The place of the channel whose sign decides about the canonical form.
+    /// The place of the natural frequency, whose sign determines the canonical form.
     frequency: Option<usize>,
     /// The squared errors: one a known channel and sample.
     squares: RangeSums,
@@ -118,7 +118,7 @@ impl Accuracy {
         let Self { known, first, frequency, squares, counts, errors, sign } = self;
         *first = estimates.forgotten();
         known.clear();
-        known.extend(Known::of(estimates.channels(), record, *first));
+        known.extend(TrackedChannel::of(estimates.channels(), record, *first));
         *frequency = estimates.place(Channel::NATURAL_FREQUENCY);
         squares.restart(known.len());
         counts.clear();
@@ -139,7 +139,7 @@ impl Accuracy {
         errors
     }
 
-    /// The same, and takes them in.
+    /// The errors of sample `k`, which are also added to the tallies.
     #[inline]
     pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) -> &[f64] {
         let Self { known, first, frequency, squares, counts, errors, sign } = self;
@@ -156,25 +156,25 @@ impl Accuracy {
         errors
     }
 
-    /// The last error of one of the known channels; NaN where the truth is not known.
+    /// The last error of a tracked channel; NaN where the truth is not known.
     pub(super) fn error(&self, at: usize) -> f64 {
         let sign = if self.known[at].channel.is_mirrored() { self.sign } else { 1.0 };
         sign * self.errors[at]
     }
 
-    /// The number of the sample from which on one of the known channels has settled.
+    /// The number of the sample since which a tracked channel has settled.
     pub(super) fn settled(&self, at: usize) -> Option<usize> {
-        let Known { settled, total, .. } = self.known[at];
+        let TrackedChannel { settled, total, .. } = self.known[at];
         let end = self.first + self.counts.len() / self.known.len();
         (total.known > 0 && settled < end).then_some(settled)
     }
 
-    pub(super) fn clone_known(&self) -> Vec<Known> {
+    pub(super) fn clone_tracked(&self) -> Vec<TrackedChannel> {
         self.known.clone()
     }
 
-    /// Takes over what was known `before` of samples that are no longer kept, after a new beginning with those that are.
-    pub(super) fn remember(&mut self, before: &[Known]) {
+    /// Restores what was known `before` of samples that have been forgotten, after a restart with those that are kept.
+    pub(super) fn remember(&mut self, before: &[TrackedChannel]) {
         for (known, before) in self.known.iter_mut().zip(before).filter(|(_, before)| before.total.known > 0) {
             known.first_error = before.first_error;
             known.largest_truth = known.largest_truth.max(before.largest_truth);
@@ -184,7 +184,7 @@ impl Accuracy {
         }
     }
 
-    pub(super) fn known(&self) -> &[Known] {
+    pub(super) fn known(&self) -> &[TrackedChannel] {
         &self.known
     }
 
@@ -192,7 +192,7 @@ impl Accuracy {
         self.known.iter().position(|known| known.channel == channel)
     }
 
-    /// The tally of the samples in `range`, as far as there are any, of one of the known channels.
+    /// The tally of a tracked channel over the part of `range` that exists.
     pub(super) fn within(&self, at: usize, range: Range<usize>) -> Tally {
         let width = self.known.len();
         let samples = self.counts.len() / width;
@@ -275,7 +275,7 @@ mod tests {
         let mut normal = Normal::new(5, Purpose::Force);
         let accuracy = of((0..20_000).map(|_| [(7.0 + STD * normal.sample(), 7.0), (2.0, 0.0)]));
         let tally = accuracy.within(0, 0..20_000);
-        // 0.9545 ± three standard deviations of a share of so many samples.
+        // 0.9545 ± three standard deviations of a share of 20 000 samples.
         assert!((tally.share_inside() - 0.9545).abs() < 0.0045, "{}", tally.share_inside());
         assert!((tally.rmse() / STD - 1.0).abs() < 0.015, "{}", tally.rmse());
         assert_eq!(accuracy.within(1, 0..20_000), Tally { squares: 80_000.0, known: 20_000, inside: 0 });

@@ -1,11 +1,11 @@
-//! What χ² says of sums of squares.
+//! Quantiles and intervals of the χ² distribution.
 
 use std::ops::RangeInclusive;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
-/// The two-sided 95 % interval of the mean of `samples` independent sums of squares that have `degrees` degrees of
-/// freedom in all; `None` without degrees or samples.
+/// The two-sided 95 % interval of the mean of `samples` independent sums of squares with `degrees` degrees of freedom
+/// in total; `None` if either is zero.
 ///
 /// ```text
 /// [χ²(0.025; degrees), χ²(0.975; degrees)] / samples
@@ -20,7 +20,7 @@ pub fn interval(degrees: u32, samples: u32) -> Option<RangeInclusive<f64>> {
     Some(quantile(0.025, degrees)? / samples..=quantile(0.975, degrees)? / samples)
 }
 
-/// [`interval`] to a few percent of its half width, for a curve of thousands of them.
+/// An approximation of [`interval`] to a few percent of its half width, for curves of thousands of points.
 ///
 /// ```text
 /// χ²(p; d) ≈ d (1 - 2/(9d) + z √(2/(9d)))³,  z the normal quantile of p
@@ -31,7 +31,7 @@ pub fn quick_interval(degrees: u32, samples: u32) -> Option<RangeInclusive<f64>>
     (degrees > 0 && samples > 0).then(|| wilson_hilferty(degrees, samples, NORMAL_95))
 }
 
-/// The interval of `z` normal standard deviations to either side.
+/// The same interval for `z` normal standard deviations to either side.
 pub(super) fn wilson_hilferty(degrees: u32, samples: u32, z: f64) -> RangeInclusive<f64> {
     let (degrees, samples) = (f64::from(degrees), f64::from(samples));
     let variance = 2.0 / (9.0 * degrees);
@@ -42,10 +42,10 @@ pub(super) fn wilson_hilferty(degrees: u32, samples: u32, z: f64) -> RangeInclus
     quantile(-z)..=quantile(z)
 }
 
-/// The normal quantile of 97.5 %: 95 % of a normal distribution is within so many standard deviations.
+/// The normal quantile of 97.5 %: 95 % of a normal distribution lies within ± this many standard deviations.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// The number that χ² with `degrees` degrees of freedom is below with probability `p`; `None` without degrees.
+/// The quantile of χ² with `degrees` degrees of freedom at probability `p`; `None` without degrees.
 pub fn quantile(p: f64, degrees: u32) -> Option<f64> {
     Some(ChiSquared::new(f64::from(degrees)).ok()?.inverse_cdf(p))
 }

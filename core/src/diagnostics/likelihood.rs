@@ -1,15 +1,16 @@
-//! How likely all measurements were to a filter.
+//! The likelihood of all measurements under a filter's beliefs.
 
 use super::Total;
-use crate::likelihood::{LogSum, log_likelihood};
+use crate::gaussian_likelihood::log_likelihood;
+use crate::log_sum::LogSum;
 use crate::{Estimates, FilterKind};
 
 /// The log likelihood of all measurements.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Likelihood {
-    /// Of Gaussian beliefs, which needs the NIS besides.
+    /// Of Gaussian beliefs: the value needs the sum of the NIS as well.
     Gaussian { ln_determinants: LogSum },
-    /// Of a particle filter, whose own it is.
+    /// Of a particle filter, which reports its own log likelihood.
     Particles { sum: f64 },
 }
 
@@ -20,9 +21,9 @@ impl Default for Likelihood {
 }
 
 impl Likelihood {
-    /// The likelihood of no measurement, of a filter of this kind.
+    /// The likelihood of no measurements, for a filter of this kind.
     pub(super) fn new(kind: FilterKind) -> Self {
-        if kind == FilterKind::PF { Self::Particles { sum: 0.0 } } else { Self::default() }
+        if kind.has_own_likelihood() { Self::Particles { sum: 0.0 } } else { Self::default() }
     }
 
     /// Takes in sample `k`.
@@ -38,7 +39,7 @@ impl Likelihood {
         }
     }
 
-    /// The sum of all, whose NIS come to `nis`.
+    /// The sum over all samples; `nis` is the sum of their NIS.
     pub(super) fn value(self, nis: Total) -> f64 {
         match self {
             Self::Gaussian { .. } if nis.degrees == 0 => 0.0,

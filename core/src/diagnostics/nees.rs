@@ -1,13 +1,13 @@
-//! The normalised estimation error squared: what the covariance says of the errors that are really made.
+//! The normalised estimation error squared, which compares the covariance with the errors.
 
 use super::chi_squared;
 use super::totals::Totals;
 
-/// The NEES of one sample, over the channels in some places.
+/// The NEES of one sample, over the channels at some places.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ErrorSquare {
     places: Vec<usize>,
-    /// The largest mean of each channel so far: rounding of an estimate is a share of it.
+    /// The largest absolute mean of each channel so far; the rounding error of an estimate is relative to it.
     sizes: Vec<f64>,
     /// Memory for the errors, their covariance and its factor.
     errors: Vec<f64>,
@@ -16,7 +16,7 @@ pub(crate) struct ErrorSquare {
 }
 
 impl ErrorSquare {
-    /// For errors of the channels in `places`, which ascend.
+    /// For errors of the channels at `places`, in ascending order.
     pub(crate) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
         let Self { places, sizes, errors: _, cov: _, factor: _ } = self;
         places.clear();
@@ -25,16 +25,16 @@ impl ErrorSquare {
         sizes.resize(places.len(), 0.0);
     }
 
-    /// The square and its degrees of freedom, from the errors of the channels in these places and mean and n × n covariance
-    /// of all n channels. Channels known for certain, of variance zero, do not count, and a variance counts as no less than
-    /// rounding of the estimate would make it.
+    /// The square and its degrees of freedom, from the errors of these channels and the mean and n × n covariance of
+    /// all n channels. Channels of variance zero do not count. A variance is at least that of the estimate's rounding
+    /// error.
     #[inline]
     pub(crate) fn of(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) -> (f64, u32) {
         for (size, &place) in self.sizes.iter_mut().zip(&self.places) {
             *size = size.max(mean[place].abs());
         }
         match (<&[f64; 4]>::try_from(errors), <[f64; 16]>::try_from(cov)) {
-            // The usual case, for which the compiler unrolls every loop.
+            // The usual case, in which the compiler unrolls every loop.
             (Ok(&[a, b, c, d]), Ok(mut cov)) => {
                 add_rounding(&self.sizes, &mut cov);
                 normalised_square(&mut [a, b, c, d], &cov, &mut cov.clone())
@@ -58,7 +58,7 @@ impl ErrorSquare {
     }
 }
 
-/// The NEES of every sample, over the channels in some places.
+/// The NEES of every sample, over the channels at some places.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nees {
     square: ErrorSquare,
@@ -66,12 +66,12 @@ pub(super) struct Nees {
     totals: Totals,
     /// The number of samples below the 95 % quantile of their degrees of freedom.
     inside: u32,
-    /// That quantile for one degree of freedom and more.
+    /// That quantile for one and more degrees of freedom.
     limits: Vec<f64>,
 }
 
 impl Nees {
-    /// Begins anew, for errors of the channels in `places`, which ascend.
+    /// Begins again, for errors of the channels at `places`, in ascending order.
     pub(super) fn restart(&mut self, new_places: impl Iterator<Item = usize>) {
         let Self { square, values, totals, inside, limits } = self;
         square.restart(new_places);
@@ -83,7 +83,7 @@ impl Nees {
         }
     }
 
-    /// Takes in a sample: the errors of the channels in these places, and mean and n × n covariance of all n channels.
+    /// Takes in a sample: the errors of these channels, and the mean and n × n covariance of all n channels.
     #[inline]
     pub(super) fn push(&mut self, errors: &[f64], mean: &[f64], cov: &[f64]) {
         let Self { square, values, totals, inside, limits } = self;
@@ -107,11 +107,11 @@ impl Nees {
     }
 }
 
-/// The error that rounding makes over a long record, relative to the largest estimate. Below this a standard deviation does
-/// not say how far the estimate is from the truth.
+/// Rounding error of an estimate over a long record, relative to its largest value. A smaller standard deviation says
+/// nothing about the error.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Adds the variance of rounding to all that are not zero, for channels of these sizes.
+/// Adds the variance of the rounding error to every positive variance, for channels of these sizes.
 #[inline(always)]
 fn add_rounding(sizes: &[f64], cov: &mut [f64]) {
     let n = sizes.len();
@@ -122,9 +122,9 @@ fn add_rounding(sizes: &[f64], cov: &mut [f64]) {
     }
 }
 
-/// `eᵀ P⁻¹ e` by the factor `P = L D Lᵀ`, over the components of a variance above zero, and their number; NaN and zero
-/// where there is none, P is not positive definite or e is not a number. `errors` and `factor`, which begins as a copy of
-/// P, are used up.
+/// `eᵀ P⁻¹ e` by the factor `P = L D Lᵀ`, over the components of positive variance, and their number. NaN and zero
+/// where there is none, P is not positive definite or e is not a number. `errors` and `factor`, which begins as a copy
+/// of P, are overwritten.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
 #[inline(always)]
@@ -134,7 +134,7 @@ fn normalised_square(errors: &mut [f64], cov: &[f64], factor: &mut [f64]) -> (f6
     for j in 0..n {
         let (variance, pivot) = (cov[j * n + j], factor[j * n + j]);
         let counts = variance != 0.0;
-        // Without branches, so that the divisions of one sample overlap with the next sample's.
+        // Free of branches, so that the divisions of successive samples overlap.
         positive &= !counts | (pivot > 4.0 * n as f64 * f64::EPSILON * variance);
         let inverse = if counts { 1.0 / pivot } else { 0.0 };
         degrees += u32::from(counts);
@@ -188,7 +188,7 @@ mod tests {
             nees.restart(0..n);
             let cov: Vec<f64> = (0..n * n).map(|i| if i % (n + 1) == 0 { 1e-78 } else { 0.0 }).collect();
             nees.push(&vec![-6.9e-18; n], &vec![0.04; n], &cov);
-            // A sample at which the oscillator passes through zero is no other.
+            // A sample at which the oscillator passes through zero is not special.
             nees.push(&vec![-6.9e-18; n], &vec![0.0; n], &cov);
             assert!(nees.values.iter().all(|&square| square < n as f64), "{:?}", nees.values);
         }
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_factored_or_is_missing_is_left_out() {
+    fn samples_without_a_factor_or_an_error_are_left_out() {
         for (errors, cov) in [
             ([1.0, 1.0], [1.0, 1.0, 1.0, 1.0]),
             ([1.0, 1.0], [1.0, 2.0, 2.0, 1.0]),

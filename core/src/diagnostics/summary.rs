@@ -1,9 +1,9 @@
-//! What a filter made of a record, as far as it is kept, in numbers.
+//! The results of a filter over a record, as far as it is kept.
 
 use super::{Diagnostics, LjungBox, MeanSquare, Tally, Whiteness};
 use crate::{Channel, Diagnosis, Estimates, FilterKind, Quantity, Record, Stop, Verdict};
 
-/// What one filter made of a record.
+/// The results of one filter over a record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// The filter's name.
@@ -12,7 +12,7 @@ pub struct Summary {
     pub kind: FilterKind,
     /// The number of samples with an estimate that are kept.
     pub samples: usize,
-    /// Whether the filter is to be believed, if there are enough samples to tell.
+    /// The verdict on the filter, if there are enough samples.
     pub verdict: Option<Verdict>,
     /// The last estimate of each channel.
     pub finals: Vec<Final>,
@@ -37,13 +37,13 @@ pub struct Final {
     pub channel: Channel,
     /// Estimated mean.
     pub mean: f64,
-    /// Its standard deviation as the filter sees it.
+    /// Its standard deviation according to the filter.
     pub std: f64,
-    /// How far it is from the truth, where that is known.
+    /// Its errors, where the truth is known.
     pub score: Option<Score>,
 }
 
-/// How far a channel's estimates are from the truth, in the channel's unit.
+/// The errors of a channel's estimates, in the channel's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
     /// The last mean minus the truth.
@@ -54,7 +54,7 @@ pub struct Score {
     pub rmse_last_third: f64,
     /// The share of samples with the truth inside ±2σ.
     pub share_inside: f64,
-    /// The time from which on the estimate has been within 5 % of the truth \[s\], if it is one.
+    /// The time since which the estimate has stayed within 5 % of the truth \[s\], if it is.
     pub settled: Option<f64>,
 }
 

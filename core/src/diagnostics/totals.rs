@@ -28,14 +28,14 @@ impl Total {
     }
 }
 
-/// A mean of normalised squares and where it should be.
+/// A mean of normalised squares and its expected interval.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeanSquare {
     /// The mean over the samples that contribute.
     pub mean: f64,
-    /// What it is on average for a consistent filter: the degrees of freedom of a sample.
+    /// Its expectation for a consistent filter: the degrees of freedom of a sample.
     pub expected: f64,
-    /// Where it is with probability 95 % for a consistent filter.
+    /// Its 95 % interval for a consistent filter.
     pub interval: RangeInclusive<f64>,
 }
 
@@ -87,7 +87,7 @@ impl Totals {
         self.whole
     }
 
-    /// The total of the samples in `range`, as far as there are any.
+    /// The total over the part of `range` that exists.
     pub(super) fn within(&self, range: Range<usize>) -> Total {
         let end = range.end.min(self.counts.len());
         let start = range.start.min(end);

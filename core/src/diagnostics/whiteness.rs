@@ -1,4 +1,4 @@
-//! Whether the innovations of a sensor are white, as they are where the filter's gain is right.
+//! The whiteness of a sensor's innovations, a test of the filter's gain.
 
 use super::chi_squared::{self, NORMAL_95};
 
@@ -20,7 +20,7 @@ pub struct Whiteness {
     samples: u32,
     square: f64,
     products: [f64; LAGS],
-    /// The last innovations, the newest at `newest` and the older ones after it; twice, so that they are in one piece.
+    /// The last innovations, from the newest at `newest` to the oldest; stored twice, so that they are contiguous.
     past: [f64; 2 * LAGS],
     newest: usize,
 }
@@ -30,7 +30,7 @@ pub struct Whiteness {
 pub struct LjungBox {
     /// `N (N + 2) Σ r_l² / (N - l)`
     pub statistic: f64,
-    /// The probability that white innovations give as much or more.
+    /// The probability that white innovations give this statistic or a larger one.
     pub p_value: f64,
 }
 
@@ -38,7 +38,7 @@ impl Whiteness {
     pub(super) const NEW: Self =
         Self { samples: 0, square: 0.0, products: [0.0; LAGS], past: [0.0; 2 * LAGS], newest: 0 };
 
-    /// Takes in a normalised innovation; not a number where nothing was measured.
+    /// Takes in a normalised innovation; NaN where nothing was measured.
     #[inline]
     pub(super) fn push(&mut self, innovation: f64) {
         let Self { samples, square, products, past, newest } = self;
@@ -60,23 +60,23 @@ impl Whiteness {
         self.samples
     }
 
-    /// The mean of ν²: how much larger the innovations are than the filter expects; 1 if it is right, NaN without any.
+    /// The mean of ν²: 1 is expected, and more means that the innovations are larger than S says; NaN without any.
     pub fn mean_square(&self) -> f64 {
         self.square / f64::from(self.samples)
     }
 
-    /// r at the lags 1 to [`LAGS`]; zero where there are not so many measurements, or none but zeros.
+    /// r at the lags 1 to [`LAGS`]; zero at lags without enough measurements, and where all innovations are zero.
     pub fn autocorrelation(&self) -> [f64; LAGS] {
         if self.square > 0.0 { self.products.map(|product| product / self.square) } else { [0.0; LAGS] }
     }
 
-    /// r of white innovations is between minus and plus this with probability 95 %, lag by lag: `1.96 / √N`.
+    /// The 95 % limit of |r| of white innovations, for a single lag: `1.96 / √N`.
     pub fn band(&self) -> f64 {
         NORMAL_95 / f64::from(self.samples).sqrt()
     }
 
-    /// The test of Ljung and Box over all lags, if there are more measurements than these. χ² has as many degrees of
-    /// freedom as there are lags: a filter's settings were not fitted to the innovations.
+    /// The test of Ljung and Box over all lags, if there are more measurements than lags. The degrees of freedom are
+    /// the number of lags, because the filter's settings were not fitted to the innovations.
     ///
     /// Source: Ljung and Box (1978), On a measure of lack of fit in time series models, *Biometrika* 65.
     pub fn ljung_box(&self) -> Option<LjungBox> {
@@ -87,7 +87,7 @@ impl Whiteness {
     }
 }
 
-/// A function of its own, since the compiler then knows that sums and factors are apart, and takes several at once.
+/// A separate function: the compiler then knows that sums and factors do not alias, and vectorises the loop.
 #[inline]
 fn add_products(sums: &mut [f64; LAGS], innovation: f64, before: &[f64; LAGS]) {
     for (sum, before) in sums.iter_mut().zip(before) {
@@ -105,7 +105,7 @@ mod tests {
         whiteness
     }
 
-    /// Numbers without order, and a share of a wave.
+    /// Irregular numbers plus a share of a wave.
     fn mixed(n: u32, share: f64) -> Vec<f64> {
         (0..n).map(|k| libm::sin(f64::from(k * k)) + share * libm::cos(0.2 * f64::from(k))).collect()
     }

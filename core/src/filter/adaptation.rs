@@ -8,12 +8,14 @@ use crate::linalg::{Ldl, Matrix, Vector};
 /// Estimates R, Q or both while filtering, with exponential forgetting.
 ///
 /// ```text
-/// ε = R S⁻¹ e                          the residual z - h(y), for sensors linear in the state
+/// ε = R S⁻¹ e                          the residual z - h(y⁺)
 /// R ← a R + (1 - a) diag(ε εᵀ + H P Hᵀ),  H P Hᵀ = R - R S⁻¹ R
 /// Q ← a Q + (1 - a) K e eᵀ Kᵀ
 /// ```
 ///
-/// with P after the update. R stays diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
+/// with P after the update. The residual is exact for sensors that are linear in the state. For others, such as
+/// accelerometers, it is that of the linearised sensor and not `z - h(y⁺)`: both differ by the curvature of h. R stays
+/// diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
 ///
 /// Source: Akhlaghi, Zhou and Huang (2017), Adaptive adjustment of noise covariance in Kalman filter for dynamic state
 /// estimation, equations 10 and 15.

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman};
 use crate::Model;
+use crate::integrate::RungeKutta;
 use crate::linalg::{Matrix, Vector, lower_root, symmetric};
 
 /// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain of
@@ -22,6 +23,7 @@ pub struct Ensemble {
     /// Each a column.
     members: Matrix,
     normal: Normal,
+    method: RungeKutta,
     /// The belief that the ensemble was drawn from, until it first moves.
     origin: Option<Gaussian>,
 }
@@ -39,7 +41,7 @@ impl Ensemble {
         let mut members = Matrix::from_fn(belief.size(), size.max(2), |i, _| belief.mean[i]);
         let draws = centred_draws(belief.size(), members.ncols(), &mut normal);
         members.gemm(1.0, &lower_root(&belief.cov)?, &draws, 1.0);
-        Ok(Self { members, normal, origin: Some(belief) })
+        Ok(Self { members, normal, method: RungeKutta::default(), origin: Some(belief) })
     }
 
     /// `P ← λ P + Q`
@@ -57,7 +59,7 @@ impl Ensemble {
 impl Belief for Ensemble {
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
         self.origin = None;
-        step.advance(model, &mut self.members);
+        step.advance(model, &mut self.members, &mut self.method);
         self.spread(noise)
     }
 
@@ -140,6 +142,7 @@ pub(super) static ENKF: FilterInfo = FilterInfo {
     description: "moves an ensemble and corrects each member",
     reference: "Evensen (2003), The ensemble Kalman filter: theoretical formulation and practical implementation",
     is_sampled: true,
+    has_own_likelihood: false,
     evaluations: |settings, _| 4 * settings.ensemble_size,
     begin: |initial, settings, normal| Ok(Box::new(Ensemble::new(initial, settings.ensemble_size, normal)?)),
 };

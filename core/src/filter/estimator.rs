@@ -2,7 +2,7 @@
 
 use super::{Belief, Correction, Filter, FilterError, Gaussian, Noise};
 use crate::estimator::{Estimator, Failed, FilterContext};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, copy, fit_vector};
 use crate::random::{Normal, Purpose};
 use crate::sink::{AssumedNoise, Sample, Sink};
 use crate::{FilterSettings, Model, Values};
@@ -11,13 +11,19 @@ use crate::{FilterSettings, Model, Values};
 struct Followed {
     filter: Filter,
     correction: Correction,
+    in_units: InUnits,
 }
 
 impl Estimator for Followed {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Noise { process, sensors, fading: _ } = self.filter.noise();
+        let Self { filter, correction, in_units } = self;
+        let Noise { process, sensors, fading: _ } = filter.noise();
         let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
-        if !is_finite || self.report(sink).is_err() {
+        // An update sees to it that a belief is finite, but nothing has yet looked at an initial one.
+        if !is_finite
+            || !filter.belief().gaussian().is_finite()
+            || report(filter, correction, &mut in_units.clone(), sink).is_err()
+        {
             return Err(FilterError::TooLarge);
         }
         Ok(())
@@ -30,48 +36,78 @@ impl Estimator for Followed {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        self.filter.predict([force_before, force])?;
-        self.filter.update(force, measured, &mut self.correction)?;
-        self.report(sink)
+        let Self { filter, correction, in_units } = self;
+        filter.predict([force_before, force])?;
+        filter.update(force, measured, correction)?;
+        report(filter, correction, in_units, sink)
     }
 }
 
-impl Followed {
-    /// Writes the belief down, in the channels' units.
-    fn report(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, correction } = self;
-        let (belief, unit) = in_units(filter.model(), &filter.belief().gaussian());
-        let mut gain = correction.gain.clone();
-        for mut column in gain.column_iter_mut() {
-            column.component_mul_assign(&unit);
-        }
+/// Writes the belief down, in the channels' units; `in_units` is memory to work in.
+fn report(
+    filter: &Filter,
+    correction: &Correction,
+    in_units: &mut InUnits,
+    sink: &mut dyn Sink,
+) -> Result<(), FilterError> {
+    let belief = filter.belief().gaussian();
+    let (mut belief, mut gain) = (&*belief, &correction.gain);
+    if !filter.model().in_units() {
+        in_units.take(filter.model(), belief, gain);
+        (belief, gain) = (&in_units.belief, &in_units.gain);
         if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
             return Err(FilterError::NotFinite);
         }
-        let process = filter.noise().process.diagonal();
-        let noise = AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors };
-        sink.push(&Sample {
-            mean: belief.mean.as_slice(),
-            cov: belief.cov.as_slice(),
-            innovation: correction.innovation.as_slice(),
-            innovation_cov: correction.innovation_cov.as_slice(),
-            gain: gain.as_slice(),
-            nis: correction.nis,
-            determinant: correction.determinant,
-            log_likelihood: correction.log_likelihood,
-            effective_samples: correction.effective_samples,
-            noise: filter.is_adaptive().then_some(noise),
-        });
-        Ok(())
+    }
+    let process = filter.is_adaptive().then(|| filter.noise().process.diagonal());
+    sink.push(&Sample {
+        mean: belief.mean.as_slice(),
+        cov: belief.cov.as_slice(),
+        innovation: correction.innovation.as_slice(),
+        innovation_cov: correction.innovation_cov.as_slice(),
+        gain: gain.as_slice(),
+        nis: correction.nis,
+        determinant: correction.determinant,
+        log_likelihood: correction.log_likelihood,
+        effective_samples: correction.effective_samples,
+        noise: process
+            .as_ref()
+            .map(|process| AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors }),
+    });
+    Ok(())
+}
+
+/// A belief and a gain in the channels' units, to first order.
+#[derive(Clone)]
+pub(super) struct InUnits {
+    pub(super) belief: Gaussian,
+    gain: Matrix,
+    /// What a unit of each component is in its channel's.
+    unit: Vector,
+}
+
+impl Default for InUnits {
+    fn default() -> Self {
+        let none = || Matrix::zeros(0, 0);
+        Self { belief: Gaussian { mean: Vector::zeros(0), cov: none() }, gain: none(), unit: Vector::zeros(0) }
     }
 }
 
-/// A belief in the channels' units, to first order, and what a unit of each component is in them.
-pub(super) fn in_units(model: &Model, belief: &Gaussian) -> (Gaussian, Vector) {
-    let (mean, unit) = model.to_units(belief.mean.as_slice());
-    let n = belief.size();
-    let cov = Matrix::from_fn(n, n, |i, j| belief.cov[(i, j)] * (unit[i] * unit[j]));
-    (Gaussian { mean, cov }, unit)
+impl InUnits {
+    /// Converts a belief over a model's state, and the gain of an update of it.
+    pub(super) fn take(&mut self, model: &Model, from: &Gaussian, from_gain: &Matrix) {
+        let Self { belief, gain, unit } = self;
+        belief.copy_from(from);
+        fit_vector(unit, from.size());
+        model.to_units_in_place(belief.mean.as_mut_slice(), unit.as_mut_slice());
+        for (mut column, by) in belief.cov.column_iter_mut().zip(unit.iter()) {
+            column.iter_mut().zip(unit.iter()).for_each(|(entry, unit)| *entry *= unit * by);
+        }
+        copy(gain, from_gain);
+        for mut column in gain.column_iter_mut() {
+            column.component_mul_assign(unit);
+        }
+    }
 }
 
 /// Builds the filter of some settings.
@@ -79,7 +115,7 @@ pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext<'_>) 
     match initial_belief(settings, context).map(|belief| build_filter(belief, settings, context)) {
         Ok(filter) => {
             let correction = Correction::nothing(filter.model().size(), context.sensors.len());
-            Box::new(Followed { filter, correction })
+            Box::new(Followed { filter, correction, in_units: InUnits::default() })
         }
         // At the beginning there is but a diagonal, and its root lacks nothing but numbers.
         Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
@@ -119,7 +155,9 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
     Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation)
 }
 
-/// The initial mean as a state, and what a unit of each channel is in the state's.
+/// The initial mean as a state, and what a unit of each channel is in the state's. For a logarithm that is one over the
+/// initial mean: the standard deviations of the settings, that of the process noise included, are divided by it once and for
+/// all, however the estimate moves later.
 fn initial_state(model: &Model, settings: &FilterSettings) -> (Vector, Vector) {
     let mean: Vec<f64> = model.channels().iter().map(|&c| settings.initial_mean[c]).collect();
     model.to_state(&mean)

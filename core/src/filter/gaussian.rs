@@ -1,7 +1,7 @@
 //! Normal distributions over states.
 
 use super::FilterError;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, copy, copy_vector};
 
 /// A normal distribution over n components.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +18,12 @@ impl Gaussian {
         Self { mean, cov: Matrix::from_diagonal(&std.map(|s| s * s)) }
     }
 
+    /// Makes it a copy of another one, in its own memory.
+    pub fn copy_from(&mut self, other: &Self) {
+        copy_vector(&mut self.mean, &other.mean);
+        copy(&mut self.cov, &other.cov);
+    }
+
     /// n, the number of components.
     pub fn size(&self) -> usize {
         self.mean.len()
@@ -26,7 +32,12 @@ impl Gaussian {
     /// Whether every number of it is finite.
     pub fn is_finite(&self) -> bool {
         // A sum is finite only if all its terms are, short of an overflow, which is as bad.
-        (self.mean.sum() + self.cov.sum()).is_finite()
+        // In four sums, which do not wait for each other.
+        let mut sums = [self.mean.sum(), 0.0, 0.0, 0.0];
+        let entries = self.cov.as_slice().chunks_exact(4);
+        entries.remainder().iter().for_each(|entry| sums[0] += entry);
+        entries.for_each(|four| sums.iter_mut().zip(four).for_each(|(sum, entry)| *sum += entry));
+        sums.iter().sum::<f64>().is_finite()
     }
 
     /// Whether the numbers can be those of a belief.

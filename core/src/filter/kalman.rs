@@ -1,7 +1,11 @@
 //! The update of a Gaussian belief, in whichever way the measurement was expected.
 
 use super::{FilterError, Gaussian, Observation};
-use crate::linalg::{Ldl, Matrix, RootError, Vector, lower_root};
+use crate::Model;
+use crate::linalg::{
+    Ldl, Matrix, RootError, Vector, add_product, copy, copy_vector, fit, fit_vector, lower_root, multiply,
+    multiply_sparse,
+};
 
 /// What a belief says of m measurements before they are seen.
 #[derive(Clone, Debug)]
@@ -16,13 +20,95 @@ pub struct Expected {
     pub jacobian: Option<Matrix>,
 }
 
+impl Default for Expected {
+    /// Nothing of no measurement.
+    fn default() -> Self {
+        Self { mean: Vector::zeros(0), cov: Matrix::zeros(0, 0), cross: Matrix::zeros(0, 0), jacobian: None }
+    }
+}
+
 impl Expected {
     /// `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, where the readings have this mean and this H.
     pub fn linear(belief: &Gaussian, mean: Vector, jacobian: Matrix, observation: &Observation) -> Self {
-        let cross = &belief.cov * jacobian.transpose();
-        let mut cov = &jacobian * &cross;
-        observation.add_noise(&mut cov);
-        Self { mean, cov, cross, jacobian: Some(jacobian) }
+        let mut expected = Self { mean, jacobian: Some(jacobian), ..Self::default() };
+        expected.follow(belief, observation);
+        expected
+    }
+
+    /// [`Self::linear`] in place of what it holds, with the readings and their H in the state `at`.
+    pub fn linearise(
+        &mut self,
+        belief: &Gaussian,
+        model: &Model,
+        at: &Vector,
+        observation: &Observation,
+        work: &mut Work,
+    ) {
+        let Work { rates, rows, jacobian: rate_jacobian } = work;
+        let jacobian = self.jacobian.get_or_insert_with(|| Matrix::zeros(0, 0));
+        observation.jacobian_into(model, at.as_slice(), rows, rate_jacobian, jacobian);
+        fit_vector(&mut self.mean, observation.len());
+        observation.read_into(model, at.as_slice(), rates, self.mean.as_mut_slice());
+        self.follow(belief, observation);
+    }
+
+    /// Makes S and `P⁻ Hᵀ` follow from H.
+    fn follow(&mut self, belief: &Gaussian, observation: &Observation) {
+        let Self { mean: _, cov, cross, jacobian: Some(jacobian) } = self else { return };
+        multiply_sparse(cross, &belief.cov, jacobian);
+        let m = jacobian.nrows();
+        fit(cov, m, m);
+        cov.as_mut_slice().fill(0.0);
+        for (k, factors) in jacobian.as_slice().chunks_exact(m).enumerate() {
+            for (i, &factor) in factors.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+                (0..m).for_each(|j| cov[(i, j)] += factor * cross[(k, j)]);
+            }
+        }
+        observation.add_noise(cov);
+    }
+}
+
+/// Memory in which sensors are linearised.
+#[derive(Clone, Debug)]
+pub struct Work {
+    /// Rates, n numbers.
+    pub rates: Vec<f64>,
+    rows: Vec<f64>,
+    jacobian: Matrix,
+}
+
+impl Default for Work {
+    fn default() -> Self {
+        Self { rates: Vec::new(), rows: Vec::new(), jacobian: Matrix::zeros(0, 0) }
+    }
+}
+
+/// The update as it was made, of the sensors that measured: with all that a smoother must know of it.
+#[derive(Clone, Debug)]
+pub(super) struct Last {
+    /// e, m numbers.
+    pub(super) innovation: Vector,
+    /// S, m × m.
+    pub(super) innovation_cov: Matrix,
+    /// K, n × m.
+    pub(super) gain: Matrix,
+    /// H, m × n, if there was one.
+    pub(super) jacobian: Option<Matrix>,
+    pub(super) factor: Ldl,
+    excess: Matrix,
+}
+
+impl Default for Last {
+    fn default() -> Self {
+        let none = || Matrix::zeros(0, 0);
+        Self {
+            innovation: Vector::zeros(0),
+            innovation_cov: none(),
+            gain: none(),
+            jacobian: None,
+            factor: Ldl::default(),
+            excess: none(),
+        }
     }
 }
 
@@ -45,6 +131,8 @@ pub struct Correction {
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.
     pub effective_samples: f64,
+    /// The last update: where there are several iterations, not the one that is reported.
+    pub(super) last: Last,
 }
 
 impl Default for Correction {
@@ -65,6 +153,7 @@ impl Correction {
             determinant: f64::NAN,
             log_likelihood: f64::NAN,
             effective_samples: f64::NAN,
+            last: Last::default(),
         }
     }
 
@@ -74,7 +163,8 @@ impl Correction {
             *self = Self::nothing(n, m);
             return;
         }
-        let Self { innovation, innovation_cov, gain, nis, determinant, log_likelihood, effective_samples } = self;
+        let Self { innovation, innovation_cov, gain, nis, determinant, log_likelihood, effective_samples, last: _ } =
+            self;
         innovation.fill(f64::NAN);
         innovation_cov.fill(f64::NAN);
         gain.fill(0.0);
@@ -92,11 +182,24 @@ impl Correction {
         factor: &Ldl,
         gain: &Matrix,
     ) {
+        let last = &mut self.last;
+        copy_vector(&mut last.innovation, innovation);
+        copy(&mut last.innovation_cov, innovation_cov);
+        copy(&mut last.gain, gain);
+        last.factor = factor.clone();
+        last.jacobian = None;
+        self.report_last(observation);
+    }
+
+    /// Writes down the last update.
+    pub(super) fn report_last(&mut self, observation: &Observation) {
+        let Last { innovation, innovation_cov, gain, factor, .. } = &self.last;
         self.nis = factor.square(innovation);
         self.determinant = factor.determinant();
         for (i, &row) in observation.sensors().iter().enumerate() {
             self.innovation[row] = innovation[i];
-            self.gain.set_column(row, &gain.column(i));
+            let n = gain.nrows();
+            self.gain.as_mut_slice()[row * n..][..n].copy_from_slice(&gain.as_slice()[i * n..][..n]);
             for (j, &column) in observation.sensors().iter().enumerate() {
                 self.innovation_cov[(row, column)] = innovation_cov[(i, j)];
             }
@@ -122,19 +225,26 @@ pub fn condition(
     observation: &Observation,
     correction: &mut Correction,
 ) -> Result<(), FilterError> {
-    let Expected { mean, cov: innovation_cov, cross, jacobian } = expected;
-    let innovation = observation.innovation(mean);
-    let factor = factor(innovation_cov)?;
-    let gain = factor.divide(cross);
+    let Expected { mean, cov: expected_cov, cross, jacobian } = expected;
+    let Last { innovation, innovation_cov, gain, jacobian: last_jacobian, factor, excess } = &mut correction.last;
+    observation.innovation_into(mean, innovation);
+    copy(innovation_cov, expected_cov);
+    refactor(factor, innovation_cov)?;
+    copy(gain, cross);
+    factor.divide_in_place(gain);
 
-    belief.mean.gemv(1.0, &gain, &innovation, 1.0);
-    match jacobian {
-        Some(jacobian) => joseph(&mut belief.cov, &gain, cross, jacobian, observation.variances()),
-        None => subtract_product(&mut belief.cov, &(&gain * innovation_cov), &gain),
+    add_product(belief.mean.as_mut_slice(), gain, innovation.as_slice());
+    if let Some(jacobian) = jacobian {
+        copy(last_jacobian.get_or_insert_with(|| Matrix::zeros(0, 0)), jacobian);
+        joseph(&mut belief.cov, gain, cross, jacobian, observation.variances(), excess);
+    } else {
+        *last_jacobian = None;
+        multiply(excess, gain, innovation_cov);
+        subtract_product(&mut belief.cov, excess, gain);
     }
     belief.cov.fill_upper_triangle_with_lower_triangle();
     belief.check()?;
-    correction.report(observation, &innovation, innovation_cov, &factor, &gain);
+    correction.report_last(observation);
     Ok(())
 }
 
@@ -146,19 +256,26 @@ pub fn condition(
 /// ```
 ///
 /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
-fn joseph(cov: &mut Matrix, gain: &Matrix, cross: &Matrix, jacobian: &Matrix, variances: &[f64]) {
+fn joseph(cov: &mut Matrix, gain: &Matrix, cross: &Matrix, jacobian: &Matrix, variances: &[f64], excess: &mut Matrix) {
     subtract_product(cov, gain, cross);
-    let mut excess = &*cov * jacobian.transpose();
-    for (k, &variance) in variances.iter().enumerate() {
-        excess.column_mut(k).axpy(-variance, &gain.column(k), 1.0);
+    multiply_sparse(excess, cov, jacobian);
+    let n = cov.nrows();
+    let columns = excess.as_mut_slice().chunks_exact_mut(n).zip(gain.as_slice().chunks_exact(n));
+    for ((excess, gain), variance) in columns.zip(variances) {
+        excess.iter_mut().zip(gain).for_each(|(excess, gain)| *excess -= variance * gain);
     }
-    subtract_product(cov, &excess, gain);
+    subtract_product(cov, excess, gain);
 }
 
 /// Makes of X the matrix `X - A Bᵀ`, one column of A after the other.
 fn subtract_product(x: &mut Matrix, a: &Matrix, b: &Matrix) {
-    for k in 0..a.ncols() {
-        x.ger(-1.0, &a.column(k), &b.column(k), 1.0);
+    let n = x.nrows();
+    for (a, b) in a.as_slice().chunks_exact(n).zip(b.as_slice().chunks_exact(n)) {
+        for (column, b) in x.as_mut_slice().chunks_exact_mut(n).zip(b) {
+            for (x, a) in column.iter_mut().zip(a) {
+                *x -= a * b;
+            }
+        }
     }
 }
 
@@ -167,7 +284,17 @@ fn subtract_product(x: &mut Matrix, a: &Matrix, b: &Matrix) {
 /// # Errors
 /// [`FilterError::NotFinite`], [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`].
 pub fn factor(innovation_cov: &Matrix) -> Result<Ldl, FilterError> {
-    Ldl::new(innovation_cov).ok_or_else(|| match lower_root(innovation_cov) {
+    let mut factor = Ldl::default();
+    refactor(&mut factor, innovation_cov)?;
+    Ok(factor)
+}
+
+/// [`factor`] in place of what it holds.
+pub(super) fn refactor(factor: &mut Ldl, innovation_cov: &Matrix) -> Result<(), FilterError> {
+    if factor.refactor(innovation_cov) {
+        return Ok(());
+    }
+    Err(match lower_root(innovation_cov) {
         Ok(_) => FilterError::SingularInnovation,
         Err(RootError::Indefinite) => FilterError::IndefiniteInnovation,
         Err(RootError::NotFinite) => FilterError::NotFinite,

@@ -1,11 +1,11 @@
-//! The kinds of filter.
+//! The kind of a filter, as data.
 
 use std::fmt;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use super::{Belief, FilterError, Gaussian, Normal, ensemble, linearised, particles, sigma_points, square_root};
+use super::{Belief, FilterError, Gaussian, Normal};
 use crate::FilterSettings;
 
 /// All that is known of a kind of filter.
@@ -21,6 +21,9 @@ pub struct FilterInfo {
     pub reference: &'static str,
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub is_sampled: bool,
+    /// Whether the belief reports a log likelihood and an effective sample size of its own, as particle filters do. That of
+    /// any other follows from NIS and S.
+    pub has_own_likelihood: bool,
     /// How often a filter with these settings evaluates `g(y, f)` of an n-component state to predict one step.
     pub evaluations: fn(&FilterSettings, usize) -> usize,
     /// The belief that a filter with these settings begins with, from its mean and covariance; random numbers, if it needs
@@ -34,36 +37,6 @@ pub type Begin = fn(Gaussian, &FilterSettings, Normal) -> Result<Box<dyn Belief>
 /// A kind of filter, by what it is called.
 #[derive(Clone, Copy)]
 pub struct FilterKind(&'static FilterInfo);
-
-/// The registry: a constant for each kind, whose description stands in the file of its method, and all of them.
-macro_rules! registry {
-    ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
-        impl FilterKind {
-            $($(#[$doc])* pub const $name: Self = Self(&$info);)*
-
-            /// Every kind of the registry.
-            pub const ALL: [Self; [$(stringify!($name)),*].len()] = [$(Self::$name),*];
-        }
-    };
-}
-registry! {
-    /// Kalman filter: the parameters are known, so their standard deviations and `eta` are taken as zero.
-    KF = linearised::KF;
-    /// Extended Kalman filter: local linearisation.
-    EKF = linearised::EKF;
-    /// Iterated extended Kalman filter: the sensors are linearised where the update leads.
-    IEKF = linearised::IEKF;
-    /// Unscented Kalman filter: scaled sigma points.
-    UKF = sigma_points::UKF;
-    /// Unscented Kalman filter on the root of its covariance.
-    SR_UKF = square_root::SR_UKF;
-    /// Cubature Kalman filter.
-    CKF = sigma_points::CKF;
-    /// Ensemble Kalman filter.
-    ENKF = ensemble::ENKF;
-    /// Bootstrap particle filter, regularised.
-    PF = particles::PF;
-}
 
 impl FilterKind {
     /// A kind of your own. Files name kinds of the registry only.
@@ -104,6 +77,11 @@ impl FilterKind {
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub const fn is_sampled(self) -> bool {
         self.0.is_sampled
+    }
+
+    /// Whether the belief reports a log likelihood and an effective sample size of its own.
+    pub const fn has_own_likelihood(self) -> bool {
+        self.0.has_own_likelihood
     }
 }
 

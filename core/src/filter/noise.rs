@@ -18,11 +18,13 @@ impl Noise {
     /// rounding may have come out on the wrong side: it becomes zero.
     pub fn spread(&self, cov: &mut Matrix) {
         let Self { process, sensors: _, fading } = self;
-        for (cov, process) in cov.iter_mut().zip(process.iter()) {
+        for (cov, process) in cov.as_mut_slice().iter_mut().zip(process.as_slice()) {
             *cov = *cov * fading + process;
         }
         for i in 0..cov.nrows() {
-            cov[(i, i)] = if cov[(i, i)] < 0.0 { 0.0 } else { cov[(i, i)] };
+            if cov[(i, i)] < 0.0 {
+                cov[(i, i)] = 0.0;
+            }
         }
         cov.fill_upper_triangle_with_lower_triangle();
     }

@@ -2,7 +2,7 @@
 
 use super::FilterError;
 use crate::Model;
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Vector, fit, fit_vector};
 use crate::model::Reading;
 
 /// The m measurements of one sample that are not missing.
@@ -92,25 +92,31 @@ impl Observation {
 
     /// `h(y, f)`, the m numbers that the sensors would read in a state.
     pub fn read(&self, model: &Model, state: &[f64]) -> Vector {
-        let mut rate = Vector::zeros(model.size());
         let mut values = Vector::zeros(self.len());
-        self.read_into(model, state, rate.as_mut_slice(), values.as_mut_slice());
+        self.read_into(model, state, &mut Vec::new(), values.as_mut_slice());
         values
     }
 
     /// [`Self::read`] of several states, each a column; m rows.
     pub fn read_all(&self, model: &Model, states: &Matrix) -> Matrix {
-        let mut rate = Vector::zeros(model.size());
-        let mut values = Matrix::zeros(self.len(), states.ncols());
-        let columns = values.as_mut_slice().chunks_exact_mut(self.len());
-        for (state, values) in states.as_slice().chunks_exact(model.size()).zip(columns) {
-            self.read_into(model, state, rate.as_mut_slice(), values);
-        }
+        let mut values = Matrix::zeros(0, 0);
+        self.read_all_into(model, states, &mut Vec::new(), &mut values);
         values
     }
 
-    fn read_into(&self, model: &Model, state: &[f64], rate: &mut [f64], values: &mut [f64]) {
-        if !self.is_linear() {
+    /// [`Self::read_all`] in place of what `values` holds; `rate` is memory to work in.
+    pub fn read_all_into(&self, model: &Model, states: &Matrix, rate: &mut Vec<f64>, values: &mut Matrix) {
+        fit(values, self.len(), states.ncols());
+        let columns = values.as_mut_slice().chunks_exact_mut(self.len());
+        for (state, values) in states.as_slice().chunks_exact(model.size()).zip(columns) {
+            self.read_into(model, state, rate, values);
+        }
+    }
+
+    /// [`Self::read`] in place of what `values` holds; `rate` is memory to work in.
+    pub fn read_into(&self, model: &Model, state: &[f64], rate: &mut Vec<f64>, values: &mut [f64]) {
+        if self.readings().any(Reading::is_of_rates) {
+            rate.resize(model.size(), 0.0);
             model.rate_into(state, self.force, rate);
         }
         for (value, reading) in values.iter_mut().zip(self.readings()) {
@@ -120,11 +126,28 @@ impl Observation {
 
     /// `H = ∂h/∂y`, m × n, in a state.
     pub fn jacobian(&self, model: &Model, state: &[f64]) -> Matrix {
-        let mut jacobian = Matrix::zeros(self.len(), model.size());
-        for (row, reading) in self.readings().enumerate() {
-            jacobian.set_row(row, &model.read_gradient(reading, state, self.force).transpose());
-        }
+        let mut jacobian = Matrix::zeros(0, 0);
+        self.jacobian_into(model, state, &mut Vec::new(), &mut Matrix::zeros(0, 0), &mut jacobian);
         jacobian
+    }
+
+    /// [`Self::jacobian`] in place of what `jacobian` holds; `rows` and `rates` are memory to work in.
+    pub fn jacobian_into(
+        &self,
+        model: &Model,
+        state: &[f64],
+        rows: &mut Vec<f64>,
+        rates: &mut Matrix,
+        jacobian: &mut Matrix,
+    ) {
+        if self.readings().any(Reading::is_of_rates) {
+            model.jacobian_into(state, self.force, rows, rates);
+        }
+        fit(jacobian, self.len(), model.size());
+        jacobian.as_mut_slice().fill(0.0);
+        for (row, reading) in self.readings().enumerate() {
+            model.read_gradient_into(reading, rates, self.force, |place, part| jacobian[(row, place)] += part);
+        }
     }
 
     /// Adds R to a covariance of the readings, m × m, and makes it symmetric to the last bit, from its lower triangle.
@@ -137,6 +160,16 @@ impl Observation {
 
     /// The innovation `e = z - h` where h is expected.
     pub fn innovation(&self, expected: &Vector) -> Vector {
-        Vector::from_iterator(self.len(), self.values.iter().zip(expected.iter()).map(|(z, h)| z - h))
+        let mut innovation = Vector::zeros(0);
+        self.innovation_into(expected, &mut innovation);
+        innovation
+    }
+
+    /// [`Self::innovation`] in place of what `innovation` holds.
+    pub fn innovation_into(&self, expected: &Vector, innovation: &mut Vector) {
+        fit_vector(innovation, self.len());
+        for ((e, z), h) in innovation.iter_mut().zip(&self.values).zip(expected.iter()) {
+            *e = z - h;
+        }
     }
 }

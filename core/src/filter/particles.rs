@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use super::ensemble::{about, stretch};
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman};
 use crate::Model;
+use crate::integrate::RungeKutta;
 use crate::linalg::{Matrix, Vector, lower_root, symmetric};
 
 /// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is weighted
@@ -25,6 +26,7 @@ pub struct Particles {
     particles: Matrix,
     weights: Vec<f64>,
     normal: Normal,
+    method: RungeKutta,
     /// The belief that the particles were drawn from, until they first move.
     origin: Option<Gaussian>,
 }
@@ -38,7 +40,13 @@ impl Particles {
         let size = size.max(2);
         let mut particles = Matrix::from_fn(belief.size(), size, |i, _| belief.mean[i]);
         add_draws(&mut particles, &lower_root(&belief.cov)?, &mut normal);
-        Ok(Self { particles, weights: vec![1.0 / size as f64; size], normal, origin: Some(belief) })
+        Ok(Self {
+            particles,
+            weights: vec![1.0 / size as f64; size],
+            normal,
+            method: RungeKutta::default(),
+            origin: Some(belief),
+        })
     }
 
     fn mean(&self) -> Vector {
@@ -131,7 +139,7 @@ impl Belief for Particles {
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
         self.origin = None;
         let mut moved = self.particles.clone();
-        step.advance(model, &mut moved);
+        step.advance(model, &mut moved, &mut self.method);
         // A particle that runs away is no explanation of anything and loses its weight.
         let mut lost = false;
         for (place, next) in moved.column_iter().enumerate() {
@@ -221,6 +229,7 @@ pub(super) static PF: FilterInfo = FilterInfo {
     description: "moves weighted particles and resamples them systematically",
     reference: "Gordon, Salmond and Smith (1993), Novel approach to nonlinear/non-Gaussian Bayesian state estimation",
     is_sampled: true,
+    has_own_likelihood: true,
     evaluations: |settings, _| 4 * settings.ensemble_size,
     begin: |initial, settings, normal| Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?)),
 };

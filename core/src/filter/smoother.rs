@@ -1,13 +1,30 @@
-//! The Rauch-Tung-Striebel smoother.
+//! The modified Bryson-Frazier smoother: the adjoint of the filter goes back.
 //!
 //! ```text
-//! G = C (P⁻ₖ₊₁)⁻¹,  yₖˢ = yₖ + G (yˢₖ₊₁ - y⁻ₖ₊₁),  Pₖˢ = Pₖ - G Cᵀ + G Pˢₖ₊₁ Gᵀ
+//! Λ̂ₖ = Φᵀ Λ̃ₖ₊₁ Φ,                          λ̂ₖ = Φᵀ λ̃ₖ₊₁,  both zero at the last sample
+//! Λ̃ₖ = Hᵀ S⁻¹ H + (I - K H)ᵀ Λ̂ₖ (I - K H),  λ̃ₖ = (I - K H)ᵀ λ̂ₖ - Hᵀ S⁻¹ e
+//! Pₖˢ = Pₖ - Pₖ Λ̂ₖ Pₖ,                       yₖˢ = yₖ - Pₖ λ̂ₖ
 //! ```
+//!
+//! In exact arithmetic it is the smoother of Rauch, Tung and Striebel, `G = Pₖ Φᵀ (P⁻ₖ₊₁)⁻¹`. But that one divides by a
+//! covariance which loses its rank where a motion dies out and no noise stirs it: G then grows as the motion decays, so that
+//! the rounding of later samples grows backward until it is as large as the result. The adjoint decays backward as the motion
+//! does forward, and needs no inverse but that of S.
+//!
+//! Φ and H are those that the filter linearises with. Those of sigma points are regressions on the state, of the next state
+//! and of the readings: with them `cov(next, now) = Φ P` and `K S = P⁻ Hᵀ`, which is all that both smoothers ask for. An
+//! update that does not tell its H has it found by division by P⁻, whose lost directions have no part in it.
+//!
+//! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`.
+//!
+//! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
+//! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.
 
-use super::estimator::{build_filter, in_units, initial_belief};
+use super::estimator::{InUnits, build_filter, initial_belief};
+use super::kalman::Last;
 use super::{Correction, Filter, FilterError, Gaussian};
 use crate::estimator::FilterContext;
-use crate::linalg::{Ldl, Matrix};
+use crate::linalg::{Ldl, Matrix, Vector, multiply, multiply_symmetric};
 use crate::sink::Sample;
 use crate::smoother::Beliefs;
 use crate::{Estimates, FilterSettings, Quantity, Record};
@@ -22,6 +39,8 @@ pub(crate) fn beliefs(settings: &FilterSettings, context: &FilterContext<'_>) ->
         correction: Correction::default(),
         filtered: Vec::new(),
         steps: Vec::new(),
+        adjoint: Adjoint { score: Vector::zeros(0), information: Matrix::zeros(0, 0) },
+        in_units: InUnits::default(),
     }))
 }
 
@@ -31,8 +50,75 @@ struct Smoothed {
     correction: Correction,
     /// The belief after each sample: of the filter, then of the smoother.
     filtered: Vec<Gaussian>,
-    /// From each sample to the next: the belief before the latter, and its covariance with the belief after the former.
-    steps: Vec<(Gaussian, Matrix)>,
+    /// From each sample to the next.
+    steps: Vec<Passage>,
+    adjoint: Adjoint,
+    in_units: InUnits,
+}
+
+/// How a filter came from one sample to the next.
+struct Passage {
+    /// Φ, n × n.
+    transition: Matrix,
+    /// The update at the latter sample; none where nothing was measured.
+    update: Option<Update>,
+}
+
+/// An update by m measurements.
+struct Update {
+    /// `I - K H`, n × n.
+    kept: Matrix,
+    /// `Hᵀ S⁻¹ H`, n × n.
+    information: Matrix,
+    /// `Hᵀ S⁻¹ e`, n numbers.
+    score: Vector,
+}
+
+impl Update {
+    /// The last update that `correction` tells of, of a belief that had this covariance before it.
+    fn new(correction: &Correction, predicted: &Matrix) -> Self {
+        let Last { innovation, innovation_cov, gain, jacobian, factor, .. } = &correction.last;
+        let transposed = jacobian.as_ref().map_or_else(
+            || Ldl::semidefinite(predicted).divide(&(innovation_cov * gain.transpose())).transpose(),
+            Matrix::transpose,
+        );
+        let weighted = factor.divide(&transposed);
+        let n = predicted.nrows();
+        Self {
+            kept: Matrix::identity(n, n) - gain * transposed.transpose(),
+            information: &weighted * transposed.transpose(),
+            score: weighted * innovation,
+        }
+    }
+}
+
+/// What all later measurements tell of a state: `λ`, n numbers, and `Λ`, n × n.
+struct Adjoint {
+    score: Vector,
+    information: Matrix,
+}
+
+impl Adjoint {
+    /// Goes back over an update, then over the step before it.
+    fn pass(&mut self, Passage { transition, update }: &Passage) {
+        let Self { score, information } = self;
+        let mut work = Matrix::zeros(0, 0);
+        if let Some(Update { kept, information: gained, score: told }) = update {
+            *score = kept.tr_mul(score) - told;
+            congruence(information, kept, &mut work);
+            *information += gained;
+        }
+        *score = transition.tr_mul(score);
+        congruence(information, transition, &mut work);
+    }
+}
+
+/// Makes of the symmetric X the matrix `Aᵀ X A`; `work` is memory to work in.
+fn congruence(x: &mut Matrix, a: &Matrix, work: &mut Matrix) {
+    multiply(work, x, a);
+    let transposed = a.transpose();
+    multiply_symmetric(x, 1.0, &transposed, &work.transpose());
+    x.fill_upper_triangle_with_lower_triangle();
 }
 
 impl Beliefs for Smoothed {
@@ -41,34 +127,54 @@ impl Beliefs for Smoothed {
     }
 
     fn filter(&mut self, forces: [f64; 2], record: &Record, k: usize) -> Result<(), FilterError> {
-        let Self { filter, sensors, correction, filtered, steps } = self;
-        if k > 0 {
-            let cross = filter.belief().cross(filter.model(), filter.step(forces))?;
+        let Self { filter, sensors, correction, filtered, steps, .. } = self;
+        if k == 0 {
+            // Memory that grows is copied, which takes long where there is much of it.
+            filtered.reserve(record.len());
+            steps.reserve(record.len());
+        } else {
+            let transition = filter.belief().transition(filter.model(), filter.step(forces))?;
             filter.predict(forces)?;
             let predicted = filter.belief().gaussian().into_owned();
             filter.update(forces[1], &record.sample(k, sensors), correction)?;
-            steps.push((predicted, cross));
+            let is_updated = correction.innovation.iter().any(|e| !e.is_nan());
+            steps.push(Passage { transition, update: is_updated.then(|| Update::new(correction, &predicted.cov)) });
         }
         filtered.push(filter.belief().gaussian().into_owned());
         Ok(())
     }
 
     fn smooth(&mut self, k: usize) {
-        let (predicted, cross) = &self.steps[k];
-        let gain = Ldl::semidefinite(&predicted.cov).divide(cross);
-        let (now, later) = self.filtered.split_at_mut(k + 1);
-        let (Gaussian { mean, cov }, next) = (&mut now[k], &later[0]);
-        *mean += &gain * (&next.mean - &predicted.mean);
-        *cov += &gain * &next.cov * gain.transpose() - &gain * cross.transpose();
+        let Self { filtered, steps, adjoint, .. } = self;
+        if k + 1 == steps.len() {
+            let n = filtered[k].size();
+            *adjoint = Adjoint { score: Vector::zeros(n), information: Matrix::zeros(n, n) };
+        }
+        adjoint.pass(&steps[k]);
+        let Gaussian { mean, cov } = &mut filtered[k];
+        *mean -= &*cov * &adjoint.score;
+        let mut told = adjoint.information.clone();
+        congruence(&mut told, cov, &mut Matrix::zeros(0, 0));
+        *cov -= told;
         for i in 0..cov.nrows() {
             // Zero but for rounding.
             cov[(i, i)] = cov[(i, i)].max(0.0);
         }
-        cov.fill_upper_triangle_with_lower_triangle();
+    }
+
+    fn free(&mut self, samples: usize) -> bool {
+        let Self { filtered, steps, .. } = self;
+        let end = filtered.len().saturating_sub(samples);
+        let had_any = !filtered.is_empty();
+        filtered.truncate(end);
+        steps.truncate(end);
+        had_any
     }
 
     fn report(&self, k: usize, estimates: &mut Estimates) {
-        let (belief, _) = in_units(self.filter.model(), &self.filtered[k]);
-        estimates.append(&Sample::unmeasured(belief.mean.as_slice(), belief.cov.as_slice()));
+        let mut in_units = self.in_units.clone();
+        in_units.take(self.filter.model(), &self.filtered[k], &Matrix::zeros(self.filtered[k].size(), 0));
+        let Gaussian { mean, cov } = &in_units.belief;
+        estimates.append(&Sample::unmeasured(mean.as_slice(), cov.as_slice()));
     }
 }

@@ -2,9 +2,14 @@
 
 use std::borrow::Cow;
 
-use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Observation, Rule, Step, kalman};
+use super::kalman::{self, Last};
+use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Observation, Rule, Step};
 use crate::Model;
-use crate::linalg::{Matrix, Vector, add_to_root, lower_root, symmetric};
+use crate::integrate::RungeKutta;
+use crate::linalg::{
+    Matrix, Vector, add_product, add_to_root, fit, fit_vector, lower_root, multiply_symmetric, multiply_transposed,
+    rotate, rotation,
+};
 
 /// A Gaussian held as mean and lower triangular root L of its covariance `L Lᵀ`, which no rounding can make indefinite.
 ///
@@ -23,8 +28,21 @@ use crate::linalg::{Matrix, Vector, add_to_root, lower_root, symmetric};
 /// Kailath, Sayed and Hassibi (2000), *Linear Estimation*, section 12.3 (array algorithms).
 #[derive(Clone, Debug)]
 pub struct SquareRoot {
-    mean: Vector,
+    /// Mean and covariance, which follow from the root.
+    belief: Gaussian,
     root: Matrix,
+    /// The sigma points, and their images.
+    points: Matrix,
+    readings: Matrix,
+    array: Array,
+    method: RungeKutta,
+    rates: Vec<f64>,
+    /// A deviation, and the sum of all.
+    deviation: Vec<f64>,
+    shift: Vec<f64>,
+    /// The root of Q, for as long as Q stays as it is.
+    process: Option<(Matrix, Matrix)>,
+    expected: Vector,
 }
 
 impl SquareRoot {
@@ -33,25 +51,57 @@ impl SquareRoot {
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where it has none.
     pub fn new(belief: &Gaussian) -> Result<Self, FilterError> {
-        Ok(Self { mean: belief.mean.clone(), root: lower_root(&belief.cov)? })
+        let none = || Matrix::zeros(0, 0);
+        Ok(Self {
+            belief: belief.clone(),
+            root: lower_root(&belief.cov)?,
+            points: none(),
+            readings: none(),
+            array: Array { sensors: none(), cross: none(), state: none() },
+            method: RungeKutta::default(),
+            rates: Vec::new(),
+            deviation: Vec::new(),
+            shift: Vec::new(),
+            process: None,
+            expected: Vector::zeros(0),
+        })
     }
 
-    /// The sigma points, each a column: the centre, and the pair of each column of the root.
-    fn points(&self) -> Matrix {
-        let Self { mean, root } = self;
-        let distance = Rule::Unscented.constants(mean.len()).0.sqrt();
-        Matrix::from_fn(mean.len(), 2 * mean.len() + 1, |i, j| match j.checked_sub(1) {
-            None => mean[i],
-            Some(j) if j % 2 == 0 => mean[i] + root[(i, j / 2)] * distance,
-            Some(j) => mean[i] - root[(i, j / 2)] * distance,
-        })
+    /// Draws the sigma points, each a column: the centre, and the pair of each column of the root.
+    fn draw(&mut self) {
+        let Self { belief: Gaussian { mean, .. }, root, points, .. } = self;
+        let n = mean.len();
+        let distance = Rule::Unscented.constants(n).0.sqrt();
+        fit(points, n, 2 * n + 1);
+        let (centre, pairs) = points.as_mut_slice().split_at_mut(n);
+        centre.copy_from_slice(mean.as_slice());
+        for (pair, column) in pairs.chunks_exact_mut(2 * n).zip(root.as_slice().chunks_exact(n)) {
+            let (plus, minus) = pair.split_at_mut(n);
+            for i in 0..n {
+                let from = column[i] * distance;
+                (plus[i], minus[i]) = (centre[i] + from, centre[i] - from);
+            }
+        }
+    }
+
+    /// Makes the covariance that of the root.
+    fn square(&mut self) {
+        let Self { belief: Gaussian { cov, .. }, root, .. } = self;
+        multiply_symmetric(cov, 1.0, root, root);
+        cov.fill_upper_triangle_with_lower_triangle();
     }
 
     /// `P ← λ P + Q`
     fn spread(&mut self, Noise { process, fading, .. }: &Noise) -> Result<(), FilterError> {
-        self.root *= fading.sqrt();
-        for column in lower_root(process)?.column_iter() {
-            add_to_root(&mut self.root, column.into_owned());
+        let Self { root, deviation, process: known, .. } = self;
+        *root *= fading.sqrt();
+        if known.as_ref().is_none_or(|(of, _)| of != process) {
+            *known = Some((process.clone(), lower_root(process)?));
+        }
+        for column in known.iter().flat_map(|(_, root)| root.as_slice().chunks_exact(process.nrows())) {
+            deviation.clear();
+            deviation.extend_from_slice(column);
+            add_to_root(root, deviation);
         }
         Ok(())
     }
@@ -60,22 +110,25 @@ impl SquareRoot {
 impl Belief for SquareRoot {
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError> {
         let n = model.size();
+        self.draw();
+        let Self { belief: Gaussian { mean, .. }, root, points, method, deviation, shift, .. } = self;
         let (_, weight, _) = Rule::Unscented.constants(n);
-        let mut images = self.points();
-        step.advance(model, &mut images);
-        let centre = images.column(0);
-        let mut sum = Vector::zeros(n);
-        let mut root = Matrix::zeros(n, n);
-        for image in images.column_iter().skip(1) {
-            let deviation = image - centre;
-            sum += &deviation;
-            add_to_root(&mut root, deviation * weight.sqrt());
+        step.advance(model, points, method);
+        let (centre, others) = points.as_slice().split_at(n);
+        shift.clear();
+        shift.resize(n, 0.0);
+        root.as_mut_slice().fill(0.0);
+        for image in others.chunks_exact(n) {
+            take_deviation(deviation, shift, image, centre, weight);
+            add_to_root(root, deviation);
         }
-        let shift = sum * weight;
-        self.mean = centre + &shift;
-        add_to_root(&mut root, shift);
-        self.root = root;
-        self.spread(noise)
+        for i in 0..n {
+            mean[i] = centre[i] + shift[i];
+        }
+        add_to_root(root, shift);
+        self.spread(noise)?;
+        self.square();
+        Ok(())
     }
 
     fn condition(
@@ -84,41 +137,62 @@ impl Belief for SquareRoot {
         observation: &Observation,
         correction: &mut Correction,
     ) -> Result<(), FilterError> {
-        let n = model.size();
+        let (n, m) = (model.size(), observation.len());
+        self.draw();
+        let Self { belief, root, points, readings, array, rates, deviation, shift, expected, .. } = self;
         let (spread, weight, _) = Rule::Unscented.constants(n);
-        let readings = observation.read_all(model, &self.points());
-        let centre = readings.column(0);
-        let mut array = Array::new(n, observation);
-        let mut sum = Vector::zeros(observation.len());
-        for (j, reading) in readings.column_iter().skip(1).enumerate() {
-            let deviation = reading - centre;
-            sum += &deviation;
-            let distance = self.root.column(j / 2) * spread.sqrt();
-            let sign = if j % 2 == 0 { 1.0 } else { -1.0 };
-            array.add(deviation * weight.sqrt(), distance * (sign * weight.sqrt()));
+        observation.read_all_into(model, points, rates, readings);
+        let (centre, others) = readings.as_slice().split_at(m);
+        array.begin(n, observation);
+        shift.clear();
+        shift.resize(m, 0.0);
+        let distance = (spread * weight).sqrt();
+        for (j, reading) in others.chunks_exact(m).enumerate() {
+            take_deviation(deviation, shift, reading, centre, weight);
+            let sign = if j % 2 == 0 { distance } else { -distance };
+            deviation.extend(root.column(j / 2).iter().map(|column| column * sign));
+            array.add(deviation);
         }
-        let shift = sum * weight;
-        let expected = centre + &shift;
-        array.add(shift, Vector::zeros(n));
-        let Array { sensors, cross, state } = array;
+        fit_vector(expected, m);
+        for i in 0..m {
+            expected[i] = centre[i] + shift[i];
+        }
+        shift.resize(m + n, 0.0);
+        array.add(shift);
 
-        let innovation = observation.innovation(&expected);
-        let innovation_cov = symmetric(&sensors * sensors.transpose());
-        let factor = kalman::factor(&innovation_cov)?;
-        let gain = factor.divide(&(cross * sensors.transpose()));
-        self.mean += &gain * &innovation;
-        self.root = state;
-        correction.report(observation, &innovation, &innovation_cov, &factor, &gain);
-        self.gaussian().check()
+        let Array { sensors, cross, state } = array;
+        let Last { innovation, innovation_cov, gain, jacobian, factor, .. } = &mut correction.last;
+        observation.innovation_into(expected, innovation);
+        multiply_transposed(innovation_cov, sensors, sensors);
+        innovation_cov.fill_upper_triangle_with_lower_triangle();
+        kalman::refactor(factor, innovation_cov)?;
+        multiply_transposed(gain, cross, sensors);
+        factor.divide_in_place(gain);
+        *jacobian = None;
+        add_product(belief.mean.as_mut_slice(), gain, innovation.as_slice());
+        std::mem::swap(root, state);
+        correction.report_last(observation);
+        self.square();
+        self.belief.check()
     }
 
     fn gaussian(&self) -> Cow<'_, Gaussian> {
-        let Self { mean, root } = self;
-        Cow::Owned(Gaussian { mean: mean.clone(), cov: root * root.transpose() })
+        Cow::Borrowed(&self.belief)
+    }
+}
+
+/// Makes `deviation` the weighted distance of a point's image from that of the centre, and adds it to `Σ W d`.
+fn take_deviation(deviation: &mut Vec<f64>, shift: &mut [f64], image: &[f64], centre: &[f64], weight: f64) {
+    let scale = weight.sqrt();
+    deviation.clear();
+    deviation.extend(image.iter().zip(centre).map(|(image, centre)| (image - centre) * scale));
+    for ((shift, image), centre) in shift.iter_mut().zip(image).zip(centre) {
+        *shift += (image - centre) * weight;
     }
 }
 
 /// The lower triangular root of the joint covariance of m readings and n components.
+#[derive(Clone, Debug)]
 struct Array {
     sensors: Matrix,
     cross: Matrix,
@@ -126,39 +200,38 @@ struct Array {
 }
 
 impl Array {
-    fn new(n: usize, observation: &Observation) -> Self {
+    /// Begins with the sensors' noise alone.
+    fn begin(&mut self, n: usize, observation: &Observation) {
+        let Self { sensors, cross, state } = self;
         let m = observation.len();
-        let noise = Vector::from_iterator(m, observation.variances().iter().map(|r| r.sqrt()));
-        Self { sensors: Matrix::from_diagonal(&noise), cross: Matrix::zeros(n, m), state: Matrix::zeros(n, n) }
+        fit(sensors, m, m);
+        fit(cross, n, m);
+        fit(state, n, n);
+        for part in [&mut *sensors, cross, state] {
+            part.as_mut_slice().fill(0.0);
+        }
+        for (i, variance) in observation.variances().iter().enumerate() {
+            sensors[(i, i)] = variance.sqrt();
+        }
     }
 
-    /// Adds a deviation of readings and state.
-    fn add(&mut self, mut reading: Vector, mut deviation: Vector) {
+    /// Adds a deviation of readings and state, of which nothing is left.
+    fn add(&mut self, deviation: &mut [f64]) {
         let Self { sensors, cross, state } = self;
-        for j in 0..reading.len() {
-            let length = (sensors[(j, j)] * sensors[(j, j)] + reading[j] * reading[j]).sqrt();
-            if length == 0.0 {
-                continue;
-            }
-            if length == f64::INFINITY {
-                sensors[(j, j)] = length;
+        let (m, n) = (sensors.nrows(), state.nrows());
+        let (reading, deviation) = deviation.split_at_mut(m);
+        let columns = sensors.as_mut_slice().chunks_exact_mut(m).zip(cross.as_mut_slice().chunks_exact_mut(n));
+        for (j, (sensors, cross)) in columns.enumerate() {
+            if let Some((cos, sin)) = rotation(&mut sensors[j], reading[j]) {
+                // The rotated number itself is in place already.
+                rotate(cos, sin, &mut sensors[j + 1..], &mut reading[j + 1..]);
+                rotate(cos, sin, cross, deviation);
+            } else if !sensors[j].is_finite() {
                 return;
-            }
-            let (cos, sin) = (sensors[(j, j)] / length, reading[j] / length);
-            for i in j..reading.len() {
-                rotate(cos, sin, &mut sensors[(i, j)], &mut reading[i]);
-            }
-            for i in 0..deviation.len() {
-                rotate(cos, sin, &mut cross[(i, j)], &mut deviation[i]);
             }
         }
         add_to_root(state, deviation);
     }
-}
-
-/// A Givens rotation of two numbers.
-fn rotate(cos: f64, sin: f64, kept: &mut f64, added: &mut f64) {
-    (*kept, *added) = (cos * *kept + sin * *added, cos * *added - sin * *kept);
 }
 
 pub(super) static SR_UKF: FilterInfo = FilterInfo {
@@ -167,6 +240,7 @@ pub(super) static SR_UKF: FilterInfo = FilterInfo {
     description: "a UKF on the root of its covariance, which no rounding makes indefinite",
     reference: "van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter-estimation",
     is_sampled: false,
+    has_own_likelihood: false,
     evaluations: |_, n| 4 * (2 * n + 1),
     begin: |initial, _, _| Ok(Box::new(SquareRoot::new(&initial)?)),
 };

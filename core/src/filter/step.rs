@@ -26,11 +26,16 @@ impl Step {
         (end - begin) / self.dt
     }
 
-    /// Moves states, each a column of n numbers, by one classical fourth-order Runge-Kutta step of `ẏ = g(y, f)`.
-    pub fn advance(&self, model: &Model, states: &mut Matrix) {
-        let mut method = RungeKutta::new(model.size());
-        for state in states.as_mut_slice().chunks_exact_mut(model.size()) {
-            method.advance(state, self.dt, |share, state, rate| model.rate_into(state, self.force(share), rate));
+    /// Moves states, each a column of n numbers, by one classical fourth-order Runge-Kutta step of `ẏ = g(y, f)`. What does
+    /// not move stays as it is, to the last bit.
+    pub fn advance(&self, model: &Model, states: &mut Matrix, method: &mut RungeKutta) {
+        let columns = states.as_mut_slice().chunks_exact_mut(model.size());
+        if model.eta() == 0.0 {
+            let rate = |share, state: &[f64], rate: &mut [f64]| model.motion_rate_into(state, self.force(share), rate);
+            columns.for_each(|state| method.advance(state, model.motion(), self.dt, rate));
+        } else {
+            let rate = |share, state: &[f64], rate: &mut [f64]| model.rate_into(state, self.force(share), rate);
+            columns.for_each(|state| method.advance(state, model.size(), self.dt, rate));
         }
     }
 }

@@ -1,18 +1,18 @@
-//! Draws from a normal distribution, and the quantiles of what they lead to.
+//! Draws from a normal distribution, and quantiles of functions of them.
 
 use std::f64::consts::TAU;
 
 use super::DRAWS;
 
-/// The most components that the sequence for a common plant has.
+/// The number of components for which the sequence's root is precomputed.
 const USUAL: usize = 6;
 
-/// The root of `x^(d+1) = x + 1` above 1 for d components. Powers of its inverse are as far from ratios, and from each
-/// other's, as d numbers can be.
+/// The root of `x^(d+1) = x + 1` above 1, for d components. Powers of its inverse are a good choice of d numbers that
+/// are far from rational and from each other.
 fn root(d: usize) -> f64 {
     let mut x = 1.2;
     for _ in 0..60 {
-        // A fixed point: (1 + x)^(1/(d+1)).
+        // A fixed-point iteration: (1 + x)^(1/(d+1)).
         x = libm::pow(1.0 + x, 1.0 / (d + 1) as f64);
     }
     x
@@ -21,8 +21,8 @@ fn root(d: usize) -> f64 {
 /// The root for [`USUAL`] components.
 const ROOT: f64 = 1.1127756842787055;
 
-/// The component `j` of draw `i` from a standard normal distribution of `d` components: points that fill space more evenly
-/// than random ones, through the Box-Muller transform.
+/// The component `j` of draw `i` from a standard normal distribution of `d` components: a quasirandom sequence, which
+/// fills space more evenly than random points, with the Box-Muller transform.
 ///
 /// Source: Roberts (2018), The unreasonable effectiveness of quasirandom sequences; Niederreiter (1992), *Random Number
 /// Generation and Quasi-Monte Carlo Methods*, section 3.1 (Kronecker sequences).
@@ -37,13 +37,13 @@ pub(super) fn normal(i: usize, j: usize, d: usize) -> f64 {
     if j.is_multiple_of(2) { radius * cos } else { radius * sin }
 }
 
-/// The place of the 2.5 % quantile between the second and the third smallest of the draws: of n that are spread evenly, the
-/// i-th smallest has the share `(i - ½) / n` below it.
+/// The interpolation weight of the 2.5 % quantile between the second and the third smallest of the draws: the i-th
+/// smallest of n evenly spread draws has the share `(i - ½) / n` below it.
 ///
 /// Source: Hyndman and Fan (1996), Sample quantiles in statistical packages, definition 5.
 const BEYOND_SECOND: f64 = 0.025 * DRAWS as f64 + 0.5 - 2.0;
 
-/// The three smallest and the three largest of what has been pushed, frequency by frequency.
+/// The three smallest and the three largest values so far, at each frequency.
 pub(super) struct Extremes {
     least: [Vec<f64>; 3],
     most: [Vec<f64>; 3],
@@ -60,13 +60,13 @@ impl Extremes {
         insert(&mut self.most, values, |a, b| if a > b { (a, b) } else { (b, a) });
     }
 
-    /// The 2.5 % and the 97.5 % quantile of every frequency.
+    /// The 2.5 % and the 97.5 % quantile at every frequency.
     pub(super) fn quantiles(&self) -> (Vec<f64>, Vec<f64>) {
         (quantile(&self.least), quantile(&self.most))
     }
 }
 
-/// Puts every value where it belongs among the three that are kept; `sorted` gives two of them in order.
+/// Inserts every value among the three that are kept; `sorted` orders two of them.
 #[inline]
 fn insert([first, second, third]: &mut [Vec<f64>; 3], values: &[f64], sorted: impl Fn(f64, f64) -> (f64, f64)) {
     for (((first, second), third), &value) in first.iter_mut().zip(second).zip(third).zip(values) {

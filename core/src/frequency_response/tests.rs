@@ -31,7 +31,7 @@ fn one_mass_answers_as_the_textbook_says() {
 }
 
 #[test]
-fn what_is_not_linear_answers_at_rest_like_what_is() {
+fn nonlinear_plants_at_rest_respond_like_linear_ones() {
     let frequencies = spaced(0.5, 50.0, 101);
     let expected = transfer_function(PlantKind::SDOF, sdof(6.0, 0.05)).magnitude(&frequencies);
     for kind in [PlantKind::DUFFING, PlantKind::BOUC_WEN] {
@@ -42,7 +42,7 @@ fn what_is_not_linear_answers_at_rest_like_what_is() {
             };
             let found = transfer_function(kind, value);
             for (found, expected) in found.magnitude(&frequencies).into_iter().zip(&expected) {
-                // The elastic and the hysteretic share of Bouc-Wen's stiffness cancel but for rounding.
+                // The elastic and the hysteretic share of Bouc-Wen's stiffness cancel up to rounding.
                 assert!((found / expected - 1.0).abs() < 1e-11, "{found} instead of {expected}");
             }
             let (least, greatest) = found.natural_span().unwrap();
@@ -51,17 +51,17 @@ fn what_is_not_linear_answers_at_rest_like_what_is() {
     }
 }
 
-/// Storey by storey from the top: what is above a storey weighs on it as a force and as a stiffness.
+/// Storey by storey from the top: the storeys above act as a force and a stiffness.
 fn chain_by_impedance(stiffness: &[f64], damping: f64, w: f64) -> f64 {
     let (mut force, mut dynamic) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
     for &kappa in stiffness.iter().rev() {
-        // (s + d - ω²) x - s x₋ = 1 + F, of which the storey below feels s (x₋ - x) = D x₋ - G.
+        // (s + d - ω²) x - s x₋ = 1 + F; the storey below carries s (x₋ - x) = D x₋ - G.
         let storey = Complex::new(kappa, w * damping);
         let total = storey + dynamic - w * w;
         force = storey / total * (force + 1.0);
         dynamic = storey - storey * storey / total;
     }
-    // On the ground: s₁ x₁ carries everything, so that x₁ is the force there over s₁.
+    // At the ground s₁ x₁ carries the whole force, so x₁ is that force over s₁.
     (force / Complex::new(stiffness[0], w * damping)).norm_sqr().sqrt()
 }
 
@@ -79,7 +79,7 @@ fn chains_answer_as_their_impedances_say() {
             let found = transfer_function(kind, value).magnitude(&frequencies);
             for (&w, found) in frequencies.iter().zip(found) {
                 let expected = chain_by_impedance(&kappas[..masses], damping, w);
-                // Polynomials of a high degree lose digits, but none that a plot shows.
+                // Polynomials of a high degree lose digits, but not visibly in a plot.
                 let limit = if masses <= 4 { 1e-9 } else { 1e-6 };
                 assert!((found / expected - 1.0).abs() < limit, "{found} instead of {expected} at {w}, {}", kind.key());
             }
@@ -146,7 +146,8 @@ fn a_belief_has_the_response_of_its_mean_in_its_band() {
             assert_eq!(mean, transfer_function(kind, of_mean).magnitude(&frequencies));
             let (low, high) = band.unwrap();
             assert!((0..60).all(|i| 0.0 < low[i] && low[i] < high[i]), "{}", kind.key());
-            // A peak whose place is not known is higher than most of the draws have it there, and so is the mean's.
+            // Where the peak's frequency is uncertain, the mean's peak is higher than most of the draws at that
+            // frequency.
             let inside = (0..60).filter(|&i| low[i] <= mean[i] && mean[i] <= high[i]).count();
             assert!(inside >= 54, "{inside} of 60, {} at {k}", kind.key());
         }
@@ -154,7 +155,7 @@ fn a_belief_has_the_response_of_its_mean_in_its_band() {
 }
 
 #[test]
-fn a_filter_that_knows_has_a_band_without_width() {
+fn known_parameters_have_a_band_of_zero_width() {
     let mut scenario = scenario(PlantKind::SDOF);
     scenario.filters[0].initial_std = Values::ZERO;
     scenario.filters[0].process_std = Values::ZERO;

@@ -9,13 +9,13 @@ use crate::{Channel, Model};
 /// H(s) = C (s I - A)⁻¹ B = b(s) / a(s),  a(s) = det(s I - A)
 /// ```
 ///
-/// The polynomials are those of `s / unit`: so that the coefficients of a high degree stay within the range of numbers, a
-/// unit of time is used in which the plant's motion is neither fast nor slow.
+/// The polynomials are those of `s / unit`. The unit is a frequency near those of the plant, so that the coefficients
+/// of a high degree neither overflow nor underflow.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
-    /// Coefficients of b, that of s⁰ first, and a zero for an even number of them; in s².
+    /// Coefficients of b, that of s⁰ first, padded with a zero to an even number; in s².
     numerator: Vec<f64>,
-    /// Coefficients of a, as many.
+    /// Coefficients of a, in the same order and number.
     denominator: Vec<f64>,
     /// The degree of a.
     degree: usize,
@@ -24,7 +24,7 @@ pub struct TransferFunction {
 }
 
 impl TransferFunction {
-    /// From the force to the displacement of the first mass, linearised at a state of rest.
+    /// From the force to the displacement of the first mass, linearised about a state of rest.
     ///
     /// Source: Faddeev and Faddeeva (1963), *Computational Methods of Linear Algebra*, section 47 (the method of
     /// Leverrier and Faddeev).
@@ -33,7 +33,7 @@ impl TransferFunction {
         let jacobian = model.jacobian(rest, 0.0);
         let push = model.by_force(rest);
         let motion = jacobian.view((0, 0), (degree, degree)).into_owned();
-        // Few masses need no unit: their polynomials are exact enough as they are.
+        // A few masses need no unit: their polynomials are exact enough.
         let unit = if degree <= FEW { 1.0 } else { unit_of(&motion) };
         let (a, b) = (motion / unit, push.rows(0, degree) / (unit * unit));
         let output = model.place(Channel::DISPLACEMENT).unwrap_or(0);
@@ -62,7 +62,7 @@ impl TransferFunction {
         magnitude
     }
 
-    /// [`Self::magnitude`] in place of what `magnitude` holds.
+    /// [`Self::magnitude`], written over the contents of `magnitude`
     pub(super) fn magnitude_into(&self, frequencies: &[f64], magnitude: &mut Vec<f64>) {
         let Self { numerator, denominator, degree: _, unit } = self;
         let at = |w: f64| (square_at(numerator, w / unit) / square_at(denominator, w / unit)).sqrt();
@@ -70,8 +70,8 @@ impl TransferFunction {
         magnitude.extend(frequencies.iter().map(|&w| at(w)));
     }
 
-    /// Two frequencies that have all natural frequencies between them, close to the least and the greatest where damping is
-    /// small \[rad/s\]; `None` where there is nothing that swings.
+    /// Two frequencies that enclose all natural frequencies, close to the least and the greatest where damping is small
+    /// \[rad/s\]; `None` without a natural frequency.
     ///
     /// ```text
     /// a(s) = Π (s² + 2ζᵢωᵢ s + ωᵢ²),  a₂ ≥ Σ ωᵢ²,  a₂' ≥ Σ 1/ωᵢ²
@@ -81,14 +81,14 @@ impl TransferFunction {
     pub fn natural_span(&self) -> Option<(f64, f64)> {
         let Self { denominator, degree, unit, .. } = self;
         let greatest = denominator.get(degree.checked_sub(2)?)?.abs().sqrt();
-        // A hysteretic displacement at rest adds a factor s, zero to rounding.
+        // A hysteretic displacement at rest adds a factor s, which is zero up to rounding.
         let lowest = (0..*degree).find(|&i| denominator[i].abs() > 1e-9 * denominator[i + 1].abs() * greatest)?;
         let least = (denominator[lowest] / denominator.get(lowest + 2)?).abs().sqrt();
         (least.is_normal() && greatest.is_finite()).then_some((unit * least.min(greatest), unit * greatest))
     }
 }
 
-/// The degree up to which polynomials need no unit of time.
+/// The largest degree of polynomials that need no unit of time.
 const FEW: usize = 8;
 
 /// A power of two near the greatest natural frequency of a motion, by the norm of `A²` \[rad/s\].

@@ -51,7 +51,7 @@ impl ImpulseResponse {
         let Self { value: mut h, integral: mut q } = Self::series::<14>(a, b, t);
         let (alpha, beta) = (a * t * t, b * t);
         let (mut sum, mut before, mut c) = (0.0, 0.0, 1.0);
-        for factor in &INVERSE_FACTORIAL[3..] {
+        for factor in &INVERSE_FACTORIAL[3..17] {
             sum += c * factor;
             (before, c) = (c, beta * c + alpha * before);
         }

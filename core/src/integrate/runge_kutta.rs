@@ -15,35 +15,35 @@ pub fn runge_kutta(state: &Vector, dt: f64, rate: impl Fn(f64, &Vector) -> Vecto
     state + (k1 + (k2 + k3) * 2.0 + k4) * (dt / 6.0)
 }
 
-/// The memory that Runge-Kutta steps of n components take, for one step after the other.
-#[derive(Clone, Debug)]
+/// The memory that Runge-Kutta steps take, for one step after the other.
+#[derive(Clone, Debug, Default)]
 pub struct RungeKutta {
     stage: Vec<f64>,
     rates: [Vec<f64>; 4],
 }
 
 impl RungeKutta {
-    /// Memory for n components.
-    pub fn new(n: usize) -> Self {
-        Self { stage: vec![0.0; n], rates: std::array::from_fn(|_| vec![0.0; n]) }
-    }
-
-    /// [`runge_kutta`] in place of the state; `rate` writes the rate of a state into the
-    /// slice.
-    pub fn advance(&mut self, state: &mut [f64], dt: f64, rate: impl Fn(f64, &[f64], &mut [f64])) {
-        let Self { stage, rates: [k1, k2, k3, k4] } = self;
+    /// [`runge_kutta`] in place of a state, whose first `moving` components move; `rate` writes their rates in a state into
+    /// the slice.
+    pub fn advance(&mut self, state: &mut [f64], moving: usize, dt: f64, rate: impl Fn(f64, &[f64], &mut [f64])) {
+        let Self { stage, rates } = self;
+        stage.clear();
+        stage.extend_from_slice(state);
+        rates.iter_mut().for_each(|rate| rate.resize(moving, 0.0));
+        let [k1, k2, k3, k4] = rates;
         let half = 0.5 * dt;
-        rate(0.0, state, k1);
+        let state = &mut state[..moving];
+        rate(0.0, stage, k1);
         rate(0.5, moved(stage, state, k1, half), k2);
         rate(0.5, moved(stage, state, k2, half), k3);
         rate(1.0, moved(stage, state, k3, dt), k4);
-        for (i, state) in state.iter_mut().enumerate() {
-            *state += (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (dt / 6.0);
+        for ((((state, k1), k2), k3), k4) in state.iter_mut().zip(&*k1).zip(&*k2).zip(&*k3).zip(&*k4) {
+            *state += (k1 + (k2 + k3) * 2.0 + k4) * (dt / 6.0);
         }
     }
 }
 
-/// `state + k dt`, in `stage`.
+/// `state + k dt` in place of the components of `stage` that move.
 fn moved<'a>(stage: &'a mut [f64], state: &[f64], k: &[f64], dt: f64) -> &'a [f64] {
     for ((stage, state), k) in stage.iter_mut().zip(state).zip(k) {
         *stage = state + k * dt;

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::kalman::{self, Expected, View};
-use super::{Belief, Correction, Noise, Observation, Smoothable};
+use super::{Belief, Correction, Noise, Observation};
 use crate::filter::{FilterError, Propagation};
 use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::kernel::model::{Model, Output};
@@ -112,14 +112,6 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Linearised<N> {
     #[inline]
     fn gaussian(&self) -> Cow<'_, Gaussian<N>> {
         Cow::Borrowed(&self.belief)
-    }
-}
-
-impl<P: Model<N>, const N: usize> Smoothable<P, N> for Linearised<N> {
-    /// `P Φᵀ`
-    fn cross(&self, model: &P, force: f64, dt: f64) -> Result<Matrix<N, N>, FilterError> {
-        let (_, transition) = self.propagation.kernel_step(model, &self.belief.mean, force, dt);
-        Ok(self.belief.cov * transition.transpose())
     }
 }
 

@@ -18,7 +18,7 @@
 use std::borrow::Cow;
 
 use super::kalman::{self, Expected, View};
-use super::{Belief, Correction, Noise, Observation, Smoothable};
+use super::{Belief, Correction, Noise, Observation};
 use crate::filter::{FilterError, Rule};
 use crate::kernel::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::kernel::model::Model;
@@ -116,22 +116,6 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     #[inline]
     fn gaussian(&self) -> Cow<'_, Gaussian<N>> {
         Cow::Borrowed(&self.belief)
-    }
-}
-
-impl<P: Model<N>, const N: usize> Smoothable<P, N> for SigmaPoints<N> {
-    /// `Σ W (χᵢ - y) g(χᵢ)ᵀ`
-    fn cross(&self, model: &P, force: f64, dt: f64) -> Result<Matrix<N, N>, FilterError> {
-        let Self { belief, rule } = self;
-        let (spread, weight, _) = rule.constants(N);
-        let distances = lower_root(&belief.cov)? * spread.sqrt();
-        let mut cross = Matrix::zeros();
-        for distance in distances.column_iter() {
-            let high = model.runge_kutta_step(&(belief.mean + distance), force, dt);
-            let low = model.runge_kutta_step(&(belief.mean - distance), force, dt);
-            cross += distance * (high - low).transpose() * weight;
-        }
-        Ok(cross)
     }
 }
 

@@ -1,89 +1,120 @@
 //! Division by a covariance.
 
-use super::{Matrix, Vector};
+use super::{Matrix, Vector, copy, fit_vector};
 
 /// `S = L D Lᵀ` with a unit lower triangular L and a positive diagonal D, m × m: a Cholesky factor without square roots.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
 #[derive(Clone, Debug)]
 pub struct Ldl {
+    /// L below the diagonal; the rest is of no meaning.
     lower: Matrix,
     /// The inverse of D; zero in a direction that is left out.
     inverse_pivots: Vector,
     determinant: f64,
 }
 
+impl Default for Ldl {
+    /// The factor of no matrix, m = 0.
+    fn default() -> Self {
+        Self { lower: Matrix::zeros(0, 0), inverse_pivots: Vector::zeros(0), determinant: 1.0 }
+    }
+}
+
 impl Ldl {
     /// The factor of a symmetric matrix, or `None` if it is not positive definite.
     pub fn new(s: &Matrix) -> Option<Self> {
-        let factor = Self::eliminate(s, |pivot, _| pivot > 0.0 && (1.0 / pivot).is_normal());
-        (!factor.inverse_pivots.iter().any(|&inverse| inverse == 0.0)).then_some(factor)
+        let mut factor = Self::default();
+        factor.refactor(s).then_some(factor)
+    }
+
+    /// [`Self::new`] in place of what it holds. Returns whether the matrix is positive definite: if not, the factor is of no
+    /// meaning.
+    pub fn refactor(&mut self, s: &Matrix) -> bool {
+        self.eliminate(s, |pivot, _| pivot > 0.0 && (1.0 / pivot).is_normal());
+        !self.inverse_pivots.iter().any(|&inverse| inverse == 0.0)
     }
 
     /// The factor of a symmetric matrix that may be only semidefinite: a direction of no variance is left out, and a
     /// quotient has no part in it.
     pub fn semidefinite(s: &Matrix) -> Self {
         let rounding = 4.0 * s.nrows() as f64 * f64::EPSILON;
-        Self::eliminate(s, |pivot, variance| pivot > rounding * variance)
+        let mut factor = Self::default();
+        factor.eliminate(s, |pivot, variance| pivot > rounding * variance);
+        factor
     }
 
     /// Eliminates column by column; leaves a column out whose pivot does not count beside the variance that it began as.
-    fn eliminate(s: &Matrix, counts: impl Fn(f64, f64) -> bool) -> Self {
+    fn eliminate(&mut self, s: &Matrix, counts: impl Fn(f64, f64) -> bool) {
+        let Self { lower: rest, inverse_pivots, determinant } = self;
         let m = s.nrows();
-        let mut rest = s.clone();
-        let mut factor = Self { lower: Matrix::identity(m, m), inverse_pivots: Vector::zeros(m), determinant: 1.0 };
+        copy(rest, s);
+        fit_vector(inverse_pivots, m);
+        *determinant = 1.0;
         for j in 0..m {
             let pivot = rest[(j, j)];
             if !counts(pivot, s[(j, j)]) {
-                factor.determinant = 0.0;
+                (inverse_pivots[j], *determinant) = (0.0, 0.0);
+                rest.as_mut_slice()[j * m..][j..m].fill(0.0);
                 continue;
             }
             let inverse = 1.0 / pivot;
             for k in j + 1..m {
                 let share = rest[(k, j)] * inverse;
-                factor.lower[(k, j)] = share;
                 for i in k..m {
                     let product = rest[(i, j)] * share;
                     rest[(i, k)] -= product;
                 }
             }
-            factor.inverse_pivots[j] = inverse;
-            factor.determinant *= pivot;
+            for k in j + 1..m {
+                rest[(k, j)] *= inverse;
+            }
+            inverse_pivots[j] = inverse;
+            *determinant *= pivot;
         }
-        factor
     }
 
     /// `X S⁻¹` for X of r × m.
     pub fn divide(&self, x: &Matrix) -> Matrix {
+        let mut result = x.clone();
+        self.divide_in_place(&mut result);
+        result
+    }
+
+    /// Makes of X the matrix `X S⁻¹`.
+    pub fn divide_in_place(&self, x: &mut Matrix) {
         let Self { lower, inverse_pivots, .. } = self;
         let (r, m) = x.shape();
-        let mut result = x.clone();
-        let subtract = |result: &mut Matrix, from: usize, column: usize, share: f64| {
-            for i in 0..r {
-                let product = result[(i, column)] * share;
-                result[(i, from)] -= product;
-            }
-        };
+        let entries = x.as_mut_slice();
         for j in 0..m {
+            let (before, column) = entries.split_at_mut(j * r);
             for k in 0..j {
-                subtract(&mut result, j, k, lower[(j, k)]);
+                subtract(&mut column[..r], &before[k * r..][..r], lower[(j, k)]);
             }
         }
         for j in (0..m).rev() {
-            result.column_mut(j).scale_mut(inverse_pivots[j]);
+            let (column, after) = entries[j * r..].split_at_mut(r);
+            column.iter_mut().for_each(|entry| *entry *= inverse_pivots[j]);
             for k in j + 1..m {
-                subtract(&mut result, j, k, lower[(k, j)]);
+                subtract(column, &after[(k - j - 1) * r..][..r], lower[(k, j)]);
             }
         }
-        result
     }
 
     /// `eᵀ S⁻¹ e`
     pub fn square(&self, e: &Vector) -> f64 {
         let Self { lower, inverse_pivots, .. } = self;
-        let mut white = e.clone();
+        // Up to this many numbers need no memory of their own.
+        let (mut few, mut many) = ([0.0; 8], Vec::new());
+        let white = if e.len() <= few.len() {
+            &mut few[..e.len()]
+        } else {
+            many.resize(e.len(), 0.0);
+            &mut many[..]
+        };
         let mut sum = 0.0;
         for j in 0..e.len() {
+            white[j] = e[j];
             for k in 0..j {
                 white[j] -= lower[(j, k)] * white[k];
             }
@@ -104,6 +135,13 @@ impl Ldl {
     /// det S; zero or infinite where it leaves the range of numbers.
     pub fn determinant(&self) -> f64 {
         self.determinant
+    }
+}
+
+/// Takes from a column another one times its share in it.
+fn subtract(column: &mut [f64], other: &[f64], share: f64) {
+    for (entry, other) in column.iter_mut().zip(other) {
+        *entry -= other * share;
     }
 }
 

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::Matrix;
+use super::{Matrix, fit};
 
 /// Why a symmetric matrix has no root.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -23,29 +23,48 @@ pub enum RootError {
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
 pub fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
+    let mut root = Matrix::zeros(0, 0);
+    lower_root_into(&mut root, s)?;
+    Ok(root)
+}
+
+/// [`lower_root`] in place of what `root` holds.
+///
+/// # Errors
+/// As [`lower_root`]; `root` is of no meaning then.
+pub fn lower_root_into(root: &mut Matrix, s: &Matrix) -> Result<(), RootError> {
     let n = s.nrows();
-    let mut rest = s.clone();
-    let mut root = Matrix::zeros(n, n);
+    fit(root, n, n);
+    root.fill_lower_triangle(0.0, 0);
+    root.fill_upper_triangle(0.0, 1);
+    let entries = root.as_mut_slice();
     for j in 0..n {
-        let pivot = rest[(j, j)];
-        let rounding = 4.0 * n as f64 * f64::EPSILON * s[(j, j)];
-        if pivot > rounding && pivot.is_normal() {
-            let column = rest.column(j).clone_owned();
-            for k in j + 1..n {
-                let share = column[k] / pivot;
-                if share != 0.0 {
-                    rest.view_mut((k, k), (n - k, 1)).column_mut(0).axpy(-share, &column.rows(k, n - k), 1.0);
+        // Column j less its part in the columns before.
+        let (before, column) = entries.split_at_mut(j * n);
+        let column = &mut column[j..n];
+        column.copy_from_slice(&s.as_slice()[j * n..][j..n]);
+        for earlier in before.chunks_exact(n) {
+            let share = earlier[j];
+            if share != 0.0 {
+                for (entry, earlier) in column.iter_mut().zip(&earlier[j..]) {
+                    *entry -= earlier * share;
                 }
             }
+        }
+        let pivot = column[0];
+        let rounding = 4.0 * n as f64 * f64::EPSILON * s[(j, j)];
+        if pivot > rounding && pivot.is_normal() {
             let scale = 1.0 / pivot.sqrt();
-            root.view_mut((j, j), (n - j, 1)).column_mut(0).axpy(scale, &column.rows(j, n - j), 0.0);
+            column.iter_mut().for_each(|entry| *entry *= scale);
         } else if !pivot.is_finite() {
             return Err(RootError::NotFinite);
         } else if pivot < -1e4 * rounding {
             return Err(RootError::Indefinite);
+        } else {
+            column.fill(0.0);
         }
     }
-    Ok(root)
+    Ok(())
 }
 
 #[cfg(test)]

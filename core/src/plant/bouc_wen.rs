@@ -1,4 +1,4 @@
-//! An oscillator whose spring yields and remembers.
+//! An oscillator with a hysteretic spring.
 
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
@@ -10,8 +10,8 @@ use crate::channel::{ChannelInfo, Role, Sign, Usual};
 /// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z| z - γ ẋ z²
 /// ```
 ///
-/// z is a displacement that follows x until the spring yields, near `|z| = 1/√(β + γ)`; the stiffness after that is α times
-/// the one before.
+/// z is a displacement that follows x until the spring yields, near `|z| = 1/√(β + γ)`. After yielding the stiffness is
+/// α times the initial one.
 ///
 /// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
 /// Kalman filter for real-time nonlinear structural system identification, section 4.
@@ -63,9 +63,9 @@ static HYSTERESIS_GAMMA: ChannelInfo = ChannelInfo {
 };
 
 impl Channel {
-    /// z \[m\], the displacement that the hysteretic spring remembers
+    /// z \[m\], the hysteretic displacement
     pub const HYSTERETIC_DISPLACEMENT: Self = Self::new(&HYSTERETIC_DISPLACEMENT);
-    /// α \[-\], stiffness after yielding over that before
+    /// α \[-\], ratio of the stiffness after yielding to the initial one
     pub const POST_YIELD_RATIO: Self = Self::new(&POST_YIELD_RATIO);
     /// β \[1/m²\], shape of the hysteresis loop
     pub const HYSTERESIS_BETA: Self = Self::new(&HYSTERESIS_BETA);
@@ -105,7 +105,7 @@ impl Plant for BoucWen {
         rate[2] = v - (beta * product.abs() + gamma * product) * z;
     }
 
-    /// At the kinks `v = 0` and `z = 0` the derivative is that of the side of positive v.
+    /// At the kinks `v = 0` and `z = 0`, the derivative is the one for positive v.
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
         let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
         let sign = if v < 0.0 { -1.0 } else { 1.0 };

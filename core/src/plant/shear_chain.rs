@@ -1,10 +1,10 @@
-//! Masses one above the other, each storey a spring and a damper.
+//! A chain of masses connected by springs and dampers, such as the storeys of a building.
 
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by_mass};
 
-/// A shear building of equal masses, shaken at its base, with every storey's stiffness and the damping unknown:
+/// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
 /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
 ///
 /// ```text
@@ -82,7 +82,7 @@ impl Channel {
 /// The most components that a chain can have.
 const MOST: usize = 3 * MAX_MASSES + 1;
 
-/// The channels of a chain, of which the first `3 masses + 1` count.
+/// The channels of the longest chain; a chain of m masses uses the first `3 m + 1`.
 const fn channels(masses: usize) -> [Channel; MOST] {
     let mut channels = [Channel::STOREY_DAMPING; MOST];
     let mut i = 0;

@@ -1,7 +1,7 @@
 use super::*;
 use crate::{InputKind, Model, augment};
 
-/// A state of ordinary size: numbers around the usual.
+/// A state of ordinary size.
 fn state(model: &Model, seed: usize) -> Vec<f64> {
     let n = model.size();
     let value = |(i, channel): (usize, &Channel)| {
@@ -13,7 +13,7 @@ fn state(model: &Model, seed: usize) -> Vec<f64> {
     model.to_state(&values).0.as_slice().to_vec()
 }
 
-/// Every plant, bare and with all that a model can add.
+/// Every plant, without and with everything that a model can add.
 fn models() -> impl Iterator<Item = Model> {
     PlantKind::ALL.into_iter().flat_map(|kind| {
         let full = Model::new(kind).augmented(augment::of(kind)).decaying(0.02);
@@ -77,7 +77,7 @@ fn a_plant_at_rest_takes_the_force_as_its_acceleration() {
             assert_eq!(of(crate::Aspect::ACCELERATION), 3.0);
             assert_eq!(of(crate::Aspect::TOTAL_ACCELERATION), 3.0);
         }
-        // Shaken at its base, the plant stays where it is against the world.
+        // With its base shaken, a plant at rest stays at rest in an inertial frame.
         let shaken = model.driven_by(InputKind::GroundAcceleration);
         let total = shaken.reading(Quantity::TOTAL_ACCELERATION).unwrap();
         assert_eq!(shaken.read(&total, &rest, InputKind::GroundAcceleration.force(3.0)), 0.0);

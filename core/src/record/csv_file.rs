@@ -1,4 +1,4 @@
-//! Records as CSV files: `t, force`, a column a sensor, and `true_…` columns where the truth is known.
+//! Records as CSV files: `t, force`, a column per sensor, and `true_…` columns where the truth is known.
 
 use std::io::{Read, Write};
 
@@ -6,9 +6,9 @@ use super::{Input, Record, RecordError};
 use crate::{Channel, Hold, InputKind, Quantity};
 
 impl Record {
-    /// Reads a CSV file with a header. Needs the columns `t`, `force` (or `ground_acceleration`) and one for each of `sensors`; takes
-    /// `true_displacement` and the like as the truth where they are; ignores other columns and lines that begin with `#`.
-    /// An empty cell or `nan` is a missing measurement.
+    /// Reads a CSV file with a header. Requires the columns `t`, `force` (or `ground_acceleration`) and one for each of
+    /// `sensors`. Reads `true_displacement` and similar columns as the truth, and ignores other columns and lines that
+    /// begin with `#`. An empty cell or `nan` is a missing measurement.
     ///
     /// # Errors
     /// [`RecordError`] with the line and column at fault.
@@ -65,7 +65,7 @@ impl Record {
             .starting_at(start))
     }
 
-    /// Writes what [`Self::read_csv`] reads, with 17 significant digits, so that every bit survives.
+    /// Writes a file that [`Self::read_csv`] reads back bit by bit, with 17 significant digits.
     ///
     /// # Errors
     /// [`RecordError::Csv`] where `output` cannot be written.
@@ -85,7 +85,7 @@ impl Record {
     }
 }
 
-/// The column of an input.
+/// The column's name for a kind of input.
 fn input_name(kind: InputKind) -> &'static str {
     match kind {
         InputKind::Force => "force",
@@ -93,7 +93,7 @@ fn input_name(kind: InputKind) -> &'static str {
     }
 }
 
-/// Start and step of times that should be equally spaced, to a hundredth of the step.
+/// Start and step of equally spaced times, which are checked to a hundredth of the step.
 fn spacing(times: &[(u64, f64)]) -> Result<(f64, f64), RecordError> {
     let [(_, first), .., (_, last)] = *times else {
         return Err(RecordError::TooShort(times.len()));
@@ -101,13 +101,13 @@ fn spacing(times: &[(u64, f64)]) -> Result<(f64, f64), RecordError> {
     if last <= first {
         return Err(RecordError::NotRising { first, last });
     }
-    // The mean is off by its rounding at times, but a file of ours must give its dt back to the bit.
+    // The mean step is rounded, but the `dt` of a file written by `write_csv` must be exact.
     let step = times[1].1 - first;
     let exact = times.iter().enumerate().all(|(k, &(_, time))| time == first + k as f64 * step);
     let dt = if exact { step } else { (last - first) / (times.len() - 1) as f64 };
     for (k, &(line, found)) in times.iter().enumerate() {
         let expected = first + k as f64 * dt;
-        // A step that overflows has no expectations and fails, too.
+        // The comparison also fails where the step has overflowed.
         let off = (found - expected).abs();
         if off.is_nan() || off > 0.01 * dt {
             return Err(RecordError::Spacing { line, found, expected, dt });

@@ -1,8 +1,8 @@
-//! Why columns or a file are no record.
+//! Errors of records.
 
 use thiserror::Error;
 
-/// Why columns or a file are no record.
+/// The reason why columns or a file are not a record.
 #[derive(Debug, Error)]
 pub enum RecordError {
     /// The time between samples is not positive and finite.
@@ -16,9 +16,9 @@ pub enum RecordError {
     Length {
         /// The column's name.
         column: String,
-        /// How many values it has.
+        /// The number of values.
         found: usize,
-        /// How many it should have.
+        /// The required number.
         expected: usize,
     },
     /// A value is not finite where it must be, or infinite.
@@ -33,7 +33,7 @@ pub enum RecordError {
         /// The values that are allowed.
         allowed: &'static str,
     },
-    /// It is no CSV, or cannot be read or written.
+    /// The text is not CSV, or cannot be read or written.
     #[error(transparent)]
     Csv(#[from] csv::Error),
     /// A column is missing.
@@ -41,13 +41,13 @@ pub enum RecordError {
     Column {
         /// The column's name.
         missing: String,
-        /// The names that there are.
+        /// The columns of the file.
         found: String,
     },
-    /// A cell is no number.
+    /// A cell is not a number.
     #[error("line {line}, column `{column}`: `{value}` is not {allowed}")]
     Cell {
-        /// Line of the file, the header being line 1.
+        /// The line of the file; the header is line 1.
         line: u64,
         /// The column's name.
         column: String,
@@ -61,17 +61,17 @@ pub enum RecordError {
     Spacing {
         /// Line of the file.
         line: u64,
-        /// The time that stands there \[s\].
+        /// The time in the file \[s\].
         found: f64,
-        /// The time that should \[s\].
+        /// The expected time \[s\].
         expected: f64,
         /// The mean time between samples \[s\].
         dt: f64,
     },
-    /// There are too few samples to tell the time between them.
+    /// There are too few samples to determine the time between them.
     #[error("{0} sample(s), but at least 2 are needed")]
     TooShort(usize),
-    /// Time does not go forward.
+    /// The times do not increase.
     #[error("t must rise, but goes from {first} s to {last} s")]
     NotRising {
         /// First time \[s\].

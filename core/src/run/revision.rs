@@ -1,4 +1,4 @@
-//! Another scenario in place of a run's, computed beside it.
+//! A change of a run's scenario, computed beside the run.
 
 use super::{Run, Update};
 use crate::bank::{Bank, lookahead};
@@ -7,27 +7,27 @@ use crate::source::Recording;
 use crate::spare::Spare;
 use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
 
-/// Samples of a truth that are simulated before the time is looked at: about 0.3 ms.
+/// Limits the samples of a truth that are simulated between two checks of the time: about 0.3 ms.
 const RECORD_CHUNK: usize = 500;
 
-/// The parts of a run that another scenario changes. The run itself stays as it is until [`Self::apply`].
+/// The parts of a run that another scenario changes. The run stays as it is until [`Self::apply`].
 pub(crate) struct Revision {
-    /// The record, where it is another one.
+    /// The record, if it changes.
     recording: Option<Recording>,
     samples: usize,
     bank: Bank,
-    /// For each filter that stays as it is, its place in the run.
+    /// For each unchanged filter, its place in the run.
     kept: Vec<Option<usize>>,
-    /// The places of the others, those with the cheapest step first.
+    /// The places of the changed filters, from the cheapest step to the costliest.
     order: Vec<usize>,
     is_of_everything: bool,
 }
 
 impl Revision {
-    /// The revision that makes a run one of `scenario`, over another source if there is one.
+    /// The revision that takes a run to another scenario, and to another source if one is given.
     ///
     /// # Errors
-    /// [`RunError`] where the scenario is impossible, or its source is not one of such a scenario.
+    /// [`RunError`] where the scenario is impossible, or the source does not fit it.
     pub(crate) fn new(
         run: &Run,
         scenario: &Scenario,
@@ -60,37 +60,37 @@ impl Revision {
         Ok(Self { recording, samples, bank, kept, order, is_of_everything: !same_filters })
     }
 
-    /// Whether the record, or the way in which it is read, is another one.
+    /// Whether the record, or the way in which it is read, changes.
     pub(crate) fn is_of_everything(&self) -> bool {
         self.is_of_everything
     }
 
-    /// The filters; those that stay as they are have but a place.
+    /// The filters; unchanged ones are empty places.
     pub(crate) fn bank(&self) -> &Bank {
         &self.bank
     }
 
-    /// The places of the filters that change.
+    /// The places of the changed filters.
     pub(crate) fn changed(&self) -> &[usize] {
         &self.order
     }
 
-    /// For each filter that stays as it is, its place in the run.
+    /// For each unchanged filter, its place in the run.
     pub(crate) fn kept(&self) -> &[Option<usize>] {
         &self.kept
     }
 
-    /// Whether the filter at a place stays as it is.
+    /// Whether the filter at a place is unchanged.
     pub(crate) fn keeps(&self, place: usize) -> bool {
         self.kept[place].is_some()
     }
 
-    /// The record, where it is another one than the run's.
+    /// The new record, if it changes.
     pub(crate) fn own_record(&self) -> Option<&Record> {
         self.recording.as_ref().map(Recording::record)
     }
 
-    /// Where the samples of its own record come from.
+    /// The source of the new record, if it changes.
     pub(crate) fn source(&self) -> Option<Source> {
         self.recording.as_ref().map(Recording::source)
     }
@@ -100,7 +100,7 @@ impl Revision {
         self.samples
     }
 
-    /// The number of samples of its own record that there are.
+    /// The number of samples of the new record that are done.
     pub(crate) fn recorded(&self) -> Option<usize> {
         self.recording.as_ref().map(Recording::len)
     }
@@ -110,7 +110,7 @@ impl Revision {
         self.bank.passes[place].done()
     }
 
-    /// Forgets the first samples of those that are kept, as [`Run::forget`] does.
+    /// Forgets the first samples that are still kept, as [`Run::forget`] does.
     pub(crate) fn forget(&mut self, samples: usize) {
         if let Some(recording) = &mut self.recording {
             recording.forget(samples);
@@ -118,8 +118,9 @@ impl Revision {
         }
     }
 
-    /// Goes on towards `samples` samples from the beginning: first the record, then the filters. `record` is the run's, for
-    /// where it stays. Asks after each little piece of work whether there is time for another. Returns whether all is done.
+    /// Computes up to `samples` samples, counted from the beginning: first the record, then the filters. `record` is
+    /// the run's, for a record that does not change. Calls `while_time` after each small piece of work and returns
+    /// early if it is false. Returns whether everything is done.
     pub(crate) fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, bank, order, .. } = self;
         let goal = samples.min(*all);
@@ -151,7 +152,7 @@ impl Revision {
         true
     }
 
-    /// Puts the result, of `done` samples, into the run, and those parts of the run that it replaces among what is spare.
+    /// Puts the result, of `done` samples, into the run, and the parts that it replaces into the spare memory.
     pub(crate) fn apply(self, run: &mut Run, done: usize, spare: &mut Spare) -> Update {
         let Self { recording, samples, mut bank, kept, mut order, is_of_everything } = self;
         for (place, before) in kept.into_iter().enumerate() {
@@ -173,14 +174,14 @@ impl Revision {
         Update::Filters(changed)
     }
 
-    /// The memory of what has been computed.
+    /// The memory of the revision's data.
     pub(crate) fn take_apart(self) -> (Option<Record>, Vec<Estimates>) {
         let estimates = self.bank.estimates.into_iter().filter(|estimates| !estimates.is_empty()).collect();
         (self.recording.and_then(Recording::into_simulated), estimates)
     }
 }
 
-/// Whether the filters of a run would be given the same by another scenario.
+/// Whether another scenario gives the filters of a run the same input and measurements.
 fn same_filters(run: &Run, scenario: &Scenario) -> bool {
     let without_filters = |scenario: &Scenario| Scenario { filters: Vec::new(), ..scenario.clone() };
     let before = run.scenario();

@@ -1,9 +1,8 @@
-//! The colours by which filters are told apart.
+//! The colours of filters.
 
 use serde::{Deserialize, Serialize};
 
-/// A colour of the palette of Okabe and Ito, which the colour-blind can tell apart. What shade of it is used is up to
-/// whoever draws.
+/// A colour of the palette of Okabe and Ito, which colour-blind readers can distinguish. Each theme chooses the shade.
 ///
 /// Source: Okabe and Ito (2008), Color Universal Design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::Scenario;
 
 impl Scenario {
-    /// Gives every filter an id of its own: one that has none, or that of a filter before it, gets the number of its place,
-    /// counted from 1, or else the first free number.
+    /// Gives every filter a unique id. A filter without an id, or with that of an earlier one, gets the number of its
+    /// place, counted from 1, or else the first free number.
     pub fn number_filters(&mut self) {
         let mut taken = self.filter_ids();
         let mut seen = BTreeSet::from([0]);

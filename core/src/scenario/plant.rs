@@ -1,4 +1,4 @@
-//! The truth's settings.
+//! The settings of the truth.
 
 use std::fmt;
 
@@ -11,16 +11,16 @@ use crate::model::{InputKind, Model};
 use crate::signal::Step;
 use crate::{Channel, PlantKind, Signal};
 
-/// The plant that the filters are to identify. It has those of the parameters that [`PlantKind::parameters`] says, and any
-/// augmentation ([`crate::augment`]) that has a signal.
+/// The plant to identify. It has the parameters of [`PlantKind::parameters`], and the augmentations
+/// ([`crate::augment`]) that have a signal.
 #[derive(Clone, Debug)]
 pub struct Plant {
     /// The kind of plant.
     pub kind: PlantKind,
-    /// The motion of the mass, or of the first of several, at t = 0; everything else is at rest.
+    /// The motion of the first mass at t = 0; everything else is at rest.
     pub initial: Motion,
-    /// Standard deviation of an unmeasured force over mass that is normal and held over each step, and the same for every
-    /// mass \[m/s²\].
+    /// Standard deviation of an unmeasured force over mass, which is normal, held over each step, and the same for
+    /// every mass \[m/s²\].
     pub disturbance_std: f64,
     /// How many samples after it is recorded the plant feels the input; negative where the record is late.
     pub input_delay: i32,
@@ -29,7 +29,7 @@ pub struct Plant {
 
 /// Displacement and velocity of the mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Motion {
     /// x \[m\]
     pub displacement: f64,
@@ -38,15 +38,15 @@ pub struct Motion {
 }
 
 impl Plant {
-    /// A channel over time: a parameter's signal or its usual value, an augmentation's signal if it has one. `None` for
-    /// what moves.
+    /// The signal of a channel: for a parameter its own or the usual value, for an augmentation its own, if any. `None`
+    /// for a component of the motion.
     pub fn parameter(&self, channel: Channel) -> Option<Signal> {
         let set = self.signals.iter().find(|(c, _)| *c == channel).map(|(_, signal)| *signal);
         let usual = || Signal::Constant(channel.usual_truth());
         set.or_else(|| (channel.is_parameter() && !channel.is_augmentation()).then(usual))
     }
 
-    /// The signal of a parameter or an augmentation, which has its usual value if it had none; to be changed.
+    /// The signal of a parameter or an augmentation, to be changed. Without one, it first gets the usual value.
     pub fn parameter_mut(&mut self, channel: Channel) -> Option<&mut Signal> {
         if !channel.is_parameter() {
             return None;
@@ -58,14 +58,14 @@ impl Plant {
         Some(&mut self.signals[place].1)
     }
 
-    /// Gives a parameter or an augmentation another signal; what moves has none.
+    /// Sets the signal of a parameter or an augmentation; does nothing for a component of the motion.
     pub fn set(&mut self, channel: Channel, signal: impl Into<Signal>) {
         if let Some(parameter) = self.parameter_mut(channel) {
             *parameter = signal.into();
         }
     }
 
-    /// The same with another signal for a parameter or an augmentation; what moves has none.
+    /// The same plant with another signal for a parameter or an augmentation.
     #[must_use]
     pub fn with(mut self, channel: Channel, signal: impl Into<Signal>) -> Self {
         self.set(channel, signal);
@@ -78,12 +78,12 @@ impl Plant {
         Self { kind, ..self }
     }
 
-    /// Takes an augmentation's signal away, and so the augmentation.
+    /// Removes the signal of an augmentation, and so the augmentation.
     pub fn remove(&mut self, augmentation: Channel) {
         self.signals.retain(|(channel, _)| !(channel.is_augmentation() && *channel == augmentation));
     }
 
-    /// The parameters and augmentations that the truth has, in the order of its state.
+    /// The parameters and augmentations of the truth, in the order of its state.
     pub fn parameters(&self) -> impl Iterator<Item = Channel> {
         let augmentations = self.signals.iter().map(|(channel, _)| *channel).filter(|c| c.is_augmentation());
         self.kind.parameters().chain(augmentations)
@@ -95,14 +95,14 @@ impl Plant {
         Model::new(self.kind).augmented(augmentations).driven_by(input)
     }
 
-    /// The channels that have a signal of their own, whether the plant has them or not.
+    /// The channels with an own signal, whether the plant has them or not.
     pub(super) fn signals(&self) -> impl Iterator<Item = (Channel, Signal)> {
         self.signals.iter().copied()
     }
 }
 
 impl PartialEq for Plant {
-    /// Whether every parameter has the same signal, set or usual, and every augmentation.
+    /// Whether every parameter has the same signal, its own or the usual one, and every augmentation.
     fn eq(&self, other: &Self) -> bool {
         let Self { kind, initial, disturbance_std, input_delay, signals } = self;
         let same = |(channel, _): &(Channel, Signal)| self.parameter(*channel) == other.parameter(*channel);
@@ -156,7 +156,7 @@ impl<'de> Deserialize<'de> for Plant {
             type Value = Plant;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("struct Plant")
+                f.write_str("a table")
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Plant, A::Error> {
@@ -178,7 +178,7 @@ impl<'de> Deserialize<'de> for Plant {
     }
 }
 
-/// A key of the truth's table. Wrong ones are refused as keys, so that the message has their place.
+/// A key of the truth's table. An unknown key fails here, as a key, so that the message names its line.
 enum Key {
     Kind,
     Initial,

@@ -1,28 +1,27 @@
-//! Which values a scenario may have.
+//! The validation of scenarios.
 
 use std::fmt::Display;
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::channel::{Role, Sign};
 use crate::filter::Adaptation;
-use crate::force::Allowed;
 use crate::quantity::MAX_SENSORS;
-use crate::{PlantKind, Signal, Values};
+use crate::{Force, PlantKind, Signal, Values};
 
-/// The most samples of one record: more than a day at 1 kHz. Who keeps all of so many needs tens of gigabytes a filter; a
-/// run that forgets ([`crate::Run::forget`]) does not.
+/// Limits the samples of one record: more than a day at 1 kHz. A run that keeps them all needs tens of gigabytes per
+/// filter; one that forgets ([`crate::Run::forget`]) does not.
 pub(super) const MAX_SAMPLES: usize = 100_000_000;
 
-/// The most filters of one scenario.
+/// Limits the filters of one scenario.
 pub(super) const MAX_FILTERS: usize = 16;
 
-/// The most times that an IEKF may linearise in one update.
+/// Limits the linearisations in one update of an IEKF.
 const MAX_ITERATIONS: usize = 100;
 
-/// The most samples that the plant can feel the input after or before it is recorded.
+/// Limits the samples by which the plant can feel the input after or before it is recorded.
 const MAX_DELAY: u32 = 100;
 
-/// The most members of an ensemble.
+/// Limits the members of an ensemble.
 const MAX_ENSEMBLE: usize = 100_000;
 
 impl Scenario {
@@ -42,14 +41,7 @@ impl Scenario {
             format_args!("from 1 to {} times dt", MAX_SAMPLES - 1),
         )?;
         plant.validate()?;
-        for (name, value, allowed) in force.numbers() {
-            let key = format!("force.{name}");
-            match allowed {
-                Allowed::Finite => finite(key, value)?,
-                Allowed::NotNegative => not_negative(key, value)?,
-                Allowed::Positive => positive(key, value)?,
-            }
-        }
+        validate_force(force)?;
         require(
             sensors.len() <= MAX_SENSORS,
             "sensors",
@@ -89,7 +81,7 @@ impl Plant {
         let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
         for (channel, parameter) in own.chain(self.signals()) {
             let key = format!("plant.{}", channel.key());
-            signal(&key, &parameter)?;
+            validate_signal(&key, &parameter)?;
             let low = || format!("{} at its lowest", parameter.minimum());
             match channel.role() {
                 Role::Parameter(Sign::Positive) => {
@@ -199,7 +191,32 @@ fn each(
     values.iter().try_for_each(|(channel, value)| check(format!("{path}.{}", channel.key()), value))
 }
 
-fn signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {
+fn validate_force(force: &Force) -> Result<(), ScenarioError> {
+    match *force {
+        Force::None => Ok(()),
+        Force::WhiteNoise { std } => not_negative("force.white_noise.std", std),
+        Force::Sine { amplitude, frequency } => {
+            finite("force.sine.amplitude", amplitude)?;
+            finite("force.sine.frequency", frequency)
+        }
+        Force::Chirp { amplitude, from, to, sweep } => {
+            finite("force.chirp.amplitude", amplitude)?;
+            finite("force.chirp.from", from)?;
+            finite("force.chirp.to", to)?;
+            positive("force.chirp.sweep", sweep)
+        }
+        Force::ImpulseTrain { impulse, period } => {
+            finite("force.impulse_train.impulse", impulse)?;
+            positive("force.impulse_train.period", period)
+        }
+        Force::Step { amplitude, at } => {
+            finite("force.step.amplitude", amplitude)?;
+            finite("force.step.at", at)
+        }
+    }
+}
+
+fn validate_signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {
     for (name, value) in signal.numbers() {
         finite(format!("{path}{name}"), value)?;
     }

@@ -10,15 +10,15 @@ use crate::Channel;
 use crate::catalogue::expected_channels;
 use crate::channel::Usual;
 
-/// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Numbers that
-/// nobody has set are the usual ones.
+/// One number for each channel of every plant, in the channel's unit. A filter uses those of its own model. Unset
+/// numbers have their usual value.
 #[derive(Clone, Debug)]
 pub struct Values {
     otherwise: Otherwise,
     set: Vec<(Channel, f64)>,
 }
 
-/// The number of a channel that nobody has set.
+/// The usual number of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Otherwise {
     Zero,
@@ -42,11 +42,11 @@ impl Otherwise {
 impl Values {
     /// Zero for every channel.
     pub const ZERO: Self = Self::new(Otherwise::Zero);
-    /// The mean that a filter starts from unless told otherwise: at rest, off the truth.
+    /// The default mean of the initial belief: at rest, with parameters off the truth.
     pub const INITIAL_MEAN: Self = Self::new(Otherwise::Mean);
-    /// The standard deviations that go with it.
+    /// The default standard deviations of the initial belief.
     pub const INITIAL_STD: Self = Self::new(Otherwise::Std);
-    /// The process noise per step unless told otherwise.
+    /// The default process noise per step.
     pub const PROCESS_STD: Self = Self::new(Otherwise::Process);
 
     const fn new(otherwise: Otherwise) -> Self {
@@ -62,19 +62,20 @@ impl Values {
         self
     }
 
-    /// The channels with a number of their own, and the numbers.
+    /// The channels that have been set, and their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (Channel, f64)> {
         self.set.iter().copied()
     }
 
-    /// Gives these channels a number of their own, the usual one where none is set, and puts them first, in this order.
+    /// Sets these channels, to the usual number where there is none yet, and puts them first, in this order.
     pub(crate) fn complete(&mut self, channels: &[Channel]) {
         let own = channels.iter().map(|&channel| (channel, self[channel]));
         let rest = self.set.iter().copied().filter(|(channel, _)| !channels.contains(channel));
         self.set = own.chain(rest).collect();
     }
 
-    /// The same numbers for a file in which those that are left out are `base`'s: these channels' and those that differ.
+    /// The numbers to write into a file that is read over `base`: those of these channels and those that differ from
+    /// `base`.
     pub(super) fn written_over(&self, base: &Self, channels: &[Channel]) -> Self {
         let others = Channel::all().iter().copied().filter(|c| !channels.contains(c) && self[*c] != base[*c]);
         let written = channels.iter().copied().chain(others);
@@ -128,7 +129,7 @@ pub(super) fn process_std<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
     deserializer.deserialize_map(Table(Values::PROCESS_STD))
 }
 
-/// A table in a file, to be filled in.
+/// A table of a file, to be filled in.
 struct Table(Values);
 
 impl<'de> Visitor<'de> for Table {
@@ -147,7 +148,7 @@ impl<'de> Visitor<'de> for Table {
     }
 }
 
-/// A channel as a key. Wrong ones are refused as keys, so that the message has their place.
+/// A channel as a key. An unknown key fails here, as a key, so that the message names its line.
 struct Key(Channel);
 
 impl<'de> Deserialize<'de> for Key {

@@ -1,37 +1,38 @@
 //! A plant in motion.
 
 use super::TruthError;
-use crate::integrate::{ImpulseResponse, exponential_integrals, runge_kutta};
+use crate::integrate::{exponential_integrals, runge_kutta};
 use crate::linalg::{Matrix, Vector};
 use crate::model::Model;
 
-/// How far a Runge-Kutta step may be from two of half its length, relative to the largest that each component has been.
-/// What is left after extrapolation is a hundredth of that, and below 1e-9 of the signal after a minute.
+/// Limits the difference between a Runge-Kutta step and two steps of half its length, relative to the largest value of
+/// each component so far. After extrapolation the error is a hundredth of that, and below 1e-9 of the signal after a
+/// minute.
 const ACCURACY: f64 = 3e-12;
 
-/// A plant has run away that has come this many times as far as ever before when it can no longer be followed.
+/// A plant whose integration fails has diverged if it is this many times as far as ever before.
 const RUNAWAY: f64 = 100.0;
 
-/// The most steps that one sample is halved into.
+/// Limits the steps into which one sample is halved.
 const MAX_STEPS: u32 = 4096;
 
-/// The state of a plant and its surroundings, as it moves.
+/// The state of a plant, as it moves.
 pub(super) struct Response {
     state: Vector,
-    /// The largest that each component has been.
+    /// The largest absolute value of each component so far.
     size: Vector,
-    /// The constant components of the last step and the exact integrals that go with them: they seldom change.
+    /// The constant components of the last step and their exact integrals, which seldom change.
     exact: Option<(Vec<f64>, Exact)>,
 }
 
-/// The effects after a step of a constant rate and of a slope of the rate, on what moves; both are square.
+/// The effects on the motion of a constant rate and of a slope of the rate over one step; both are square.
 struct Exact {
     constant: Matrix,
     slope: Matrix,
 }
 
 impl Response {
-    /// At rest but for what `initial` says of each component.
+    /// At rest, except for the components in `initial`.
     pub(super) fn new(initial: impl Iterator<Item = f64>) -> Self {
         let state = Vector::from_iterator(initial.size_hint().0, initial);
         Self { size: Vector::zeros(state.len()), state, exact: None }
@@ -42,13 +43,13 @@ impl Response {
         self.state.as_slice()
     }
 
-    /// Gives a component that does not move its present value.
+    /// Sets the present value of a component that does not move.
     pub(super) fn set(&mut self, place: usize, value: f64) {
         self.state[place] = value;
     }
 
-    /// Moves on by a step of `dt` \[s\], in which the recorded force over mass goes linearly from the first to the second
-    /// of `forces`, and an unrecorded one is held \[m/s²\].
+    /// Moves on by a step of `dt` \[s\]. The recorded force over mass goes linearly from the first to the second of
+    /// `forces`, an unrecorded one is held \[m/s²\].
     pub(super) fn advance(
         &mut self,
         model: &Model,
@@ -87,21 +88,8 @@ impl Exact {
     fn new(model: &Model, state: &Vector, dt: f64) -> Self {
         let motion = model.motion();
         let a = model.jacobian(state.as_slice(), 0.0).view((0, 0), (motion, motion)).into_owned();
-        if motion == 2 && a[(0, 0)] == 0.0 && a[(0, 1)] == 1.0 {
-            return Self::of_oscillator(a[(1, 0)], a[(1, 1)], dt);
-        }
         let integrals = exponential_integrals(&a, dt);
         Self { constant: integrals.constant, slope: integrals.slope }
-    }
-
-    /// The same of `ẍ = a x + b ẋ` in closed form.
-    fn of_oscillator(a: f64, b: f64, dt: f64) -> Self {
-        let ImpulseResponse { value: h, integral: q } = ImpulseResponse::new(a, b, dt);
-        let p = ImpulseResponse::second_integral(a, b, dt);
-        Self {
-            constant: Matrix::from_row_slice(2, 2, &[h - b * q, q, a * q, h]),
-            slope: Matrix::from_row_slice(2, 2, &[q - b * p, p, a * p, q]),
-        }
     }
 }
 
@@ -113,12 +101,13 @@ struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// The state after `dt` \[s\], by Runge-Kutta steps as short as it takes, which is shorter around kinks of the rate.
+    /// The state after `dt` \[s\], by Runge-Kutta steps that are refined where needed, such as around kinks of the
+    /// rate.
     fn advance(&self, state: &Vector, dt: f64, size: &Vector) -> Result<Vector, TruthError> {
         let mut halvings = MAX_STEPS;
         let coarse = self.step(state, 0.0, 1.0, dt);
         self.refined(state, coarse, (0.0, 1.0), dt, size, &mut halvings).map_err(|reached| {
-            // A plant that runs away does so within ever shorter times: no number of halvings follows it to the end.
+            // A diverging plant does so within ever shorter times, which no number of halvings resolves.
             let far = (0..size.len()).find(|&i| size[i] > 0.0 && reached[i].abs() > RUNAWAY * size[i]);
             far.map_or(TruthError::StepTooLong, |i| TruthError::Channel(self.model.channels()[i]))
         })
@@ -134,10 +123,10 @@ impl Motion<'_> {
         })
     }
 
-    /// The step that `coarse` takes in one, halved again and again until it makes no difference, and then extrapolated.
+    /// The result of one step `coarse`, halved until the difference is small enough, then extrapolated.
     ///
     /// # Errors
-    /// The state at which no halvings were left.
+    /// The state at which the limit of halvings was reached.
     ///
     /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.4.
     fn refined(
@@ -158,7 +147,7 @@ impl Motion<'_> {
             return Ok(fine + difference / 15.0);
         }
         if fine.iter().any(|x| !x.is_finite()) {
-            // The plant runs away, which the next sample says.
+            // The plant diverges; the next sample reports it.
             return Ok(fine);
         }
         let Some(rest) = halvings.checked_sub(1) else { return Err(state.clone()) };

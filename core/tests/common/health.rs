@@ -1,4 +1,4 @@
-//! What must be true of every scenario file and of every sample of every run, for the tests and for the fuzzer alike.
+//! Invariants of every scenario file and of every sample of every run, for the tests and the fuzzer.
 
 use std::sync::Arc;
 
@@ -9,14 +9,14 @@ use kalmanscope_core::{
     Quantity, Record, Run, Scenario, Sensor, Signal, Trouble, Values,
 };
 
-/// What is wrong, in words.
+/// The violated invariant, in words.
 pub(crate) type Finding = Result<(), String>;
 
 fn require(holds: bool, what: impl FnOnce() -> String) -> Finding {
     if holds { Ok(()) } else { Err(what()) }
 }
 
-/// Reads a scenario file: whatever stands in it there is a scenario or an error, and a scenario can be written down.
+/// Reads a scenario file: any text is a scenario or an error, and a scenario can be written and read again.
 pub(crate) fn check_file(text: &str) -> Finding {
     let scenario = match Scenario::from_toml(text) {
         Ok(scenario) => scenario,
@@ -28,8 +28,8 @@ pub(crate) fn check_file(text: &str) -> Finding {
     require(again == scenario, || format!("reads back as another scenario:\n{written}"))
 }
 
-/// Runs a valid scenario to its end and looks at every sample; with `gap`, over its own record in which that many of 256
-/// measurements are missing. Returns the number of steps that filters have done.
+/// Runs a valid scenario to its end and checks every sample; with `gap`, over its own record, in which that many of 256
+/// measurements are missing. Returns the number of steps of all filters.
 pub(crate) fn check_scenario(scenario: &Scenario, gap: u8) -> Result<usize, String> {
     let run = || Run::new(scenario).map_err(|e| e.to_string());
     let mut run = if gap == 0 {
@@ -100,7 +100,7 @@ fn check_record(record: &Record, k: usize) -> Finding {
     require(measured, || format!("the measurements at {k}"))
 }
 
-/// Looks at one sample; sets down in `wound_up` which channels are far out of bounds.
+/// Checks one sample; marks in `wound_up` the channels far out of bounds.
 fn check_sample(
     estimates: &Estimates,
     settings: &FilterSettings,
@@ -170,7 +170,7 @@ fn check_sample(
     for (i, &channel) in estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
         let certain = settings.initial_std[channel] == 0.0 && settings.process_std[channel] == 0.0;
         if settings.kind == FilterKind::KF || (certain && settings.eta == 0.0) {
-            // To the last bit, but for the sign of a zero.
+            // Bit by bit, except for the sign of zero.
             let stays = mean[i] == first[i] && estimates.std(k, i) == 0.0;
             require(stays, || format!("{} is known, but {} ± {}", channel.key(), mean[i], estimates.std(k, i)))?;
         }
@@ -194,8 +194,8 @@ fn check_remarks(estimates: &Estimates, wound_up: &[(Channel, usize)]) -> Findin
     Ok(())
 }
 
-/// Makes a valid scenario of any bytes, and the share of its measurements that are missing, of 256. Zeros, and the end
-/// of the bytes, stand for what is plain.
+/// Makes a valid scenario from any bytes, and the number of its missing measurements in 256. Zeros, and the end of the
+/// bytes, choose plain settings.
 pub(crate) fn scenario_of(bytes: &[u8]) -> (Scenario, u8) {
     let mut dice = Dice(bytes.iter());
     let steps = 1 + usize::from(dice.byte()) * 2;
@@ -223,7 +223,7 @@ pub(crate) fn scenario_of(bytes: &[u8]) -> (Scenario, u8) {
     (scenario, gap)
 }
 
-/// Choices, one byte after the other.
+/// Choices from successive bytes.
 struct Dice<'a>(std::slice::Iter<'a, u8>);
 
 impl Dice<'_> {
@@ -239,12 +239,12 @@ impl Dice<'_> {
         of[usize::from(self.byte()) % of.len()]
     }
 
-    /// Between the two, the first if in doubt.
+    /// A number between the two; the first for zero bytes.
     fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * f64::from(u16::from_be_bytes([self.byte(), self.byte()])) / f64::from(u16::MAX)
     }
 
-    /// Not negative: the usual size, some powers of ten off it, nothing at all, or any size.
+    /// A number that is not negative: of the usual size, powers of ten off it, zero, or of any size.
     fn size(&mut self, usual: f64) -> f64 {
         match self.byte() % 16 {
             0..=7 => usual * self.between(1.0, 3.0),

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::{Run, Scenario};
 
-/// The run of a scenario to its end, which is before its last sample only where the truth stops.
+/// The run of a scenario to its end, or until the truth stops.
 pub(crate) fn finished(scenario: &Scenario) -> Run {
     let mut run = Run::new(scenario).expect("the scenario is possible");
     run.finish();

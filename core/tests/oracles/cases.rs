@@ -1,4 +1,4 @@
-//! The scenarios that the oracles are asked about.
+//! The scenarios of the oracles.
 
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use kalmanscope_core::{
 
 use crate::textbook::Sample;
 
-/// A plant with its parameters off the filters' guesses, shaken and seen by a displacement and an acceleration sensor, and
-/// one filter of a kind.
+/// A plant with parameters off the filters' initial means, with sensors for displacement and acceleration, and one
+/// filter of a kind.
 pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
     let mut scenario = Scenario { dt: 0.01, duration: 2.5, ..Scenario::default() };
     scenario.set_plant(plant);
@@ -42,8 +42,8 @@ pub(crate) fn with_gaps(record: &Record, missing: impl Fn(usize, usize) -> bool)
     Arc::new(Record::read_csv(text.as_bytes(), record.sensors()).unwrap())
 }
 
-/// The largest deviation of some estimates from the textbook's: means and covariances against standard deviations, or
-/// against rounding of the mean where these are smaller still; NIS and log likelihood against themselves or one.
+/// The largest deviation of some estimates from the textbook's: means and covariances relative to standard deviations,
+/// or to the rounding of the mean where these are smaller; NIS and log likelihood relative to themselves or one.
 pub(crate) fn deviation(estimates: &Estimates, expected: &[Sample]) -> f64 {
     assert_eq!((estimates.stop(), estimates.len()), (None, expected.len()), "{}", estimates.name());
     let n = estimates.channels().len();
@@ -65,7 +65,7 @@ pub(crate) fn deviation(estimates: &Estimates, expected: &[Sample]) -> f64 {
     worst
 }
 
-/// `x` relative to a scale that may be zero.
+/// `x` relative to a scale, which may be zero.
 fn part(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { (x / scale).abs() }
 }

@@ -20,7 +20,7 @@ fn chain(kind: PlantKind) -> Scenario {
     scenario
 }
 
-/// Truth of the channels that move and of the parameters.
+/// The truth of the motion and of the parameters.
 fn truth(record: &Record, kind: PlantKind, k: usize) -> Vec<f64> {
     kind.channels().iter().map(|&c| record.truth(c).unwrap()[k]).collect()
 }

@@ -1,4 +1,4 @@
-//! Filters find the parameters of every plant, as they are when a user switches the plant and touches nothing else.
+//! Filters with default settings identify the parameters of every plant.
 
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Run, Scenario, Signal};
 
@@ -16,7 +16,7 @@ fn switched(plant: PlantKind, seed: u64, kinds: &[FilterKind]) -> Scenario {
     scenario
 }
 
-/// Each parameter ends within 4 standard deviations of the truth, and these are not wide.
+/// Each parameter ends within 4 standard deviations of the truth, and these are small.
 #[track_caller]
 fn assert_found(run: &Run, plant: PlantKind, widest: f64) {
     for estimates in run.estimates() {

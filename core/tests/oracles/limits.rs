@@ -1,4 +1,4 @@
-//! Settings at the edge: no decay, no damping, nothing uncertain, long steps.
+//! Extreme settings: no decay, no damping, no uncertainty, long steps.
 
 use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario, Signal};
 
@@ -12,7 +12,7 @@ fn last(run: &Run) -> Vec<f64> {
 }
 
 #[test]
-fn a_tiny_decay_is_nearly_none() {
+fn a_tiny_decay_is_close_to_none() {
     for plant in PlantKind::ALL {
         for kind in FilterKind::ALL {
             for log_parameters in [false, true] {
@@ -30,7 +30,7 @@ fn a_tiny_decay_is_nearly_none() {
 }
 
 #[test]
-fn no_damping_is_a_damping_like_any_other() {
+fn zero_damping_is_allowed() {
     for plant in PlantKind::ALL {
         for kind in FilterKind::ALL {
             let mut scenario = Scenario { duration: 3.0, ..scenario(plant, kind) };
@@ -44,9 +44,9 @@ fn no_damping_is_a_damping_like_any_other() {
     }
 }
 
-/// Any one parameter, or all, or the displacement too: what has no variance stays where it is, to the bit.
+/// Any one parameter, or all, or also the displacement: a component of variance zero stays constant, bit by bit.
 #[test]
-fn what_is_certain_stays_put() {
+fn components_of_variance_zero_stay_constant() {
     for plant in PlantKind::ALL {
         let parameters: Vec<Channel> = plant.parameters().collect();
         let mut choices: Vec<Vec<Channel>> = parameters.iter().map(|&c| vec![c]).collect();
@@ -66,7 +66,7 @@ fn what_is_certain_stays_put() {
                     for &channel in certain {
                         let place = estimates.place(channel).unwrap();
                         let told = scenario.filters[0].initial_mean[channel];
-                        // The exponential of a logarithm may round, but then does so each time.
+                        // The exponential of a logarithm may round, but always to the same number.
                         let start = estimates.mean(0)[place];
                         let log = log_parameters && channel.is_positive();
                         assert!(if log { (start / told - 1.0).abs() < 1e-14 } else { start == told });
@@ -83,7 +83,7 @@ fn what_is_certain_stays_put() {
 }
 
 #[test]
-fn long_steps_end_in_numbers_or_in_a_reason() {
+fn long_steps_give_finite_numbers_or_a_reason() {
     for plant in PlantKind::ALL {
         for kind in FilterKind::ALL {
             for dt in [0.1, 0.5, 2.0, 20.0] {
@@ -105,7 +105,7 @@ fn long_steps_end_in_numbers_or_in_a_reason() {
 fn a_belief_without_any_variance_moves_as_the_plant_does() {
     for plant in PlantKind::ALL {
         for kind in FilterKind::ALL {
-            // Local linearisation is of second order where the plant is not linear.
+            // Local linearisation is of second order for a nonlinear plant.
             let linear = plant.info().is_linear;
             let tolerance = if linear { 1e-6 } else { 1e-3 };
             let mut scenario = Scenario { duration: 1.0, dt: 0.002, ..scenario(plant, kind) };

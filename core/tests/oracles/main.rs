@@ -1,9 +1,9 @@
-//! The filters against others that were written to be compared with: naive, slow, from the papers.
+//! The filters against plain, slow implementations of their papers.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-mod by_the_book;
 mod cases;
 mod chains;
+mod from_papers;
 mod identification;
 mod limits;
 mod matrix;

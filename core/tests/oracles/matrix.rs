@@ -1,4 +1,4 @@
-//! Matrices of any size as a schoolbook has them: slow, plain, and nothing to do with the core's.
+//! Plain matrices of any size, independent of the core's.
 
 /// Rows of numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +93,7 @@ impl Matrix {
         (right, determinant)
     }
 
-    /// The lower triangular Cholesky factor, by the textbook's formula; a column without variance is zero.
+    /// The lower triangular Cholesky factor, by the textbook's formula; the column of a zero variance is zero.
     pub(crate) fn cholesky(&self) -> Self {
         let n = self.rows();
         let mut factor = Self::from_fn(n, n, |_, _| 0.0);
@@ -110,7 +110,7 @@ impl Matrix {
         factor
     }
 
-    /// `exp(M)` by a Taylor series over an eighth, squared three times.
+    /// `exp(M)` by a Taylor series of M/8, squared three times.
     pub(crate) fn exponential(&self) -> Self {
         let small = self.scaled(1.0 / 8.0);
         let mut term = Self::identity(self.rows());

@@ -1,11 +1,11 @@
-//! Filters that take the truth for something else, or its parameters by their logarithms.
+//! Filters with another plant than the truth's, or with logarithms of its parameters.
 
 use kalmanscope_core::{
     Aspect, Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Scenario, Sensor, Signal,
 };
 
-use crate::by_the_book::DETERMINISTIC;
 use crate::cases::{deviation, scenario};
+use crate::from_papers::DETERMINISTIC;
 use crate::run::finished;
 use crate::textbook;
 

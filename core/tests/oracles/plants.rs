@@ -1,4 +1,4 @@
-//! The plants' equations of motion once more, on numbers that carry their derivatives along: a Jacobian needs no formula.
+//! The plants' equations of motion again, on dual numbers, which need no formula for the Jacobian.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -6,7 +6,7 @@ use kalmanscope_core::{Aspect, Channel, PlantKind, Quantity};
 
 use crate::matrix::Matrix;
 
-/// A number and its derivatives by every component of the state.
+/// A number and its derivatives with respect to every component of the state.
 #[derive(Clone, Debug)]
 pub(crate) struct Dual {
     pub(crate) value: f64,
@@ -14,7 +14,7 @@ pub(crate) struct Dual {
 }
 
 impl Dual {
-    /// The state with each component varying by itself.
+    /// The state, with a unit derivative for each component.
     pub(crate) fn state(values: &[f64]) -> Vec<Self> {
         let slope = |i: usize| (0..values.len()).map(|j| f64::from(u8::from(i == j))).collect();
         values.iter().enumerate().map(|(i, &value)| Self { value, slope: slope(i) }).collect()
@@ -87,12 +87,12 @@ pub(crate) fn written() -> impl Iterator<Item = PlantKind> {
     PlantKind::ALL.into_iter().filter(|kind| SINGLE.contains(kind) || kind.key().starts_with("shear_"))
 }
 
-/// A plant as one filter sees it.
+/// A plant as a filter models it.
 #[derive(Clone, Debug)]
 pub(crate) struct Plant {
     pub(crate) kind: PlantKind,
     pub(crate) eta: f64,
-    /// Whether positive parameters are in the state as their logarithms.
+    /// Whether the state has the logarithms of positive parameters.
     pub(crate) log: bool,
 }
 
@@ -130,7 +130,7 @@ impl Plant {
         moving.iter().cloned().chain(parameters).collect()
     }
 
-    /// What a sensor reads, if the plant has that quantity.
+    /// The reading of a sensor, if the plant has the quantity.
     pub(crate) fn reading(&self, state: &[Dual], force: f64, quantity: Quantity) -> Option<Dual> {
         let place = |channel: Channel| self.channels().iter().position(|&c| c == channel);
         if quantity.aspect() == Aspect::ACCELERATION {
@@ -180,7 +180,7 @@ pub(crate) fn values(duals: &[Dual]) -> Vec<f64> {
     duals.iter().map(|d| d.value).collect()
 }
 
-/// The derivatives of some numbers, a row each.
+/// The derivatives of some numbers, one row each.
 pub(crate) fn jacobian(duals: &[Dual]) -> Matrix {
     Matrix(duals.iter().map(|d| d.slope.clone()).collect())
 }

@@ -1,10 +1,10 @@
-//! Sampling filters agree with the Kalman filter where that is exact, within Monte Carlo error.
+//! Sampling filters agree with the Kalman filter where it is exact, within Monte Carlo error.
 
 use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, Run, Scenario, Signal, Values};
 
 use crate::run::finished;
 
-/// A linear oscillator with known parameters, followed by a KF and by a sampling filter of several sizes.
+/// A linear oscillator with known parameters, with a KF and a sampling filter of several sizes.
 fn linear(kind: FilterKind, sizes: &[usize], seed: u64, fading: f64) -> Scenario {
     let mut scenario = Scenario { seed, dt: 0.02, duration: 4.0, ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
@@ -28,8 +28,8 @@ fn linear(kind: FilterKind, sizes: &[usize], seed: u64, fading: f64) -> Scenario
     scenario
 }
 
-/// Root mean squares over a record of how far a filter is from the KF: means in standard deviations, standard deviations
-/// relative to the KF's; and the mean difference of the log likelihoods.
+/// Root mean squares, over a record, of a filter's deviation from the KF: means in standard deviations, standard
+/// deviations relative to the KF's; and the mean difference of the log likelihoods.
 struct Error {
     mean: f64,
     std: f64,

@@ -1,4 +1,4 @@
-//! Nonlinear truths by Taylor series: a method of any order that stops at every kink.
+//! Nonlinear truths by Taylor series, a method of any order that stops at every kink.
 
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine};
@@ -9,7 +9,7 @@ type Series = [f64; TERMS];
 
 /// Displacement, velocity and hysteretic displacement of
 /// `ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) + μ x³ = f,  ż = ẋ - β |ẋ| |z| z - γ ẋ z²`
-/// and the parameters in force.
+/// and the present parameters.
 #[derive(Clone, Copy)]
 struct Oscillator {
     x: f64,
@@ -31,7 +31,7 @@ fn at(series: &Series, t: f64) -> f64 {
     series.iter().rev().fold(0.0, |sum, c| sum * t + c)
 }
 
-/// The sign just after the series' origin.
+/// The sign just after the origin of the series.
 fn sign(series: &[f64]) -> f64 {
     series.iter().find(|c| **c != 0.0).map_or(1.0, |c| c.signum())
 }
@@ -52,7 +52,7 @@ impl Oscillator {
             x[n + 1] = v[n] * by;
             v[n + 1] = (push - 2.0 * zeta * wn * v[n] - spring) * by;
             if n == 0 {
-                // Where z = 0 it begins to move as x does, and where v = 0 as v does.
+                // Where z = 0 it begins to move like x, and where v = 0 like the acceleration.
                 side = sign(&v[..2]) * if self.z == 0.0 { sign(&v[..2]) } else { self.z.signum() };
             }
             // β |v| |z| z + γ v z² = (β sign(v z) + γ) v z², a polynomial between kinks.
@@ -143,7 +143,7 @@ fn the_truth_of_nonlinear_plants_is_their_taylor_series() {
             for std in [1.0, 10.0, 60.0] {
                 let mut scenario = Scenario { force: Force::WhiteNoise { std }, ..shaken(kind, dt) };
                 if std > 50.0 {
-                    // So strong a force makes chaos of the cubic spring: any rounding grows a millionfold in 20 s.
+                    // Such a strong force makes the cubic spring chaotic: rounding grows a millionfold in 20 s.
                     scenario.duration = 4.0;
                 }
                 let deviation = deviation(&simulated(&scenario));

@@ -1,11 +1,11 @@
-//! The filters as their papers have them: weighted sums, explicit inverses, `P - K S Kᵀ`.
+//! The filters as in their papers: weighted sums, explicit inverses, `P - K S Kᵀ`.
 
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Propagation, Record, Scenario, Values};
 
 use crate::matrix::{Matrix, along, dot};
 use crate::plants::{Dual, Plant, jacobian, runge_kutta, values};
 
-/// What a filter has to say of one sample.
+/// The results of a filter at one sample.
 #[derive(Clone, Debug)]
 pub(crate) struct Sample {
     pub(crate) mean: Vec<f64>,
@@ -15,7 +15,7 @@ pub(crate) struct Sample {
     pub(crate) log_likelihood: f64,
 }
 
-/// A filter in progress; mean and covariance are in the state's units, logarithms where the plant has such.
+/// A filter in progress; mean and covariance are in the state's units, which may be logarithms.
 struct Textbook<'a> {
     settings: &'a FilterSettings,
     plant: Plant,
@@ -26,7 +26,7 @@ struct Textbook<'a> {
     noise: Vec<f64>,
 }
 
-/// The sensors that have delivered something, and what.
+/// The sensors with a measurement, and the measurements.
 struct Measured {
     sensors: Vec<(usize, kalmanscope_core::Quantity)>,
     values: Vec<f64>,
@@ -40,7 +40,7 @@ struct Expected {
     cross: Matrix,
 }
 
-/// Filters a record with the scenario's filter at a place, by the book.
+/// Runs the scenario's filter at a place over a record.
 pub(crate) fn filter(scenario: &Scenario, place: usize, record: &Record) -> Vec<Sample> {
     let settings = &scenario.filters[place];
     let known = settings.kind == FilterKind::KF;
@@ -176,7 +176,7 @@ impl Textbook<'_> {
         Matrix::diagonal(&measured.sensors.iter().map(|&(i, _)| self.noise[i]).collect::<Vec<_>>())
     }
 
-    /// What the measurement is compared with, the sensors being linearised at a state.
+    /// The predicted measurement, with sensors linearised at a state.
     fn linearised(&self, measured: &Measured, at: &[f64]) -> (Expected, Matrix) {
         let readings = self.readings(measured, at);
         let h = jacobian(&readings);
@@ -222,7 +222,7 @@ impl Textbook<'_> {
                 gain = expected.cross.times(&expected.innovation_cov.inverse().0);
                 mean = along(&self.mean, &gain.apply(&expected.innovation), 1.0);
                 cov = Matrix::identity(mean.len()).minus(&gain.times(&h)).times(&prior);
-                // The core stops once a step is below a millionth of the standard deviation.
+                // The core stops when a step is below a millionth of the standard deviation.
                 if (0..mean.len()).all(|i| (mean[i] - last[i]).abs() <= 1e-6 * cov.at(i, i).max(0.0).sqrt()) {
                     break;
                 }
@@ -235,7 +235,7 @@ impl Textbook<'_> {
         (nis, -0.5 * (nis + (determinant * tau.powi(innovation.len() as i32)).ln()))
     }
 
-    /// R and Q from residual and innovation, the residual being what the measurement leaves to the state after it.
+    /// R and Q from residual and innovation; the residual is the innovation after the update.
     ///
     /// Source: Akhlaghi, Zhou and Huang (2017), equations 10 and 15.
     fn adapt(&mut self, measured: &Measured, innovation: &[f64], gain: &Matrix) {

@@ -1,4 +1,4 @@
-//! The curves, computed when what they follow from has changed.
+//! The curves, computed again when their inputs have changed.
 
 use std::sync::Arc;
 
@@ -10,30 +10,30 @@ use kalmanscope_core::{Estimates, PlantKind, Spectrum};
 
 use crate::session::Session;
 
-/// Frequencies of a curve: enough for a peak of one per cent's width.
+/// Number of frequencies of a curve: enough for a peak of one per cent's width.
 const POINTS: usize = 385;
-/// The spectrum has one frequency for this many of a curve: its windows allow no sharper peaks.
+/// Number of a curve's frequencies per frequency of the spectrum, whose windows cannot resolve sharper peaks.
 const COARSER: usize = 2;
-/// How far the axis goes at least beyond the natural frequencies, as a ratio.
+/// Limits the range beyond the natural frequencies from below, as a ratio.
 const BEYOND: f64 = 4.0;
-/// How far it goes beyond round numbers, so that the last ticks' texts are not cut off, as a ratio.
+/// Margin beyond round numbers, so that the last ticks' texts are not cut off, as a ratio.
 const ROOM: f64 = 1.15;
-/// No window of the spectrum is longer than this share of the whole record.
+/// Limits the windows of the spectrum, as a share of the whole record.
 const LONGEST: f64 = 2.0 / 3.0;
 
-/// Everything that is drawn, over `frequencies` \[rad/s\].
+/// The curves over `frequencies` \[rad/s\].
 pub(super) struct Curves {
     pub(super) frequencies: Arc<[f64]>,
     /// |H| of the truth \[s²\], if it is known.
     pub(super) truth: Option<Arc<[f64]>>,
-    /// The response of each filter with its band; none for one that has stopped before it began.
+    /// The response of each filter with its band; `None` for a filter without estimates.
     pub(super) filters: Vec<Option<Arc<Believed>>>,
-    /// Frequencies \[rad/s\] and root of the force's density there, the largest being 1; none without a force.
+    /// Frequencies \[rad/s\] and square root of the force's density, scaled to a maximum of 1; empty without a force.
     pub(super) spectrum: Option<Vec<(f64, f64)>>,
 }
 
 impl Curves {
-    /// The curves at sample `k`, for the filters whose ids are shown; from `ui`'s memory what is the same as in the last frame.
+    /// The curves at sample `k` for the filters whose ids are shown; `ui`'s memory provides the unchanged ones.
     pub(super) fn at(ui: &Ui, session: &Session, k: usize, is_shown: impl Fn(u32) -> bool) -> Self {
         let range = range(session);
         ui.data_mut(|data| {
@@ -46,7 +46,7 @@ impl Curves {
     }
 }
 
-/// The curves of the last frame and what they were computed from.
+/// The curves of the last frame and their inputs.
 #[derive(Clone, Default)]
 struct Memory {
     range: Option<(f64, f64)>,
@@ -81,7 +81,7 @@ impl Memory {
     }
 }
 
-/// A value and what it was made from.
+/// A value and its inputs.
 struct Cached<K, V: ?Sized>(Option<(K, Arc<V>)>);
 
 impl<K, V: ?Sized> Default for Cached<K, V> {
@@ -105,7 +105,7 @@ impl<K: PartialEq, V: ?Sized> Cached<K, V> {
     }
 }
 
-/// All that a filter's response follows from.
+/// The inputs of a filter's response.
 #[derive(Clone, PartialEq)]
 struct Belief {
     plant: PlantKind,
@@ -154,8 +154,8 @@ impl Force {
     }
 }
 
-/// The frequencies to look at \[rad/s\]: those around the natural ones at the first sample, which holds the axis still, and
-/// none that the samples cannot carry.
+/// The frequencies of the curves \[rad/s\]: those around the natural frequencies at the first sample, so that the axis
+/// is constant, and below the Nyquist frequency.
 fn range(session: &Session) -> (f64, f64) {
     let run = session.run();
     let truth = true_transfer_function(run.scenario().plant.kind, run.record(), 0);
@@ -174,7 +174,7 @@ fn range(session: &Session) -> (f64, f64) {
 /// The next number down that is 1, 2 or 5 times a power of ten.
 fn round_down(x: f64) -> f64 {
     let power = 10_f64.powf(x.log10().floor());
-    // The power may be rounded up beyond x.
+    // Rounding may give a power above x.
     [5.0, 2.0, 1.0].into_iter().map(|digit| digit * power).find(|y| *y <= x).unwrap_or(power)
 }
 

@@ -1,4 +1,4 @@
-//! A mass as it truly is, and each filter's belief about it.
+//! The true mass, and each filter's belief about it.
 
 use egui::epaint::Mesh;
 use egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2};

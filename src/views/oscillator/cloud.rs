@@ -7,11 +7,11 @@ use super::stage::Stage;
 /// The number of readings that are drawn.
 const READINGS: usize = 40;
 
-/// The number where the truth is unknown or hidden: these readings stay where they were read, while the mass moves on.
+/// The same where the truth is unknown or hidden; the readings then stay in place while the mass moves on.
 const BARE_READINGS: usize = 8;
 
-/// Draws the last readings up to sample `k`, the older the fainter. Each is as far from the mass at `x` \[m\] as it was from
-/// the `truth` when it was read, so that the cloud shows the noise and not the motion.
+/// Draws the last readings up to sample `k`, older ones fainter. Each is as far from the mass at `x` \[m\] as it was
+/// from the `truth` when it was read, so that the cloud shows the noise without the motion.
 pub(super) fn cloud(
     stage: &Stage,
     painter: &Painter,

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::Record;
 
-/// The arrow is the mean of the force over this time, because an arrow that followed white noise would only flicker \[s\].
+/// Duration over which the arrow averages the force, because an arrow that followed white noise would flicker \[s\].
 pub(super) const SPELL: f64 = 0.1;
 
 /// The number of samples in a [`SPELL`], at least one.

@@ -7,7 +7,7 @@ use super::stage::Stage;
 use crate::plot::ticks::{tick, ticks};
 use crate::theme::Palette;
 
-/// Draws the wall, the ground with its scale, and where each mass is at rest.
+/// Draws the wall, the ground with its scale, and the rest position of each mass.
 pub(super) fn ground(stage: &Stage, painter: &Painter, palette: &Palette) {
     let Stage { unit, floor, wall, rect, body, .. } = *stage;
     let right = rect.right() - 8.0;
@@ -37,7 +37,7 @@ pub(super) fn ground(stage: &Stage, painter: &Painter, palette: &Palette) {
 fn ruler(stage: &Stage, painter: &Painter, palette: &Palette) {
     let reach = stage.metres(stage.travel + 0.25 * stage.body.x);
     let count = (stage.travel / (26.0 * stage.unit)).max(3.0);
-    // At least one on either side of zero.
+    // At least one mark on either side of zero.
     let marks = [count, 4.0, 5.0, 6.0].map(|count| ticks((-reach, reach), count));
     for mark in marks.into_iter().find(|marks| marks.len() >= 3).unwrap_or_default() {
         let x = stage.place(0, mark.value);
@@ -51,7 +51,7 @@ fn ruler(stage: &Stage, painter: &Painter, palette: &Palette) {
 /// The names of the masses of a chain.
 const NAMES: [&str; MAX_MASSES] = ["m₁", "m₂", "m₃", "m₄", "m₅", "m₆", "m₇", "m₈", "m₉", "m₁₀"];
 
-/// A length to compare with, where each mass has its own zero, under its name.
+/// A bar of known length, under its name, because each mass has its own zero.
 fn bar(stage: &Stage, painter: &Painter, palette: &Palette) {
     for (mass, name) in NAMES.into_iter().enumerate().take(stage.masses()) {
         mark_at(stage, painter, stage.rest(mass), palette.weak);

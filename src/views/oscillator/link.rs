@@ -1,4 +1,4 @@
-//! The link that holds a mass: spring, damper and, where the spring remembers, a slider.
+//! The link of a mass: spring, damper and, for a hysteretic spring, a slider.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -12,20 +12,21 @@ use crate::plot::strokes::Strokes;
 pub(super) enum Link {
     /// A linear spring and a damper.
     Linear,
-    /// A spring that stiffens: its coils widen.
+    /// A spring that stiffens, with wider coils.
     Hardening,
-    /// A spring and a damper, and beside them a second spring that hangs on a slider, which has slipped so far \[m\].
+    /// A spring and a damper, parallel to a second spring in series with a slider, which has slipped by this much
+    /// \[m\].
     Slipping(f64),
 }
 
 /// The colours of a link.
 #[derive(Clone, Copy)]
 pub(super) struct Ink {
-    /// Of what is in front.
+    /// For parts in front.
     pub(super) line: Color32,
-    /// Of what is behind.
+    /// For parts behind.
     pub(super) back: Color32,
-    /// Of what is filled.
+    /// For filled parts.
     pub(super) fill: Color32,
 }
 
@@ -71,10 +72,10 @@ struct Helix {
     widens: bool,
 }
 
-/// A coil spring seen from slightly aside: the half of each turn that is behind is drawn first and fainter.
+/// A coil spring seen slightly from the side; the rear half of each turn is drawn first and fainter.
 fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
     let Helix { from, to, y, radius, coils, widens } = helix;
-    // Steps of half a turn: an even number has a point on the spring's axis, where it begins and ends.
+    // Steps of half a turn: an even number has a point on the spring's axis, its beginning and end.
     let steps = if radius < 7.0 { 4 } else { 6 };
     let width = 1.3 * stage.unit;
     let lead = (0.07 * (to - from)).clamp(2.0, 14.0 * stage.unit);
@@ -82,11 +83,11 @@ fn helix(stage: &Stage, painter: &Painter, helix: Helix, ink: Ink) {
     let tilt = (0.45 * radius).min(0.8 * length / coils as f32);
     let at = |angle: f32, (sin, cos): (f32, f32)| -> Pos2 {
         let share = angle / (2.0 * PI * coils as f32);
-        // A spring that stiffens has its coils lie down one after the other, the narrow ones at the wall first.
+        // The coils of a stiffening spring close one after the other, the narrow ones at the wall first.
         let (along, wide) = if widens { (share.powf(1.6), 0.45 + 0.75 * share) } else { (share, 1.0) };
         pos2(first + along * length + tilt * wide * (cos - 1.0), y - wide * radius * sin)
     };
-    // Half a turn that begins at an angle, the same for every turn.
+    // Half a turn from an angle that is the same for every turn.
     let half = |begin: f32| {
         let angles = (0..=steps).map(|i| begin + PI * i as f32 / steps as f32);
         let arcs: Vec<_> = angles.map(|angle| (angle, angle.sin_cos())).collect();

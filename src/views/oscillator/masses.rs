@@ -1,4 +1,4 @@
-//! The masses that a plant has, and the channels of their motion.
+//! The masses of a plant, and the channels of their motion.
 
 use kalmanscope_core::{Channel, Run};
 
@@ -9,7 +9,7 @@ pub(super) fn displacement(mass: usize) -> Channel {
     Channel::displacement(mass.min(MAX_MASSES - 1))
 }
 
-/// How many masses there are: those that truly move, or those that the filters believe in where the truth is unknown.
+/// The number of masses: the truth's, or the filters' where the truth is unknown.
 pub(super) fn masses(run: &Run) -> usize {
     let known = |mass: usize| run.record().truth(displacement(mass)).is_some();
     let there = |mass: &usize| if known(0) { known(*mass) } else { run.channels().contains(&displacement(*mass)) };

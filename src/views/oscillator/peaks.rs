@@ -1,11 +1,11 @@
-//! The largest motion and force so far, at a cost that does not grow with the record.
+//! The largest motion and force so far, updated at constant cost.
 
 use kalmanscope_core::Record;
 
 use super::force;
 use super::masses::displacement;
 
-/// The largest of some samples.
+/// The largest values of some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Peak {
     /// Displacement of any mass \[m\].
@@ -16,10 +16,10 @@ pub(super) struct Peak {
     pub(super) force: f64,
 }
 
-/// About as many samples are looked at in one go.
+/// Number of samples of a block, approximately.
 const BLOCK: usize = 512;
 
-/// The largest of all samples up to the end of each block of them, kept from frame to frame.
+/// The largest values up to the end of each block, kept between frames.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Peaks {
     blocks: Vec<Block>,
@@ -28,14 +28,14 @@ pub(super) struct Peaks {
 #[derive(Clone, Copy, Debug)]
 struct Block {
     peak: Peak,
-    /// Identifies the last samples: another record has others.
+    /// Identifies the record by its last samples.
     mark: Mark,
 }
 
 type Mark = (u64, u64, usize);
 
 impl Peaks {
-    /// The largest of the samples up to `k` of the true motion of `masses`. Looks at each block only once while the record
+    /// The largest values up to sample `k` of the true motion of `masses`. Reads each block only once while the record
     /// grows.
     pub(super) fn up_to(&mut self, record: &Record, masses: usize, k: usize) -> Peak {
         let Self { blocks } = self;
@@ -77,7 +77,7 @@ fn peak(record: &Record, masses: usize, from: usize, to: usize, window: usize) -
     let mut before: Option<&[f64]> = None;
     for mass in 0..masses {
         let Some(x) = record.truth(displacement(mass)).and_then(|x| x.get(from..to)) else { break };
-        // `max` passes over what is not a number.
+        // `max` ignores NaN.
         peak.reach = x.iter().fold(peak.reach, |reach, x| reach.max(x.abs()));
         peak.drift = match before {
             Some(before) => x.iter().zip(before).fold(peak.drift, |drift, (x, before)| drift.max((x - before).abs())),

@@ -1,4 +1,4 @@
-//! Everything on the stage at one moment.
+//! Everything in the picture at one moment.
 
 use egui::{Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::plant::Spring;
@@ -16,7 +16,7 @@ use super::trail::Trail;
 
 use crate::view::ViewContext;
 
-/// One moment, and where it is drawn.
+/// One moment and its stage.
 pub(super) struct Scene<'a> {
     pub(super) stage: &'a Stage,
     pub(super) painter: &'a Painter,
@@ -26,7 +26,7 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// Draws ground and masses; the largest force so far has a long arrow \[m/s²\].
+    /// Draws ground and masses; the largest force so far has the longest arrow \[m/s²\].
     pub(super) fn masses(&self, largest_force: f64) {
         let Self { stage, painter, context, k } = *self;
         let ViewContext { palette, visible, .. } = *context;
@@ -40,7 +40,7 @@ impl<'a> Scene<'a> {
             let beliefs: Vec<Belief> = self.filters(mass).filter_map(|filter| filter.belief(k)).collect();
             let truth = self.truth(mass);
             let known = truth.and_then(|x| x.get(k)).copied().filter(|x| x.is_finite());
-            // Without a truth the springs hold what the first filter believes in.
+            // Without a truth the springs show the estimate of the first filter.
             if let Some(x) = known.or(beliefs.first().map(|belief| belief.mean)) {
                 let line = if known.is_some() { palette.truth } else { palette.weak };
                 let mixed = |share| palette.ground.lerp_to_gamma(line, share);
@@ -65,7 +65,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Draws where the masses have been onto `paper`.
+    /// Draws the trails of the masses on `paper`.
     pub(super) fn trail(&self, paper: Rect) {
         let Self { stage, painter, context, k } = *self;
         let ViewContext { palette, visible, .. } = *context;
@@ -110,8 +110,8 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Writes the equation and what is measured above the spring, where there is room. Tells whether there was for the
-    /// equation.
+    /// Writes the equation and the measured quantities above the spring, where there is room. Returns whether the
+    /// equation fits.
     pub(super) fn captions(&self) -> bool {
         let Self { stage, painter, context, .. } = *self;
         let ViewContext { session, palette, visible, .. } = *context;
@@ -120,7 +120,7 @@ impl<'a> Scene<'a> {
         let room = Rect::from_min_max(corner, far);
         let sensors = session.run().record().sensors();
         let mut measured = sensors.iter().map(|q| q.symbol()).collect::<Vec<_>>().join(", ");
-        // Of what is measured, only a displacement has a rate of change that is a channel.
+        // Of the measured quantities, only a displacement has a channel as its rate of change.
         if !sensors.iter().any(|q| q.channel().and_then(Channel::rate).is_some()) {
             measured += ", not x";
         }

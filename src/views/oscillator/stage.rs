@@ -1,40 +1,40 @@
-//! Where everything stands on screen.
+//! Positions on screen.
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 
 use super::peaks::Peak;
 
-/// How far the last mass of a chain goes, as a multiple of how far each link stretches, per mass before it.
+/// Travel of the last mass of a chain per mass before it, as a multiple of the stretch of a link.
 const REACH_PER_LINK: f32 = 0.55;
 
-/// The picture's measures \[points\], for masses that stand one beside the other on a ground, the first on the right of a wall.
+/// The picture's measures \[points\], for masses in a row on a ground, the first on the right of a wall.
 #[derive(Clone, Debug)]
 pub(super) struct Stage {
-    /// All of it.
+    /// The whole picture.
     pub(super) rect: Rect,
-    /// How many times as large as usual lines and text are.
+    /// Scale of lines and text, relative to the usual one.
     pub(super) unit: f32,
-    /// The height of the ground.
+    /// Vertical position of the ground.
     pub(super) floor: f32,
-    /// The face of the wall.
+    /// Horizontal position of the wall's face.
     pub(super) wall: f32,
-    /// Each mass.
+    /// Size of a mass.
     pub(super) body: Vec2,
-    /// The height of the arrow of the force.
+    /// Vertical position of the force's arrow.
     pub(super) arrow: f32,
-    /// The length of each link at rest.
+    /// Length of a link at rest.
     pub(super) gap: f32,
-    /// How far each link is stretched or compressed.
+    /// Largest stretch or compression of a link.
     pub(super) travel: f32,
-    /// Room between a damper's piston and the ends of its cylinder, and between the cylinder and the mass.
+    /// Clearance of a damper's piston at the ends of its cylinder, and between the cylinder and the mass.
     clearance: f32,
     masses: usize,
     /// Points per metre.
     scale: f64,
 }
 
-/// How much a link must stretch for all of the motion to be on the stage, and no less than `least`, rounded up to a power of
-/// √2 so that the scale does not creep while the motion grows \[m\].
+/// The stretch of a link for which all of the motion fits on the stage, at least `least`, rounded up to a power of √2
+/// so that the scale is constant most of the time while the motion grows \[m\].
 pub(super) fn span(masses: usize, peak: Peak, least: f64) -> f64 {
     let span = peak.drift.max(peak.reach / f64::from(reach_ratio(masses))).max(least).clamp(1e-4, 1e9);
     2_f64.powf((span.log2() * 2.0).ceil() / 2.0)
@@ -58,44 +58,44 @@ impl Stage {
         };
         let wall = rect.left() + 0.02 * width + 8.0 * unit;
         let clearance = if masses == 1 { 6.0 } else { 4.0 } * unit.min(width / 90.0 / masses as f32).min(1.0);
-        // A cylinder is as long as the piston's way there and back, and the mass never reaches it:
-        // 0.95 gap = 3 travel + 3 clearances. What is left beside the masses is shared by the links and the last one's way.
+        // A cylinder is as long as the piston's travel in both directions, and the mass never touches it: 0.95 gap = 3
+        // travel + 3 clearances. The links and the travel of the last mass share the width beside the masses.
         let ratio = reach_ratio(masses);
         let margin = 10.0 * unit + 0.35 * body.x;
         let room = rect.right() - margin - wall - masses as f32 * body.x;
         let gap = ((room + ratio * clearance) / (masses as f32 + ratio * 0.95 / 3.0)).max(1.0);
         let travel = ((0.95 * gap - 3.0 * clearance) / 3.0).max(1.0);
-        // Where there is no room for a letter above the arrow, the cloud has it.
+        // Without space for a letter above the arrow, the cloud takes that space.
         let arrow = rect.top() + if height < 80.0 { 0.13 } else { 0.17 } * height;
         Self { rect, unit, floor, wall, body, arrow, gap, travel, clearance, masses, scale: f64::from(travel) / span }
     }
 
-    /// How many masses there are.
+    /// The number of masses.
     pub(super) fn masses(&self) -> usize {
         self.masses
     }
 
-    /// Where the centre of a mass is at rest.
+    /// The rest position of a mass's centre.
     pub(super) fn rest(&self, mass: usize) -> f32 {
         self.wall + (mass + 1) as f32 * self.gap + (mass as f32 + 0.5) * self.body.x
     }
 
-    /// A length on screen \[points\] of one in reality \[m\].
+    /// A real length \[m\] on screen \[points\].
     pub(super) fn length(&self, metres: f64) -> f32 {
         (metres * self.scale).clamp(-1e5, 1e5) as f32
     }
 
-    /// A length in reality \[m\] of one on screen \[points\].
+    /// A length on screen \[points\] in reality \[m\].
     pub(super) fn metres(&self, length: f32) -> f64 {
         f64::from(length) / self.scale
     }
 
-    /// Where the centre of a mass is at the displacement `x` \[m\], on the stage or not.
+    /// The position of a mass's centre at the displacement `x` \[m\], on the stage or not.
     pub(super) fn place(&self, mass: usize, x: f64) -> f32 {
         self.rest(mass) + self.length(x)
     }
 
-    /// A mass at the displacement `x` \[m\], kept on the stage.
+    /// A mass at the displacement `x` \[m\], clamped to the stage.
     pub(super) fn body(&self, mass: usize, x: f64) -> Rect {
         let middle = self.place(mass, x).clamp(self.wall, self.rect.right());
         Rect::from_center_size(pos2(middle, self.floor - 2.0 * self.wheel() - 0.5 * self.body.y), self.body)
@@ -106,13 +106,13 @@ impl Stage {
         0.065 * self.body.y
     }
 
-    /// A damper's cylinder from left to right, of a link that begins at `start`.
+    /// A damper's cylinder from left to right, for a link that begins at `start`.
     pub(super) fn cylinder(&self, start: f32) -> (f32, f32) {
         let start = start + 0.05 * self.gap;
         (start, start + 2.0 * (self.travel + self.clearance))
     }
 
-    /// The longest arrow that a mass has room for.
+    /// The longest arrow that fits above a mass.
     pub(super) fn longest_arrow(&self) -> f32 {
         0.85 * self.body.x
     }
@@ -122,7 +122,7 @@ impl Stage {
         egui::FontId::proportional((11.5 * self.unit).clamp(9.5, 16.0))
     }
 
-    /// The middle of the cloud of readings above a mass, and its height.
+    /// The centre of the cloud of readings above a mass, and its height.
     pub(super) fn cloud(&self, body: Rect) -> (Pos2, f32) {
         let (low, high) = (body.top() - 2.0 * self.unit, self.arrow + 5.0 * self.unit);
         (pos2(body.center().x, 0.5 * (low + high)), (low - high).max(2.0))
@@ -168,7 +168,7 @@ mod tests {
                             start = body.right();
                         }
                     }
-                    // The more links, the less room for each.
+                    // More links leave less space for each.
                     let least = if masses == 1 { 0.12 } else { 0.05 / masses as f32 };
                     let seen = stage.length(2.0 * drift.max(reach)) / size.x;
                     assert!(seen > least, "{size} {masses}: the motion can hardly be seen, {seen}");

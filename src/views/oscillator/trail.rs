@@ -1,4 +1,4 @@
-//! Where the masses have been, on a strip of paper that moves away below them: as a pen on each would have drawn it.
+//! The past positions of the masses, as pens would draw them on a strip of paper that moves downwards.
 
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
 use kalmanscope_core::Record;
@@ -7,14 +7,14 @@ use super::stage::Stage;
 use crate::plot::strokes::Strokes;
 use crate::theme::Palette;
 
-/// Paper that passes in a second \[points\].
+/// Speed of the paper \[points/s\].
 const SPEED: f32 = 64.0;
 
-/// About the number of points in a line, and the most in all lines together.
+/// The approximate number of points in a line, and the limit for all lines together.
 const POINTS: usize = 160;
 const ALL_POINTS: usize = 2000;
 
-/// The paper and the samples that are on it.
+/// The paper and its samples.
 pub(super) struct Trail<'a> {
     stage: &'a Stage,
     painter: Painter,
@@ -42,8 +42,8 @@ impl<'a> Trail<'a> {
         Self { stage, painter: painter.with_clip_rect(paper), paper, record, now, first, stride }
     }
 
-    /// The samples that are drawn, the newest first. The others are the same ones as time goes on, so that lines do not
-    /// shimmer.
+    /// The samples that are drawn, the newest first. The choice of samples does not change as time goes on, so that
+    /// lines do not shimmer.
     fn samples(&self) -> impl Iterator<Item = usize> {
         let Self { now, first, stride, .. } = *self;
         let older = (first / stride..now.div_ceil(stride)).rev().map(move |i| i * stride);
@@ -55,7 +55,7 @@ impl<'a> Trail<'a> {
         pos2(self.stage.place(mass, x), self.paper.top() + SPEED * age)
     }
 
-    /// Draws the lines of the seconds.
+    /// Draws a line for each second.
     pub(super) fn paper(&self, palette: &Palette) {
         let now = self.record.time(self.now);
         let Self { painter, paper, stage, .. } = self;
@@ -82,7 +82,7 @@ impl<'a> Trail<'a> {
         self.painter.add(strokes.into_shape());
     }
 
-    /// Draws a band around a path, whose middle and half width at sample k are `x(k)` \[m\].
+    /// Draws a band around a path; its middle and half width at sample k are `x(k)` \[m\].
     pub(super) fn band(&self, mass: usize, color: Color32, x: impl Fn(usize) -> Option<(f64, f64)>) {
         let at = |k| {
             let (middle, half) = x(k)?;

@@ -40,27 +40,6 @@ impl<const M: usize> Factor<M> {
         Some(factor)
     }
 
-    /// The factor of a symmetric matrix that may be only semidefinite: a direction of no variance is left out, and a
-    /// quotient has no part in it.
-    pub fn semidefinite(s: &Matrix<M, M>) -> Self {
-        let mut columns = *s;
-        let mut factor = Self { lower: Matrix::identity(), inverse_pivots: Vector::zeros(), determinant: 0.0 };
-        for j in 0..M {
-            let pivot = columns[(j, j)];
-            if pivot > 4.0 * M as f64 * f64::EPSILON * s[(j, j)] {
-                let inverse = 1.0 / pivot;
-                for k in j + 1..M {
-                    factor.lower[(k, j)] = columns[(k, j)] * inverse;
-                    for i in k..M {
-                        columns[(i, k)] -= columns[(i, j)] * factor.lower[(k, j)];
-                    }
-                }
-                factor.inverse_pivots[j] = inverse;
-            }
-        }
-        factor
-    }
-
     /// `X S⁻¹`, R × M.
     #[inline]
     pub fn divide<const R: usize>(&self, x: &Matrix<R, M>) -> Matrix<R, M> {
@@ -136,16 +115,6 @@ mod tests {
         let tiny = Factor::new(&(s * 1e-150)).unwrap();
         assert_eq!(tiny.determinant(), 0.0);
         assert!((tiny.ln_determinant() - factor.ln_determinant() + 450.0 * std::f64::consts::LN_10).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_semidefinite_factor_divides_what_is_in_the_range() {
-        let a = Matrix::<4, 2>::new(2.0, -0.3, 0.7, 0.1, 1.5, -0.4, 0.0, 0.0);
-        let s = a * a.transpose();
-        let x = Matrix::<3, 2>::new(0.3, 1.0, -0.7, 0.2, 0.5, 0.6) * a.transpose();
-        let quotient = Factor::semidefinite(&s).divide(&x);
-        assert!((quotient * s - x).amax() < 1e-14, "{quotient}");
-        assert_eq!(quotient.column(3), Vector::<3>::zeros());
     }
 
     #[test]

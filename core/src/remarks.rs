@@ -1,28 +1,28 @@
-//! Troubles that a filter survives, but without which its estimates should not be read.
+//! Remarks: problems that a filter survives, but that make its estimates unreliable.
 
 use thiserror::Error;
 
 use crate::quantity::MAX_SENSORS;
 use crate::sink::{AssumedNoise, Sample};
-use crate::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Values};
+use crate::{Channel, FilterSettings, PlantKind, Quantity, Values};
 
-/// Something to know about a filter that goes on all the same.
+/// A problem that does not stop the filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Trouble {
-    /// A standard deviation is a thousand times the larger of its initial and its usual size. The usual size of a motion is
-    /// the larger, the noisier the best of the sensors is.
+    /// A standard deviation exceeds a thousand times the larger of its initial and its usual value. The usual value of
+    /// a motion is scaled with the noise of the best sensor.
     #[error(
         "the covariance winds up: the filter forgets what it knew of the {} faster than the sensors tell it anew",
         .0.name()
     )]
     WindUp(Channel),
-    /// Two channels are correlated beyond 1, by more than rounding explains.
+    /// The correlation of two channels exceeds 1 by more than rounding.
     #[error("rounding has made the covariance indefinite: {} and {} are correlated by more than 1", .0.name(), .1.name())]
     Indefinite(Channel, Channel),
-    /// A sensor has delivered nothing for ten samples or more.
+    /// A sensor has had no measurement for ten samples or more.
     #[error("the sensor for {} delivers nothing", .0.key())]
     Missing(Quantity),
-    /// The filter's plant has nothing that the sensor could measure.
+    /// The filter's plant lacks the quantity that the sensor measures.
     #[error("the filter's plant has no {}, so that its sensor is ignored", .0.key())]
     Unknown(Quantity),
     /// For ten measurements or more, one or two particles, or less than 2 % of them, have had nearly all the weight.
@@ -42,76 +42,76 @@ pub enum Trouble {
     GrowingProcessNoise(Channel),
 }
 
-/// A trouble and when it was: one remark an occasion.
+/// A problem with the samples at which it occurred; a later occurrence is a new remark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Remark {
-    /// The trouble.
+    /// The problem.
     pub what: Trouble,
-    /// The first sample that has it, by its number from the run's beginning.
+    /// The first sample that has it, counted from the run's beginning.
     pub sample: usize,
-    /// The last sample that has it, as far as the filter has come.
+    /// The last sample that has it so far.
     pub last: usize,
 }
 
-/// What a thousand times too large or too small is, of a variance.
-const FAR: f64 = 1e6;
+/// Limits the ratio of a variance to its usual value: a thousand in the standard deviation.
+const RATIO_LIMIT: f64 = 1e6;
 
-/// The correlation that rounding no longer explains.
-const BEYOND_ONE: f64 = 1.0 + 1e-6;
+/// Limits the square of a correlation, with a margin for rounding.
+const CORRELATION_LIMIT: f64 = 1.0 + 1e-6;
 
-/// From this variance on, products of variances may overflow.
-const HUGE: f64 = 1e150;
+/// Limits the variances whose products cannot overflow.
+const PRODUCT_LIMIT: f64 = 1e150;
 
-/// How many samples make a run of them.
-const A_WHILE: usize = 10;
+/// The number of successive samples that make a remark.
+const LASTING: usize = 10;
 
-/// A trouble that comes back after no more samples than these is the same occasion.
+/// Limits the number of samples between two occurrences that belong to one remark.
 const PAUSE: usize = 50;
 
-/// Looks at every sample of one filter, and remarks.
+/// Checks every sample of one filter and collects remarks.
 #[derive(Clone, Debug)]
-pub(crate) struct Watch {
+pub(crate) struct Monitor {
     channels: Vec<Channel>,
     sensors: Vec<Quantity>,
-    /// Which sensors the filter's plant knows.
+    /// Whether the filter's plant has the quantity of each sensor.
     known: [bool; MAX_SENSORS],
-    /// The variances at which the covariance is wound up.
+    /// Limits of the variances, above which the covariance winds up.
     limits: Vec<f64>,
-    /// The variances at which it is worth a closer look.
+    /// Limits of the variances, above which the covariance is checked in detail.
     suspicious: Vec<f64>,
-    /// How long each sensor has delivered nothing.
+    /// The number of samples for which each sensor has had no measurement.
     silent: [usize; MAX_SENSORS],
     any_silent: bool,
     fewest_particles: f64,
     collapsed: usize,
-    /// Diagonals of R and Q at first.
+    /// The initial diagonals of R and Q.
     initial_noise: Option<(Vec<f64>, Vec<f64>)>,
     remarks: Vec<Remark>,
 }
 
-impl Watch {
-    /// A watch over the filter of some settings, which takes the truth for `plant`.
+impl Monitor {
+    /// The monitor of a filter with these settings, for the plant that the filter assumes.
     pub(crate) fn new(settings: &FilterSettings, channels: &[Channel], plant: PlantKind, sensors: &[Quantity]) -> Self {
-        // The best sensor says how far apart states must be to be told apart.
+        // The noise of the best sensor determines how well states can be distinguished.
         let noise = |(sensor, std): (&Quantity, &f64)| std / sensor.aspect().info().usual_noise;
         let noisier = sensors.iter().zip(&settings.sensor_std).map(noise).fold(f64::INFINITY, f64::min);
         let noisier = if noisier.is_finite() { noisier.max(1.0) } else { 1.0 };
         let limit = |&channel: &Channel| {
             let usual = Values::INITIAL_STD[channel] * if channel.is_parameter() { 1.0 } else { noisier };
             let size = settings.initial_std[channel].max(usual);
-            FAR * size * size
+            RATIO_LIMIT * size * size
         };
         let mut known = [true; MAX_SENSORS];
         for (known, sensor) in known.iter_mut().zip(sensors) {
             *known = plant.has(*sensor);
         }
-        let particles = if settings.kind == FilterKind::PF { settings.ensemble_size } else { 0 };
+        let particles = if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 };
         let limits: Vec<f64> = channels.iter().map(limit).collect();
         Self {
             channels: channels.to_vec(),
             sensors: sensors.to_vec(),
             known,
-            suspicious: limits.iter().map(|limit| limit.min(HUGE)).collect(),
+            suspicious: limits.iter().map(|limit| limit.min(PRODUCT_LIMIT)).collect(),
             limits,
             silent: [0; MAX_SENSORS],
             any_silent: false,
@@ -126,12 +126,12 @@ impl Watch {
         &self.remarks
     }
 
-    /// Drops the remarks of occasions that are over before sample `first`, and that none after it belongs to.
+    /// Drops the remarks that are over before sample `first` and cannot be continued after it.
     pub(crate) fn forget_before(&mut self, first: usize) {
         self.remarks.retain(|remark| remark.last + PAUSE >= first);
     }
 
-    /// Looks at sample number `k`.
+    /// Checks sample number `k`.
     #[inline(always)]
     pub(crate) fn look(&mut self, k: usize, sample: &Sample<'_>) {
         let Sample { mean, cov, innovation, effective_samples, noise, .. } = *sample;
@@ -140,9 +140,9 @@ impl Watch {
         let mut beyond = false;
         for j in 0..n {
             for i in j + 1..n {
-                // The smallest normal number forgives what underflows.
+                // The smallest normal number tolerates underflow.
                 let product = cov[i * n + i] * cov[j * n + j];
-                beyond |= cov[j * n + i] * cov[j * n + i] > BEYOND_ONE * product + f64::MIN_POSITIVE;
+                beyond |= cov[j * n + i] * cov[j * n + i] > CORRELATION_LIMIT * product + f64::MIN_POSITIVE;
             }
         }
         if wide | beyond {
@@ -153,7 +153,7 @@ impl Watch {
         }
         if effective_samples < self.fewest_particles {
             self.collapsed += 1;
-            if self.collapsed >= A_WHILE {
+            if self.collapsed >= LASTING {
                 self.note(Trouble::Collapse, k + 1 - self.collapsed, k);
             }
         } else if !effective_samples.is_nan() {
@@ -174,7 +174,7 @@ impl Watch {
             }
             for i in j + 1..n {
                 let product = cov[i * n + i].sqrt() * cov[j * n + j].sqrt();
-                if cov[j * n + i].abs() > BEYOND_ONE.sqrt() * product + f64::MIN_POSITIVE.sqrt() {
+                if cov[j * n + i].abs() > CORRELATION_LIMIT.sqrt() * product + f64::MIN_POSITIVE.sqrt() {
                     self.note(Trouble::Indefinite(channels[j], channels[i]), k, k);
                 }
             }
@@ -197,13 +197,13 @@ impl Watch {
             let (sensor, silent) = (self.sensors[place], self.silent[place]);
             if !self.known[place] {
                 self.note(Trouble::Unknown(sensor), k, k);
-            } else if silent >= A_WHILE {
+            } else if silent >= LASTING {
                 self.note(Trouble::Missing(sensor), k + 1 - silent, k);
             }
         }
     }
 
-    /// Looks at the noise that an adaptive filter assumes by sample `k`.
+    /// Checks the noise that an adaptive filter assumes at sample `k`.
     #[cold]
     fn look_at_noise(&mut self, k: usize, noise: AssumedNoise<'_>) {
         let AssumedNoise { process, .. } = noise;
@@ -223,10 +223,10 @@ impl Watch {
     }
 
     fn compare(&mut self, k: usize, now: f64, first: f64, vanishing: Trouble, growing: Trouble) {
-        // A variance that was zero has no size to compare with.
-        if first > 0.0 && now < first / FAR {
+        // A variance of zero has no ratio.
+        if first > 0.0 && now < first / RATIO_LIMIT {
             self.note(vanishing, k, k);
-        } else if first > 0.0 && now > first * FAR {
+        } else if first > 0.0 && now > first * RATIO_LIMIT {
             self.note(growing, k, k);
         }
     }

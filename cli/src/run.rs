@@ -1,4 +1,4 @@
-//! What `kalmanscope-cli run` does.
+//! The command `kalmanscope-cli run`.
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read as _, Write as _};
@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::args::RunArgs;
 
-/// Why a run cannot be made: the input is bad.
+/// Errors of the input.
 #[derive(Debug, Error)]
 pub(crate) enum InputError {
     #[error("{}: {error}", shown(.file))]
@@ -25,10 +25,11 @@ pub(crate) enum InputError {
     TooLong { file: PathBuf },
 }
 
-/// The most samples of a run that keeps them all: at 100 Hz more than five hours, about a gigabyte of estimates a filter.
+/// Limits the samples of a run, because all are kept: at 100 Hz more than five hours, about a gigabyte of estimates per
+/// filter.
 const MOST: usize = 2_000_000;
 
-/// Why a result could not be written.
+/// The reason why a result could not be written.
 #[derive(Debug, Error)]
 enum OutputError {
     #[error(transparent)]
@@ -72,7 +73,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
             && let Err(error) = writer(path)
         {
             well = false;
-            tell(&format_args!("{}: {error}", path.display()));
+            report_error(&format_args!("{}: {error}", path.display()));
         }
     };
     write(out, &|path| Ok(write_estimates(&run, create(path)?)?));
@@ -81,12 +82,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
 
     let times = step_times(&scenario, &run).map_err(bad_run)?;
     let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
-    // Whoever closed the pipe has read enough; what is left to tell is in the exit code.
+    // A closed pipe needs no message; the exit code reports the rest.
     if let Err(error) = io::stdout().write_all(table(&run, &analysis, &causes(&run, &analysis), &times).as_bytes())
         && error.kind() != io::ErrorKind::BrokenPipe
     {
         well = false;
-        tell(&format_args!("standard output: {error}"));
+        report_error(&format_args!("standard output: {error}"));
     }
     let verdict = |place: usize| Some(analysis.diagnosis(place)?.verdict.as_ref()?.kind);
     let refused = |place: usize| verdict(place).is_some_and(|kind| fail_on.contains(&kind));
@@ -97,8 +98,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     })
 }
 
-/// Says on standard error, if anyone listens, what went wrong.
-pub(crate) fn tell(error: &dyn std::fmt::Display) {
+/// Prints an error on standard error, and ignores that this can fail.
+pub(crate) fn report_error(error: &dyn std::fmt::Display) {
     let _ = writeln!(io::stderr(), "error: {error}");
 }
 

@@ -1,7 +1,7 @@
-//! A scenario as a file: what matters to its plants, without what it leaves at its default, and ids only where places do not
-//! give them.
+//! Writes a scenario as a file. Leaves out channels that no plant of the scenario has, numbers with their default
+//! value, and ids that equal the filters' places.
 
-use super::{Scenario, Values};
+use crate::{Scenario, Values};
 
 /// The text of the file.
 pub(super) fn text(scenario: &Scenario) -> Result<String, toml::ser::Error> {
@@ -18,6 +18,6 @@ pub(super) fn text(scenario: &Scenario) -> Result<String, toml::ser::Error> {
         filter.initial_std = filter.initial_std.written_over(&Values::INITIAL_STD, channels);
         filter.process_std = filter.process_std.written_over(&Values::PROCESS_STD, channels);
     }
-    // By way of a table, which puts tables behind plain values.
+    // The detour over a table puts subtables after plain values.
     toml::to_string(&toml::Table::try_from(&scenario)?)
 }

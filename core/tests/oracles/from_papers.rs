@@ -1,4 +1,4 @@
-//! Each filter agrees with the naive one of its paper.
+//! Each filter agrees with a plain implementation of its paper.
 
 use kalmanscope_core::{Adaptation, FilterKind, FilterSettings, PlantKind, Propagation, Quantity, Run, Scenario};
 
@@ -10,11 +10,12 @@ use crate::textbook::filter;
 pub(crate) const DETERMINISTIC: [FilterKind; 6] =
     [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
 
-/// Most agree to 1e-11. The transient of an EKF from a wrong guess has rounding grow to some 1e-9 before it decays again.
+/// Most agree to 1e-11. In the transient of an EKF from a wrong initial belief, rounding grows to 1e-9 before it
+/// decays.
 const TOLERANCE: f64 = 1e-8;
 
 #[track_caller]
-fn assert_by_the_book(what: &str, scenario: &Scenario) {
+fn assert_agrees_with_paper(what: &str, scenario: &Scenario) {
     let run = finished(scenario);
     let expected = filter(scenario, 0, run.record());
     let deviation = deviation(&run.estimates()[0], &expected);
@@ -28,7 +29,7 @@ fn every_filter_on_every_plant() {
         for kind in DETERMINISTIC {
             let mut scenario = scenario(plant, kind);
             scenario.duration = 1.2;
-            assert_by_the_book(&format!("{} of a {}", kind.name(), plant.name()), &scenario);
+            assert_agrees_with_paper(&format!("{} of a {}", kind.name(), plant.name()), &scenario);
         }
     }
 }
@@ -46,7 +47,7 @@ fn every_propagation() {
         for propagation in Propagation::ALL {
             for eta in [0.0, 0.02] {
                 let ekf = with(plant, &FilterSettings { propagation, eta, ..FilterSettings::default() });
-                assert_by_the_book(&format!("{propagation:?} of a {}, η = {eta}", plant.name()), &ekf);
+                assert_agrees_with_paper(&format!("{propagation:?} of a {}, η = {eta}", plant.name()), &ekf);
             }
         }
     }
@@ -59,7 +60,7 @@ fn decay_and_logarithms() {
             for (eta, log_parameters) in [(0.02, false), (0.0, true), (0.02, true)] {
                 let settings = FilterSettings { kind, eta, log_parameters, ..FilterSettings::default() };
                 let what = format!("{} of a {}, η = {eta}, logarithms {log_parameters}", kind.name(), plant.name());
-                assert_by_the_book(&what, &with(plant, &settings));
+                assert_agrees_with_paper(&what, &with(plant, &settings));
             }
         }
     }
@@ -70,7 +71,10 @@ fn an_iterated_update_of_any_length() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for iterations in [1, 2, 3, 20] {
             let settings = FilterSettings { kind: FilterKind::IEKF, iterations, ..FilterSettings::default() };
-            assert_by_the_book(&format!("{iterations} iterations of a {}", plant.name()), &with(plant, &settings));
+            assert_agrees_with_paper(
+                &format!("{iterations} iterations of a {}", plant.name()),
+                &with(plant, &settings),
+            );
         }
     }
 }
@@ -83,13 +87,13 @@ fn noise_that_is_learnt() {
                 let adaptation = Adaptation { sensor_noise, process_noise, forgetting: 0.99 };
                 let settings = FilterSettings { kind, adaptation, ..FilterSettings::default() };
                 let mut scenario = with(plant, &settings);
-                // The residual is that of sensors linear in the state: of R only these are compared.
+                // The residual assumes sensors linear in the state, so that R is compared for these only.
                 if sensor_noise {
                     scenario.remove_sensor(Quantity::ACCELERATION);
                     scenario.filters[0].sensor_std = vec![0.02];
                 }
                 let what = format!("{} of a {}, R {sensor_noise}, Q {process_noise}", kind.name(), plant.name());
-                assert_by_the_book(&what, &scenario);
+                assert_agrees_with_paper(&what, &scenario);
             }
         }
     }
@@ -100,7 +104,7 @@ fn records_with_gaps() {
     for plant in [PlantKind::SDOF, PlantKind::DUFFING] {
         for kind in DETERMINISTIC {
             let scenario = scenario(plant, kind);
-            // Now one sensor is missing, now the other, now both.
+            // Missing is the first sensor, the second, or both in turn.
             let record =
                 with_gaps(finished(&scenario).record(), |sensor, k| (k / 7 + sensor).is_multiple_of(3) || k % 50 < 9);
             let mut run = Run::on_record(&scenario, record.clone()).unwrap();

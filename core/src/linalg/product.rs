@@ -1,0 +1,125 @@
+//! Products of matrices, written into memory that is there already.
+
+use super::{Matrix, Vector, fit};
+
+/// Makes `out` the product `A B`.
+pub fn multiply(out: &mut Matrix, a: &Matrix, b: &Matrix) {
+    multiply_rows(out, a.nrows(), a, b);
+}
+
+/// Makes `out` the first `rows` rows of `A B`.
+pub fn multiply_rows(out: &mut Matrix, rows: usize, a: &Matrix, b: &Matrix) {
+    fit(out, rows, b.ncols());
+    out.as_mut_slice().fill(0.0);
+    let (lead, inner) = a.shape();
+    for j in 0..b.ncols() {
+        let factors = &b.as_slice()[j * inner..][..inner];
+        let column = &mut out.as_mut_slice()[j * rows..][..rows];
+        add_columns(column, a.as_slice(), lead, factors.iter().copied());
+    }
+}
+
+/// Adds `A x` to a sum.
+pub fn add_product(sum: &mut [f64], a: &Matrix, x: &[f64]) {
+    add_columns(sum, a.as_slice(), a.nrows(), x.iter().copied());
+}
+
+/// Makes `out` the product `A Bᵀ`.
+pub fn multiply_transposed(out: &mut Matrix, a: &Matrix, b: &Matrix) {
+    let (r, c) = (a.nrows(), b.nrows());
+    fit(out, r, c);
+    out.as_mut_slice().fill(0.0);
+    for j in 0..c {
+        let factors = b.as_slice()[j..].iter().step_by(c).copied();
+        add_columns(&mut out.as_mut_slice()[j * r..][..r], a.as_slice(), r, factors);
+    }
+}
+
+/// Makes `out` the product `A Hᵀ`, where most entries of H are zero: these are left out.
+pub fn multiply_sparse(out: &mut Matrix, a: &Matrix, h: &Matrix) {
+    let (r, m) = (a.nrows(), h.nrows());
+    fit(out, r, m);
+    out.as_mut_slice().fill(0.0);
+    if r == 0 || m == 0 {
+        return;
+    }
+    for (factors, column) in h.as_slice().chunks_exact(m).zip(a.as_slice().chunks_exact(r)) {
+        for (sum, &factor) in out.as_mut_slice().chunks_exact_mut(r).zip(factors) {
+            if factor != 0.0 {
+                sum.iter_mut().zip(column).for_each(|(sum, entry)| *sum += entry * factor);
+            }
+        }
+    }
+}
+
+/// Makes the lower triangle of the square `out` that of `w A Bᵀ`, a matrix that is symmetric, such as `A Aᵀ`. Where A has
+/// fewer rows than `out`, it makes the first rows and columns, and the rest stays. Of B only as many rows count as A has.
+pub fn multiply_symmetric(out: &mut Matrix, w: f64, a: &Matrix, b: &Matrix) {
+    let (r, c, lead) = (a.nrows(), b.nrows(), out.nrows());
+    for j in 0..r {
+        let column = &mut out.as_mut_slice()[j * lead..][j..r];
+        column.fill(0.0);
+        let factors = b.as_slice()[j..].iter().step_by(c).take(a.ncols()).map(|b| b * w);
+        add_columns(column, &a.as_slice()[j..], r, factors);
+    }
+}
+
+/// `Σ w aₖ`: the sum of a matrix's columns, each `w` times.
+pub fn add_all_columns(sum: &mut Vector, w: f64, a: &Matrix) {
+    add_columns(sum.as_mut_slice(), a.as_slice(), a.nrows(), std::iter::repeat_n(w, a.ncols()));
+}
+
+/// Adds columns to a sum, each times its factor; a column begins `lead` numbers after the one before. Four at a time: the
+/// sum is read and written a quarter as often.
+#[inline]
+fn add_columns(sum: &mut [f64], columns: &[f64], lead: usize, mut factors: impl ExactSizeIterator<Item = f64>) {
+    let r = sum.len();
+    if r == 0 {
+        return;
+    }
+    let mut at = 0;
+    while factors.len() >= 4 {
+        let [f0, f1, f2, f3] = std::array::from_fn(|_| factors.next().unwrap_or_default());
+        let [a0, a1, a2, a3]: [&[f64]; 4] = std::array::from_fn(|k| &columns[at + k * lead..][..r]);
+        for i in 0..r {
+            sum[i] += (a0[i] * f0 + a1[i] * f1) + (a2[i] * f2 + a3[i] * f3);
+        }
+        at += 4 * lead;
+    }
+    for factor in factors {
+        for (sum, a) in sum.iter_mut().zip(&columns[at..][..r]) {
+            *sum += a * factor;
+        }
+        at += lead;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_are_those_of_the_definition() {
+        let of = |r: usize, c: usize, seed: f64| Matrix::from_fn(r, c, |i, j| libm::sin(seed + (3 * i + 5 * j) as f64));
+        let mut out = Matrix::zeros(0, 0);
+        for n in [1, 2, 4, 7, 9] {
+            let (a, b) = (of(n + 1, n, 0.3), of(n, 6, 0.9));
+            multiply(&mut out, &a, &b);
+            assert!((&out - &a * &b).amax() < 1e-14);
+            multiply_rows(&mut out, n, &a, &b);
+            assert!((&out - (&a * &b).rows(0, n)).amax() < 1e-14);
+            let c = of(5, n, -0.4);
+            multiply_transposed(&mut out, &a, &c);
+            assert!((&out - &a * c.transpose()).amax() < 1e-14);
+            let sparse = Matrix::from_fn(2, n, |i, j| if i == j { 0.7 } else { 0.0 });
+            multiply_sparse(&mut out, &a, &sparse);
+            assert!((&out - &a * sparse.transpose()).amax() < 1e-14);
+            let mut lower = Matrix::zeros(n + 1, n + 1);
+            multiply_symmetric(&mut lower, 0.7, &a, &a);
+            assert!((&lower - (&a * a.transpose() * 0.7).lower_triangle()).amax() < 1e-14);
+            let mut sum = Vector::zeros(n + 1);
+            add_all_columns(&mut sum, 0.7, &a);
+            assert!((sum - a.column_sum() * 0.7).amax() < 1e-14);
+        }
+    }
+}

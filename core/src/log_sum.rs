@@ -1,0 +1,48 @@
+//! Sums of logarithms, with few calls of the logarithm.
+
+/// A sum of logarithms. It multiplies the factors and takes a logarithm only when their product nears the limits of
+/// `f64`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LogSum {
+    taken: f64,
+    product: f64,
+}
+
+impl LogSum {
+    pub(crate) const ZERO: Self = Self { taken: 0.0, product: 1.0 };
+
+    /// Adds the logarithm of a factor. `ln` computes it where the factor is too large or too small to be multiplied.
+    #[inline]
+    pub(crate) fn add(&mut self, factor: f64, ln: impl FnOnce() -> f64) {
+        const RANGE: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
+        if !RANGE.contains(&factor) {
+            self.taken += ln();
+            return;
+        }
+        self.product *= factor;
+        if !RANGE.contains(&self.product) {
+            self.taken += libm::log(self.product);
+            self.product = 1.0;
+        }
+    }
+
+    pub(crate) fn value(self) -> f64 {
+        self.taken + libm::log(self.product)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_logarithm_of_a_product_is_the_sum_of_logarithms() {
+        let factors = (0..3000).map(|k: i32| libm::exp2(f64::from(k * k % 1900 - 900)));
+        let (mut sum, mut direct) = (LogSum::ZERO, 0.0);
+        for factor in factors {
+            sum.add(factor, || libm::log(factor));
+            direct += libm::log(factor);
+            assert!((sum.value() - direct).abs() < 1e-12 * direct.abs().max(1e3), "{} for {direct}", sum.value());
+        }
+    }
+}

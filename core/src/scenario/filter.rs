@@ -1,0 +1,118 @@
+//! The settings of a filter.
+
+use serde::{Deserialize, Serialize};
+
+use super::values;
+use super::{FilterColor, Values};
+use crate::filter::{Adaptation, FilterKind, Propagation};
+use crate::model::{InputKind, Model};
+use crate::{Channel, PlantKind};
+
+/// One filter: its initial belief and the noise that it assumes of the model and the sensors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
+pub struct FilterSettings {
+    /// The filter's number, from 1 on, which stays the same when other filters are added or removed; 0, or no entry in
+    /// a file, for the number of its place. It determines an ensemble's random numbers and the default colour.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub id: u32,
+    /// The name on screen and in files; that of its kind if empty.
+    pub name: String,
+    /// The kind of filter.
+    pub kind: FilterKind,
+    /// The colour in which the filter is drawn; that of its id if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub color: Option<FilterColor>,
+    /// The kind of plant that the filter assumes; the truth's own if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plant: Option<PlantKind>,
+    /// The augmentations ([`crate::augment`]) in the filter's state; one with zero standard deviations is held
+    /// constant.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub augment: Vec<Channel>,
+    /// The number of samples after which the plant feels the recorded input, as the filter assumes; negative where the
+    /// record is late. Outside the record, its first or last value holds.
+    #[serde(skip_serializing_if = "is_zero_delay")]
+    pub input_delay: i32,
+    /// Whether the filter estimates the logarithms of the parameters that cannot be negative. Their initial and
+    /// process standard deviations are divided by the initial mean, for the whole record.
+    pub log_parameters: bool,
+    /// The propagation of the mean of a KF, EKF or IEKF.
+    pub propagation: Propagation,
+    /// Limits the linearisations of the sensors in one update of an IEKF, which stops earlier once it has converged.
+    pub iterations: usize,
+    /// The number of members of an EnKF, or of particles of a PF.
+    pub ensemble_size: usize,
+    /// Whether the filter learns R and Q from its innovations.
+    pub adaptation: Adaptation,
+    /// Whether the whole record is smoothed once the filter has seen it. Fading counts as process noise then.
+    pub smoother: bool,
+    /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
+    pub fading: f64,
+    /// Rate η ≥ 0 at which the model lets the parameters decay \[1/s\]; 0 keeps them constant.
+    pub eta: f64,
+    /// Standard deviations that the filter assumes of the sensors, in their order: the square roots of the diagonal of
+    /// R. The sensors' true ones if the list is empty in a file.
+    pub sensor_std: Vec<f64>,
+    /// Mean of the initial belief.
+    #[serde(deserialize_with = "values::initial_mean")]
+    pub initial_mean: Values,
+    /// Standard deviations of the initial belief.
+    #[serde(deserialize_with = "values::initial_std")]
+    pub initial_std: Values,
+    /// Standard deviations of the process noise per step: the square roots of the diagonal of Q.
+    #[serde(deserialize_with = "values::process_std")]
+    pub process_std: Values,
+}
+
+impl Default for FilterSettings {
+    fn default() -> Self {
+        Self {
+            id: 0,
+            name: String::new(),
+            kind: FilterKind::EKF,
+            color: None,
+            plant: None,
+            augment: Vec::new(),
+            input_delay: 0,
+            log_parameters: false,
+            propagation: Propagation::LocalLinearisation,
+            iterations: 5,
+            ensemble_size: 500,
+            adaptation: Adaptation::default(),
+            smoother: false,
+            fading: 1.0,
+            eta: 0.0,
+            sensor_std: Vec::new(),
+            initial_mean: Values::INITIAL_MEAN,
+            initial_std: Values::INITIAL_STD,
+            process_std: Values::PROCESS_STD,
+        }
+    }
+}
+
+impl FilterSettings {
+    /// The filter's model of a truth of this kind under this input.
+    pub fn model(&self, truth: PlantKind, input: InputKind) -> Model {
+        // The parameters of a KF are known and do not decay.
+        let eta = if self.kind == FilterKind::KF { 0.0 } else { self.eta };
+        let model = Model::new(self.plant.unwrap_or(truth)).augmented(self.augment.iter().copied());
+        model.decaying(eta).with_logarithms(self.log_parameters).driven_by(input)
+    }
+
+    /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the
+    /// parameters of its plant.
+    pub fn knows(&self, channel: Channel) -> bool {
+        self.kind == FilterKind::KF && channel.is_parameter() && !channel.is_augmentation()
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_zero(id: &u32) -> bool {
+    *id == 0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_zero_delay(delay: &i32) -> bool {
+    *delay == 0
+}
