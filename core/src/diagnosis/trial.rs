@@ -8,13 +8,13 @@ use super::verdict::Verdict;
 use crate::record::Input;
 use crate::{Channel, Diagnostics, Estimates, FilterKind, Pass, Quantity, Record, RunError, Scenario, Scores};
 
-/// Trials run over the last samples of a record, at most this many.
+/// Limits the samples of a trial, which are the last ones of the record.
 const WINDOW: usize = 10_000;
 
-/// Samples that a trial takes before the time is looked at: about half a millisecond.
-const CHUNK: usize = 250;
+/// Limits the samples of a trial between two checks of the time: half a millisecond of the slowest step.
+const CHUNK: usize = 100;
 
-/// A gain in log likelihood, less what its numbers would gain by chance, below this names no cause.
+/// Limits the gain in log likelihood, less what its numbers would gain by chance, below which no cause is named.
 const WORTH: f64 = 8.0;
 
 /// A cause, and what its knob does to the filter.
