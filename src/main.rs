@@ -69,7 +69,7 @@ mod native {
         let run = run_scenario(&scenario, None)?;
         plot_svg(&run, Path::new(REPORT))?;
         let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
-        writeln!(out, "{}", table(&run, &analysis, &step_times(&scenario, &run)?))?;
+        writeln!(out, "{}", table(&run, &analysis, &[], &step_times(&scenario, &run)?))?;
         writeln!(
             out,
             "The plots are in {REPORT}. In a browser: `trunk serve --release`, then open the address that it prints;\n\

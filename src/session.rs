@@ -6,7 +6,7 @@ mod playback;
 #[cfg(test)]
 mod tests;
 
-use kalmanscope_core::{Diagnostics, Estimates, Job, Quantity, Run, RunError, Scenario, Source, Study};
+use kalmanscope_core::{Diagnosis, Diagnostics, Estimates, Job, Quantity, Run, RunError, Scenario, Source, Study};
 use serde::{Deserialize, Serialize};
 
 pub use budget::Budget;
@@ -133,6 +133,11 @@ impl Session {
     /// The diagnostics of the estimates that are kept, one a filter, if they are wanted.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         self.study.analysis().diagnostics()
+    }
+
+    /// The diagnosis of the filter at a place, as far as it is known.
+    pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
+        self.study.analysis().diagnosis(place)
     }
 
     /// The Cramér-Rao bounds, if they are wanted: filters that know as much at first share one.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use kalmanscope::session::{Mode, Session, Wanted};
-use kalmanscope_core::diagnostics::VerdictKind;
+use kalmanscope_core::diagnosis::{Diagnosis, VerdictKind};
 use kalmanscope_core::{Channel, Run, Scenario};
 
 /// A day at 100 Hz with an EKF: 8.64 million samples.
@@ -73,7 +73,7 @@ fn a_day_passes_in_bounded_memory() {
     assert_eq!(forgotten + last, 8_640_000);
     let ekf = &run.estimates()[0];
     assert_eq!((ekf.stop(), ekf.len()), (None, last + 1));
-    let verdict = session.diagnostics()[0].verdict(ekf).unwrap();
+    let verdict = Diagnosis::new(&session.diagnostics()[0], ekf, run.record(), None).unwrap().verdict.unwrap();
     assert!(verdict.kind == VerdictKind::Consistent && !verdict.reason.contains("at first"), "{verdict}");
 
     // A run without a session that keeps few samples.

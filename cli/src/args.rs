@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use kalmanscope_core::VerdictKind;
 
 /// System identification with Kalman filters on the command line
 #[derive(Debug, Parser)]
@@ -37,4 +38,14 @@ pub(crate) struct RunArgs {
     /// Draw truth, measurements and estimates over time
     #[arg(long, value_name = "PLOTS.svg")]
     pub(crate) svg: Option<PathBuf>,
+    /// Exit with code 3 where the verdict on a filter is one of these: consistent, consistent-but-for-a-time,
+    /// not-identifiable, underconfident, overconfident, wound-up, collapsed, lost, diverged
+    #[arg(long, value_name = "VERDICTS", value_delimiter = ',', value_parser = verdict)]
+    pub(crate) fail_on: Vec<VerdictKind>,
+}
+
+fn verdict(word: &str) -> Result<VerdictKind, String> {
+    let keys = || VerdictKind::ALL.map(VerdictKind::key).join(", ");
+    let found = VerdictKind::ALL.into_iter().find(|kind| kind.key() == word.trim());
+    found.ok_or_else(|| format!("expected one or several of {}", keys()))
 }

@@ -5,11 +5,12 @@
 //! use kalmanscope_core::{Analysis, Scenario, Wanted};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let run = run_scenario(&Scenario::from_toml("duration = 5.0")?, None)?;
-//! println!("{}", table(&run, &Analysis::new(&run, Wanted::default()), &[]));
+//! println!("{}", table(&run, &Analysis::new(&run, Wanted::default()), &[], &[]));
 //! # Ok(())
 //! # }
 //! ```
 
+mod causes;
 mod estimates_csv;
 mod number;
 mod plot;
@@ -20,6 +21,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::{Record, Run, RunError, Scenario};
 
+pub use causes::causes;
 pub use estimates_csv::write_estimates;
 pub use plot::{PlotError, plot_svg, svg};
 pub use table::table;

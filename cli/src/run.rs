@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use kalmanscope_cli::{PlotError, plot_svg, run_scenario, step_times, table, write_estimates};
+use kalmanscope_cli::{PlotError, causes, plot_svg, run_scenario, step_times, table, write_estimates};
 use kalmanscope_core::{Analysis, Record, RecordError, RunError, Scenario, ScenarioError, Wanted};
 use thiserror::Error;
 
@@ -42,10 +42,20 @@ enum OutputError {
     Plot(#[from] PlotError),
 }
 
-/// Runs the scenario, writes the requested files and prints the table. Returns false if a filter stopped or a file
-/// could not be written, which is reported on standard error.
-pub(crate) fn run(args: &RunArgs) -> Result<bool, InputError> {
-    let RunArgs { scenario: file, record, seed, out, record_out, svg } = args;
+/// How a run has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ending {
+    /// All was written, and no filter stopped.
+    Well,
+    /// Something could not be written, or a filter stopped.
+    Stopped,
+    /// A filter has a verdict that was not to be.
+    Verdict,
+}
+
+/// Runs the scenario, writes what was asked for and prints the table. What could not be written is told on standard error.
+pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
+    let RunArgs { scenario: file, record, seed, out, record_out, svg, fail_on } = args;
     let mut scenario = read_scenario(file)?;
     if let Some(seed) = seed {
         scenario.seed = *seed;
@@ -73,13 +83,19 @@ pub(crate) fn run(args: &RunArgs) -> Result<bool, InputError> {
     let times = step_times(&scenario, &run).map_err(bad_run)?;
     let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
     // A closed pipe needs no message; the exit code reports the rest.
-    if let Err(error) = io::stdout().write_all(table(&run, &analysis, &times).as_bytes())
+    if let Err(error) = io::stdout().write_all(table(&run, &analysis, &causes(&run, &analysis), &times).as_bytes())
         && error.kind() != io::ErrorKind::BrokenPipe
     {
         well = false;
         report_error(&format_args!("standard output: {error}"));
     }
-    Ok(well && run.estimates().iter().all(|e| e.stop().is_none()))
+    let verdict = |place: usize| Some(analysis.diagnosis(place)?.verdict.as_ref()?.kind);
+    let refused = |place: usize| verdict(place).is_some_and(|kind| fail_on.contains(&kind));
+    Ok(match (0..run.estimates().len()).any(refused) {
+        true => Ending::Verdict,
+        false if well && run.estimates().iter().all(|e| e.stop().is_none()) => Ending::Well,
+        false => Ending::Stopped,
+    })
 }
 
 /// Prints an error on standard error, and ignores that this can fail.

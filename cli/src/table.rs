@@ -2,26 +2,33 @@
 
 use std::fmt::{self, Write as _};
 
+use kalmanscope_core::diagnosis::{Evidence, Finding};
 use kalmanscope_core::diagnostics::{Final, MeanSquare};
-use kalmanscope_core::{Analysis, Channel, CramerRao, Estimates, FilterKind, Run, Summary};
+use kalmanscope_core::{Analysis, Channel, CramerRao, Diagnosis, Estimates, FilterKind, Run, Summary};
 
 use crate::number::{deviation, plain, short, with_spread};
 
-/// The results of each filter as a table: the verdict, the last estimates ±2σ with units, their errors where the truth
+/// The results of each filter as a table: the verdict with its evidence and causes, the last estimates ±2σ with units, their errors where the truth
 /// is known, σ over its Cramér-Rao bound, mean NIS and NEES with their 95 % intervals, the whiteness of the
 /// innovations, the log likelihood, the time per step, and where the filter stopped if it did; then the smoothed
 /// estimates of the filters that have a smoother.
 ///
-/// Bounds are shown if the analysis has them. `step_times` \[ns\] are those of [`crate::step_times`], one per filter,
+/// `causes` are those of [`crate::causes()`], one list per filter, or empty to leave them out. Bounds are shown if the analysis has them. `step_times` \[ns\] are those of [`crate::step_times`], one per filter,
 /// or empty to leave them out.
-pub fn table(run: &Run, analysis: &Analysis, step_times: &[Option<f64>]) -> String {
+pub fn table(run: &Run, analysis: &Analysis, causes: &[Vec<Finding>], step_times: &[Option<f64>]) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = write_table(&mut text, run, analysis, step_times);
+    let _ = write_table(&mut text, run, analysis, causes, step_times);
     text
 }
 
-fn write_table(text: &mut String, run: &Run, analysis: &Analysis, step_times: &[Option<f64>]) -> fmt::Result {
+fn write_table(
+    text: &mut String,
+    run: &Run,
+    analysis: &Analysis,
+    causes: &[Vec<Finding>],
+    step_times: &[Option<f64>],
+) -> fmt::Result {
     let record = run.record();
     let (start, end) = (record.time(0), record.time(record.len().saturating_sub(1)));
     let [start, end, dt] = [start, end, record.dt()].map(plain);
@@ -37,8 +44,10 @@ fn write_table(text: &mut String, run: &Run, analysis: &Analysis, step_times: &[
     if run.estimates().is_empty() {
         writeln!(text, "\nno filters")?;
     }
-    let filters = run.estimates().iter().zip(analysis.diagnostics());
-    let filters = filters.map(|(estimates, diagnostics)| Summary::of(diagnostics, estimates, record));
+    let filters = run.estimates().iter().zip(analysis.diagnostics()).enumerate();
+    let filters = filters.map(|(place, (estimates, diagnostics))| {
+        Summary::of(diagnostics, analysis.diagnosis(place), estimates, record)
+    });
     let smoothed = analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record));
     let summaries: Vec<Summary> = filters.chain(smoothed).collect();
     let rows: Vec<Vec<[String; COLUMNS]>> = summaries.iter().map(|s| s.finals.iter().map(row).collect()).collect();
@@ -51,6 +60,10 @@ fn write_table(text: &mut String, run: &Run, analysis: &Analysis, step_times: &[
             Some(verdict) => writeln!(text, "  {verdict}")?,
             None if filter.is_some() => writeln!(text, "  no verdict: fewer than 20 measurements")?,
             None => {}
+        }
+        if filter.is_some() {
+            write_evidence(text, analysis.diagnosis(i))?;
+            write_causes(text, causes.get(i).map_or(&[], Vec::as_slice))?;
         }
         for row in rows {
             write_row(text, row, &widths)?;
@@ -69,6 +82,45 @@ fn write_table(text: &mut String, run: &Run, analysis: &Analysis, step_times: &[
         if let Some(stop) = summary.stop {
             let time = plain(record.time_of(stop.sample));
             writeln!(text, "  stopped at sample {} (t = {time} s): {}", stop.sample, stop.reason)?;
+        }
+    }
+    Ok(())
+}
+
+/// The most pieces of evidence, and the most causes, that are told of a filter.
+const MOST: (usize, usize) = (6, 3);
+
+/// What speaks for the verdict, and the p-value of each.
+fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Result {
+    let Some(diagnosis) = diagnosis else { return Ok(()) };
+    let mut counting: Vec<&Evidence> = diagnosis.evidence.iter().filter(|one| one.counts).collect();
+    counting.sort_by(|a, b| b.effect.total_cmp(&a.effect));
+    for one in counting.iter().take(MOST.0) {
+        let p =
+            if one.p_value > 0.0 && one.p_value < 1.0 { format!(" (p = {:.0e})", one.p_value) } else { String::new() };
+        writeln!(text, "    {}: {}{p}", one.test.name, one.sentence)?;
+    }
+    Ok(())
+}
+
+/// What may be wrong, the likeliest first: how much likelier the record is with the knob turned, the verdict then, and the
+/// line to write.
+fn write_causes(text: &mut String, causes: &[Finding]) -> fmt::Result {
+    for (number, finding) in (1..).zip(causes.iter().take(MOST.1)) {
+        let suspect = &finding.suspect;
+        let mut told = Vec::new();
+        if finding.gain.is_finite() {
+            told.push(format!("log likelihood {:+.0}", finding.gain));
+        }
+        told.extend(finding.after.as_ref().map(|verdict| format!("then {}", verdict.kind.name())));
+        let told = if told.is_empty() { String::new() } else { format!(" ({})", told.join(", ")) };
+        writeln!(text, "  cause {number}: {}: {}{told}", suspect.cause.name, suspect.sentence)?;
+        for knob in &suspect.knobs {
+            let place = if knob.filter().is_some() { "in its [[filters]]" } else { "at the top" };
+            writeln!(text, "    write {place}: {}", knob.toml_line())?;
+        }
+        if suspect.knobs.is_empty() {
+            writeln!(text, "    {}", suspect.cause.hint)?;
         }
     }
     Ok(())
@@ -190,12 +242,13 @@ mod tests {
     use super::*;
     use kalmanscope_core::{Scenario, Wanted};
 
-    use crate::run_scenario;
+    use crate::{causes, run_scenario};
 
     fn shown(toml: &str) -> String {
         let scenario = Scenario::from_toml(toml).unwrap();
         let run = run_scenario(&scenario, None).unwrap();
-        table(&run, &Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() }), &[Some(123.4)])
+        let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
+        table(&run, &analysis, &causes(&run, &analysis), &[Some(123.4)])
     }
 
     #[test]

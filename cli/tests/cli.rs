@@ -279,7 +279,9 @@ fn the_command_line_is_checked() {
     assert!(error.contains("--speed"), "{error}");
     let help = succeeds(command().arg("--help"));
     assert!(
-        ["--record", "--seed", "--out", "--record-out", "--svg"].iter().all(|option| help.contains(option)),
+        ["--record", "--seed", "--out", "--record-out", "--svg", "--fail-on"]
+            .iter()
+            .all(|option| help.contains(option)),
         "{help}"
     );
 }
@@ -299,4 +301,30 @@ fn estimates_have_the_signs_of_the_table() {
     let frequencies: Vec<f64> =
         text.lines().skip(1).map(|line| line.split(',').nth(column).unwrap().parse().unwrap()).collect();
     assert!(frequencies.len() > 1000 && frequencies.iter().all(|wn| *wn >= 0.0), "{:?}", &frequencies[..3]);
+}
+
+#[test]
+fn verdicts_have_evidence_causes_and_an_exit_code() {
+    let folder = folder();
+    let toml = "duration = 20.0\n[plant]\nnatural_frequency = 6.0\n[[filters]]\nname = \"wrong\"\nsensor_std = [0.05, 0.3]\n\
+                [[filters]]\nname = \"right\"\n";
+    let scenario = file(&folder, "scenario.toml", toml);
+    let table = succeeds(command().arg(&scenario));
+    let (_, wrong) = table.split_once("\nwrong (EKF)\n").unwrap();
+    let (wrong, right) = wrong.split_once("\nright (EKF)\n").unwrap();
+    let mut lines = wrong.lines();
+    assert!(lines.next().unwrap().starts_with("  underconfident: innovations² of the "), "{wrong}");
+    assert!(lines.next().unwrap().starts_with("    innovations of "), "{wrong}");
+    let cause =
+        wrong.lines().position(|line| line.starts_with("  cause 1: R of a sensor: R of the displacement is ")).unwrap();
+    let lines: Vec<&str> = wrong.lines().collect();
+    assert!(lines[cause].ends_with(", then consistent)"), "{}", lines[cause]);
+    assert!(lines[cause + 1].starts_with("    write in its [[filters]]: sensor_std = [0.0"), "{}", lines[cause + 1]);
+    assert!(right.starts_with("  consistent: ") && !right.contains("cause"), "{right}");
+
+    succeeds(command().arg(&scenario).args(["--fail-on", "overconfident,diverged,lost"]));
+    let (same, error) = fails(command().arg(&scenario).args(["--fail-on", "underconfident,lost"]), 3);
+    assert!(error.is_empty() && same.contains("underconfident"), "{error}");
+    let (_, error) = fails(command().arg(&scenario).args(["--fail-on", "bad"]), 2);
+    assert!(error.contains("consistent-but-for-a-time"), "{error}");
 }

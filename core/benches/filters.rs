@@ -6,7 +6,9 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use kalmanscope_core::{Diagnostics, FilterKind, FilterSettings, Run, Scenario, Spectrum, frequency_response};
+use kalmanscope_core::{
+    Diagnosis, Diagnostics, FilterKind, FilterSettings, Run, Scenario, Spectrum, frequency_response,
+};
 
 fn run(scenario: &Scenario) -> Run {
     Run::new(scenario).expect("the scenario is valid")
@@ -79,8 +81,8 @@ fn benchmarks(c: &mut Criterion) {
             black_box(diagnostics.len())
         });
     });
-    c.bench_function("verdict on a whole record", |b| {
-        b.iter(|| black_box(diagnostics.verdict(&whole.estimates()[0])));
+    c.bench_function("diagnosis of a whole record of 6001 samples", |b| {
+        b.iter(|| black_box(Diagnosis::new(&diagnostics, &whole.estimates()[0], whole.record(), None)));
     });
     let frequencies: Vec<f64> = (0..384).map(|i| 1.0 + f64::from(i) / 8.0).collect();
     c.bench_function("frequency response of a belief at 384 frequencies", |b| {

@@ -7,7 +7,7 @@ use crate::bank::Bank;
 use crate::diagnostics::Depth;
 use crate::smoother::Smoother;
 use crate::waste::Waste;
-use crate::{CramerRao, Diagnostics, Estimates, Record, Run, Scenario, Update, cost};
+use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Update, cost};
 
 use bounds::bounds_of;
 
@@ -33,6 +33,8 @@ pub struct Analysis {
     filters: Vec<u32>,
     /// Whether each of the diagnostics belongs to the present estimates.
     begun: Vec<bool>,
+    /// The diagnosis of each filter, and of how many samples from the beginning it is.
+    diagnoses: Vec<(Option<Diagnosis>, usize)>,
     diagnosed: bool,
     smoothed: Vec<Estimates>,
     smoothing: Option<InProgress>,
@@ -93,6 +95,12 @@ impl Analysis {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
 
+    /// The diagnosis of the filter at a place. Of a run that goes on, it is that of an earlier sample: it is made anew as soon
+    /// as half as many samples have come as are kept, and at the end. None where there is none yet.
+    pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
+        self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
+    }
+
     /// The smoothed estimates of the filters that have a smoother; empty until they are complete.
     pub fn smoothed(&self) -> &[Estimates] {
         if self.all_smoothed { &self.smoothed } else { &[] }
@@ -124,6 +132,7 @@ impl Analysis {
             let diagnostics = self.diagnostics.drain(..).chain(self.spare.drain(..));
             self.waste.extend(diagnostics);
             self.begun.clear();
+            self.diagnoses.clear();
             self.diagnosed = false;
         }
         if self.wanted.smoothed != wanted.smoothed {
@@ -178,13 +187,16 @@ impl Analysis {
         if let Some(depth) = self.wanted.diagnostics {
             self.diagnostics.resize_with(ids.len(), || Diagnostics::empty(depth));
             self.begun.resize(ids.len(), false);
+            self.diagnoses.resize(ids.len(), (None, 0));
             self.filters.clone_from(&ids);
         }
-        for (id, (diagnostics, begun)) in old.filters.iter().zip(old.diagnostics.drain(..).zip(old.begun.drain(..))) {
+        let of_filters = old.diagnostics.drain(..).zip(old.begun.drain(..)).zip(old.diagnoses.drain(..));
+        for (id, ((diagnostics, begun), diagnosis)) in old.filters.iter().zip(of_filters) {
             let place = ids.iter().position(|new| new == id && !changed.contains(id));
             if let Some(place) = place.filter(|&place| place < self.diagnostics.len()) {
                 self.diagnostics[place] = diagnostics;
                 self.begun[place] = begun;
+                self.diagnoses[place] = diagnosis;
             } else {
                 self.spare.push(diagnostics);
             }
@@ -221,7 +233,7 @@ impl Analysis {
     }
 
     fn diagnose(&mut self, depth: Depth, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { diagnostics, filters: ids, begun, spare, .. } = self;
+        let Self { diagnostics, diagnoses, filters: ids, begun, spare, .. } = self;
         let Subject { bank, record, known, .. } = subject;
         let filters = bank.estimates.len();
         ids.clear();
@@ -229,11 +241,13 @@ impl Analysis {
         spare.extend(diagnostics.drain(filters.min(diagnostics.len())..));
         diagnostics.resize_with(filters, || spare.pop().unwrap_or_else(|| Diagnostics::empty(depth)));
         begun.resize(filters, false);
+        diagnoses.resize(filters, (None, 0));
         for place in (0..filters).filter(|&place| !is_known(known, place)) {
             let (estimates, diagnostics) = (&bank.estimates[place], &mut diagnostics[place]);
             if !begun[place] {
                 diagnostics.clear(estimates, record);
                 begun[place] = true;
+                diagnoses[place] = (None, 0);
             }
             loop {
                 diagnostics.follow_to(diagnostics.len() + DIAGNOSTICS_CHUNK, estimates, record);
@@ -243,6 +257,13 @@ impl Analysis {
                 if !while_time() {
                     return false;
                 }
+            }
+            let (diagnosis, of) = &mut diagnoses[place];
+            let done = estimates.forgotten() + estimates.len();
+            let is_old = done >= *of + estimates.len() / 2 || subject.whole;
+            if *of != done && (diagnosis.is_none() || is_old) {
+                *diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
+                *of = done;
             }
         }
         true

@@ -60,6 +60,16 @@ impl Bank {
         Estimates::new(filter, &model, self.quantities.clone())
     }
 
+    /// How many samples of the record beyond its last one a filter looks at: those that take the record for late.
+    pub(crate) fn lookahead(&self) -> usize {
+        lookahead(&self.scenario)
+    }
+
+    /// How many samples of the record before its last one a filter looks at.
+    pub(crate) fn reach(&self) -> usize {
+        self.scenario.filters.iter().map(|filter| filter.input_delay.max(0) as usize).max().unwrap_or(0)
+    }
+
     /// Runs all filters over a record up to `samples`, one filter after the other, because each one's data then stays
     /// in the cache.
     pub(crate) fn follow(&mut self, record: &Record, samples: usize) {
@@ -92,4 +102,9 @@ impl Bank {
         let model = filter.model(self.scenario.plant.kind, self.scenario.input);
         Estimates::new(filter, &model, Vec::new()).of_smoother()
     }
+}
+
+/// How many samples of the record beyond its last one a filter of a scenario looks at.
+pub(crate) fn lookahead(scenario: &Scenario) -> usize {
+    scenario.filters.iter().map(|filter| filter.input_delay.min(0).unsigned_abs() as usize).max().unwrap_or(0)
 }

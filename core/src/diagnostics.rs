@@ -4,9 +4,9 @@ pub(crate) mod accuracy;
 pub mod chi_squared;
 mod likelihood;
 pub(crate) mod nees;
+mod range_sums;
 mod summary;
 mod totals;
-mod verdict;
 mod whiteness;
 
 use std::ops::Range;
@@ -21,13 +21,12 @@ use totals::Totals;
 pub use accuracy::Tally;
 pub use summary::{Final, Score, Summary};
 pub use totals::{MeanSquare, Total};
-pub use verdict::{Verdict, VerdictKind};
 pub use whiteness::{LAGS, LjungBox, Whiteness};
 
 /// The depth of the diagnostics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Depth {
-    /// NIS, NEES and likelihood, at half the cost: no tallies of errors, no whiteness, no verdict.
+    /// NIS, NEES and likelihood, at half the cost of all: there are no tallies of errors, no whiteness and no diagnosis.
     Consistency,
     /// Everything.
     #[default]
@@ -140,6 +139,11 @@ impl Diagnostics {
         self.likelihood.push(estimates, k);
     }
 
+    /// How much is followed.
+    pub fn depth(&self) -> Depth {
+        self.depth
+    }
+
     /// The number of samples taken in.
     pub fn len(&self) -> usize {
         self.samples
@@ -170,6 +174,20 @@ impl Diagnostics {
     pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<Tally> {
         let tally = self.accuracy.within(self.accuracy.place(channel)?, range);
         (tally.known > 0).then_some(tally)
+    }
+
+    /// The channels whose root mean square error over the last fifth is more than `limit` standard deviations, and larger than
+    /// the truth ever was and than was thought possible at first: each with that error in standard deviations and in its unit.
+    pub(crate) fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
+        let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
+        let recent = self.samples * 4 / 5..self.samples;
+        let is_lost = |(at, known): (usize, &accuracy::TrackedChannel)| {
+            let rmse = self.accuracy.within(at, recent.clone()).rmse();
+            let (first, std) = (estimates.initial_std(known.place), estimates.std(last, known.place));
+            let bound = known.largest_truth.max(known.first_error).max(2.0 * first);
+            (std > 0.0 && rmse > limit * std && rmse > bound).then_some((known.channel, rmse / std, rmse))
+        };
+        self.accuracy.known().iter().enumerate().filter_map(is_lost).collect()
     }
 
     /// The last third of the samples.

@@ -43,6 +43,7 @@ pub struct Estimates {
     frequency: Option<usize>,
     sensors: Vec<Quantity>,
     forgotten: usize,
+    initial_mean: Vec<f64>,
     initial_std: Vec<f64>,
     mean: Vec<f64>,
     cov: Vec<f64>,
@@ -77,6 +78,7 @@ impl Estimates {
             monitor: Monitor::new(settings, channels, plant, &sensors),
             sensors,
             forgotten: 0,
+            initial_mean: Vec::new(),
             initial_std: Vec::new(),
             mean: Vec::new(),
             cov: Vec::new(),
@@ -153,6 +155,7 @@ impl Estimates {
         let Sample { mean, cov, innovation, innovation_cov, gain, nis, determinant, .. } = *sample;
         let n = mean.len();
         if self.initial_std.is_empty() {
+            self.initial_mean.extend_from_slice(mean);
             self.initial_std.extend((0..n).map(|i| cov[i * n + i].sqrt()));
         }
         self.mean.extend_from_slice(mean);
@@ -238,6 +241,11 @@ impl Estimates {
     /// The number of forgotten samples, which is also the number of the first one that is kept.
     pub fn forgotten(&self) -> usize {
         self.forgotten
+    }
+
+    /// The mean of one channel at the run's first sample, kept or not; NaN before it.
+    pub fn initial_mean(&self, channel: usize) -> f64 {
+        self.initial_mean.get(channel).copied().unwrap_or(f64::NAN)
     }
 
     /// The standard deviation of one channel at the run's first sample, kept or not; NaN before the first sample.

@@ -1,7 +1,7 @@
 //! Identification of an oscillator with Kalman filters, headless.
 //!
 //! ```text
-//! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Diagnostics
+//! Scenario ──simulate──▶ Record ──filters──▶ Estimates ──diagnostics──▶ Diagnostics ──tests──▶ Diagnosis
 //! (settings)   (or a CSV: measured record)
 //! ```
 //!
@@ -26,6 +26,7 @@ pub mod analysis;
 pub mod augment;
 pub mod channel;
 pub mod cramer_rao;
+pub mod diagnosis;
 pub mod diagnostics;
 pub mod estimates;
 pub mod filter;
@@ -69,6 +70,7 @@ mod waste;
 pub use analysis::{Analysis, Bound, Wanted};
 pub use channel::Channel;
 pub use cramer_rao::CramerRao;
+pub use diagnosis::{Diagnosis, Verdict, VerdictKind};
 pub use diagnostics::{Diagnostics, Summary};
 pub use estimates::{Estimates, Stop};
 pub use filter::{Adaptation, FilterError, FilterKind, Propagation};

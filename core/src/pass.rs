@@ -13,6 +13,7 @@ pub struct Pass {
     estimator: Box<dyn Estimator>,
     /// The column of the record for each of the scenario's sensors.
     sensors: Vec<usize>,
+    input_delay: i32,
     done: usize,
     stop: Option<Stop>,
 }
@@ -35,12 +36,14 @@ impl Pass {
     }
 
     pub(crate) fn with(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
-        Self { estimator: estimator(settings, context), sensors, done: 0, stop: None }
+        let input_delay = settings.input_delay;
+        Self { estimator: estimator(settings, context), sensors, input_delay, done: 0, stop: None }
     }
 
     /// A pass without a record, which does nothing.
     pub(crate) fn idle() -> Self {
-        Self { estimator: Box::new(Failed(FilterError::NotFinite)), sensors: Vec::new(), done: 0, stop: None }
+        let estimator = Box::new(Failed(FilterError::NotFinite));
+        Self { estimator, sensors: Vec::new(), input_delay: 0, done: 0, stop: None }
     }
 
     /// An empty history for the filter at `place` of a scenario, to be filled by a pass.
@@ -66,7 +69,8 @@ impl Pass {
     /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A
     /// filter that fails reports the reason to the sink and computes no further samples.
     pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
-        let Self { estimator, sensors, done, stop } = self;
+        let Self { estimator, sensors, input_delay, done, stop } = self;
+        let force = |k: usize| record.delayed_force(k, *input_delay);
         let goal = samples.min(record.forgotten() + record.len()).max(*done);
         let mut measured = [f64::NAN; MAX_SENSORS];
         let measured = &mut measured[..sensors.len()];
@@ -81,7 +85,7 @@ impl Pass {
                 for (value, &sensor) in measured.iter_mut().zip(sensors.iter()) {
                     *value = record.measured(sensor)[k];
                 }
-                estimator.step(record.force(k - 1), record.force(k), measured, sink)
+                estimator.step(force(k - 1), force(k), measured, sink)
             };
             if let Err(reason) = step {
                 let at = Stop { sample, reason };

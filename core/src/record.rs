@@ -208,6 +208,14 @@ impl Record {
         self.kind.force(self.input[k])
     }
 
+    /// The force over mass \[m/s²\] that acts at sample `k` where the plant feels the input `delay` samples after it is
+    /// recorded, or before where that is negative. Where the record does not reach, its first or last value stands.
+    #[inline]
+    pub fn delayed_force(&self, k: usize, delay: i32) -> f64 {
+        let place = if delay < 0 { k + delay.unsigned_abs() as usize } else { k.saturating_sub(delay as usize) };
+        self.force(place.min(self.len() - 1))
+    }
+
     /// The measured quantities.
     pub fn sensors(&self) -> &[Quantity] {
         &self.sensors

@@ -120,7 +120,7 @@ impl Run {
         let Self { recording, samples: all, done, bank } = self;
         let begin = *done;
         let goal = samples.min(*all);
-        if !recording.advance_to(goal) {
+        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
             *all = recording.len();
         }
         *done = goal.min(*all).max(begin);
@@ -132,7 +132,7 @@ impl Run {
     /// The memory stays reserved. Later samples are bit-identical to those of a run that keeps everything. Returns
     /// false for a given record, which cannot be forgotten.
     pub fn forget(&mut self, samples: usize) -> bool {
-        let samples = samples.min(self.len().saturating_sub(1));
+        let samples = samples.min(self.len().saturating_sub(1 + self.bank.reach()));
         let forgets = self.recording.forget(samples);
         if forgets {
             self.bank.forget(samples);

@@ -1,8 +1,8 @@
 //! Scores of a filter that need no history.
 
+use crate::diagnostics::Total;
 use crate::diagnostics::accuracy::{TrackedChannel, sign_of};
 use crate::diagnostics::nees::ErrorSquare;
-use crate::diagnostics::{Tally, Total};
 use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
 use crate::log_sum::LogSum;
 use crate::sink::{Sample, Sink};
@@ -38,8 +38,8 @@ pub struct Scores {
     known: Vec<TrackedChannel>,
     /// The last error and standard deviation of each tracked channel, and its initial standard deviation.
     last: Vec<Last>,
-    /// The sums of squared errors before the record's last fifth.
-    before: Vec<Tally>,
+    /// The errors' squares and their number in the record's last fifth.
+    recent: Vec<(f64, u32)>,
     last_fifth: usize,
     errors: Vec<f64>,
     square: ErrorSquare,
@@ -85,7 +85,7 @@ impl Scores {
             sensors: history.sensors().len(),
             samples: 0,
             last: vec![Last { error: f64::NAN, std: f64::NAN, initial_std: f64::NAN }; known.len()],
-            before: vec![Tally::default(); known.len()],
+            recent: vec![(0.0, 0); known.len()],
             last_fifth: record.len() * 4 / 5,
             errors: vec![f64::NAN; known.len()],
             known,
@@ -153,16 +153,12 @@ impl Scores {
     /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error exceeds 10σ,
     /// the largest truth and the initial uncertainty.
     pub fn diverged(&self) -> bool {
-        let lost = |((known, last), before): ((&TrackedChannel, &Last), &Tally)| {
-            let recent = Tally {
-                squares: (known.total.squares - before.squares).max(0.0),
-                known: known.total.known - before.known,
-                inside: known.total.inside - before.inside,
-            };
+        let lost = |((known, last), &(squares, samples)): ((&TrackedChannel, &Last), &(f64, u32))| {
+            let rmse = (squares / f64::from(samples)).sqrt();
             let bound = known.largest_truth.max(known.first_error).max(2.0 * last.initial_std);
-            last.std > 0.0 && recent.rmse() > LOST * last.std && recent.rmse() > bound
+            last.std > 0.0 && rmse > LOST * last.std && rmse > bound
         };
-        self.stop.is_some() || self.known.iter().zip(&self.last).zip(&self.before).any(lost)
+        self.stop.is_some() || self.known.iter().zip(&self.last).zip(&self.recent).any(lost)
     }
 }
 
@@ -175,19 +171,21 @@ pub struct Scoring<'a> {
 impl Sink for Scoring<'_> {
     fn push(&mut self, sample: &Sample<'_>) {
         let Self { scores, record } = self;
-        let Scores { kind, channels, frequency, sensors, samples, known, last, before, last_fifth, errors, .. } =
+        let Scores { kind, channels, frequency, sensors, samples, known, last, recent, last_fifth, errors, .. } =
             &mut **scores;
         let n = *channels;
         let Some(k) = samples.checked_sub(record.forgotten()) else { return };
         let sign = sign_of(sample.mean, *frequency);
         for (at, known) in known.iter_mut().enumerate() {
-            if *samples == *last_fifth {
-                before[at] = known.total;
-            }
             let truth = record.truth_at(known.truth, k);
             let variance = sample.cov[known.place * (n + 1)];
             errors[at] = known.error(sample.mean, sign, truth);
             known.take_in(errors[at], truth, variance, *samples);
+            if *samples >= *last_fifth && !errors[at].is_nan() {
+                let (squares, count) = &mut recent[at];
+                *squares += errors[at] * errors[at];
+                *count += 1;
+            }
             let Last { error, std, initial_std } = &mut last[at];
             *error = if known.channel.is_mirrored() { sign * errors[at] } else { errors[at] };
             *std = variance.sqrt();

@@ -14,5 +14,5 @@ pub(crate) fn smoother(settings: &FilterSettings, context: FilterContext<'_>) ->
     if settings.kind.is_sampled() {
         return None;
     }
-    filter::smoother::beliefs(settings, &context).map(Smoother::new)
+    filter::smoother::beliefs(settings, &context).map(|beliefs| Smoother::new(beliefs, settings.input_delay))
 }

@@ -1,5 +1,6 @@
 //! The simulation of the truth: the plant's response and the sensors' measurements.
 
+mod inputs;
 mod response;
 
 use thiserror::Error;
@@ -8,6 +9,7 @@ use crate::model::{Hold, Model, Reading};
 use crate::random::{Normal, Purpose};
 use crate::{Channel, Quantity, Record, Scenario};
 
+use inputs::Inputs;
 use response::Response;
 
 /// The reason why a truth cannot go on.
@@ -42,14 +44,12 @@ pub struct TruthStop {
 /// is exact. For other plants, Runge-Kutta steps are refined until their error is below 1e-9 of the signal.
 pub struct Simulator {
     scenario: Scenario,
-    input_noise: Normal,
+    inputs: Inputs,
     disturbance_noise: Normal,
     sensor_noise: Vec<Normal>,
     model: Model,
     readings: Vec<Option<Reading>>,
     response: Response,
-    /// The input of the next sample, in its unit.
-    input: f64,
     stop: Option<TruthStop>,
 }
 
@@ -57,7 +57,6 @@ impl Simulator {
     /// A simulator at t = 0 of a valid scenario.
     pub fn new(scenario: &Scenario) -> Self {
         let stream = |purpose| Normal::new(scenario.seed, purpose);
-        let mut input_noise = stream(Purpose::Force);
         let model = scenario.plant.model(scenario.input);
         let initial = |channel: &Channel| match *channel {
             c if c == Channel::DISPLACEMENT => scenario.plant.initial.displacement,
@@ -65,8 +64,7 @@ impl Simulator {
             _ => 0.0,
         };
         Self {
-            input: scenario.force.sample(0, scenario.dt, &mut input_noise),
-            input_noise,
+            inputs: Inputs::new(scenario.force, scenario.dt, stream(Purpose::Force)),
             disturbance_noise: stream(Purpose::Disturbance),
             sensor_noise: scenario.sensors.iter().map(|s| stream(Purpose::Sensor(s.measures))).collect(),
             readings: scenario.sensors.iter().map(|s| model.reading(s.measures)).collect(),
@@ -104,8 +102,7 @@ impl Simulator {
     }
 
     fn try_step(&mut self, record: &mut Record) -> Result<(), TruthError> {
-        let Self { scenario, input_noise, disturbance_noise, sensor_noise, model, readings, response, input, stop: _ } =
-            self;
+        let Self { scenario, inputs, disturbance_noise, sensor_noise, model, readings, response, stop: _ } = self;
         let dt = scenario.dt;
         let k = record.forgotten() + record.len();
         let t = k as f64 * dt;
@@ -117,7 +114,9 @@ impl Simulator {
             0.0 => 0.0,
             std => std * disturbance_noise.sample(),
         };
-        let force = scenario.input.force(*input);
+        let recorded = inputs.at(k);
+        let mut acting = |k: usize| scenario.input.force(inputs.delayed(k, scenario.plant.input_delay));
+        let (force, next) = (acting(k), acting(k + 1));
         let state = response.state();
         if let Some(place) = state.iter().position(|x| !x.is_finite()) {
             return Err(TruthError::Channel(model.channels()[place]));
@@ -134,11 +133,11 @@ impl Simulator {
             }
             measured.push(value);
         }
-        record.push(*input, measured, state.iter().copied());
-        *input = scenario.force.sample(k + 1, dt, input_noise);
+        record.push(recorded, measured, state.iter().copied());
+        inputs.forget_before((k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize));
         let end = match scenario.hold {
             Hold::Zero => force,
-            Hold::First => scenario.input.force(*input),
+            Hold::First => next,
         };
         response.advance(model, [force, end], disturbance, dt)
     }

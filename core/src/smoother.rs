@@ -10,6 +10,7 @@ const FREED: usize = 4_000;
 /// smoother here: they give no estimates. Where the filter stops, the smoother begins with the last sample before.
 pub(crate) struct Smoother {
     beliefs: Box<dyn Beliefs>,
+    input_delay: i32,
     stop: Option<Stop>,
     stage: Stage,
 }
@@ -19,8 +20,8 @@ pub(crate) trait Beliefs: Send {
     /// The number of samples that have a belief.
     fn len(&self) -> usize;
 
-    /// Filters sample `k`, the next one.
-    fn filter(&mut self, record: &Record, k: usize) -> Result<(), FilterError>;
+    /// Filters sample `k`, the next one, under the forces over mass of the sample before it and of its own \[m/s²\].
+    fn filter(&mut self, forces: [f64; 2], record: &Record, k: usize) -> Result<(), FilterError>;
 
     /// Smooths sample `k`, whose successor is smooth.
     fn smooth(&mut self, k: usize);
@@ -45,21 +46,22 @@ enum Stage {
 
 impl Smoother {
     /// A smoother before its first sample.
-    pub(crate) fn new(beliefs: Box<dyn Beliefs>) -> Self {
-        Self { beliefs, stop: None, stage: Stage::Forth }
+    pub(crate) fn new(beliefs: Box<dyn Beliefs>, input_delay: i32) -> Self {
+        Self { beliefs, input_delay, stop: None, stage: Stage::Forth }
     }
 
     /// Goes on for at most `steps` steps over the first `samples` samples of a record, which must be the same each time;
     /// appends to `estimates` at last. Returns whether all is done.
     pub(crate) fn advance(&mut self, record: &Record, samples: usize, steps: usize, estimates: &mut Estimates) -> bool {
-        let Self { beliefs, stop, stage } = self;
+        let Self { beliefs, input_delay, stop, stage } = self;
+        let force = |k: usize| record.delayed_force(k, *input_delay);
         for _ in 0..steps {
             match *stage {
                 Stage::Forth => {
                     let k = beliefs.len();
                     if k == samples || stop.is_some() {
                         *stage = Stage::Back(k.saturating_sub(1));
-                    } else if let Err(reason) = beliefs.filter(record, k) {
+                    } else if let Err(reason) = beliefs.filter([force(k.saturating_sub(1)), force(k)], record, k) {
                         *stop = Some(Stop { sample: k, reason });
                     }
                 }

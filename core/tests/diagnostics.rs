@@ -8,10 +8,15 @@ use std::sync::Arc;
 
 use kalmanscope_core::diagnostics::{Depth, LAGS, Tally};
 use kalmanscope_core::{
-    Channel, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Summary,
+    Channel, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal,
+    Summary, Verdict,
 };
 
 use run::finished;
+
+fn verdict(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) -> Option<Verdict> {
+    Diagnosis::new(diagnostics, estimates, record, None)?.verdict
+}
 
 /// An oscillator of 6 rad/s with damping 0.05, and an EKF with another initial frequency.
 fn guessing(natural_frequency: f64, damping_ratio: f64) -> Scenario {
@@ -57,7 +62,7 @@ fn any_portions_give_the_same_bits() {
         for portions in [&[1][..], &[3, 1, 250, 17]] {
             let mut run = Run::new(&scenario).unwrap();
             let mut following = Diagnostics::new(&run.estimates()[i], run.record());
-            assert!(following.is_empty() && following.verdict(&run.estimates()[i]).is_none());
+            assert!(following.is_empty() && verdict(&following, &run.estimates()[i], run.record()).is_none());
             for portion in portions.iter().cycle() {
                 if run.len() == run.samples() {
                     break;
@@ -67,7 +72,7 @@ fn any_portions_give_the_same_bits() {
                 assert_eq!(following.len(), run.len());
             }
             assert_eq!(bits(&following), bits(&at_once));
-            assert_eq!(following.verdict(estimates), at_once.verdict(estimates));
+            assert_eq!(verdict(&following, estimates, run.record()), verdict(&at_once, estimates, whole.record()));
         }
     }
 }
@@ -94,7 +99,7 @@ fn the_consistency_depth_gives_the_same_numbers() {
     };
     assert_eq!(bits(&consistency), bits(&all));
     assert_eq!(consistency.share_in_ellipsoid(), all.share_in_ellipsoid());
-    assert!(all.verdict(estimates).is_some() && consistency.verdict(estimates).is_none());
+    assert!(verdict(&all, estimates, record).is_some() && verdict(&consistency, estimates, record).is_none());
     assert!(consistency.tally(Channel::DAMPING_RATIO, 0..600).is_none() && consistency.whiteness().is_empty());
     assert!(consistency.settled(Channel::NATURAL_FREQUENCY).is_none());
 }
@@ -199,7 +204,7 @@ fn unknown_truths_and_missing_measurements_are_not_scored() {
     scenario.filters[0].sensor_std.clear();
     let blind = finished(&scenario);
     let diagnostics = Diagnostics::new(&blind.estimates()[0], blind.record());
-    assert!(diagnostics.mean_nis().is_none() && diagnostics.verdict(&blind.estimates()[0]).is_none());
+    assert!(diagnostics.mean_nis().is_none() && verdict(&diagnostics, &blind.estimates()[0], blind.record()).is_none());
     assert!(diagnostics.whiteness().is_empty() && diagnostics.mean_nees().is_some());
 }
 

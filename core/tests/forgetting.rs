@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use kalmanscope_core::{
-    Adaptation, Channel, CramerRao, Diagnostics, Estimates, FilterKind, FilterSettings, Force, PlantKind, Quantity,
-    Run, Scenario, Sensor, Signal, Summary,
+    Adaptation, Channel, CramerRao, Diagnosis, Diagnostics, Estimates, FilterKind, FilterSettings, Force, PlantKind,
+    Quantity, Run, Scenario, Sensor, Signal, Summary,
 };
 
 /// Every kind of filter, also adaptive ones, ones that stop and ones with another plant, over a plant that changes.
@@ -153,14 +153,15 @@ fn diagnostics_and_bounds_cover_the_kept_samples() {
         assert_eq!((diagnostics.len(), diagnostics.stop()), (estimates.len(), None));
         assert_eq!(bits(diagnostics.nees()), bits(&whole.nees()[gone..]));
         assert_eq!(diagnostics.log_likelihood().to_bits(), anew.log_likelihood().to_bits());
-        assert_eq!(diagnostics.verdict(estimates), anew.verdict(estimates));
+        let verdict = |d| Diagnosis::new(d, estimates, kept.record(), None).map(|diagnosis| diagnosis.verdict);
+        assert_eq!(verdict(diagnostics), verdict(&anew));
         for channel in diagnostics.known() {
             assert_eq!(diagnostics.error(channel), whole.error(channel));
             assert_eq!(diagnostics.settled(channel), whole.settled(channel), "{}", channel.name());
         }
-        let summary = Summary::of(diagnostics, estimates, kept.record());
+        let summary = Summary::of(diagnostics, None, estimates, kept.record());
         assert_eq!(summary.samples, 4001 - gone);
-        let of_all = Summary::of(&whole, &all.estimates()[place], all.record());
+        let of_all = Summary::of(&whole, None, &all.estimates()[place], all.record());
         for (one, other) in summary.finals.iter().zip(&of_all.finals) {
             assert_eq!(one.score.unwrap().settled, other.score.unwrap().settled);
             assert_eq!((one.mean, one.std), (other.mean, other.std));

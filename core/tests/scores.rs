@@ -1,6 +1,8 @@
 //! Scores equal the numbers of the diagnostics, in constant memory.
 
-use kalmanscope_core::{Diagnostics, FilterKind, FilterSettings, Pass, PlantKind, Run, Scenario, Scores, Window};
+use kalmanscope_core::{
+    Diagnosis, Diagnostics, FilterKind, FilterSettings, Pass, PlantKind, Run, Scenario, Scores, VerdictKind, Window,
+};
 
 /// Filters of several kinds, one of which loses the truth.
 fn scenario() -> Scenario {
@@ -42,7 +44,8 @@ fn scores_are_the_diagnostics_to_the_last_bit() {
             let last = estimates.std(estimates.len() - 1, estimates.place(channel).unwrap());
             assert_eq!(score.std, last);
         }
-        let diverged = diagnostics.verdict(estimates).unwrap().to_string().starts_with("diverged");
+        let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None).unwrap();
+        let diverged = diagnosis.verdict.unwrap().kind == VerdictKind::Diverged;
         assert_eq!(scores.diverged(), diverged, "{}", estimates.name());
     }
 }

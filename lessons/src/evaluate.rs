@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kalmanscope_core::{Channel, Trouble};
+use kalmanscope_core::{Channel, Diagnosis, Trouble};
 
 use crate::check::{Check, Times};
 use crate::measure::Measure;
@@ -34,10 +34,11 @@ impl Check {
     }
 
     fn measured(&self, filter: FilterOutcome<'_>, times: Times) -> Value {
-        let FilterOutcome { diagnostics, estimates, .. } = filter;
+        let FilterOutcome { outcome, diagnostics, estimates, .. } = filter;
         match self.measure {
             Measure::Verdict => {
-                let verdict = diagnostics.verdict(estimates);
+                let diagnosis = Diagnosis::new(diagnostics, estimates, outcome.run().record(), None);
+                let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict);
                 Value::Words(vec![verdict.map_or("none", |verdict| verdict.kind.name())])
             }
             Measure::Stopped => Value::Flag(estimates.stop().is_some()),

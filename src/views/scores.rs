@@ -1,7 +1,7 @@
 //! Filters side by side: verdict and scores.
 
 use egui::{Grid, Id, RichText, ScrollArea, Ui};
-use kalmanscope_core::diagnostics::{Depth, Summary, VerdictKind};
+use kalmanscope_core::diagnostics::{Depth, Summary};
 
 use crate::request::Request;
 use crate::session::Wanted;
@@ -32,9 +32,9 @@ impl View for Scores {
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
         let ViewContext { session, palette, .. } = *context;
         let (estimates, record) = (session.run().estimates(), session.run().record());
-        let of = |(d, e)| Summary::of(d, e, record);
+        let of = |(place, (d, e))| Summary::of(d, session.diagnosis(place), e, record);
         let mut summaries: Vec<(usize, Summary)> =
-            session.diagnostics().iter().zip(estimates).map(of).enumerate().collect();
+            session.diagnostics().iter().zip(estimates).enumerate().map(of).enumerate().collect();
         let sorting = Id::unique("scores are sorted by");
         let mut sorted_by = ui.data(|data| data.get_temp::<Option<String>>(sorting)).flatten();
         if let Some(row) = rows(&summaries).into_iter().find(|row| Some(&row.name) == sorted_by.as_ref()) {
@@ -62,7 +62,7 @@ impl View for Scores {
                         ui.weak("too few samples");
                         continue;
                     };
-                    let color = if verdict.kind == VerdictKind::Consistent { palette.text } else { palette.warning };
+                    let color = if verdict.kind.is_good() { palette.text } else { palette.warning };
                     ui.colored_label(color, verdict.kind.name()).on_hover_text(&verdict.reason);
                 }
                 ui.end_row();

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::range_sums::RangeSums;
 use crate::{Channel, Estimates, Record};
 
 /// Limits the relative error of an estimate that has settled.
@@ -103,21 +104,24 @@ pub(super) struct Accuracy {
     first: usize,
     /// The place of the natural frequency, whose sign determines the canonical form.
     frequency: Option<usize>,
-    /// Cumulative tallies up to each sample, one per tracked channel.
-    until: Vec<Tally>,
-    /// The last errors in the filter's own form, and the sign that makes the mirrored channels canonical.
+    /// The squared errors: one a known channel and sample.
+    squares: RangeSums,
+    /// The numbers of samples up to each with a known truth, and with the truth inside ±2σ: one a known channel and sample.
+    counts: Vec<(u32, u32)>,
+    /// The last errors, as they stand in the filter's own form, and the sign that makes mirrored channels canonical.
     errors: Vec<f64>,
     sign: f64,
 }
 
 impl Accuracy {
     pub(super) fn restart(&mut self, estimates: &Estimates, record: &Record) {
-        let Self { known, first, frequency, until, errors, sign } = self;
+        let Self { known, first, frequency, squares, counts, errors, sign } = self;
         *first = estimates.forgotten();
         known.clear();
         known.extend(TrackedChannel::of(estimates.channels(), record, *first));
         *frequency = estimates.place(Channel::NATURAL_FREQUENCY);
-        until.clear();
+        squares.restart(known.len());
+        counts.clear();
         errors.clear();
         errors.resize(known.len(), f64::NAN);
         *sign = 1.0;
@@ -138,16 +142,17 @@ impl Accuracy {
     /// The errors of sample `k`, which are also added to the tallies.
     #[inline]
     pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) -> &[f64] {
-        let Self { known, first, frequency, until, errors, sign } = self;
+        let Self { known, first, frequency, squares, counts, errors, sign } = self;
         let number = *first + k;
         let (mean, cov) = (estimates.mean(k), estimates.cov(k));
         *sign = sign_of(mean, *frequency);
-        until.extend(known.iter_mut().zip(errors.iter_mut()).map(|(one, error)| {
+        squares.push(known.iter_mut().zip(errors.iter_mut()).map(|(one, error)| {
             let truth = record.truth_at(one.truth, k);
             *error = one.error(mean, *sign, truth);
             one.take_in(*error, truth, cov[one.place * (mean.len() + 1)], number);
-            one.total
+            if error.is_nan() { 0.0 } else { *error * *error }
         }));
+        counts.extend(known.iter().map(|one| (one.total.known, one.total.inside)));
         errors
     }
 
@@ -160,7 +165,7 @@ impl Accuracy {
     /// The number of the sample since which a tracked channel has settled.
     pub(super) fn settled(&self, at: usize) -> Option<usize> {
         let TrackedChannel { settled, total, .. } = self.known[at];
-        let end = self.first + self.until.len() / self.known.len();
+        let end = self.first + self.counts.len() / self.known.len();
         (total.known > 0 && settled < end).then_some(settled)
     }
 
@@ -190,16 +195,18 @@ impl Accuracy {
     /// The tally of a tracked channel over the part of `range` that exists.
     pub(super) fn within(&self, at: usize, range: Range<usize>) -> Tally {
         let width = self.known.len();
-        let until = |end: usize| {
-            let end = end.min(self.until.len() / width);
-            end.checked_sub(1).map_or(Tally::default(), |k| self.until[k * width + at])
-        };
-        let (before, after) = (until(range.start.min(range.end)), until(range.end));
+        let samples = self.counts.len() / width;
+        let end = range.end.min(samples);
+        let start = range.start.min(end);
+        if start == 0 && end == samples {
+            return self.known[at].total;
+        }
+        let until = |end: usize| end.checked_sub(1).map_or((0, 0), |k| self.counts[k * width + at]);
+        let ((known_before, inside_before), (known, inside)) = (until(start), until(end));
         Tally {
-            // Rounding can make a difference of sums negative.
-            squares: (after.squares - before.squares).max(0.0),
-            known: after.known - before.known,
-            inside: after.inside - before.inside,
+            squares: self.squares.within(at, start..end),
+            known: known - known_before,
+            inside: inside - inside_before,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The results of a filter over a record, as far as it is kept.
 
-use super::{Diagnostics, LjungBox, MeanSquare, Tally, Verdict, Whiteness};
-use crate::{Channel, Estimates, FilterKind, Quantity, Record, Stop};
+use super::{Diagnostics, LjungBox, MeanSquare, Tally, Whiteness};
+use crate::{Channel, Diagnosis, Estimates, FilterKind, Quantity, Record, Stop, Verdict};
 
 /// The results of one filter over a record.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,11 +61,18 @@ pub struct Score {
 impl Summary {
     /// Sums up the estimates of a filter against the record that it followed.
     pub fn new(estimates: &Estimates, record: &Record) -> Self {
-        Self::of(&Diagnostics::new(estimates, record), estimates, record)
+        let diagnostics = Diagnostics::new(estimates, record);
+        let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None);
+        Self::of(&diagnostics, diagnosis.as_ref(), estimates, record)
     }
 
-    /// Sums up diagnostics that have followed these estimates and this record.
-    pub fn of(diagnostics: &Diagnostics, estimates: &Estimates, record: &Record) -> Self {
+    /// Sums up diagnostics that have followed these estimates and this record, and the diagnosis that they have led to.
+    pub fn of(
+        diagnostics: &Diagnostics,
+        diagnosis: Option<&Diagnosis>,
+        estimates: &Estimates,
+        record: &Record,
+    ) -> Self {
         let finals = diagnostics.len().checked_sub(1).map_or(Vec::new(), |last| {
             let one = |(place, &channel): (usize, &Channel)| Final {
                 channel,
@@ -80,7 +87,7 @@ impl Summary {
             name: estimates.name().to_owned(),
             kind: estimates.kind(),
             samples: diagnostics.len(),
-            verdict: diagnostics.verdict(estimates),
+            verdict: diagnosis.and_then(|diagnosis| diagnosis.verdict.clone()),
             finals,
             nis: diagnostics.mean_nis(),
             nees: diagnostics.mean_nees(),

@@ -1,8 +1,9 @@
-//! Cumulative sums of normalised squares, kept for every sample.
+//! Sums of normalised squares over any range of samples.
 
 use std::ops::{Range, RangeInclusive};
 
 use super::chi_squared;
+use super::range_sums::RangeSums;
 
 /// A sum of normalised squares over some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,44 +54,52 @@ impl MeanSquare {
     }
 }
 
-/// Cumulative totals up to each sample.
+/// The normalised squares of all samples.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Totals {
-    last: Total,
-    until: Vec<Total>,
+    whole: Total,
+    squares: RangeSums,
+    /// Degrees of freedom and contributing samples up to each sample.
+    counts: Vec<(u32, u32)>,
 }
 
 impl Totals {
-    /// Adds a sample of `degrees` squared numbers; zero where nothing was measured.
+    /// Adds a sample with `degrees` numbers squared, or without any.
+    #[inline]
     pub(super) fn push(&mut self, square: f64, degrees: u32) {
-        let Self { last, until } = self;
-        let Total { mut sum, degrees: before, mut samples } = *last;
-        if degrees > 0 {
-            sum += square;
-            samples += 1;
-        }
-        *last = Total { sum, degrees: before + degrees, samples };
-        until.push(Total { sum, degrees: before + degrees, samples });
+        let Self { whole, squares, counts } = self;
+        let square = if degrees > 0 { square } else { 0.0 };
+        whole.sum += square;
+        whole.degrees += degrees;
+        whole.samples += u32::from(degrees > 0);
+        squares.push([square]);
+        counts.push((whole.degrees, whole.samples));
     }
 
     pub(super) fn clear(&mut self) {
-        let Self { last, until } = self;
-        *last = Total::default();
-        until.clear();
+        let Self { whole, squares, counts } = self;
+        *whole = Total::default();
+        squares.restart(1);
+        counts.clear();
     }
 
     pub(super) fn whole(&self) -> Total {
-        self.last
+        self.whole
     }
 
     /// The total over the part of `range` that exists.
     pub(super) fn within(&self, range: Range<usize>) -> Total {
-        let until = |end: usize| end.min(self.until.len()).checked_sub(1).map_or(Total::default(), |k| self.until[k]);
-        let (before, after) = (until(range.start.min(range.end)), until(range.end));
+        let end = range.end.min(self.counts.len());
+        let start = range.start.min(end);
+        if start == 0 && end == self.counts.len() {
+            return self.whole;
+        }
+        let until = |end: usize| end.checked_sub(1).map_or((0, 0), |k| self.counts[k]);
+        let ((degrees_before, samples_before), (degrees, samples)) = (until(start), until(end));
         Total {
-            sum: after.sum - before.sum,
-            degrees: after.degrees - before.degrees,
-            samples: after.samples - before.samples,
+            sum: self.squares.within(0, start..end),
+            degrees: degrees - degrees_before,
+            samples: samples - samples_before,
         }
     }
 }
@@ -102,6 +111,7 @@ mod tests {
     #[test]
     fn a_range_has_the_sum_of_its_samples() {
         let mut totals = Totals::default();
+        totals.clear();
         for (square, degrees) in [(f64::NAN, 0), (1.0, 1), (2.0, 2), (f64::NAN, 0), (5.0, 2)] {
             totals.push(square, degrees);
         }

@@ -126,18 +126,17 @@ impl Beliefs for Smoothed {
         self.filtered.len()
     }
 
-    fn filter(&mut self, record: &Record, k: usize) -> Result<(), FilterError> {
+    fn filter(&mut self, forces: [f64; 2], record: &Record, k: usize) -> Result<(), FilterError> {
         let Self { filter, sensors, correction, filtered, steps, .. } = self;
         if k == 0 {
             // Memory that grows is copied, which takes long where there is much of it.
             filtered.reserve(record.len());
             steps.reserve(record.len());
         } else {
-            let forces = [record.force(k - 1), record.force(k)];
             let transition = filter.belief().transition(filter.model(), filter.step(forces))?;
             filter.predict(forces)?;
             let predicted = filter.belief().gaussian().into_owned();
-            filter.update(record.force(k), &record.sample(k, sensors), correction)?;
+            filter.update(forces[1], &record.sample(k, sensors), correction)?;
             let is_updated = correction.innovation.iter().any(|e| !e.is_nan());
             steps.push(Passage { transition, update: is_updated.then(|| Update::new(correction, &predicted.cov)) });
         }

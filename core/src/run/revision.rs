@@ -1,7 +1,7 @@
 //! A change of a run's scenario, computed beside the run.
 
 use super::{Run, Update};
-use crate::bank::Bank;
+use crate::bank::{Bank, lookahead};
 use crate::cost;
 use crate::source::Recording;
 use crate::spare::Spare;
@@ -125,8 +125,9 @@ impl Revision {
         let Self { recording, samples: all, bank, order, .. } = self;
         let goal = samples.min(*all);
         if let Some(recording) = recording {
-            while recording.len() < goal.min(*all) {
-                let next = (recording.len() + RECORD_CHUNK).min(goal);
+            let recorded = (goal + bank.lookahead()).min(*all);
+            while recording.len() < recorded.min(*all) {
+                let next = (recording.len() + RECORD_CHUNK).min(recorded);
                 if !recording.advance_to(next) {
                     *all = recording.len();
                 }
@@ -185,7 +186,10 @@ fn same_filters(run: &Run, scenario: &Scenario) -> bool {
     let without_filters = |scenario: &Scenario| Scenario { filters: Vec::new(), ..scenario.clone() };
     let before = run.scenario();
     match run.source() {
-        Source::Simulated => run.record().forgotten() == 0 && without_filters(before) == without_filters(scenario),
+        Source::Simulated => {
+            let reaches = run.recording.len() >= (run.done() + lookahead(scenario)).min(run.samples);
+            run.record().forgotten() == 0 && reaches && without_filters(before) == without_filters(scenario)
+        }
         Source::Measured(_) => {
             let read = |s: &Scenario| {
                 let measures: Vec<_> = s.sensors.iter().map(|sensor| sensor.measures).collect();

@@ -30,6 +30,10 @@ pub struct FilterSettings {
     /// constant.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub augment: Vec<Channel>,
+    /// The number of samples after which the plant feels the recorded input, as the filter assumes; negative where the
+    /// record is late. Outside the record, its first or last value holds.
+    #[serde(skip_serializing_if = "is_zero_delay")]
+    pub input_delay: i32,
     /// Whether the filter estimates the logarithms of the parameters that cannot be negative. Their initial and
     /// process standard deviations are divided by the initial mean, for the whole record.
     pub log_parameters: bool,
@@ -70,6 +74,7 @@ impl Default for FilterSettings {
             color: None,
             plant: None,
             augment: Vec::new(),
+            input_delay: 0,
             log_parameters: false,
             propagation: Propagation::LocalLinearisation,
             iterations: 5,
@@ -105,4 +110,9 @@ impl FilterSettings {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
 fn is_zero(id: &u32) -> bool {
     *id == 0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_zero_delay(delay: &i32) -> bool {
+    *delay == 0
 }

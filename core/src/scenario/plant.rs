@@ -22,6 +22,8 @@ pub struct Plant {
     /// Standard deviation of an unmeasured force over mass, which is normal, held over each step, and the same for
     /// every mass \[m/s²\].
     pub disturbance_std: f64,
+    /// How many samples after it is recorded the plant feels the input; negative where the record is late.
+    pub input_delay: i32,
     signals: Vec<(Channel, Signal)>,
 }
 
@@ -102,9 +104,10 @@ impl Plant {
 impl PartialEq for Plant {
     /// Whether every parameter has the same signal, its own or the usual one, and every augmentation.
     fn eq(&self, other: &Self) -> bool {
-        let Self { kind, initial, disturbance_std, signals } = self;
+        let Self { kind, initial, disturbance_std, input_delay, signals } = self;
         let same = |(channel, _): &(Channel, Signal)| self.parameter(*channel) == other.parameter(*channel);
-        (kind, initial, disturbance_std) == (&other.kind, &other.initial, &other.disturbance_std)
+        (kind, initial) == (&other.kind, &other.initial)
+            && (disturbance_std, input_delay) == (&other.disturbance_std, &other.input_delay)
             && signals.iter().chain(&other.signals).all(same)
     }
 }
@@ -116,6 +119,7 @@ impl Default for Plant {
             kind: PlantKind::SDOF,
             initial: Motion::default(),
             disturbance_std: 0.0,
+            input_delay: 0,
             signals: vec![(Channel::NATURAL_FREQUENCY, loss)],
         }
     }
@@ -123,7 +127,7 @@ impl Default for Plant {
 
 impl Serialize for Plant {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Self { kind, initial, disturbance_std, signals: _ } = self;
+        let Self { kind, initial, disturbance_std, input_delay, signals: _ } = self;
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("kind", kind)?;
         let unused = Self::default();
@@ -137,6 +141,9 @@ impl Serialize for Plant {
         }
         map.serialize_entry("initial", initial)?;
         map.serialize_entry("disturbance_std", disturbance_std)?;
+        if *input_delay != 0 {
+            map.serialize_entry("input_delay", input_delay)?;
+        }
         map.end()
     }
 }
@@ -158,6 +165,7 @@ impl<'de> Deserialize<'de> for Plant {
                     match key {
                         Key::Kind => plant.kind = map.next_value()?,
                         Key::Initial => plant.initial = map.next_value()?,
+                        Key::InputDelay => plant.input_delay = map.next_value()?,
                         Key::DisturbanceStd => plant.disturbance_std = map.next_value()?,
                         Key::Parameter(channel) => plant.set(channel, map.next_value::<Signal>()?),
                     }
@@ -175,6 +183,7 @@ enum Key {
     Kind,
     Initial,
     DisturbanceStd,
+    InputDelay,
     Parameter(Channel),
 }
 
@@ -184,11 +193,12 @@ impl<'de> Deserialize<'de> for Key {
         match key.as_str() {
             "kind" => Ok(Self::Kind),
             "initial" => Ok(Self::Initial),
+            "input_delay" => Ok(Self::InputDelay),
             "disturbance_std" => Ok(Self::DisturbanceStd),
             other => match Channel::from_key(other).filter(|channel| channel.is_parameter()) {
                 Some(channel) => Ok(Self::Parameter(channel)),
                 None => Err(de::Error::custom(format!(
-                    "unknown field `{other}`, expected `kind`, `initial`, `disturbance_std` or {}",
+                    "unknown field `{other}`, expected `kind`, `initial`, `disturbance_std`, `input_delay` or {}",
                     expected_channels(Channel::is_parameter)
                 ))),
             },

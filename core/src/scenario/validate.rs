@@ -18,6 +18,9 @@ pub(super) const MAX_FILTERS: usize = 16;
 /// Limits the linearisations in one update of an IEKF.
 const MAX_ITERATIONS: usize = 100;
 
+/// Limits the samples by which the plant can feel the input after or before it is recorded.
+const MAX_DELAY: u32 = 100;
+
 /// Limits the members of an ensemble.
 const MAX_ENSEMBLE: usize = 100_000;
 
@@ -92,6 +95,7 @@ impl Plant {
         }
         finite("plant.initial.displacement", self.initial.displacement)?;
         finite("plant.initial.velocity", self.initial.velocity)?;
+        delay("plant.input_delay", self.input_delay)?;
         not_negative("plant.disturbance_std", self.disturbance_std)
     }
 }
@@ -105,6 +109,7 @@ impl FilterSettings {
             color: _,
             plant,
             augment,
+            input_delay,
             log_parameters,
             propagation: _,
             iterations,
@@ -150,6 +155,7 @@ impl FilterSettings {
                 "an augmentation, each once: input_gain, input_offset, unknown_force, or bias_ and a sensor",
             )?;
         }
+        delay(format_args!("{path}.input_delay"), *input_delay)?;
         if *log_parameters {
             for channel in plant.unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
                 positive(format!("{path}.initial_mean.{}", channel.key()), initial_mean[channel])?;
@@ -224,6 +230,11 @@ fn validate_signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {
         Signal::Sine(sine) => positive(format!("{path}.sine.period"), sine.period),
         Signal::Constant(_) | Signal::Step(_) => Ok(()),
     }
+}
+
+fn delay(key: impl Display, samples: i32) -> Result<(), ScenarioError> {
+    let allowed = format_args!("from -{MAX_DELAY} to {MAX_DELAY} samples");
+    require(samples.unsigned_abs() <= MAX_DELAY, key, samples, allowed)
 }
 
 fn finite(key: impl Display, value: f64) -> Result<(), ScenarioError> {

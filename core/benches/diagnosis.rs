@@ -1,0 +1,163 @@
+//! How often the diagnosis is right, over situations drawn at random.
+//!
+//! ```text
+//! cargo bench -p kalmanscope-core --bench diagnosis -- [FROM] [NUMBER]
+//! ```
+//!
+//! Prints confusion tables of verdict and cause, with and without the truth. The limits of tests and causes are set on seeds
+//! below 1,000,000; the tables are those of seeds from there on.
+
+mod situations;
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use kalmanscope_core::diagnosis::{Diagnosis, VerdictKind};
+use kalmanscope_core::{Diagnostics, Record, Run};
+
+use situations::{Fault, Situation, largest_error, without_truth};
+
+/// The first seed that no limit was set on.
+const FIRST: u64 = 1_000_000;
+
+/// Runs of a table.
+const NUMBER: u64 = 2_400;
+
+fn main() {
+    let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
+    let first = numbers.first().copied().unwrap_or(FIRST);
+    let number = numbers.get(1).copied().unwrap_or(NUMBER);
+    let trials = !std::env::args().any(|word| word == "--no-causes");
+    let verbose = std::env::args().any(|word| word == "--verbose");
+    let next = AtomicU64::new(first);
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= first + number {
+                return done;
+            }
+            done.push(Outcome::of(seed, trials, verbose));
+        }
+    };
+    let mut outcomes: Vec<Outcome> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..2).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().flat_map(|thread| thread.join().expect("no thread panics")).collect()
+    });
+    outcomes.sort_by_key(|outcome| outcome.seed);
+    for known in [true, false] {
+        print_verdicts(&outcomes, known);
+    }
+    print_mistakes(&outcomes);
+    if trials {
+        print_causes(&outcomes);
+    }
+}
+
+/// What came of one situation.
+struct Outcome {
+    seed: u64,
+    fault: Fault,
+    /// The verdicts with and without the truth.
+    verdicts: [Option<VerdictKind>; 2],
+    /// The largest error of a parameter over the last fifth, in standard deviations.
+    off: f64,
+    /// The keys of the causes, the likeliest first.
+    causes: Vec<&'static str>,
+}
+
+impl Outcome {
+    fn of(seed: u64, with_trials: bool, verbose: bool) -> Self {
+        let situation = Situation::draw(seed);
+        let fault = situation.fault;
+        let record = situation.record().expect("the situation is valid");
+        let mut verdicts = [None; 2];
+        let mut causes = Vec::new();
+        let mut run = Run::on_record(&situation.told, record.clone()).expect("the situation is valid");
+        run.finish();
+        let off = largest_error(&run.estimates()[0], &record);
+        for (place, known) in [true, false].into_iter().enumerate() {
+            let record: &Record = if known { &record } else { &without_truth(&record) };
+            let estimates = &run.estimates()[0];
+            let diagnostics = Diagnostics::new(estimates, record);
+            let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, record, None) else { continue };
+            verdicts[place] = diagnosis.verdict.as_ref().map(|verdict| verdict.kind);
+            if with_trials && verdicts[place] != Some(VerdictKind::Consistent) && causes.is_empty() {
+                let trials = diagnosis.trials(&situation.told, 0, &diagnostics, estimates, record);
+                let mut trials = trials.expect("the situation is valid");
+                while !trials.advance(&mut || true) {}
+                let findings = trials.findings();
+                causes.extend(findings.iter().map(|finding| finding.suspect.cause.key));
+                if verbose {
+                    for finding in &findings {
+                        let after = finding.after.as_ref().map_or("", |verdict| verdict.kind.name());
+                        let knobs: Vec<String> = finding.suspect.knobs.iter().map(|knob| knob.toml_line()).collect();
+                        let sentence = &finding.suspect.sentence;
+                        println!("@{seed} {:.1} {sentence} -> {after}: {}", finding.gain, knobs.join("; "));
+                    }
+                }
+            }
+            if verbose {
+                let verdict = diagnosis.verdict.map_or(String::new(), |verdict| verdict.to_string());
+                println!("{seed} {fault:?} [{}] {known}: {verdict}", situation.note);
+                for e in &diagnosis.evidence {
+                    println!(
+                        "#{seed},{fault:?},{known},{},{},{},{},{},{:?}",
+                        e.test.name, e.subject, e.statistic, e.p_value, e.effect, e.speaks_for
+                    );
+                }
+            }
+        }
+        Self { seed, fault, verdicts, off, causes }
+    }
+}
+
+fn print_verdicts(outcomes: &[Outcome], known: bool) {
+    println!("\nverdicts, {}", if known { "truth known" } else { "truth unknown" });
+    let mut table: BTreeMap<Fault, BTreeMap<&str, usize>> = BTreeMap::new();
+    for outcome in outcomes {
+        let verdict = outcome.verdicts[usize::from(!known)].map_or("none", VerdictKind::name);
+        *table.entry(outcome.fault).or_default().entry(verdict).or_default() += 1;
+    }
+    for (fault, row) in table {
+        let cells: Vec<String> = row.into_iter().map(|(verdict, count)| format!("{verdict} {count}")).collect();
+        println!("{:24} {}", format!("{fault:?}"), cells.join(", "));
+    }
+}
+
+fn print_causes(outcomes: &[Outcome]) {
+    println!(
+        "\ncauses, of runs with a verdict that is not consistent: first, among the first two, of; the first ones named"
+    );
+    let (mut hits, mut runs) = (0, 0);
+    for fault in Fault::ALL.into_iter().filter(|fault| !fault.causes().is_empty()) {
+        let of = |o: &&Outcome| o.fault == fault && o.verdicts.iter().flatten().any(|v| *v != VerdictKind::Consistent);
+        let all: Vec<&Outcome> = outcomes.iter().filter(of).collect();
+        let named = |most: usize| {
+            let hit = |o: &&&Outcome| o.causes.iter().take(most).any(|cause| fault.causes().contains(cause));
+            all.iter().filter(hit).count()
+        };
+        let mut first: BTreeMap<&str, usize> = BTreeMap::new();
+        for outcome in &all {
+            *first.entry(outcome.causes.first().copied().unwrap_or("none")).or_default() += 1;
+        }
+        let cells: Vec<String> = first.into_iter().map(|(cause, count)| format!("{cause} {count}")).collect();
+        println!("{:24} {:4} {:4} {:4}   {}", format!("{fault:?}"), named(1), named(2), all.len(), cells.join(", "));
+        (hits, runs) = (hits + named(2), runs + all.len());
+    }
+    println!("all: {hits} of {runs} among the first two");
+}
+
+/// Alarms without a fault, verdicts that are the contrary of what is true, and filters far off that pass for good.
+fn print_mistakes(outcomes: &[Outcome]) {
+    let count = |is: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|outcome| is(outcome)).count();
+    let tuned = |o: &Outcome| o.fault == Fault::WellTuned;
+    let alarms = count(&|o| tuned(o) && o.verdicts.iter().flatten().any(|v| *v != VerdictKind::Consistent));
+    let contrary = count(&|o| o.verdicts.iter().flatten().any(|v| o.fault.contrary().contains(v)));
+    let far = count(&|o| o.off > 5.0);
+    let passed = count(&|o| o.off > 5.0 && o.verdicts[0].is_some_and(VerdictKind::is_good));
+    println!("\nfalse alarms: {alarms} of {} well-tuned runs; contrary verdicts: {contrary}", count(&tuned));
+    println!(
+        "called consistent or recovered, truth known, of {far} that are more than 5σ off in the last fifth: {passed}"
+    );
+}

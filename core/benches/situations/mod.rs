@@ -1,0 +1,416 @@
+//! Situations drawn at random: an oscillator, its excitation and its sensors, a filter that is well tuned for them, and one
+//! fault of a random size.
+
+use std::sync::Arc;
+
+use kalmanscope_core::diagnosis::VerdictKind::{self, *};
+use kalmanscope_core::filter::Normal;
+use kalmanscope_core::signal::{Ramp, Step};
+use kalmanscope_core::{
+    Channel, Estimates, FilterKind, FilterSettings, Force, Hold, PlantKind, Quantity, Record, Run, RunError, Scenario,
+    Sensor, Signal,
+};
+
+/// What is wrong with a filter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Fault {
+    WellTuned,
+    SensorNoiseTooLarge,
+    SensorNoiseTooSmall,
+    SensorNoiseContrary,
+    ProcessNoiseTooSmall,
+    ProcessNoiseTooLarge,
+    HardeningSpring,
+    YieldingSpring,
+    MissingMode,
+    WindUp,
+    SuddenChange,
+    SlowDrift,
+    InputGain,
+    InputOffset,
+    InputDelay,
+    InputHold,
+    SensorBias,
+    FeltDisturbance,
+    NoExcitation,
+    CollapsedSample,
+}
+
+impl Fault {
+    pub(crate) const ALL: [Self; 20] = [
+        Self::WellTuned,
+        Self::SensorNoiseTooLarge,
+        Self::SensorNoiseTooSmall,
+        Self::SensorNoiseContrary,
+        Self::ProcessNoiseTooSmall,
+        Self::ProcessNoiseTooLarge,
+        Self::HardeningSpring,
+        Self::YieldingSpring,
+        Self::MissingMode,
+        Self::WindUp,
+        Self::SuddenChange,
+        Self::SlowDrift,
+        Self::InputGain,
+        Self::InputOffset,
+        Self::InputDelay,
+        Self::InputHold,
+        Self::SensorBias,
+        Self::FeltDisturbance,
+        Self::NoExcitation,
+        Self::CollapsedSample,
+    ];
+
+    /// The verdicts that are the contrary of what is true.
+    pub(crate) fn contrary(self) -> &'static [VerdictKind] {
+        match self {
+            Self::SensorNoiseTooLarge | Self::ProcessNoiseTooLarge => &[Overconfident, Diverged, Lost],
+            Self::SensorNoiseTooSmall | Self::ProcessNoiseTooSmall | Self::SuddenChange | Self::SlowDrift => {
+                &[Underconfident]
+            }
+            _ => &[],
+        }
+    }
+
+    /// The keys of the causes that are right.
+    pub(crate) fn causes(self) -> &'static [&'static str] {
+        match self {
+            Self::WellTuned => &[],
+            Self::SensorNoiseTooLarge | Self::SensorNoiseTooSmall | Self::SensorNoiseContrary => &["sensor_noise"],
+            Self::ProcessNoiseTooSmall | Self::ProcessNoiseTooLarge => &["process_noise"],
+            Self::HardeningSpring => &["spring"],
+            Self::YieldingSpring => &["spring"],
+            Self::MissingMode => &["missing_mode"],
+            Self::WindUp => &["wind_up"],
+            Self::SuddenChange => &["sudden_change"],
+            Self::SlowDrift => &["slow_drift", "sudden_change"],
+            Self::InputGain => &["input_gain"],
+            Self::InputOffset => &["input_offset", "sensor_bias"],
+            Self::InputDelay => &["input_delay", "input_hold"],
+            Self::InputHold => &["input_hold", "input_delay"],
+            Self::SensorBias => &["sensor_bias"],
+            Self::FeltDisturbance => &["felt_disturbance"],
+            Self::NoExcitation => &["no_excitation"],
+            Self::CollapsedSample => &["collapsed_sample"],
+        }
+    }
+}
+
+/// A truth and a filter.
+pub(crate) struct Situation {
+    pub(crate) fault: Fault,
+    /// The truth's scenario.
+    pub(crate) truth: Scenario,
+    /// The filter's, over the truth's record.
+    pub(crate) told: Scenario,
+    /// In words.
+    pub(crate) note: String,
+}
+
+/// Numbers at random.
+struct Draw(Normal);
+
+impl Draw {
+    fn uniform(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * self.0.uniform()
+    }
+
+    fn log_uniform(&mut self, from: f64, to: f64) -> f64 {
+        libm::exp(self.uniform(libm::log(from), libm::log(to)))
+    }
+
+    fn choice<T: Copy>(&mut self, of: &[T]) -> T {
+        of[((self.0.uniform() * of.len() as f64) as usize).min(of.len() - 1)]
+    }
+
+    fn chance(&mut self, p: f64) -> bool {
+        self.0.uniform() < p
+    }
+
+    fn sign(&mut self) -> f64 {
+        if self.chance(0.5) { 1.0 } else { -1.0 }
+    }
+
+    fn normal(&mut self) -> f64 {
+        self.0.sample()
+    }
+}
+
+impl Situation {
+    /// The situation of a seed; faults take turns.
+    pub(crate) fn draw(seed: u64) -> Self {
+        Self::with(Fault::ALL[(seed % Fault::ALL.len() as u64) as usize], seed)
+    }
+
+    /// The situation of a seed with a certain fault.
+    pub(crate) fn with(fault: Fault, seed: u64) -> Self {
+        let mut draw = Draw(Normal::from_seed(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5eed));
+        let wn = draw.log_uniform(2.0, 20.0);
+        let zeta = draw.log_uniform(0.02, 0.1);
+        let dt = draw.log_uniform(0.03, 0.12) / wn;
+        let samples = draw.log_uniform(1200.0, 3500.0);
+        let needs_input = matches!(fault, Fault::InputGain | Fault::InputDelay | Fault::InputHold | Fault::InputOffset);
+        let strength = draw.log_uniform(1.0, 20.0);
+        let force = match draw.0.uniform() {
+            u if u < 0.65 => Force::WhiteNoise { std: strength },
+            u if u < 0.85 || needs_input => Force::Chirp {
+                amplitude: 0.5 * strength,
+                from: 0.3 * wn,
+                to: 3.0 * wn,
+                sweep: draw.uniform(0.2, 0.5) * samples * dt,
+            },
+            _ => Force::ImpulseTrain { impulse: strength * 0.6 / wn, period: draw.uniform(6.0, 15.0) / wn },
+        };
+        let kind = match fault {
+            Fault::HardeningSpring | Fault::YieldingSpring | Fault::MissingMode | Fault::CollapsedSample => {
+                PlantKind::SDOF
+            }
+            _ if draw.chance(0.15) => PlantKind::DUFFING,
+            _ => PlantKind::SDOF,
+        };
+        let mut truth =
+            Scenario { seed, dt, duration: samples.round() * dt, force, filters: Vec::new(), ..Scenario::default() };
+        truth.plant.kind = kind;
+        truth.plant.set(Channel::NATURAL_FREQUENCY, wn);
+        truth.plant.set(Channel::DAMPING_RATIO, zeta);
+        // The response of a linear oscillator to this force, as if it were white noise.
+        let power = match force {
+            Force::WhiteNoise { std } => std * std * dt,
+            Force::Chirp { amplitude, .. } => amplitude * amplitude / (2.0 * 2.7 * wn) * std::f64::consts::PI,
+            Force::ImpulseTrain { impulse, period } => impulse * impulse / period,
+            _ => 0.0,
+        };
+        let size = (power / (4.0 * zeta * wn)).sqrt() / wn;
+        truth.plant.set(Channel::CUBIC_STIFFNESS, draw.uniform(0.1, 0.6) * wn * wn / (9.0 * size * size));
+        let relative = draw.log_uniform(0.02, 0.15);
+        let sets: &[&[(Quantity, i32)]] = &[
+            &[(Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1)],
+            &[(Quantity::DISPLACEMENT, 0), (Quantity::ACCELERATION, 2)],
+            &[(Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1), (Quantity::ACCELERATION, 2)],
+            &[(Quantity::DISPLACEMENT, 0)],
+            &[(Quantity::VELOCITY, 1)],
+        ];
+        let set = match fault {
+            Fault::SensorNoiseContrary => draw.choice(&sets[..3]),
+            Fault::FeltDisturbance => draw.choice(&sets[1..3]),
+            Fault::SensorBias | Fault::InputOffset => draw.choice(&sets[..3]),
+            _ => draw.choice(sets),
+        };
+        let noise = |draw: &mut Draw, rate: i32| relative * draw.log_uniform(0.7, 1.4) * size * wn.powi(rate);
+        truth.sensors =
+            set.iter().map(|&(measures, rate)| Sensor { measures, noise_std: noise(&mut draw, rate) }).collect();
+        let disturbed = match fault {
+            Fault::ProcessNoiseTooSmall | Fault::ProcessNoiseTooLarge | Fault::FeltDisturbance => true,
+            Fault::NoExcitation | Fault::WindUp => false,
+            _ => draw.chance(0.5),
+        };
+        let share = draw.log_uniform(0.1, 0.4);
+        if disturbed {
+            truth.plant.disturbance_std = share * (power / dt).sqrt();
+        }
+        let mut note = String::new();
+        Self::disturb_truth(fault, &mut truth, &mut draw, wn, size, power, &mut note);
+
+        let mut told = truth.clone();
+        told.hold = Hold::Zero;
+        told.plant.kind = kind;
+        let sampled = fault == Fault::CollapsedSample;
+        let filter_kind = if sampled { FilterKind::PF } else { draw.choice(&[FilterKind::EKF, FilterKind::UKF]) };
+        told.filters = vec![Self::well_tuned(&truth, filter_kind, &mut draw, wn, zeta, size)];
+        Self::disturb_filter(fault, &mut told, &mut draw, &mut note);
+        Self { fault, truth, told, note }
+    }
+
+    /// A filter that knows all that can be known, and begins with a guess as good as it says.
+    fn well_tuned(
+        truth: &Scenario,
+        kind: FilterKind,
+        draw: &mut Draw,
+        wn: f64,
+        zeta: f64,
+        size: f64,
+    ) -> FilterSettings {
+        let mut filter =
+            FilterSettings { kind, fading: 1.0, name: kind.name().to_owned(), id: 1, ..FilterSettings::default() };
+        let (sensor_std, process_std) = truth.true_noise();
+        (filter.sensor_std, filter.process_std) = (sensor_std, process_std);
+        let cubic = truth.plant.parameter(Channel::CUBIC_STIFFNESS).map_or(0.0, |signal| signal.at(0.0));
+        for (channel, mean, std) in [
+            (Channel::DISPLACEMENT, 0.0, 0.5 * size),
+            (Channel::VELOCITY, 0.0, 0.5 * size * wn),
+            (Channel::NATURAL_FREQUENCY, wn, 0.12 * wn),
+            (Channel::DAMPING_RATIO, zeta, 0.4 * zeta),
+            (Channel::CUBIC_STIFFNESS, cubic, 0.3 * cubic),
+        ] {
+            filter.initial_std[channel] = std;
+            filter.initial_mean[channel] =
+                if channel.is_parameter() { mean + std * draw.normal().clamp(-2.0, 2.0) } else { mean };
+            if channel.is_parameter() {
+                filter.process_std[channel] = 1e-5 * mean;
+            }
+        }
+        filter
+    }
+
+    fn disturb_truth(
+        fault: Fault,
+        truth: &mut Scenario,
+        draw: &mut Draw,
+        wn: f64,
+        size: f64,
+        power: f64,
+        note: &mut String,
+    ) {
+        let rms_force = (power / truth.dt).sqrt();
+        match fault {
+            Fault::HardeningSpring => {
+                truth.plant.kind = PlantKind::DUFFING;
+                let share = draw.uniform(0.3, 1.0);
+                truth.plant.set(Channel::CUBIC_STIFFNESS, share * wn * wn / (3.0 * size * size));
+                *note = format!("cubic part {share:.2} of the linear at 1.7 rms");
+            }
+            Fault::YieldingSpring => {
+                truth.plant.kind = PlantKind::BOUC_WEN;
+                for channel in PlantKind::BOUC_WEN.parameters() {
+                    let usual = channel.usual_truth();
+                    truth.plant.set(channel, usual);
+                }
+                truth.plant.set(Channel::NATURAL_FREQUENCY, wn);
+                let yielding = draw.uniform(0.7, 1.5) * size;
+                for channel in PlantKind::BOUC_WEN.parameters() {
+                    if [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA].contains(&channel) {
+                        truth.plant.set(channel, 0.5 / (yielding * yielding));
+                    }
+                }
+                *note = format!("yields at {:.2} rms", yielding / size);
+            }
+            Fault::MissingMode => {
+                truth.plant.kind = PlantKind::SHEAR_2;
+                let stiffness = wn * wn * 2.6;
+                for channel in PlantKind::SHEAR_2.parameters() {
+                    if channel.key().starts_with("stiffness") {
+                        let value = stiffness * draw.uniform(0.8, 1.3);
+                        truth.plant.set(channel, value);
+                    } else {
+                        truth.plant.set(channel, 0.05 * wn);
+                    }
+                }
+            }
+            Fault::WindUp | Fault::NoExcitation => truth.force = Force::None,
+            Fault::SuddenChange => {
+                let (to, at) = (wn * draw.uniform(0.75, 0.92), truth.duration * draw.uniform(0.4, 0.93));
+                truth.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: wn, to, at }));
+                *note = format!("to {:.2} at {:.2}", to / wn, at / truth.duration);
+            }
+            Fault::SlowDrift => {
+                let to = wn * draw.uniform(0.8, 0.93);
+                truth.plant.set(
+                    Channel::NATURAL_FREQUENCY,
+                    Signal::Ramp(Ramp { from: wn, to, start: 0.0, end: truth.duration }),
+                );
+                *note = format!("to {:.2}", to / wn);
+            }
+            Fault::InputGain => {
+                let gain = if draw.chance(0.5) { draw.uniform(0.5, 0.85) } else { draw.uniform(1.18, 1.8) };
+                truth.plant.set(Channel::INPUT_GAIN, gain);
+                *note = format!("gain {gain:.2}");
+            }
+            Fault::InputOffset => {
+                let offset = draw.sign() * draw.log_uniform(0.5, 2.0) * size * wn * wn;
+                truth.plant.set(Channel::INPUT_OFFSET, offset);
+                *note = format!("offset {:.2} of the rms force", offset / rms_force);
+            }
+            Fault::InputDelay => {
+                truth.plant.input_delay = draw.choice(&[-3, -2, -1, 1, 2, 3]);
+                *note = format!("{} samples", truth.plant.input_delay);
+            }
+            Fault::InputHold => {
+                truth.hold = Hold::First;
+            }
+            Fault::SensorBias => {
+                let sensor = draw.choice(&truth.sensors);
+                let bias = draw.sign() * draw.log_uniform(1.0, 6.0) * sensor.noise_std;
+                let drifts = draw.chance(0.3);
+                let duration = truth.duration;
+                if drifts {
+                    truth.plant.set(
+                        sensor.measures.bias(),
+                        Signal::Ramp(Ramp { from: -bias, to: bias, start: 0.0, end: duration }),
+                    );
+                } else {
+                    truth.plant.set(sensor.measures.bias(), bias);
+                }
+                *note = format!(
+                    "{} {:.1} of noise{}",
+                    sensor.measures.key(),
+                    bias / sensor.noise_std,
+                    if drifts { ", drifts" } else { "" }
+                );
+            }
+            _ => {}
+        }
+    }
+
+    fn disturb_filter(fault: Fault, told: &mut Scenario, draw: &mut Draw, note: &mut String) {
+        let own: Vec<f64> = told.sensors.iter().map(|sensor| sensor.noise_std).collect();
+        let filter = &mut told.filters[0];
+        let motions = [Channel::DISPLACEMENT, Channel::VELOCITY];
+        let sensors = filter.sensor_std.len();
+        match fault {
+            Fault::SensorNoiseTooLarge | Fault::SensorNoiseTooSmall => {
+                let variance = draw.log_uniform(3.0, 100.0);
+                let factor = if fault == Fault::SensorNoiseTooLarge { variance.sqrt() } else { 1.0 / variance.sqrt() };
+                let place = draw.choice(&(0..sensors).collect::<Vec<_>>());
+                let all = draw.chance(0.4);
+                for (i, std) in filter.sensor_std.iter_mut().enumerate() {
+                    *std *= if all || i == place { factor } else { 1.0 };
+                }
+                *note = format!(
+                    "{} variance times {:.3}",
+                    if all { "all".to_owned() } else { place.to_string() },
+                    factor * factor
+                );
+            }
+            Fault::SensorNoiseContrary => {
+                let (a, b) = (draw.log_uniform(3.0, 30.0), draw.log_uniform(3.0, 30.0));
+                let place = draw.choice(&(0..sensors).collect::<Vec<_>>());
+                filter.sensor_std[place] *= a.sqrt();
+                filter.sensor_std[(place + 1) % sensors] /= b.sqrt();
+                *note = format!("{place} times {a:.1}, next over {b:.1}");
+            }
+            Fault::ProcessNoiseTooSmall | Fault::ProcessNoiseTooLarge => {
+                let factor = if fault == Fault::ProcessNoiseTooSmall { 0.1 } else { 10.0 };
+                for channel in motions {
+                    filter.process_std[channel] *= factor;
+                }
+            }
+            Fault::WindUp => filter.fading = draw.uniform(1.005, 1.02),
+            Fault::FeltDisturbance => filter.sensor_std = own,
+            Fault::CollapsedSample => filter.ensemble_size = draw.choice(&[50, 100, 200]),
+            Fault::NoExcitation => {}
+            _ => {}
+        }
+    }
+
+    /// The truth's record.
+    pub(crate) fn record(&self) -> Result<Arc<Record>, RunError> {
+        let mut run = Run::new(&self.truth)?;
+        run.finish();
+        Ok(Arc::new(run.record().clone()))
+    }
+}
+
+/// The same record without a word on the truth.
+pub(crate) fn without_truth(record: &Record) -> Arc<Record> {
+    Arc::new(record.clone().with_truth(Vec::new()).expect("no column has a wrong length"))
+}
+
+/// The largest error of a parameter over the last fifth of a record, in standard deviations: root mean square.
+pub(crate) fn largest_error(estimates: &Estimates, record: &Record) -> f64 {
+    let late = estimates.len() * 4 / 5..estimates.len();
+    let of = |(place, &channel): (usize, &Channel)| {
+        let truth = record.truth(channel).filter(|_| channel.is_parameter())?;
+        let error = |k: usize| (estimates.canonical_mean(k, place) - truth[k]) / estimates.std(k, place);
+        Some((late.clone().map(|k| error(k) * error(k)).sum::<f64>() / late.len() as f64).sqrt())
+    };
+    estimates.channels().iter().enumerate().filter_map(of).fold(0.0, f64::max)
+}

@@ -1,0 +1,132 @@
+//! Causes by name, each with its evidence and the knob that takes it away.
+
+mod collapsed_sample;
+mod felt_disturbance;
+mod initial_guess;
+mod input_delay;
+mod input_gain;
+mod input_hold;
+mod input_offset;
+mod missing_mode;
+mod no_excitation;
+mod process_noise;
+mod sensor_bias;
+mod sensor_noise;
+mod slow_drift;
+mod spring;
+mod sudden_change;
+mod wind_up;
+
+use std::ops::Range;
+
+use super::case::Case;
+use super::evidence::Evidence;
+use super::knob::Knob;
+use crate::{FilterSettings, Scenario};
+
+/// Every cause. A new one is a file and a line here.
+pub static CAUSES: &[&Cause] = &[
+    &wind_up::CAUSE,
+    &collapsed_sample::CAUSE,
+    &no_excitation::CAUSE,
+    &sensor_noise::CAUSE,
+    &felt_disturbance::CAUSE,
+    &process_noise::CAUSE,
+    &input_delay::CAUSE,
+    &input_hold::CAUSE,
+    &input_gain::CAUSE,
+    &input_offset::CAUSE,
+    &sensor_bias::CAUSE,
+    &spring::CAUSE,
+    &missing_mode::CAUSE,
+    &sudden_change::CAUSE,
+    &slow_drift::CAUSE,
+    &initial_guess::CAUSE,
+];
+
+/// What can be wrong with a filter.
+#[derive(Debug)]
+pub struct Cause {
+    /// A name that does not change.
+    pub key: &'static str,
+    /// The name in running text.
+    pub name: &'static str,
+    /// How it shows, and what to do.
+    pub hint: &'static str,
+    /// Appends the ways in which it may be the cause.
+    pub(crate) suspects: fn(&Matter<'_>, &'static Self, &mut Vec<Suspect>),
+}
+
+/// One way in which a cause may be the one: the knob, and how likely it is before it is tried.
+#[derive(Clone, Debug)]
+pub struct Suspect {
+    /// The cause.
+    pub cause: &'static Cause,
+    /// What it is, in words and numbers.
+    pub sentence: String,
+    /// How much of the evidence it explains, from 0 to 1, as far as that can be told without a trial.
+    pub weight: f64,
+    /// Whether the evidence is enough without a trial: the likelihood does not tell.
+    pub certain: bool,
+    /// The settings to turn.
+    pub knobs: Vec<Knob>,
+    /// How many numbers are fitted to the record by turning them.
+    pub fitted: f64,
+    /// Whether its likelihood is that of a filter which begins anew at the first of its samples, if that is larger: what a
+    /// knob can do against it comes late.
+    pub begins_anew: bool,
+    /// When it was, where it was at a time: samples of those that are kept.
+    pub samples: Option<Range<usize>>,
+}
+
+/// The filter that something is the matter with.
+pub(crate) struct Matter<'a> {
+    pub(crate) case: &'a Case<'a>,
+    pub(crate) evidence: &'a [Evidence],
+    pub(crate) scenario: &'a Scenario,
+    pub(crate) filter: &'a FilterSettings,
+}
+
+impl Matter<'_> {
+    /// The largest effect of a test among what counts, from 0 to 1.
+    pub(crate) fn effect_of(&self, is: impl Fn(&Evidence) -> bool) -> f64 {
+        let effects = self.evidence.iter().filter(|one| one.counts && is(one)).map(|one| one.effect);
+        let largest = effects.fold(0.0, f64::max);
+        largest / (1.0 + largest)
+    }
+
+    /// A knob of this filter.
+    pub(crate) fn knob(&self, key: &str, value: impl Into<toml::Value>) -> Knob {
+        Knob::of_filter(&self.filter.name, key, value)
+    }
+
+    /// The knob that gives the filter one augmentation more.
+    pub(crate) fn augmented(&self, channel: crate::Channel) -> Knob {
+        let keys = self.filter.augment.iter().chain([&channel]).map(|one| one.key().to_owned());
+        self.knob("augment", keys.collect::<Vec<String>>())
+    }
+
+    /// The root mean square of the estimated displacement of the first mass, which springs answer to; in m.
+    pub(crate) fn size(&self) -> f64 {
+        let Some(place) = self.case.estimates.place(crate::Channel::DISPLACEMENT) else { return 0.0 };
+        rms(self.case.estimates.canonical_means(place))
+    }
+
+    /// The root mean square of the input \[m/s²\].
+    pub(crate) fn input_size(&self) -> f64 {
+        rms(&self.case.record.input()[..self.case.len().min(self.case.record.len())])
+    }
+}
+
+impl Suspect {
+    /// A suspect whose knobs fit `fitted` numbers to the record.
+    pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, knobs: Vec<Knob>, sentence: String) -> Self {
+        Self { cause, sentence, weight, certain: false, knobs, fitted, begins_anew: false, samples: None }
+    }
+}
+
+/// The root mean square of the numbers among some values.
+fn rms(values: &[f64]) -> f64 {
+    let (sum, count) = values.iter().filter(|x| x.is_finite()).fold((0.0, 0_u32), |(sum, n), x| (sum + x * x, n + 1));
+    (sum / f64::from(count.max(1))).sqrt()
+}

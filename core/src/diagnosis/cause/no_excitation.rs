@@ -1,0 +1,39 @@
+//! Nothing in the record tells the parameters.
+
+use super::{Cause, Matter, Suspect};
+use crate::diagnosis::verdict::VerdictKind;
+
+/// Readings that resemble the one before by less are noise.
+const WHITE: f64 = 0.3;
+
+pub(super) static CAUSE: Cause = Cause {
+    key: "no_excitation",
+    name: "too little excitation",
+    hint: "Parameters are learnt from motion. Shake the oscillator, near its resonance; until then do not let the memory fade.",
+    suspects,
+};
+
+fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
+    let of = [VerdictKind::NotIdentifiable, VerdictKind::WoundUp];
+    let still = is_still(matter);
+    let weight = matter.effect_of(|one| of.contains(&one.speaks_for)).max(if still { 0.8 } else { 0.0 });
+    if weight == 0.0 {
+        return;
+    }
+    let samples =
+        matter.evidence.iter().find(|one| one.counts && of.contains(&one.speaks_for)).map(|one| one.samples.clone());
+    let sentence = "the motion is too small against the noise to tell the parameters".to_owned();
+    found.push(Suspect { certain: true, samples, ..Suspect::new(cause, 0.9 * weight, 0.0, Vec::new(), sentence) });
+}
+
+/// Whether what the sensors read is noise alone: white.
+fn is_still(matter: &Matter<'_>) -> bool {
+    let correlation = |sensor: crate::Quantity| {
+        let values = matter.case.record.measured_quantity(sensor)?;
+        let both = values.windows(2).filter(|pair| !(pair[0] * pair[1]).is_nan());
+        let (product, square) = both.fold((0.0, 0.0), |(p, s), pair| (p + pair[0] * pair[1], s + pair[0] * pair[0]));
+        (square > 0.0).then(|| product / square)
+    };
+    let mut sensors = matter.case.sensors.iter().peekable();
+    sensors.peek().is_some() && sensors.all(|one| correlation(one.sensor).is_none_or(|r| r < WHITE))
+}

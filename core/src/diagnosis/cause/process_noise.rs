@@ -1,0 +1,48 @@
+//! Q of the motion is too small or too large.
+
+use super::{Cause, Matter, Suspect};
+use crate::Channel;
+use crate::diagnosis::words::short;
+
+/// Factors on the standard deviations that are tried.
+const FACTORS: [f64; 6] = [0.03, 0.1, 0.3, 3.0, 10.0, 30.0];
+
+pub(super) static CAUSE: Cause = Cause {
+    key: "process_noise",
+    name: "Q of the motion",
+    hint: "Q of the motion stands for forces that nobody records. Too small, and innovations resemble the one before; too \
+           large, and they alternate.",
+    suspects,
+};
+
+/// By the signs of the innovations' correlation.
+///
+/// Source: Mehra (1970), On the identification of variances and adaptive Kalman filtering.
+fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
+    let (case, filter) = (matter.case, matter.filter);
+    let first = case.sensors.iter().map(|one| one.autocorrelation(&case.kept)[0]);
+    let first = first.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let motions = || case.estimates.channels().iter().copied().filter(|channel| !channel.is_parameter());
+    for factor in FACTORS {
+        let knobs = motions().map(|channel| {
+            let std = filter.process_std[channel];
+            matter.knob(
+                &format!("process_std.{}", channel.key()),
+                factor * if std > 0.0 { std } else { smallest(matter, channel) },
+            )
+        });
+        let agrees = (first > 0.0) == (factor > 1.0);
+        let weight = if agrees { 2.0 * first.abs() / (1.0 + 2.0 * first.abs()) } else { 0.05 };
+        let (word, by) = if factor > 1.0 { ("small", factor) } else { ("large", 1.0 / factor) };
+        let sentence = format!(
+            "Q of the motion is about {} times too {word}; the innovations are correlated by {first:.2} at lag 1",
+            short(by * by)
+        );
+        found.push(Suspect::new(cause, weight, 1.0, knobs.collect(), sentence));
+    }
+}
+
+/// A process noise for a channel that has none: a thousandth of what is not known at first.
+fn smallest(matter: &Matter<'_>, channel: Channel) -> f64 {
+    1e-3 * matter.filter.initial_std[channel]
+}

@@ -1,0 +1,32 @@
+//! A sensor has a bias, or drifts.
+
+use super::{Cause, Matter, Suspect};
+
+/// How many standard deviations of its noise a bias may have.
+const WIDE: f64 = 10.0;
+
+pub(super) static CAUSE: Cause = Cause {
+    key: "sensor_bias",
+    name: "a sensor's bias or drift",
+    hint: "A zero that is off, or wanders. Let the filter estimate it; with a process noise if it drifts.",
+    suspects,
+};
+
+fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
+    let case = matter.case;
+    for (one, std) in case.sensors.iter().zip(&matter.filter.sensor_std) {
+        let bias = one.sensor.bias();
+        if matter.filter.augment.contains(&bias) {
+            continue;
+        }
+        let mean = one.mean(&case.kept).abs();
+        let (key, name) = (bias.key(), one.sensor.key());
+        let still = vec![matter.augmented(bias), matter.knob(&format!("initial_std.{key}"), WIDE * std)];
+        let step = WIDE * std / (case.len().max(1) as f64).sqrt();
+        let mut drifting = still.clone();
+        drifting.push(matter.knob(&format!("process_std.{key}"), step));
+        let weight = 2.0 * mean / (1.0 + 2.0 * mean);
+        found.push(Suspect::new(cause, weight, 1.0, still, format!("the {name} has a bias")));
+        found.push(Suspect::new(cause, 0.8 * weight, 2.0, drifting, format!("the bias of the {name} drifts")));
+    }
+}

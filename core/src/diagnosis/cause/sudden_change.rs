@@ -1,0 +1,30 @@
+//! A parameter has changed at once.
+
+use super::{Cause, Matter, Suspect};
+use crate::diagnosis::change::change_point;
+use crate::diagnosis::words::short;
+
+/// The fading factors that are tried.
+const FADING: [f64; 2] = [1.005, 1.02];
+
+pub(super) static CAUSE: Cause = Cause {
+    key: "sudden_change",
+    name: "a sudden change",
+    hint: "Something has changed at once, and a filter that is sure of its parameters does not follow. Let its memory fade.",
+    suspects,
+};
+
+fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
+    let case = matter.case;
+    let Some((at, rise)) = change_point(case.estimates.nis()) else { return };
+    let samples = at..case.len();
+    let time = short(case.record.time(at));
+    let weight = if rise > 1.3 { 1.0 - 1.0 / rise } else { 0.05 };
+    for fading in FADING.into_iter().filter(|fading| *fading > matter.filter.fading) {
+        let sentence =
+            format!("something changed at once, near {time} s: innovations² rise {} times there", short(rise));
+        let knobs = vec![matter.knob("fading", fading)];
+        let suspect = Suspect::new(cause, weight, 2.0, knobs, sentence);
+        found.push(Suspect { samples: Some(samples.clone()), begins_anew: true, ..suspect });
+    }
+}

@@ -1,0 +1,83 @@
+//! One pass over the errors of each channel whose truth is known.
+
+use super::parts::{self, Chosen, PARTS};
+use crate::{Channel, Estimates, Record};
+
+/// The normalised errors `e / σ` of one channel.
+#[derive(Clone, Debug)]
+pub(crate) struct ChannelErrors {
+    pub(crate) channel: Channel,
+    pub(crate) by_part: [Sums; PARTS],
+}
+
+/// The sums of one part.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sums {
+    pub(crate) count: f64,
+    /// Sum of (e/σ)².
+    pub(crate) square: f64,
+    /// Sum of the products of e/σ with that of the sample before.
+    pub(crate) product: f64,
+    /// Samples with the truth inside ±2σ.
+    pub(crate) inside: f64,
+}
+
+impl ChannelErrors {
+    /// The pass over all channels of some estimates; those that are known for certain have no part in it.
+    pub(crate) fn of_all(estimates: &Estimates, record: &Record) -> Vec<Self> {
+        let samples = estimates.len();
+        let one = |(place, &channel): (usize, &Channel)| {
+            let truth = record.truth(channel)?;
+            let (means, variances) = (estimates.canonical_means(place), estimates.variances(place));
+            let mut by_part = [Sums::default(); PARTS];
+            let mut before = 0.0;
+            for (part, sums) in by_part.iter_mut().enumerate() {
+                for k in parts::range(part, samples) {
+                    let error = (means[k] - truth[k]) / variances[k].sqrt();
+                    if error.is_nan() || variances[k] == 0.0 {
+                        continue;
+                    }
+                    sums.count += 1.0;
+                    sums.square += error * error;
+                    sums.product += error * before;
+                    sums.inside += if error.abs() <= 2.0 { 1.0 } else { 0.0 };
+                    before = error;
+                }
+            }
+            let any = by_part.iter().any(|sums| sums.count > 0.0);
+            any.then_some(Self { channel, by_part })
+        };
+        estimates.channels().iter().enumerate().filter_map(one).collect()
+    }
+
+    /// The mean of (e/σ)² over some parts; NaN where the truth is not known there.
+    pub(crate) fn level(&self, chosen: &Chosen) -> f64 {
+        parts::sum(chosen, |part| self.by_part[part].square) / self.count(chosen)
+    }
+
+    /// The number of errors in some parts.
+    pub(crate) fn count(&self, chosen: &Chosen) -> f64 {
+        parts::sum(chosen, |part| self.by_part[part].count)
+    }
+
+    /// The share of samples in some parts with the truth inside ±2σ.
+    pub(crate) fn share_inside(&self, chosen: &Chosen) -> f64 {
+        parts::sum(chosen, |part| self.by_part[part].inside) / self.count(chosen)
+    }
+
+    /// The number of errors in some parts that are as good as independent, from their correlation ρ from one sample to the
+    /// next.
+    ///
+    /// ```text
+    /// n (1 - ρ²) / (1 + ρ²)
+    /// ```
+    ///
+    /// Source: Bartlett (1946), On the theoretical specification and sampling properties of autocorrelated time-series.
+    pub(crate) fn independent(&self, chosen: &Chosen) -> f64 {
+        let square = parts::sum(chosen, |part| self.by_part[part].square);
+        let product = parts::sum(chosen, |part| self.by_part[part].product);
+        let correlation = if square > 0.0 { (product / square).clamp(0.0, 0.999_999) } else { 0.0 };
+        let squared = correlation * correlation;
+        (self.count(chosen) * (1.0 - squared) / (1.0 + squared)).max(1.0)
+    }
+}

@@ -1,0 +1,95 @@
+//! What one test says of a filter.
+
+use std::ops::Range;
+
+use super::case::{Case, Span};
+use super::verdict::VerdictKind;
+use crate::{Channel, Quantity};
+
+/// A statistical test, or a rule where nothing random is asked for.
+#[derive(Debug)]
+pub struct Test {
+    /// The name, in running text.
+    pub name: &'static str,
+    /// The formula of the statistic.
+    pub statistic: &'static str,
+    /// Its distribution for a filter that is right.
+    pub distribution: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+    /// How to read it.
+    pub reading: &'static str,
+    /// Appends what it says.
+    pub(crate) run: fn(&Case<'_>, &'static Self, &mut Vec<Evidence>),
+}
+
+/// What a test is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Subject {
+    /// All sensors, or all channels.
+    All,
+    /// One sensor.
+    Sensor(Quantity),
+    /// One channel.
+    Channel(Channel),
+}
+
+/// What one test says of one subject.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    /// The test.
+    pub test: &'static Test,
+    /// What it is about.
+    pub subject: Subject,
+    /// The statistic.
+    pub statistic: f64,
+    /// The probability that a filter that is right gives as much or more; 0 or 1 where nothing random is asked for.
+    pub p_value: f64,
+    /// The size of the effect over the size that matters: below 1 it is harmless, however small the p-value.
+    pub effect: f64,
+    /// The verdict that it speaks for where it counts.
+    pub speaks_for: VerdictKind,
+    /// Whether it counts: the effect matters, and is no chance with all tests taken together.
+    pub counts: bool,
+    /// The samples, of those that are kept, that it is about.
+    pub samples: Range<usize>,
+    /// What it found, in words and numbers.
+    pub sentence: String,
+}
+
+impl Evidence {
+    /// Evidence on all samples of a case, before all tests are taken together.
+    pub(crate) fn new(test: &'static Test, subject: Subject, case: &Case<'_>) -> Self {
+        Self::over(test, subject, &case.whole())
+    }
+
+    /// Evidence on some parts of a record, before all tests are taken together.
+    pub(crate) fn over(test: &'static Test, subject: Subject, span: &Span) -> Self {
+        Self {
+            test,
+            subject,
+            statistic: f64::NAN,
+            p_value: 1.0,
+            effect: 0.0,
+            speaks_for: VerdictKind::Consistent,
+            counts: false,
+            samples: span.samples.clone(),
+            sentence: String::new(),
+        }
+    }
+
+    /// A rule that is broken: nothing random is asked for.
+    pub(crate) fn certain(self, kind: VerdictKind, effect: f64, sentence: String) -> Self {
+        Self { p_value: 0.0, effect, speaks_for: kind, statistic: effect, sentence, ..self }
+    }
+}
+
+impl std::fmt::Display for Subject {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::All => f.write_str("all"),
+            Self::Sensor(quantity) => f.write_str(quantity.key()),
+            Self::Channel(channel) => f.write_str(channel.name()),
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! One pass over the innovations of each sensor: sums by part of the record, from which the tests take their statistics.
+
+use std::ops::Range;
+
+use super::lagged::add_products;
+use super::parts::{self, Chosen, PARTS};
+use super::periodogram::Periodogram;
+use crate::{Estimates, Quantity, Record};
+
+/// The lags of an autocorrelation: 0 to 20 samples.
+pub(crate) const LAGS: usize = 21;
+
+/// The lags of a cross-correlation with the input: from 4 samples before it to 15 after it.
+pub(crate) const CROSS_LAGS: usize = 20;
+
+/// The lag of the first of them.
+pub(crate) const FIRST_CROSS_LAG: i32 = -4;
+
+/// A normalised innovation counts as no larger than this in correlations: one reading does not speak for the rest.
+const LARGEST: f64 = 5.0;
+
+/// The normalised innovations `ν = e / √S` of one sensor.
+#[derive(Clone, Debug)]
+pub(crate) struct SensorInnovations {
+    pub(crate) sensor: Quantity,
+    pub(crate) by_part: [Sums; PARTS],
+    /// ν, limited; 0 where nothing was measured.
+    values: Vec<f64>,
+    /// Of what is kept, once that is known.
+    pub(crate) periodogram: Periodogram,
+}
+
+/// The sums of one part.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sums {
+    /// Measurements.
+    pub(crate) count: f64,
+    /// Sum of ν².
+    pub(crate) square: f64,
+    /// Sum of ν, limited.
+    pub(crate) sum: f64,
+    /// Sums of ν ν of l samples before, limited.
+    pub(crate) products: [f64; LAGS],
+    /// Sums of ν times the input at each lag, both limited.
+    pub(crate) cross: [f64; CROSS_LAGS],
+    /// Sum of the squares of the input.
+    pub(crate) input_square: f64,
+}
+
+impl SensorInnovations {
+    /// The pass over all sensors of some estimates.
+    pub(crate) fn of_all(estimates: &Estimates, record: &Record) -> Vec<Self> {
+        let samples = estimates.len();
+        let m = estimates.sensors().len();
+        let input = limited_input(record, samples);
+        let mut all: Vec<(Quantity, [Sums; PARTS], Vec<f64>)> =
+            estimates.sensors().iter().map(|&sensor| (sensor, [Sums::default(); PARTS], vec![0.0; samples])).collect();
+        for part in 0..PARTS {
+            for k in parts::range(part, samples) {
+                let (innovation, cov) = (estimates.innovation(k), estimates.innovation_cov(k));
+                for (i, (_, by_part, values)) in all.iter_mut().enumerate() {
+                    let value = innovation[i] / cov[i * (m + 1)].sqrt();
+                    if value.is_nan() {
+                        continue;
+                    }
+                    let sums = &mut by_part[part];
+                    sums.count += 1.0;
+                    sums.square += value * value;
+                    let limited = value.clamp(-LARGEST, LARGEST);
+                    sums.sum += limited;
+                    values[k] = limited;
+                }
+            }
+        }
+        let spare = input.iter().any(|&f| f != 0.0);
+        all.into_iter()
+            .map(|(sensor, mut by_part, values)| {
+                for (part, sums) in by_part.iter_mut().enumerate() {
+                    let range = parts::range(part, samples);
+                    add_products(&mut sums.products, &values, &values, range.clone(), 0);
+                    if spare {
+                        sums.input_square = input[range.clone()].iter().map(|f| f * f).sum();
+                        add_products(&mut sums.cross, &values, &input, range, FIRST_CROSS_LAG);
+                    }
+                }
+                Self { sensor, by_part, values, periodogram: Periodogram::default() }
+            })
+            .collect()
+    }
+
+    /// The periodograms of all sensors, of these samples.
+    pub(crate) fn transform(all: &mut [Self], samples: &[Range<usize>]) {
+        let values: Vec<&[f64]> = all.iter().map(|one| one.values.as_slice()).collect();
+        let periodograms = Periodogram::of_all(&values, samples);
+        for (one, periodogram) in all.iter_mut().zip(periodograms) {
+            one.periodogram = periodogram;
+        }
+    }
+
+    /// The number of measurements in some parts.
+    pub(crate) fn count(&self, chosen: &Chosen) -> f64 {
+        parts::sum(chosen, |part| self.by_part[part].count)
+    }
+
+    /// The mean of ν² over some parts; NaN without a measurement.
+    pub(crate) fn level(&self, chosen: &Chosen) -> f64 {
+        parts::sum(chosen, |part| self.by_part[part].square) / self.count(chosen)
+    }
+
+    /// The mean of ν over some parts, limited.
+    pub(crate) fn mean(&self, chosen: &Chosen) -> f64 {
+        parts::sum(chosen, |part| self.by_part[part].sum) / self.count(chosen)
+    }
+
+    /// r at the lags 1 to 20 over some parts; zeros where there is nothing but zeros.
+    pub(crate) fn autocorrelation(&self, chosen: &Chosen) -> [f64; LAGS - 1] {
+        let product = |lag: usize| parts::sum(chosen, |part| self.by_part[part].products[lag]);
+        let square = product(0);
+        std::array::from_fn(|i| if square > 0.0 { product(i + 1) / square } else { 0.0 })
+    }
+
+    /// The correlation of ν with the input at each lag over some parts; zeros without an input.
+    pub(crate) fn cross_correlation(&self, chosen: &Chosen) -> [f64; CROSS_LAGS] {
+        let square = parts::sum(chosen, |part| self.by_part[part].products[0]);
+        let input = parts::sum(chosen, |part| self.by_part[part].input_square);
+        let scale = (square * input).sqrt();
+        std::array::from_fn(|lag| {
+            if scale > 0.0 { parts::sum(chosen, |part| self.by_part[part].cross[lag]) / scale } else { 0.0 }
+        })
+    }
+}
+
+/// The input without its mean, limited to five times its root mean square.
+fn limited_input(record: &Record, samples: usize) -> Vec<f64> {
+    let input = &record.input()[..samples.min(record.len())];
+    let count = input.len().max(1) as f64;
+    let mean = input.iter().sum::<f64>() / count;
+    let rms = (input.iter().map(|f| (f - mean) * (f - mean)).sum::<f64>() / count).sqrt();
+    input.iter().map(|f| (f - mean).clamp(-LARGEST * rms, LARGEST * rms)).collect()
+}

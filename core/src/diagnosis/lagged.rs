@@ -1,0 +1,52 @@
+//! Products of two series at several lags.
+
+use std::ops::Range;
+
+/// The number of terms that are added side by side: the compiler makes vector instructions of them.
+const LANES: usize = 4;
+
+/// Adds to each sum, in order of the lags from `first` on, `Σ a_k b_(k - lag)` over the k in `range` for which b reaches so
+/// far.
+pub(crate) fn add_products(sums: &mut [f64], a: &[f64], b: &[f64], range: Range<usize>, first: i32) {
+    for (lag, sum) in (first..).zip(sums) {
+        let begin = range.start.max(lag.max(0) as usize).min(range.end);
+        let end = range.end.min((b.len() as i64 + i64::from(lag)).max(0) as usize).max(begin);
+        let moved = (begin as i64 - i64::from(lag)) as usize;
+        if begin < end {
+            *sum += product(&a[begin..end], &b[moved..moved + end - begin]);
+        }
+    }
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
+    let (b_chunks, b_rest) = b.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a_chunks.iter().zip(b_chunks) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_lag_has_the_sum_of_its_products() {
+        let series = |seed: f64| (0..97).map(|k| libm::sin(seed * f64::from(k * k))).collect::<Vec<f64>>();
+        let (a, b) = (series(1.0), series(0.7));
+        for range in [0..97, 0..10, 40..61, 90..97] {
+            let mut sums = [0.0; 12];
+            add_products(&mut sums, &a, &b, range.clone(), -5);
+            for (lag, sum) in (-5_i64..).zip(sums) {
+                let term = |k: usize| Some(a[k] * b.get(usize::try_from(k as i64 - lag).ok()?)?);
+                let direct: f64 = range.clone().filter_map(term).sum();
+                assert!((sum - direct).abs() < 1e-12, "{range:?}, lag {lag}: {sum} instead of {direct}");
+            }
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! The power of series over frequency, by fast Fourier transforms.
+
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+
+/// The longest window: at 100 Hz about ten seconds.
+const LONGEST: usize = 1024;
+
+/// The shortest window that is worth a look.
+const SHORTEST: usize = 32;
+
+/// The fewest windows that a record is cut into.
+const WINDOWS: usize = 4;
+
+/// The mean power of a series over windows that do not overlap, at frequencies from one cycle a window on.
+///
+/// ```text
+/// I_j = mean of |Σ w_k ν_k exp(-2πi jk/L)|² / Σ w_k²,  w_k = sin²(π (k + ½) / L),  j = 2 … L/2 - 2
+/// ```
+///
+/// White noise of variance 1 has the power 1 everywhere, and 2n times it over n windows is χ² with 2n degrees of freedom.
+///
+/// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Periodogram {
+    /// Samples of a window.
+    length: usize,
+    windows: usize,
+    power: Vec<f64>,
+}
+
+/// The first frequency, in cycles a window: below it the window's own shape counts.
+const FIRST: usize = 2;
+
+impl Periodogram {
+    /// The periodograms of several series of one length, of windows that have no sample outside some ranges in ascending
+    /// order. Two series take one transform.
+    pub(crate) fn of_all(series: &[&[f64]], kept: &[Range<usize>]) -> Vec<Self> {
+        let samples = series.first().map_or(0, |one| one.len());
+        let Some(length) = (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
+        else {
+            return vec![Self::default(); series.len()];
+        };
+        let transform = Transform::new(length);
+        let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
+        let weights: Vec<f64> = weights.iter().map(|w| w * w).collect();
+        let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
+        let begins = window_begins(kept, length);
+        let windows = begins.len();
+        if windows < WINDOWS / 2 {
+            return vec![Self::default(); series.len()];
+        }
+        let mut all = Vec::with_capacity(series.len());
+        let mut buffer = vec![(0.0, 0.0); length];
+        for pair in series.chunks(2) {
+            let (first, second) = (pair[0], pair.get(1).copied());
+            let mut power = vec![[0.0; 2]; length / 2 + 1];
+            for &begin in &begins {
+                for (k, (slot, weight)) in buffer.iter_mut().zip(&weights).enumerate() {
+                    *slot = (weight * first[begin + k], second.map_or(0.0, |second| weight * second[begin + k]));
+                }
+                transform.apply(&mut buffer);
+                for (j, power) in power.iter_mut().enumerate().skip(FIRST) {
+                    // The real series' transform is the even part, the imaginary one's the odd part.
+                    let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[length - j]);
+                    let (even_re, even_im) = (re + mirrored_re, im - mirrored_im);
+                    let (odd_re, odd_im) = (im + mirrored_im, re - mirrored_re);
+                    power[0] += 0.25 * (even_re * even_re + even_im * even_im);
+                    power[1] += 0.25 * (odd_re * odd_re + odd_im * odd_im);
+                }
+            }
+            for of in 0..pair.len() {
+                let kept = &power[FIRST..length / 2 - 1];
+                let power = kept.iter().map(|both| both[of] * scale / windows as f64).collect();
+                all.push(Self { length, windows, power });
+            }
+        }
+        all
+    }
+
+    /// The number of windows: half the degrees of freedom of each power.
+    pub(crate) fn windows(&self) -> usize {
+        self.windows
+    }
+
+    /// The mean of all powers; NaN where the series is too short.
+    pub(crate) fn mean(&self) -> f64 {
+        self.power.iter().sum::<f64>() / self.power.len() as f64
+    }
+
+    /// The number of frequencies.
+    pub(crate) fn len(&self) -> usize {
+        self.power.len()
+    }
+
+    /// The largest power and its frequency in radians a sample, between its neighbours by a parabola; none where the series
+    /// is too short.
+    pub(crate) fn peak(&self) -> Option<(f64, f64)> {
+        let (place, &power) = self.power.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+        let at = |place: Option<usize>| place.and_then(|place| self.power.get(place)).copied().unwrap_or(power);
+        let (below, above) = (at(place.checked_sub(1)), at(Some(place + 1)));
+        let curve = below - 2.0 * power + above;
+        let shift = if curve < 0.0 { 0.5 * (below - above) / curve } else { 0.0 };
+        Some((power, TAU * ((place + FIRST) as f64 + shift) / self.length as f64))
+    }
+}
+
+/// The first samples of as many windows as fit one after the other into ranges, of which neighbours are one.
+fn window_begins(kept: &[Range<usize>], length: usize) -> Vec<usize> {
+    let mut begins = Vec::new();
+    let mut run = 0..0;
+    for range in kept {
+        run = if range.start == run.end { run.start..range.end } else { range.clone() };
+        while run.start + length <= run.end {
+            begins.push(run.start);
+            run.start += length;
+        }
+    }
+    begins
+}
+
+/// A fast Fourier transform of some length, a power of two.
+///
+/// Source: Golub and Van Loan (2013), *Matrix Computations*, section 1.4.
+struct Transform {
+    turns: Vec<(f64, f64)>,
+    places: Vec<u32>,
+}
+
+impl Transform {
+    fn new(length: usize) -> Self {
+        let bits = length.trailing_zeros();
+        let turn = |k: usize| {
+            let (sin, cos) = libm::sincos(-TAU * k as f64 / length as f64);
+            (cos, sin)
+        };
+        let place = |k: u32| k.reverse_bits() >> (32 - bits);
+        Self { turns: (0..length / 2).map(turn).collect(), places: (0..length as u32).map(place).collect() }
+    }
+
+    fn apply(&self, values: &mut [(f64, f64)]) {
+        let length = values.len();
+        for (k, &place) in self.places.iter().enumerate() {
+            if k < place as usize {
+                values.swap(k, place as usize);
+            }
+        }
+        let mut half = 1;
+        while half < length {
+            let stride = length / (2 * half);
+            for block in values.chunks_exact_mut(2 * half) {
+                let (low, high) = block.split_at_mut(half);
+                for ((a, b), &(cos, sin)) in low.iter_mut().zip(high).zip(self.turns.iter().step_by(stride)) {
+                    let turned = (b.0 * cos - b.1 * sin, b.0 * sin + b.1 * cos);
+                    *b = (a.0 - turned.0, a.1 - turned.1);
+                    *a = (a.0 + turned.0, a.1 + turned.1);
+                }
+            }
+            half *= 2;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Normal;
+
+    #[test]
+    fn white_noise_is_flat_and_a_wave_is_a_line() {
+        let mut normal = Normal::from_seed(3);
+        let noise: Vec<f64> = (0..8192).map(|_| normal.sample()).collect();
+        let wave: Vec<f64> = (0..8192).map(|k| noise[k] + libm::sin(0.7 * k as f64)).collect();
+        let [flat, line] = &Periodogram::of_all(&[&noise, &wave], &[0..3000, 3000..8192])[..] else { panic!() };
+        assert!((flat.mean() - 1.0).abs() < 0.05 && flat.peak().unwrap().0 < 4.0, "{:?}", flat.peak());
+        let (power, frequency) = line.peak().unwrap();
+        assert!(power > 50.0 && (frequency - 0.7).abs() < 0.002, "{power} at {frequency}");
+        let alone = &Periodogram::of_all(&[&wave], std::slice::from_ref(&(0..8192)))[0];
+        assert!((alone.peak().unwrap().0 / power - 1.0).abs() < 1e-9);
+        assert_eq!(Periodogram::of_all(&[&noise[..100]], std::slice::from_ref(&(0..100)))[0].peak(), None);
+    }
+}

@@ -1,0 +1,58 @@
+//! Whether innovations are white, as they are where the gain is right.
+
+use crate::diagnosis::case::Case;
+use crate::diagnosis::evidence::{Evidence, Subject, Test};
+use crate::diagnosis::innovations::LAGS;
+use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnostics::chi_squared;
+
+/// A correlation below this is as good as none.
+const TOLERANCE: f64 = 0.08;
+
+pub(super) static TEST: Test = Test {
+    name: "whiteness of the innovations",
+    statistic: "N (N + 2) Σ r_l² / (N - l) over the lags l = 1 … 20",
+    distribution: "χ² with 20 degrees of freedom",
+    source: "Ljung and Box (1978); Mehra (1970), On the identification of variances and adaptive Kalman filtering",
+    reading: "positive at lag 1: the gain is too low, and each innovation leaves something for the next; negative: it is too \
+              high",
+    run,
+};
+
+fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
+    for one in &case.sensors {
+        for span in case.spans() {
+            let count = one.count(&span.parts);
+            if count < 2.0 * LAGS as f64 {
+                continue;
+            }
+            let correlation = one.autocorrelation(&span.parts);
+            let terms = correlation.iter().zip(1..).map(|(r, lag)| r * r / (count - f64::from(lag)));
+            let statistic = count * (count + 2.0) * terms.sum::<f64>();
+            let largest = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            let (lag, largest) = largest.unwrap_or((1, 0.0));
+            let first = correlation[0];
+            let also = if lag == 1 { String::new() } else { format!(", {largest:.2} at lag {lag}") };
+            let (sensor, when) = (one.sensor.key(), span.words);
+            found.push(Evidence {
+                statistic,
+                p_value: chi_squared::upper_tail(statistic, LAGS as u32 - 1).unwrap_or(1.0),
+                effect: largest.abs() / TOLERANCE,
+                speaks_for: direction(case, first),
+                sentence: format!("the innovations of the {sensor} are correlated{when}: {first:.2} at lag 1{also}"),
+                ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
+            });
+        }
+    }
+}
+
+/// The verdict that a correlation speaks for. Where the filter expects larger innovations than there are, it trusts its
+/// sensors too little, whatever the sign; else innovations that resemble the one before are errors that stay.
+fn direction(case: &Case<'_>, first: f64) -> VerdictKind {
+    let (level, _) = case.nis(&case.kept);
+    if case.any_too_small() && level < 1.15 || first < 0.0 && level < 1.0 {
+        VerdictKind::Underconfident
+    } else {
+        VerdictKind::Overconfident
+    }
+}

@@ -1,0 +1,232 @@
+//! Trials: the filter runs again with a knob turned, and what it then makes of the record tells whether that was the cause.
+//! No truth is needed.
+
+use super::Diagnosis;
+use super::cause::Suspect;
+use super::knob::Knob;
+use super::verdict::Verdict;
+use crate::record::Input;
+use crate::{Channel, Diagnostics, Estimates, FilterKind, Pass, Quantity, Record, RunError, Scenario, Scores};
+
+/// Limits the samples of a trial, which are the last ones of the record.
+const WINDOW: usize = 10_000;
+
+/// Limits the samples of a trial between two checks of the time: half a millisecond of the slowest step.
+const CHUNK: usize = 100;
+
+/// Limits the gain in log likelihood, less what its numbers would gain by chance, below which no cause is named.
+const WORTH: f64 = 8.0;
+
+/// A cause, and what its knob does to the filter.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The cause, its evidence and its knob.
+    pub suspect: Suspect,
+    /// The log likelihood that the knob gains over the window, less half the logarithm of the number of samples for each
+    /// number that is fitted (the Bayesian information criterion); NaN where it has not been tried.
+    ///
+    /// Source: Schwarz (1978), Estimating the dimension of a model, *The Annals of Statistics* 6.
+    pub gain: f64,
+    /// The verdict on the filter with the knob turned, over the window.
+    pub after: Option<Verdict>,
+}
+
+/// The trials of all suspects of one filter, which can be cut into slices of time.
+pub struct Trials {
+    record: Record,
+    /// The scenario with that one filter, as it begins at the window's first sample.
+    scenario: Scenario,
+    suspects: Vec<Suspect>,
+    current: Option<(Pass, Estimates)>,
+    /// The sample of the run's record at which the window begins.
+    first: usize,
+    /// What the filter as it is believes and how likely each sample is to it, for filters that begin anew.
+    unturned: Option<Estimates>,
+    /// The result without any knob turned.
+    before: Option<Outcome>,
+    outcomes: Vec<Outcome>,
+    /// The log likelihood of the filter itself over the window, where another one stands in for it.
+    own: Option<f64>,
+}
+
+/// What came of one trial.
+#[derive(Clone, Debug)]
+struct Outcome {
+    log_likelihood: f64,
+    verdict: Option<Verdict>,
+}
+
+impl Outcome {
+    const NOTHING: Self = Self { log_likelihood: f64::NEG_INFINITY, verdict: None };
+}
+
+impl Trials {
+    /// The trials of the suspects of the filter at `place` of a scenario, whose estimates on a record these are. Where the
+    /// filter is a sampled one, a UKF stands in for it.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
+    pub fn new(
+        scenario: &Scenario,
+        place: usize,
+        estimates: &Estimates,
+        record: &Record,
+        suspects: Vec<Suspect>,
+    ) -> Result<Self, RunError> {
+        let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let mut filter = filter.clone();
+        filter.smoother = false;
+        let first = estimates.len().min(record.len()).saturating_sub(WINDOW);
+        if record.forgotten() + first > 0 && !estimates.is_empty() {
+            for (channel_place, &channel) in estimates.channels().iter().enumerate() {
+                if !filter.knows(channel) {
+                    filter.initial_mean[channel] = estimates.mean(first)[channel_place];
+                }
+            }
+        }
+        let mut own = None;
+        if filter.kind.is_sampled() {
+            filter.kind = FilterKind::UKF;
+            own = Some(
+                (first.max(1)..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|x| !x.is_nan()).sum(),
+            );
+        }
+        let mut scenario = Scenario { filters: vec![filter], ..scenario.clone() };
+        scenario.dt = record.dt();
+        let record = window(record, first..estimates.len().min(record.len()));
+        let (outcomes, before) = (Vec::new(), None);
+        let trials = Self { record, scenario, suspects, current: None, first, unturned: None, before, outcomes, own };
+        // What could not begin at all is said now.
+        Pass::new(&trials.scenario, 0, &trials.record)?;
+        Ok(trials)
+    }
+
+    /// Goes on for as long as `while_time` says that there is time, which is asked after each little piece of work. Returns
+    /// whether all is done.
+    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while !self.is_done() {
+            let Some((mut pass, mut estimates)) = self.current.take().or_else(|| self.begin()) else {
+                self.outcomes.push(Outcome::NOTHING);
+                continue;
+            };
+            pass.follow(&self.record, pass.done() + CHUNK, &mut estimates);
+            if pass.done() < self.record.len() && pass.stop().is_none() {
+                self.current = Some((pass, estimates));
+            } else {
+                self.finish(estimates);
+            }
+            if !while_time() {
+                break;
+            }
+        }
+        self.is_done()
+    }
+
+    /// Whether there is nothing left to try.
+    pub fn is_done(&self) -> bool {
+        self.before.is_some() && self.outcomes.len() == self.suspects.len()
+    }
+
+    /// The share that is done, from 0 to 1.
+    pub fn progress(&self) -> f64 {
+        let done = usize::from(self.before.is_some()) + self.outcomes.len();
+        done as f64 / (1 + self.suspects.len()) as f64
+    }
+
+    /// The verdict on the filter over the window as it is; none before it is known.
+    pub fn before(&self) -> Option<&Verdict> {
+        self.before.as_ref()?.verdict.as_ref()
+    }
+
+    /// The causes that have been found so far, each once, the likeliest first.
+    pub fn findings(&self) -> Vec<Finding> {
+        let Some(before) = &self.before else { return Vec::new() };
+        let penalty = 0.5 * libm::log(self.record.len().max(2) as f64);
+        let mut all: Vec<Finding> = Vec::new();
+        for (suspect, outcome) in self.suspects.iter().zip(&self.outcomes) {
+            let mut gain = outcome.log_likelihood - before.log_likelihood - penalty * suspect.fitted;
+            if let Some(own) = self.own.filter(|_| suspect.cause.key == "collapsed_sample") {
+                gain = before.log_likelihood - own;
+            }
+            if !suspect.certain && !(gain > WORTH) {
+                continue;
+            }
+            let finding = Finding { suspect: suspect.clone(), gain, after: outcome.verdict.clone() };
+            match all.iter_mut().find(|other| other.suspect.cause.key == suspect.cause.key) {
+                Some(other) if other.gain >= gain => {}
+                Some(other) => *other = finding,
+                None => all.push(finding),
+            }
+        }
+        all.sort_by(|a, b| {
+            let key = |finding: &Finding| (finding.suspect.certain, finding.gain, finding.suspect.weight);
+            key(b).partial_cmp(&key(a)).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        all
+    }
+
+    /// The next trial at its first sample; none where its settings are not possible.
+    fn begin(&self) -> Option<(Pass, Estimates)> {
+        let scenario = match &self.before {
+            None => self.scenario.clone(),
+            Some(_) => {
+                let knobs = &self.suspects[self.outcomes.len()].knobs;
+                if knobs.is_empty() {
+                    return None;
+                }
+                Knob::apply_all(knobs, &self.scenario).ok()?
+            }
+        };
+        Some((Pass::new(&scenario, 0, &self.record).ok()?, Pass::history(&scenario, 0).ok()?))
+    }
+
+    fn finish(&mut self, estimates: Estimates) {
+        let diagnostics = Diagnostics::new(&estimates, &self.record);
+        let stopped = diagnostics.stop().is_some();
+        let log_likelihood = if stopped { f64::NEG_INFINITY } else { diagnostics.log_likelihood() };
+        let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
+        let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, &self.record, None) } else { None };
+        let anew = self.suspects.get(self.outcomes.len()).filter(|one| self.before.is_some() && one.begins_anew);
+        let anew = anew.and_then(|suspect| self.begun_anew(suspect.samples.as_ref()?.start.checked_sub(self.first)?));
+        let log_likelihood = anew.map_or(log_likelihood, |anew| anew.max(log_likelihood));
+        let outcome = Outcome { log_likelihood, verdict: diagnosis.and_then(|diagnosis| diagnosis.verdict) };
+        match &self.before {
+            None => (self.before, self.unturned) = (Some(outcome), Some(estimates)),
+            Some(_) => self.outcomes.push(outcome),
+        }
+    }
+}
+
+impl Trials {
+    /// The log likelihood of the filter as it is up to sample `at` of the window, and of one that begins anew there, with what
+    /// it believes of the motion and as much doubt about the parameters as at first.
+    fn begun_anew(&self, at: usize) -> Option<f64> {
+        let unturned = self.unturned.as_ref().filter(|unturned| at > 0 && at < unturned.len())?;
+        let mut scenario = self.scenario.clone();
+        let filter = scenario.filters.first_mut()?;
+        for (place, &channel) in unturned.channels().iter().enumerate() {
+            if !filter.knows(channel) {
+                filter.initial_mean[channel] = unturned.mean(at)[place];
+            }
+        }
+        let rest = window(&self.record, at..self.record.len());
+        let mut scores = Scores::new(&Pass::history(&scenario, 0).ok()?, &rest);
+        let mut pass = Pass::new(&scenario, 0, &rest).ok()?;
+        pass.follow(&rest, rest.len(), &mut scores.against(&rest));
+        let before: f64 = (0..=at).map(|k| unturned.log_likelihood(k)).filter(|x| !x.is_nan()).sum();
+        pass.stop().is_none().then(|| before + scores.log_likelihood())
+    }
+}
+
+/// Some samples of a record as a record of their own.
+fn window(record: &Record, samples: std::ops::Range<usize>) -> Record {
+    let input =
+        Input { kind: record.input_kind(), hold: record.hold(), values: record.input()[samples.clone()].to_vec() };
+    let measured: Vec<(Quantity, Vec<f64>)> =
+        record.sensors().iter().enumerate().map(|(i, &q)| (q, record.measured(i)[samples.clone()].to_vec())).collect();
+    let known = Channel::all().iter().filter_map(|&c| Some((c, record.truth(c)?[samples.clone()].to_vec())));
+    let truth: Vec<(Channel, Vec<f64>)> = known.collect();
+    // A part of a valid record is one.
+    let copy = Record::new(record.dt(), input, measured).and_then(|copy| copy.with_truth(truth));
+    copy.map_or_else(|_| record.clone(), |copy| copy.starting_at(record.time(samples.start)))
+}

@@ -1,0 +1,160 @@
+//! The verdict on a filter, in a word and in a sentence.
+
+use std::fmt;
+
+use super::case::Case;
+use super::evidence::Evidence;
+use super::words::{percent, short};
+
+/// Whether a filter is to be believed, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// The verdict.
+    pub kind: VerdictKind,
+    /// What it rests on, in words and numbers.
+    pub reason: String,
+}
+
+/// What a filter's estimates and standard deviations are worth: the graver, the further down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum VerdictKind {
+    /// Its errors are as large as it says.
+    Consistent,
+    /// It is consistent but for a time from which it has recovered.
+    Recovered,
+    /// The record does not tell a parameter: its σ is as large as at first.
+    NotIdentifiable,
+    /// Its errors are smaller than it says.
+    Underconfident,
+    /// Its errors are larger than it says.
+    Overconfident,
+    /// It forgets a parameter faster than the sensors tell it anew.
+    WoundUp,
+    /// Its particles have become one, whose σ says nothing.
+    Collapsed,
+    /// Its estimates are not those of an oscillator: negative, beyond what the samples can show, or far from any start.
+    Lost,
+    /// It has lost the truth, or has stopped.
+    Diverged,
+}
+
+/// Fewer measurements tell nothing.
+const ENOUGH: u32 = 20;
+
+/// The most pieces of evidence in a sentence.
+const MOST: usize = 3;
+
+impl VerdictKind {
+    /// Every verdict, the gravest last.
+    pub const ALL: [Self; 9] = [
+        Self::Consistent,
+        Self::Recovered,
+        Self::NotIdentifiable,
+        Self::Underconfident,
+        Self::Overconfident,
+        Self::WoundUp,
+        Self::Collapsed,
+        Self::Lost,
+        Self::Diverged,
+    ];
+
+    /// The verdict in words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Consistent => "consistent",
+            Self::Recovered => "consistent but for a time",
+            Self::NotIdentifiable => "not identifiable",
+            Self::Underconfident => "underconfident",
+            Self::Overconfident => "overconfident",
+            Self::WoundUp => "wound up",
+            Self::Collapsed => "collapsed",
+            Self::Lost => "lost",
+            Self::Diverged => "diverged",
+        }
+    }
+
+    /// The verdict as an argument: its name with `-` in place of spaces.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Recovered => "consistent-but-for-a-time",
+            Self::NotIdentifiable => "not-identifiable",
+            Self::WoundUp => "wound-up",
+            _ => self.name(),
+        }
+    }
+
+    /// Whether the standard deviations may be believed, now.
+    pub const fn is_good(self) -> bool {
+        matches!(self, Self::Consistent | Self::Recovered)
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.kind.name(), self.reason)
+    }
+}
+
+impl Verdict {
+    /// The gravest verdict that evidence which counts speaks for; none where there are too few measurements to tell.
+    pub(crate) fn of(case: &Case<'_>, evidence: &[Evidence]) -> Option<Self> {
+        let stopped = case.diagnostics.stop().is_some();
+        if !stopped && case.diagnostics.nis_within(0..case.len()).samples < ENOUGH {
+            return None;
+        }
+        let counting = || evidence.iter().filter(|one| one.counts);
+        let kind = counting().map(|one| one.speaks_for).max().unwrap_or(VerdictKind::Consistent);
+        let mut grounds: Vec<&Evidence> = counting().filter(|one| one.speaks_for == kind).collect();
+        grounds.sort_by(|a, b| b.effect.total_cmp(&a.effect));
+        let mut reasons: Vec<String> = grounds.iter().take(MOST).map(|one| one.sentence.clone()).collect();
+        let mut besides: Vec<&Evidence> = counting().filter(|one| one.speaks_for != kind).collect();
+        besides.sort_by(|a, b| {
+            (b.speaks_for, b.effect).partial_cmp(&(a.speaks_for, a.effect)).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        if kind == VerdictKind::Recovered || kind == VerdictKind::Consistent || kind == VerdictKind::NotIdentifiable {
+            reasons.push(fit(case));
+        }
+        reasons.extend(besides.first().map(|one| format!("besides, {}", one.sentence)));
+        let unknown = if case.knows_truth() { "" } else { " (the truth is not known: innovations only)" };
+        Some(Self { kind, reason: reasons.join("; ") + unknown })
+    }
+}
+
+/// How well a filter that is consistent fits, and whatever of the numbers beside it seems to say something else.
+fn fit(case: &Case<'_>) -> String {
+    let (level, _) = case.nis(&case.kept);
+    let mut text = format!("innovations² are {level:.2} times what it expects");
+    if let Some(share) = case.diagnostics.share_in_ellipsoid() {
+        text += &format!(", the truth is in its 95 % ellipsoid in {} of the samples", percent(share));
+        if share < 0.5 {
+            text += ", as one record in many may have it: errors of parameters stay for as long as it lasts";
+        }
+    }
+    let most = case
+        .sensors
+        .iter()
+        .map(|one| one.autocorrelation(&case.kept)[0])
+        .fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let count = case.sensors.iter().map(|one| one.count(&case.kept)).fold(f64::INFINITY, f64::min);
+    if most.abs() * count.sqrt() > 3.3 {
+        text += &format!("; they are not quite white ({most:.2} at lag 1), which does no harm");
+    }
+    if let Some(last) = case.len().checked_sub(1) {
+        for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
+            let share = case.estimates.std(last, place) / case.estimates.initial_std(place);
+            if share > 0.5 {
+                text += &format!("; σ of the {} is {} times that at first", channel.name(), short(share));
+            }
+        }
+        let mirrored = case
+            .estimates
+            .channels()
+            .iter()
+            .enumerate()
+            .find(|(place, c)| c.is_mirrored() && case.estimates.canonical_sign(last, *place) < 0.0);
+        if mirrored.is_some() {
+            text += "; the filter itself has (-ωₙ, -ζ), the mirror image of the same oscillator";
+        }
+    }
+    text
+}

@@ -1,0 +1,21 @@
+//! Numbers in sentences.
+
+/// A positive number to two digits or so.
+pub(crate) fn short(value: f64) -> String {
+    match value {
+        0.001..0.0995 => format!("{value:.3}"),
+        0.0995..9.95 => format!("{value:.1}"),
+        9.95..1e6 => format!("{value:.0}"),
+        0.0 => "0".to_owned(),
+        _ => format!("{value:.1e}"),
+    }
+}
+
+/// A share in percent, which says neither all nor nothing where it is neither.
+pub(crate) fn percent(share: f64) -> String {
+    match 100.0 * share {
+        p if p > 0.0 && p < 1.0 => "less than 1 %".to_owned(),
+        p if p > 99.0 && p < 100.0 => "more than 99 %".to_owned(),
+        p => format!("{p:.0} %"),
+    }
+}

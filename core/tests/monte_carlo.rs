@@ -1,0 +1,139 @@
+//! Consistency over many runs: the mean NEES and NIS of 200 seeds are inside their χ² bounds for every filter and plant that
+//! are claimed to be consistent, and errors are as small as they can be.
+//!
+//! Source: Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.2.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use kalmanscope_core::diagnostics::chi_squared;
+use kalmanscope_core::filter::Normal;
+use kalmanscope_core::{
+    Channel, CramerRao, FilterKind, FilterSettings, Force, Pass, PlantKind, Run, Scenario, Scores, Signal,
+};
+
+/// Runs of each pair.
+const SEEDS: u64 = 200;
+
+/// A filter that linearises is a little too sure, and one that samples has an error of its own: their NEES may be larger
+/// than the upper bound by this factor.
+const APPROXIMATE: f64 = 1.25;
+
+/// A scenario of a few seconds whose filter begins with a guess as good as it says, drawn anew for each seed.
+fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
+    let mut scenario =
+        Scenario { seed, duration: 6.0, dt: 0.02, force: Force::WhiteNoise { std: 10.0 }, ..Scenario::default() };
+    scenario.plant.kind = plant;
+    scenario.plant.disturbance_std = 1.0;
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+    let mut filter = FilterSettings { kind, fading: 1.0, ensemble_size: 400, ..FilterSettings::default() };
+    (filter.sensor_std, filter.process_std) = scenario.true_noise();
+    let mut normal = Normal::from_seed(seed + 77);
+    for &channel in plant.channels() {
+        let (truth, std) = match scenario.plant.parameter(channel) {
+            Some(signal) => (signal.at(0.0), 0.05 * signal.at(0.0)),
+            None if channel == Channel::HYSTERETIC_DISPLACEMENT => (0.0, 1e-4),
+            None => (0.0, 1e-3),
+        };
+        // Motions begin at rest, and the filter knows it but for a trace.
+        let drawn = if channel.is_parameter() && !filter.knows(channel) { std * normal.sample() } else { 0.0 };
+        filter.initial_mean[channel] = truth + drawn;
+        filter.initial_std[channel] = std;
+        if filter.process_std[channel] == 0.0 && !channel.is_parameter() {
+            filter.process_std[channel] = 1e-6;
+        }
+    }
+    Scenario { filters: vec![filter], ..scenario }
+}
+
+/// What came of one run.
+struct Outcome {
+    /// The NEES of the last sample and its degrees of freedom.
+    nees: (f64, u32),
+    /// The sum of the NIS over all samples and its degrees of freedom.
+    nis: (f64, u32),
+    /// For each parameter, the square of the last error over that of the bound.
+    over_bound: Vec<f64>,
+}
+
+fn outcome(plant: PlantKind, kind: FilterKind, seed: u64) -> Outcome {
+    let scenario = scenario(plant, kind, seed);
+    let mut run = Run::new(&scenario).unwrap();
+    run.finish();
+    let (estimates, record) = (&run.estimates()[0], run.record());
+    assert_eq!(estimates.stop(), None, "{} {} seed {seed}", plant.key(), kind.name());
+    let last = estimates.len() - 1;
+    let diagnostics = kalmanscope_core::Diagnostics::new(estimates, record);
+    let total = diagnostics.nees_within(last..last + 1);
+    let mut scores = Scores::new(&Pass::history(&scenario, 0).unwrap(), record);
+    Pass::new(&scenario, 0, record).unwrap().follow(record, usize::MAX, &mut scores.against(record));
+    let mut bound = CramerRao::new(&scenario, 0, scenario.dt).unwrap();
+    bound.follow(record);
+    let over = |(place, &channel): (usize, &Channel)| {
+        let floor = bound.std(last, bound.place(channel)?);
+        let error = estimates.canonical_mean(last, place) - record.truth(channel)?[last];
+        (channel.is_parameter() && floor > 0.0 && estimates.std(last, place) > 0.0).then(|| (error / floor).powi(2))
+    };
+    let over_bound = estimates.channels().iter().enumerate().filter_map(over).collect();
+    Outcome { nees: (total.sum, total.degrees), nis: (scores.nis().sum, scores.nis().degrees), over_bound }
+}
+
+/// The two-sided 99.9 % bounds of the mean of sums of squares with `degrees` degrees of freedom in all, by degree.
+fn bounds(degrees: u32) -> (f64, f64) {
+    let quantile = |p| chi_squared::quantile(p, degrees).unwrap() / f64::from(degrees);
+    (quantile(0.0005), quantile(0.9995))
+}
+
+#[track_caller]
+fn assert_consistent(plant: PlantKind, kind: FilterKind, slack: f64) {
+    let outcomes: Vec<Outcome> = std::thread::scope(|scope| {
+        let halves = [0, 1].map(|half| {
+            scope.spawn(move || (0..SEEDS / 2).map(|i| outcome(plant, kind, 1 + half + 2 * i)).collect::<Vec<_>>())
+        });
+        halves.into_iter().flat_map(|half| half.join().unwrap()).collect()
+    });
+    let name = format!("{} {}", plant.key(), kind.name());
+    for (what, sums) in [
+        ("NEES", outcomes.iter().map(|o| o.nees).collect::<Vec<_>>()),
+        ("NIS", outcomes.iter().map(|o| o.nis).collect()),
+    ] {
+        let degrees: u32 = sums.iter().map(|(_, degrees)| degrees).sum();
+        let level = sums.iter().map(|(sum, _)| sum).sum::<f64>() / f64::from(degrees);
+        let (low, high) = bounds(degrees);
+        println!("{name}: {what} {level:.3} of {low:.3} … {high:.3}");
+        let slack = if what == "NEES" { slack } else { 1.0 + 0.1 * (slack - 1.0) };
+        assert!((low / slack..=high * slack).contains(&level), "{name}: mean {what} {level} outside {low} … {high}");
+    }
+    let parameters = outcomes[0].over_bound.len();
+    for place in 0..parameters {
+        let ratio = (outcomes.iter().map(|o| o.over_bound[place]).sum::<f64>() / SEEDS as f64).sqrt();
+        println!("{name}: rms error over bound {ratio:.3}");
+        assert!((0.85..1.35).contains(&ratio), "{name}: rms error of parameter {place} is {ratio} times the bound");
+    }
+}
+
+#[test]
+fn the_kalman_filter_is_consistent() {
+    assert_consistent(PlantKind::SDOF, FilterKind::KF, 1.0);
+}
+
+#[test]
+fn linearising_filters_are_consistent() {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_2] {
+        for kind in [FilterKind::EKF, FilterKind::IEKF] {
+            assert_consistent(plant, kind, APPROXIMATE);
+        }
+    }
+}
+
+#[test]
+fn sigma_point_filters_are_consistent() {
+    for plant in [PlantKind::SDOF, PlantKind::DUFFING, PlantKind::SHEAR_2] {
+        for kind in [FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
+            assert_consistent(plant, kind, APPROXIMATE);
+        }
+    }
+}
+
+#[test]
+fn an_ensemble_is_consistent() {
+    assert_consistent(PlantKind::SDOF, FilterKind::ENKF, 1.4);
+}
