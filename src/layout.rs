@@ -83,6 +83,24 @@ impl Layout {
         self.enlarged = if self.enlarged.is_some() { None } else { Some(view) };
     }
 
+    /// Enlarges one view.
+    pub(crate) fn enlarge(&mut self, view: ViewKind) {
+        self.enlarged = Some(view);
+    }
+
+    /// Shows a view; leaves another that is enlarged.
+    pub(crate) fn show(&mut self, view: ViewKind) {
+        if !self.shown().contains(&view) {
+            self.toggle(view);
+        }
+        self.enlarged = self.enlarged.filter(|enlarged| *enlarged == view);
+    }
+
+    /// The views that are not behind an enlarged one.
+    pub(crate) fn in_sight(&self) -> Vec<ViewKind> {
+        self.enlarged.map_or_else(|| self.shown(), |view| vec![view])
+    }
+
     /// Leaves the enlarged view. Returns whether there was one.
     pub fn leave_enlarged(&mut self) -> bool {
         self.enlarged.take().is_some()
