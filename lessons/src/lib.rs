@@ -2,7 +2,7 @@
 //!
 //! A lesson is a file in `assets/lessons/`: a scenario, and steps with something to look at, something to change, what
 //! happens and why. The text makes claims, so each step also states them as checks, which [`verify`] tries over several
-//! seeds.
+//! seeds: a check holds in nearly all records, or in the `share` that it states.
 //!
 //! ```toml
 //! title = "Fading memory"
