@@ -1,7 +1,7 @@
 //! The views on screen and their places: a tree of tiles, as data.
 
 use egui::Id;
-use egui_tiles::{LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
+use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
 use crate::request::{Arrangement, ViewKind};
@@ -119,6 +119,13 @@ impl Layout {
         match tree.root() {
             Some(root) if tree.tiles.get_container(root).is_some() => {
                 tree.move_tile_to_container(tile, root, usize::MAX, true);
+                if let Some(Tile::Container(Container::Linear(rows))) = tree.tiles.get_mut(root) {
+                    // As much room as the others have on average.
+                    let others: Vec<f32> =
+                        rows.children.iter().filter(|row| **row != tile).map(|row| rows.shares[*row]).collect();
+                    let mean = others.iter().sum::<f32>() / others.len().max(1) as f32;
+                    rows.shares.set_share(tile, mean);
+                }
             }
             // A single view has no container.
             Some(root) => {

@@ -38,8 +38,8 @@ pub(crate) fn legend_ui(
             let (color, on) = (palette.shade(estimates.color()), visible.filter(estimates.id()));
             entry(ui, LegendEntry::Filter(estimates.id()), estimates.name(), Mark::Band, color, on, requests);
             let verdict = session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
-            if let Some(verdict) = verdict.filter(|_| on && visible.verdicts)
-                && chip_ui(ui, estimates.name(), verdict, color, palette).clicked()
+            if let Some(verdict) = verdict.filter(|_| visible.verdicts)
+                && chip_ui(ui, estimates.name(), verdict, (color, on), palette).clicked()
             {
                 requests.push(Request::ShowView(ViewKind::Diagnosis));
             }

@@ -36,12 +36,23 @@ pub(crate) const fn text_color(kind: VerdictKind, palette: &Palette) -> Color32 
     if kind.is_good() { palette.text } else { palette.warning }
 }
 
+/// The opacity of the verdict on a filter that is hidden. It keeps its place, so that nothing moves under the pointer.
+const HIDDEN: f32 = 0.3;
+
 /// The verdict on a filter in the filter's colour, filled where the filter is not to be believed.
-pub(crate) fn chip_ui(ui: &mut Ui, name: &str, verdict: &Verdict, color: Color32, palette: &Palette) -> Response {
+pub(crate) fn chip_ui(
+    ui: &mut Ui,
+    name: &str,
+    verdict: &Verdict,
+    (color, on): (Color32, bool),
+    palette: &Palette,
+) -> Response {
+    let opacity = if on { 1.0 } else { HIDDEN };
+    let (color, text_color) = (color.gamma_multiply(opacity), palette.text.gamma_multiply(opacity));
     let kind = verdict.kind;
     let small = TextStyle::Small.resolve(ui.style());
     let mark = ui.painter().layout_no_wrap(symbol(kind).to_owned(), FontId::new(small.size, theme::strong()), color);
-    let text = ui.painter().layout_no_wrap(word(kind).to_owned(), small, text_color(kind, palette));
+    let text = ui.painter().layout_no_wrap(word(kind).to_owned(), small, text_color);
     let size = Vec2::new(mark.size().x + text.size().x + 4.0 + 2.0 * MARGIN, 18.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name} is {}", kind.name())));
@@ -51,7 +62,7 @@ pub(crate) fn chip_ui(ui: &mut Ui, name: &str, verdict: &Verdict, color: Color32
     let at = |x: f32, height: f32| egui::pos2(rect.left() + MARGIN + x, rect.center().y - 0.5 * height);
     let after = mark.size().x + 4.0;
     ui.painter().galley(at(0.0, mark.size().y), mark, color);
-    ui.painter().galley(at(after, text.size().y), text, palette.text);
+    ui.painter().galley(at(after, text.size().y), text, text_color);
     response.on_hover_ui(|ui| {
         ui.set_max_width(380.0);
         ui.label(verdict.to_string());

@@ -1,6 +1,6 @@
 //! What is wrong with a filter, as far as trials tell, with buttons that turn the knobs.
 
-use egui::{Button, Label, ProgressBar, RichText, Ui};
+use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
 use kalmanscope_core::Estimates;
 use kalmanscope_core::diagnosis::{Finding, Knob};
 
@@ -8,23 +8,36 @@ use super::sentence;
 use crate::request::Request;
 use crate::session::Attempt;
 use crate::text::significant;
-use crate::theme::{self, Palette};
+use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::ViewContext;
+
+/// Limits the causes that are shown at once.
+const LIKELIEST: usize = 3;
 
 /// The most settings whose values a button shows.
 const SHOWN: usize = 2;
 
+/// The causes that were found so far, and the progress of the trials.
 pub(super) fn causes_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Estimates, requests: &mut Vec<Request>) {
-    let ViewContext { session, palette, .. } = *context;
+    let session = context.session;
     ui.add_space(4.0);
     ui.label(RichText::new("Causes, the likeliest first").small().weak());
     let Some(attempt) = session.attempt(estimates.id()) else {
         ui.weak("They are tried as soon as the record is computed.");
         return;
     };
-    for finding in attempt.findings() {
-        finding_ui(ui, context, (attempt, finding), estimates.name(), palette, requests);
+    let (first, rest) = attempt.findings().split_at(attempt.findings().len().min(LIKELIEST));
+    for finding in first {
+        finding_ui(ui, context, (attempt, finding), estimates.name(), requests);
+    }
+    if !rest.is_empty() {
+        let title = RichText::new(format!("{} less likely", rest.len())).small().weak();
+        CollapsingHeader::new(title).id_salt("less likely").show(ui, |ui| {
+            for finding in rest {
+                finding_ui(ui, context, (attempt, finding), estimates.name(), requests);
+            }
+        });
     }
     if attempt.is_under_way() {
         let bar = ProgressBar::new(attempt.progress() as f32).desired_width(160.0).desired_height(8.0);
@@ -40,9 +53,9 @@ fn finding_ui(
     context: &ViewContext<'_>,
     (attempt, finding): (&Attempt, &Finding),
     name: &str,
-    palette: &Palette,
     requests: &mut Vec<Request>,
 ) {
+    let palette = context.palette;
     let Finding { suspect, gain, after } = finding;
     ui.horizontal_wrapped(|ui| {
         let cause = RichText::new(sentence(suspect.cause.name)).family(theme::strong());
@@ -56,16 +69,15 @@ fn finding_ui(
     });
     ui.add(Label::new(format!("{}.", sentence(&suspect.sentence))).wrap());
     let knobs: Vec<Knob> = suspect.knobs.iter().map(Knob::rounded).collect();
-    ui.horizontal_wrapped(|ui| {
-        if !knobs.is_empty() {
-            knob_ui(ui, context, (name, suspect.cause.name), &knobs, requests);
-        }
-        if gain.is_finite() && *gain > 0.0 {
-            ui.weak(format!("log likelihood +{}", significant(*gain, 3)))
-                .on_hover_text("The gain of the trial, less what its numbers gain by chance");
-        }
-    });
-    ui.add(Label::new(RichText::new(suspect.cause.hint).small().weak()).wrap());
+    if !knobs.is_empty() {
+        knob_ui(ui, context, (name, suspect.cause.name), &knobs, requests);
+    }
+    let gain = if gain.is_finite() && *gain > 0.0 {
+        format!(" The log likelihood gains {}.", significant(*gain, 3))
+    } else {
+        String::new()
+    };
+    ui.add(Label::new(RichText::new(format!("{}{gain}", suspect.cause.hint)).small().weak()).wrap());
     ui.add_space(5.0);
 }
 

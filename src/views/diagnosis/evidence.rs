@@ -26,7 +26,7 @@ pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, pa
     if rest.is_empty() {
         return;
     }
-    let title = format!("{} tests that have nothing against it", rest.len());
+    let title = format!("{} results that do not count", rest.len());
     egui::CollapsingHeader::new(RichText::new(title).small().weak()).id_salt("rest").show(ui, |ui| {
         for (i, one) in rest.iter().enumerate() {
             ui.push_id(counting + i, |ui| one_ui(ui, one, palette.weak, palette));
