@@ -1,5 +1,4 @@
 //! The claims of the lessons hold in the record that a lesson opens with and, in the share that they state, in others.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_lessons::{Claim, LESSONS, Lesson, verify, verify_all};
 

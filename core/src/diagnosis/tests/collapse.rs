@@ -57,6 +57,6 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let sentence =
         format!("the effective sample size goes down to {}, and stays below 2 for {longest} samples", short(least));
     let evidence = Evidence::new(test, Subject::All, case);
-    let one = evidence.certain(VerdictKind::Collapsed, longest as f64 / A_WHILE as f64, sentence);
+    let one = evidence.certain(VerdictKind::Collapsed, f64::from(longest) / A_WHILE as f64, sentence);
     found.push(Evidence { statistic: least, ..one });
 }
