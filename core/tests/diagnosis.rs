@@ -114,5 +114,5 @@ fn tests_and_causes_have_names_of_their_own_and_say_how_to_read_them() {
         assert!(!cause.hint.is_empty());
     }
     let known = |key: &&str| CAUSES.iter().any(|cause| cause.key == *key);
-    assert!(Fault::ALL.iter().all(|fault| fault.causes().iter().all(|key| known(key))));
+    assert!(Fault::ALL.iter().all(|fault| fault.causes().iter().all(known)));
 }
