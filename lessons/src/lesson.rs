@@ -231,8 +231,8 @@ mod tests {
                 "step 2: the check of `nis` compares with what was before, but the step changes nothing",
             ),
             (
-                check("measure = \"nis\", below = 1, seeds = 11"),
-                "step 2: the check of `nis` must hold in 1 to 10 `seeds`",
+                check("measure = \"nis\", below = 1, share = 80"),
+                "step 2: the check of `nis` needs a `share` above 0 and up to 1",
             ),
         ] {
             assert_eq!(Lesson::from_toml(&text).unwrap_err().to_string(), message);

@@ -1,8 +1,8 @@
 //! Lessons on Kalman filters: experiments in steps, with checks of every claim.
 //!
 //! A lesson is a file in `assets/lessons/`: a scenario, and steps with something to look at, something to change, what
-//! happens and why. The text makes claims, so each step also states them as checks, which [`verify`] runs over several
-//! seeds.
+//! happens and why. The text makes claims, so each step also states them as checks, which [`verify`] tries over several
+//! seeds: a check holds in nearly all records, or in the `share` that it states.
 //!
 //! ```toml
 //! title = "Fading memory"
@@ -54,11 +54,12 @@ mod measure;
 mod outcome;
 mod path;
 mod value;
+mod verify;
 
 pub use adjustment::{Adjustment, Change};
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use check::{Check, Times};
-pub use claim::{Claim, verify};
+pub use claim::Claim;
 pub use cost::evaluations_per_step;
 pub use error::LessonError;
 pub use lesson::{Base, Lesson, Presentation, Step, ViewName};
@@ -66,3 +67,4 @@ pub use library::{LESSONS, lessons};
 pub use measure::Measure;
 pub use outcome::Outcome;
 pub use value::{Expected, Value};
+pub use verify::{verify, verify_all};

@@ -1,0 +1,61 @@
+//! Tries every claim of the lessons over many seeds.
+//!
+//! `cargo run --release -p kalmanscope-lessons --example claims -- [SEEDS [FIRST [LESSON]]]`: the number of seeds (200),
+//! the first of them (1000), and a part of the file names of the lessons to try (all). Each line has the share of the
+//! seeds for which a claim holds, the share that it states, and quantiles of the measured number, which help to choose
+//! a limit. Exits with 1 if a claim fails.
+
+use std::process::ExitCode;
+
+use kalmanscope_lessons::{Claim, LESSONS, Lesson, Value, verify_all};
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run() -> Result<bool, String> {
+    let mut arguments = std::env::args().skip(1);
+    let mut number = |otherwise: u64| match arguments.next() {
+        Some(text) => text.parse().map_err(|_| format!("`{text}` is not a number of seeds")),
+        None => Ok(otherwise),
+    };
+    let (count, first) = (number(200)?, number(1000)?);
+    let part = arguments.next().unwrap_or_default();
+    let chosen = LESSONS.iter().filter(|(name, _)| name.contains(&part));
+    let read = |(name, text): &(&str, &str)| Lesson::from_toml(text).map_err(|error| format!("{name}: {error}"));
+    let lessons: Vec<Lesson> = chosen.map(read).collect::<Result<_, _>>()?;
+    let seeds: Vec<u64> = (first..first.saturating_add(count)).collect();
+    let claims = verify_all(&lessons, &seeds).map_err(|error| error.to_string())?;
+    let tried: Vec<&Claim> = claims.iter().filter(|claim| !claim.values.is_empty()).collect();
+    for claim in &tried {
+        println!("{}", line(claim));
+    }
+    let failed = tried.iter().filter(|claim| !claim.holds()).count();
+    println!("{} claims on {count} seeds from {first} on: {failed} fail", tried.len());
+    Ok(failed == 0)
+}
+
+fn line(claim: &Claim) -> String {
+    let Claim { lesson, step, check, .. } = claim;
+    let word = if claim.holds() { "holds" } else { "FAILS" };
+    let (found, stated) = (100.0 * claim.share(), 100.0 * check.share);
+    format!("{word} {found:5.1} % ({stated:.0} %)  {lesson}, step {}: {check}: {}", step + 1, spread(claim))
+}
+
+/// Quantiles of the numbers, or the words with their counts.
+fn spread(claim: &Claim) -> String {
+    let numbers = claim.numbers();
+    if numbers.is_empty() {
+        let words: Vec<String> = claim.words().iter().map(|(word, count)| format!("{word} {count}")).collect();
+        return words.join(", ");
+    }
+    let quantile = |q: f64| Value::Number(numbers[((numbers.len() - 1) as f64 * q).round() as usize]).to_string();
+    [0.0, 0.02, 0.1, 0.5, 0.9, 0.98, 1.0].map(quantile).join(" | ")
+}

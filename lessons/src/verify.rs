@@ -1,0 +1,134 @@
+//! Tries the checks of lessons over seeds.
+
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use kalmanscope_core::Scenario;
+
+use crate::check::Check;
+use crate::{Claim, Lesson, LessonError, Outcome};
+
+/// Runs a lesson with each seed and evaluates its checks, in the order of the file.
+///
+/// # Errors
+/// [`LessonError`] where the lesson's scenarios are impossible, which [`Lesson::from_toml`] rules out.
+pub fn verify(lesson: &Lesson, seeds: impl IntoIterator<Item = u64>) -> Result<Vec<Claim>, LessonError> {
+    let claim = |step: usize, check: &Check| {
+        let (lesson, check) = (lesson.title.clone(), check.clone());
+        Claim { lesson, step, check, values: Vec::new() }
+    };
+    let steps = lesson.steps.iter().enumerate();
+    let mut claims: Vec<Claim> =
+        steps.flat_map(|(number, step)| step.checks.iter().map(move |check| claim(number, check))).collect();
+    let (first, scenarios) = (lesson.first_scenario()?, lesson.scenarios()?);
+    for seed in seeds {
+        let run = |scenario: &Scenario| Outcome::of(&Scenario { seed, ..scenario.clone() });
+        let mut before = run(&first)?;
+        for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
+            let changed = if step.change.is_some() { Some(run(scenario)?) } else { None };
+            let now = changed.as_ref().unwrap_or(&before);
+            for claim in claims.iter_mut().filter(|claim| claim.step == number && claim.check.is_about(seed)) {
+                let value = claim.check.value(now, &before).map_err(|error| error.in_step(number))?;
+                claim.values.push((seed, value));
+            }
+            before = changed.unwrap_or(before);
+        }
+    }
+    Ok(claims)
+}
+
+/// As [`verify`], for several lessons, on a thread for each processor. The claims are in the order of the lessons.
+///
+/// # Errors
+/// As [`verify`].
+///
+/// # Panics
+/// Where a filter panics, which is a fault of the program.
+pub fn verify_all(lessons: &[Lesson], seeds: &[u64]) -> Result<Vec<Claim>, LessonError> {
+    // A seed of a lesson is a task: lessons differ much in their cost.
+    let tasks: Vec<(usize, u64)> =
+        seeds.iter().flat_map(|&seed| (0..lessons.len()).map(move |lesson| (lesson, seed))).collect();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let task = || tasks.get(next.fetch_add(1, Ordering::Relaxed)).copied();
+        std::iter::from_fn(task)
+            .map(|(lesson, seed)| Ok((lesson, verify(&lessons[lesson], [seed])?)))
+            .collect::<Result<Vec<_>, LessonError>>()
+    };
+    let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let done = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        let results = workers.into_iter().map(|worker| worker.join().unwrap_or_else(|e| std::panic::resume_unwind(e)));
+        results.collect::<Result<Vec<_>, LessonError>>()
+    })?;
+    let mut claims = lessons.iter().map(|lesson| verify(lesson, [])).collect::<Result<Vec<_>, LessonError>>()?;
+    for (lesson, tried) in done.into_iter().flatten() {
+        for (claim, one) in claims[lesson].iter_mut().zip(tried) {
+            claim.values.extend(one.values);
+        }
+    }
+    let mut claims: Vec<Claim> = claims.into_iter().flatten().collect();
+    for claim in &mut claims {
+        claim.values.sort_by_key(|(seed, _)| *seed);
+    }
+    Ok(claims)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Value;
+
+    fn lesson(checks: &str) -> Lesson {
+        let text = "title = \"T\"\ngroup = \"Practice\"\nsummary = \"s\"\nscenario = { duration = 2.0 }\n\
+                    [[steps]]\nlook = \"l\"\nhappens = \"h\"\nwhy = \"w\"\n\
+                    change = { label = \"x\", set = { \"filters.*.fading\" = 1.0 } }\n";
+        Lesson::from_toml(&format!("{text}checks = [{checks}]")).unwrap()
+    }
+
+    #[test]
+    fn a_failed_claim_reports_measure_values_and_seeds() {
+        let lesson = lesson("{ filter = \"EKF\", measure = \"evaluations\", above = 5.5, share = 0.9 }");
+        let claim = verify(&lesson, 3..=4).unwrap().remove(0);
+        assert!(!claim.holds());
+        let expected = "T, step 1: evaluations of EKF, above 5.5: 5.000 … 5.000; fails with seed 3: 5.000; \
+                        fails with seed 4: 5.000 (in 90 % of the records)";
+        assert_eq!(claim.to_string(), expected);
+    }
+
+    #[test]
+    fn a_claim_is_judged_by_the_share_that_it_states() {
+        let check = |share: f64| format!("{{ filter = \"EKF\", measure = \"nis\", above = 0.0, share = {share} }}");
+        let holds = |share: f64, failures: u64, tries: u64| {
+            let mut claim = verify(&lesson(&check(share)), []).unwrap().remove(0);
+            claim.values = (0..tries).map(|n| (n, Value::Number(if n < failures { -1.0 } else { 1.0 }))).collect();
+            claim.holds()
+        };
+        assert!(holds(0.98, 7, 200) && !holds(0.98, 8, 200));
+        assert!(holds(0.98, 1, 10) && !holds(0.98, 2, 10));
+        assert!(holds(0.5, 114, 200) && !holds(0.5, 115, 200));
+        assert!(holds(1.0, 0, 200) && !holds(1.0, 1, 200));
+        assert!(holds(0.98, 0, 0), "not tried");
+    }
+
+    #[test]
+    fn before_the_first_change_is_the_lesson_as_it_begins() {
+        let check =
+            "{ filter = \"EKF\", measure = \"std\", channel = \"natural_frequency\", before = true, below = 0.99 }";
+        let claim = verify(&lesson(check), 1..=1).unwrap().remove(0);
+        assert!(claim.holds(), "{claim}");
+    }
+
+    #[test]
+    fn a_check_may_be_about_one_seed() {
+        let claims =
+            verify(&lesson("{ filter = \"EKF\", measure = \"stopped\", is = false, seed = 2 }"), 1..=3).unwrap();
+        assert_eq!(claims[0].values, [(2, Value::Flag(false))]);
+    }
+
+    #[test]
+    fn threads_do_not_change_the_claims() {
+        let lessons = [lesson("{ filter = \"EKF\", measure = \"nis\", above = 0.0 }")];
+        assert_eq!(verify_all(&lessons, &[5, 2, 9]).unwrap(), verify(&lessons[0], [2, 5, 9]).unwrap());
+    }
+}
