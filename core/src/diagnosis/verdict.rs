@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::case::Case;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, Subject};
 use super::words::{percent, short};
 
 /// Whether a filter is to be believed, and why.
@@ -106,6 +106,14 @@ impl Verdict {
         let kind = counting().map(|one| one.speaks_for).max().unwrap_or(VerdictKind::Consistent);
         let mut grounds: Vec<&Evidence> = counting().filter(|one| one.speaks_for == kind).collect();
         grounds.sort_by(|a, b| b.effect.total_cmp(&a.effect));
+        // The same of the last fifth adds nothing.
+        let mut told: Vec<(&str, Subject)> = Vec::new();
+        grounds.retain(|one| {
+            let of = (one.test.name, one.subject);
+            let is_new = !told.contains(&of);
+            told.push(of);
+            is_new
+        });
         let mut reasons: Vec<String> = grounds.iter().take(MOST).map(|one| one.sentence.clone()).collect();
         let mut besides: Vec<&Evidence> = counting().filter(|one| one.speaks_for != kind).collect();
         besides.sort_by(|a, b| {
