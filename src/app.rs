@@ -5,14 +5,14 @@ mod window;
 
 use egui::util::undoer::Undoer;
 use egui::{ThemePreference, Ui};
-use kalmanscope_core::{RunError, Scenario};
+use kalmanscope_core::{Estimates, RunError, Scenario};
 use kalmanscope_lessons::Lesson;
 
 use crate::keys;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
-use crate::request::Request;
+use crate::request::{Request, ViewKind};
 use crate::saved::{self, Found, Saved};
 use crate::session::{Budget, Mode, Session};
 use crate::theme;
@@ -158,6 +158,15 @@ impl App {
         self.notice.as_deref()
     }
 
+    /// The ids of the filters whose causes are asked for.
+    fn tried(&self) -> Vec<u32> {
+        if !self.layout.in_sight().contains(&ViewKind::Diagnosis) {
+            return Vec::new();
+        }
+        let ids = self.session.run().estimates().iter().map(Estimates::id);
+        ids.filter(|id| self.visible.filter(*id)).collect()
+    }
+
     /// The state of the screen, as data.
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
         ScreenState::new(&self.session, ctx)
@@ -173,11 +182,12 @@ impl eframe::App for App {
         self.visible.forget_filters_but(&self.session.scenario().filters);
         // A drag becomes one step of the history when it ends.
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
-        self.session.want(views::wanted(&self.layout.shown()));
+        self.session.want(views::wanted(&self.layout.shown()).and(self.visible.wanted()));
+        self.session.want_trials(self.tried());
         // A slow frame (a hidden tab, a breakpoint) must not skip part of the record.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         self.session.advance(elapsed);
-        if self.session.playing() || self.session.behind() {
+        if self.session.playing() || self.session.behind() || self.session.is_trying() {
             ctx.request_repaint();
         }
     }

@@ -1,7 +1,7 @@
 //! The views on screen and their places: a tree of tiles, as data.
 
 use egui::Id;
-use egui_tiles::{LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
+use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
 use crate::request::{Arrangement, ViewKind};
@@ -83,6 +83,24 @@ impl Layout {
         self.enlarged = if self.enlarged.is_some() { None } else { Some(view) };
     }
 
+    /// Enlarges one view.
+    pub(crate) fn enlarge(&mut self, view: ViewKind) {
+        self.enlarged = Some(view);
+    }
+
+    /// Shows a view; leaves another that is enlarged.
+    pub(crate) fn show(&mut self, view: ViewKind) {
+        if !self.shown().contains(&view) {
+            self.toggle(view);
+        }
+        self.enlarged = self.enlarged.filter(|enlarged| *enlarged == view);
+    }
+
+    /// The views that are not behind an enlarged one.
+    pub(crate) fn in_sight(&self) -> Vec<ViewKind> {
+        self.enlarged.map_or_else(|| self.shown(), |view| vec![view])
+    }
+
     /// Leaves the enlarged view. Returns whether there was one.
     pub fn leave_enlarged(&mut self) -> bool {
         self.enlarged.take().is_some()
@@ -101,6 +119,13 @@ impl Layout {
         match tree.root() {
             Some(root) if tree.tiles.get_container(root).is_some() => {
                 tree.move_tile_to_container(tile, root, usize::MAX, true);
+                if let Some(Tile::Container(Container::Linear(rows))) = tree.tiles.get_mut(root) {
+                    // As much room as the others have on average.
+                    let others: Vec<f32> =
+                        rows.children.iter().filter(|row| **row != tile).map(|row| rows.shares[*row]).collect();
+                    let mean = others.iter().sum::<f32>() / others.len().max(1) as f32;
+                    rows.shares.set_share(tile, mean);
+                }
             }
             // A single view has no container.
             Some(root) => {

@@ -2,9 +2,10 @@
 
 use egui::{Button, Color32, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
 
-use crate::request::{LegendEntry, Request};
+use crate::request::{LegendEntry, Request, ViewKind};
 use crate::session::Session;
 use crate::theme::Palette;
+use crate::verdict::chip_ui;
 use crate::visibility::Visibility;
 
 #[derive(Clone, Copy)]
@@ -12,6 +13,7 @@ enum Mark {
     Line,
     Dots,
     Band,
+    Chip,
 }
 
 /// One row of entries with `add_contents` at its end, and below it the run's problems.
@@ -25,18 +27,25 @@ pub(crate) fn legend_ui(
 ) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 12.0;
-        let mut entry = |ui: &mut Ui, entry: LegendEntry, name: &str, mark: Mark, color: Color32, on: bool| {
+        let entry = |ui: &mut Ui, entry, name: &str, mark, color, on, requests: &mut Vec<Request>| {
             if entry_ui(ui, name, mark, color, on) {
                 requests.push(Request::ToggleEntry(entry));
             }
         };
-        entry(ui, LegendEntry::Truth, "truth", Mark::Line, palette.truth, visible.truth);
-        entry(ui, LegendEntry::Measured, "measured", Mark::Dots, palette.weak, visible.measured);
-        for estimates in session.run().estimates() {
+        entry(ui, LegendEntry::Truth, "truth", Mark::Line, palette.truth, visible.truth, requests);
+        entry(ui, LegendEntry::Measured, "measured", Mark::Dots, palette.weak, visible.measured, requests);
+        for (place, estimates) in session.run().estimates().iter().enumerate() {
             let (color, on) = (palette.shade(estimates.color()), visible.filter(estimates.id()));
-            entry(ui, LegendEntry::Filter(estimates.id()), estimates.name(), Mark::Band, color, on);
+            entry(ui, LegendEntry::Filter(estimates.id()), estimates.name(), Mark::Band, color, on, requests);
+            let verdict = session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
+            if let Some(verdict) = verdict.filter(|_| visible.verdicts)
+                && chip_ui(ui, estimates.name(), verdict, (color, on), palette).clicked()
+            {
+                requests.push(Request::ShowView(ViewKind::Diagnosis));
+            }
         }
-        entry(ui, LegendEntry::Bands, "±2σ", Mark::Band, palette.weak, visible.bands);
+        entry(ui, LegendEntry::Bands, "±2σ", Mark::Band, palette.weak, visible.bands, requests);
+        entry(ui, LegendEntry::Verdicts, "verdicts", Mark::Chip, palette.weak, visible.verdicts, requests);
         if !visible.only.is_empty() {
             let symbols: Vec<&str> = visible.only.iter().map(|channel| channel.symbol()).collect();
             let all = Button::new(format!("only {} ×", symbols.join(", "))).small();
@@ -92,6 +101,9 @@ fn entry_ui(ui: &mut Ui, name: &str, mark: Mark, color: Color32, on: bool) -> bo
             for (x, y) in [(0.2, 0.7), (0.5, 0.25), (0.8, 0.6)] {
                 painter.circle_filled(sample.lerp_inside(egui::vec2(x, y)), 1.6, color);
             }
+        }
+        Mark::Chip => {
+            painter.rect_stroke(sample, 5.0, Stroke::new(1.0, color), StrokeKind::Inside);
         }
         Mark::Band => {
             painter.rect_filled(sample, 2.0, color.gamma_multiply(0.25));

@@ -20,6 +20,7 @@ pub mod text;
 pub mod theme;
 mod transport;
 pub mod tutor;
+mod verdict;
 pub mod view;
 pub mod views;
 pub mod visibility;

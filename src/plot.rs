@@ -18,6 +18,7 @@ mod projection;
 mod range;
 pub(crate) mod series;
 mod simplify;
+mod strips;
 pub(crate) mod strokes;
 pub(crate) mod ticks;
 pub mod time_axis;

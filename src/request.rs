@@ -56,6 +56,8 @@ pub enum Request {
     Leave,
     /// Show or hide a view.
     ToggleView(ViewKind),
+    /// Show a view that may be hidden.
+    ShowView(ViewKind),
     /// Show the views of a ready-made arrangement.
     Arrange(Arrangement),
     /// Use the tiles as the user has dragged or resized them.
@@ -79,6 +81,8 @@ pub enum LegendEntry {
     Measured,
     /// The ±2σ bands.
     Bands,
+    /// The verdicts on the filters, and the marks of bad parts.
+    Verdicts,
     /// The filter with an id.
     Filter(u32),
 }
@@ -112,11 +116,13 @@ pub enum ViewKind {
     Matrices,
     /// Filters side by side.
     Scores,
+    /// Verdicts with their evidence, causes and knobs.
+    Diagnosis,
 }
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -130,6 +136,7 @@ impl ViewKind {
         Self::FrequencyResponse,
         Self::Matrices,
         Self::Scores,
+        Self::Diagnosis,
     ];
 }
 

@@ -2,15 +2,21 @@
 
 mod budget;
 mod computing;
+mod judging;
 mod playback;
 #[cfg(test)]
 mod tests;
+mod trying;
 
-use kalmanscope_core::{Diagnosis, Diagnostics, Estimates, Job, Quantity, Run, RunError, Scenario, Source, Study};
+use kalmanscope_core::{Diagnostics, Estimates, Job, Quantity, Run, RunError, Scenario, Source, Study};
 use serde::{Deserialize, Serialize};
+
+use judging::Judged;
+use trying::Trying;
 
 pub use budget::Budget;
 pub use kalmanscope_core::{Bound, Wanted};
+pub use trying::Attempt;
 
 /// The part of the record that is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,6 +57,8 @@ pub struct Session {
     clock: f64,
     generation: u64,
     problem: Option<String>,
+    judged: Judged,
+    trying: Trying,
 }
 
 impl Session {
@@ -98,6 +106,8 @@ impl Session {
             clock: 0.0,
             generation: 0,
             problem: None,
+            judged: Judged::default(),
+            trying: Trying::default(),
         };
         session.want_of_study();
         session.compute();
@@ -133,11 +143,6 @@ impl Session {
     /// The diagnostics of the estimates that are kept, one a filter, if they are wanted.
     pub fn diagnostics(&self) -> &[Diagnostics] {
         self.study.analysis().diagnostics()
-    }
-
-    /// The diagnosis of the filter at a place, as far as it is known.
-    pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
-        self.study.analysis().diagnosis(place)
     }
 
     /// The Cramér-Rao bounds, if they are wanted: filters that know as much at first share one.

@@ -38,8 +38,8 @@ impl<'a> ViewContext<'a> {
 
     /// The part for charts.
     pub(crate) fn plot_input(&self) -> PlotInput<'a> {
-        let Self { session, palette, visible: _, axis, version } = *self;
-        PlotInput { session, palette, axis, version }
+        let Self { session, palette, visible, axis, version } = *self;
+        PlotInput { session, palette, visible, axis, version }
     }
 
     /// The estimates of the filters that are shown, each with its place among all filters.

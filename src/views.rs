@@ -3,6 +3,7 @@
 mod autocorrelation;
 mod channels;
 mod consistency;
+mod diagnosis;
 mod errors;
 mod frequency_response;
 mod gain;
@@ -33,6 +34,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::FrequencyResponse => &frequency_response::FrequencyResponse,
         ViewKind::Matrices => &matrices::Matrices,
         ViewKind::Scores => &scores::Scores,
+        ViewKind::Diagnosis => &diagnosis::Diagnosis,
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use kalmanscope_core::{Channel, FilterSettings};
+use kalmanscope_core::diagnostics::Depth;
+use kalmanscope_core::{Channel, FilterSettings, Wanted};
 
 use crate::request::LegendEntry;
 
@@ -15,6 +16,8 @@ pub struct Visibility {
     pub measured: bool,
     /// The ±2σ bands.
     pub bands: bool,
+    /// The verdicts, and the marks of bad parts.
+    pub verdicts: bool,
     /// The channels with a chart; `None` for all.
     pub only: Vec<Channel>,
     /// The ids of the filters that are hidden.
@@ -23,7 +26,14 @@ pub struct Visibility {
 
 impl Default for Visibility {
     fn default() -> Self {
-        Self { truth: true, measured: true, bands: true, only: Vec::new(), hidden_filters: BTreeSet::new() }
+        Self {
+            truth: true,
+            measured: true,
+            bands: true,
+            verdicts: true,
+            only: Vec::new(),
+            hidden_filters: BTreeSet::new(),
+        }
     }
 }
 
@@ -39,12 +49,23 @@ impl Visibility {
         !self.hidden_filters.contains(&id)
     }
 
+    /// The results that verdicts need.
+    pub(crate) fn wanted(&self) -> Wanted {
+        if self.verdicts { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING }
+    }
+
+    /// Shows everything again, but for verdicts that a lecturer has hidden.
+    pub(crate) fn reset(&mut self) {
+        *self = Self { verdicts: self.verdicts, ..Self::default() };
+    }
+
     /// Shows or hides an entry of the legend.
     pub fn toggle(&mut self, entry: LegendEntry) {
         match entry {
             LegendEntry::Truth => self.truth = !self.truth,
             LegendEntry::Measured => self.measured = !self.measured,
             LegendEntry::Bands => self.bands = !self.bands,
+            LegendEntry::Verdicts => self.verdicts = !self.verdicts,
             LegendEntry::Filter(id) => {
                 if !self.hidden_filters.remove(&id) {
                     self.hidden_filters.insert(id);

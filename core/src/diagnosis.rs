@@ -54,8 +54,19 @@ impl Diagnosis {
     /// The diagnosis of a filter whose estimates, on a record, these diagnostics have followed; none where they have followed
     /// consistency only. With a bound, σ is compared with it.
     ///
-    /// One pass over what is kept: about 0.1 µs a sample.
+    /// One pass over the kept samples, of about 0.1 µs each.
     pub fn new(
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+        bound: Option<&CramerRao>,
+    ) -> Option<Self> {
+        Self::over(0..diagnostics.len(), diagnostics, estimates, record, bound)
+    }
+
+    /// The same over a range of the kept samples, such as those that a screen shows.
+    pub fn over(
+        samples: Range<usize>,
         diagnostics: &Diagnostics,
         estimates: &Estimates,
         record: &Record,
@@ -64,7 +75,7 @@ impl Diagnosis {
         if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
             return None;
         }
-        let case = Case::new(diagnostics, estimates, record, bound);
+        let case = Case::new(diagnostics, estimates, record, bound, samples);
         let mut evidence = Vec::new();
         for test in TESTS {
             (test.run)(&case, test, &mut evidence);
@@ -85,7 +96,7 @@ impl Diagnosis {
         record: &Record,
     ) -> Vec<Suspect> {
         let Some(filter) = scenario.filters.get(place).filter(|_| !estimates.is_empty()) else { return Vec::new() };
-        let case = Case::new(diagnostics, estimates, record, None);
+        let case = Case::new(diagnostics, estimates, record, None, 0..diagnostics.len());
         let matter = Matter { case: &case, evidence: &self.evidence, scenario, filter };
         let mut suspects = Vec::new();
         for cause in CAUSES {

@@ -1,12 +1,12 @@
 //! Applies requests.
 
+use super::window::NARROW;
 use super::{App, LARGE};
 use crate::controls::number;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
 use crate::tutor::Tutor;
-use crate::visibility::Visibility;
 
 impl App {
     /// Applies the request of a view, a menu or a key.
@@ -31,7 +31,7 @@ impl App {
                     session.set_scenario(scenario);
                     session.play_from_start();
                     *axis = TimeAxis::default();
-                    *visible = Visibility::default();
+                    visible.reset();
                     number::begin_anew(ctx);
                 }
                 Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title)),
@@ -50,7 +50,7 @@ impl App {
             Request::StartLesson(place) => {
                 self.inviting = false;
                 *tutor = lessons.get(place).cloned().map(Tutor::new);
-                *visible = Visibility::default();
+                visible.reset();
                 self.go_to_step(0);
                 number::begin_anew(ctx);
             }
@@ -73,7 +73,7 @@ impl App {
             Request::LeaveLesson => {
                 *tutor = None;
                 axis.framed = None;
-                *visible = Visibility::default();
+                visible.reset();
             }
             Request::ToggleEntry(entry) => visible.toggle(entry),
             Request::ShowAllChannels => visible.only.clear(),
@@ -91,6 +91,12 @@ impl App {
                 }
             }
             Request::ToggleView(view) => layout.toggle(view),
+            Request::ShowView(view) => {
+                layout.show(view);
+                if self.width < NARROW {
+                    layout.enlarge(view);
+                }
+            }
             Request::Arrange(arrangement) => *layout = Layout::of(arrangement),
             Request::Rearrange(tree) => layout.rearrange(*tree),
             Request::ToggleEnlarged(view) => layout.toggle_enlarged(view),

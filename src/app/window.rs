@@ -15,7 +15,7 @@ use crate::tutor;
 use crate::view::ViewContext;
 
 /// Limits the width of a window whose settings are a drawer under the plots \[points\].
-const NARROW: f32 = 720.0;
+pub(super) const NARROW: f32 = 720.0;
 
 /// Limits the width of a window in which a lesson replaces the settings, unless the user opens them \[points\].
 pub(super) const WIDE: f32 = 1500.0;

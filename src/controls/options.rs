@@ -21,7 +21,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         }
         if kind.is_sampled() {
             let hint = "More are more exact, and slower";
-            let label = if *kind == FilterKind::PF { "particles" } else { "members" };
+            let label = if kind.info().has_own_likelihood { "particles" } else { "members" };
             whole_ui(ui, label, &format!("{name} {label}"), ensemble_size, (2, MOST_MEMBERS), hint);
         }
         let check = |ui: &mut Ui, value: &mut bool, text: &str, hint: &str| {

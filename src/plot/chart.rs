@@ -13,6 +13,7 @@ use super::grid::Grid;
 use super::heading::{Readout, heading_ui};
 use super::input::PlotInput;
 use super::layers::Layer;
+use super::strips::Strips;
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use super::turns::in_turn;
 use super::window::Window;
@@ -55,7 +56,8 @@ impl Chart<'_> {
         let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &self.readouts);
         let alone =
             symbol.interact(Sense::click()).on_hover_text("Click: this plot alone, or all of them again").clicked();
-        let PlotInput { session, palette, axis, version } = *input;
+        let PlotInput { session, palette, visible, axis, version } = *input;
+        let strips = Strips::of(session, visible, palette);
         let size = ui.available_size().max(Vec2::splat(1.0));
         let followed = axis.followed(session);
         let position = session.time();
@@ -120,6 +122,7 @@ impl Chart<'_> {
                     plot.set_plot_bounds_y(low..=high);
                 }
             }
+            plot.add(strips);
             drawn.show(grid, plot);
             if show_position {
                 let line = VLine::new("playback", position).color(palette.weak).width(1.2);

@@ -3,6 +3,7 @@
 use crate::plot::time_axis::TimeAxis;
 use crate::session::Session;
 use crate::theme::Palette;
+use crate::visibility::Visibility;
 
 /// The context of a chart, besides its own layers.
 #[derive(Clone, Copy)]
@@ -11,6 +12,8 @@ pub(crate) struct PlotInput<'a> {
     pub(crate) session: &'a Session,
     /// The colours of the theme.
     pub(crate) palette: &'a Palette,
+    /// The entries of the legend that are shown.
+    pub(crate) visible: &'a Visibility,
     /// The common time axis.
     pub(crate) axis: &'a TimeAxis,
     /// A version number of everything that is drawn over time; drawings of another version are outdated.

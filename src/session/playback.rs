@@ -52,6 +52,7 @@ impl Session {
 
     /// Lets `elapsed` seconds of real time pass.
     pub fn advance(&mut self, elapsed: f64) {
+        let mut while_time = self.budget.slice();
         if self.behind() {
             self.compute();
         } else if self.playing {
@@ -62,6 +63,8 @@ impl Session {
             }
             self.compute();
         }
+        self.judge(elapsed);
+        self.try_causes(&mut while_time);
     }
 
     /// Plays or pauses; at the end, plays from the start.

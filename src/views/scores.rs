@@ -1,13 +1,18 @@
 //! Filters side by side: verdict and scores.
 
-use egui::{Grid, Id, RichText, ScrollArea, Ui};
+use egui::{Grid, Id, Label, RichText, ScrollArea, Ui};
+use kalmanscope_core::Verdict;
 use kalmanscope_core::diagnostics::{Depth, Summary};
 
 use crate::request::Request;
 use crate::session::Wanted;
 use crate::text::significant;
-use crate::theme;
+use crate::theme::{self, Palette};
+use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
+
+/// The width of a verdict's reason \[points\].
+const REASON: f32 = 210.0;
 
 /// A table of the filters' scores with the best values marked.
 pub(super) struct Scores;
@@ -30,7 +35,7 @@ impl View for Scores {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
-        let ViewContext { session, palette, .. } = *context;
+        let ViewContext { session, palette, visible, .. } = *context;
         let (estimates, record) = (session.run().estimates(), session.run().record());
         let of = |(place, (d, e))| Summary::of(d, session.diagnosis(place), e, record);
         let mut summaries: Vec<(usize, Summary)> =
@@ -56,16 +61,13 @@ impl View for Scores {
                     );
                 }
                 ui.end_row();
-                ui.weak("verdict");
-                for (_, summary) in &summaries {
-                    let Some(verdict) = &summary.verdict else {
-                        ui.weak("too few samples");
-                        continue;
-                    };
-                    let color = if verdict.kind.is_good() { palette.text } else { palette.warning };
-                    ui.colored_label(color, verdict.kind.name()).on_hover_text(&verdict.reason);
+                if visible.verdicts {
+                    ui.weak("verdict");
+                    for (_, summary) in &summaries {
+                        verdict_ui(ui, summary.verdict.as_ref(), palette);
+                    }
+                    ui.end_row();
                 }
-                ui.end_row();
                 for row in &rows {
                     let sorts = sorted_by.as_ref() == Some(&row.name);
                     if row_name_ui(ui, row, sorts) {
@@ -85,6 +87,20 @@ impl View for Scores {
         ui.data_mut(|data| data.insert_temp(sorting, sorted_by));
         None
     }
+}
+
+/// A verdict and its reason.
+fn verdict_ui(ui: &mut Ui, verdict: Option<&Verdict>, palette: &Palette) {
+    let Some(verdict) = verdict else {
+        ui.weak("too few samples");
+        return;
+    };
+    ui.vertical(|ui| {
+        ui.set_max_width(REASON);
+        let kind = verdict.kind;
+        ui.colored_label(text_color(kind, palette), format!("{} {}", symbol(kind), kind.name()));
+        ui.add(Label::new(RichText::new(&verdict.reason).small().weak()).wrap());
+    });
 }
 
 /// One measure of all filters.

@@ -1,5 +1,6 @@
 //! The app in a headless harness: every control, every view, any size.
 
+mod diagnosis;
 mod frequency_response;
 mod habits;
 mod identity;

@@ -2,22 +2,24 @@
 
 use std::ops::Range;
 
+use super::distributions::chi_squared_score;
 use super::errors::ChannelErrors;
 use super::innovations::SensorInnovations;
 use super::parts::{self, ALL, Chosen, PARTS};
+use crate::diagnostics::chi_squared;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
 
-/// Innovations² of a part that are more times what is expected are a surprise.
+/// Limits the innovations² of a good part, relative to their expectation.
 const SURPRISE: f64 = 1.35;
 
-/// The normal score beyond which a part's innovations are no chance.
+/// Limits the normal score that chance explains in one part.
 const NOT_CHANCE: f64 = 4.0;
 
-/// Errors² of a part that are more times what the covariance says are far outside: of parameters, whose errors in a part
-/// are as good as one, and of motions, whose errors in a part are several.
+/// Limits the errors² of a good part, relative to the covariance: of a parameter, whose errors in a part count as one, and
+/// of a motion.
 const OUTSIDE: (f64, f64) = (16.0, 8.0);
 
-/// The most parts of a record that may be bad and be forgiven.
+/// Limits the bad parts of a record that can be forgiven.
 const FORGIVEN: usize = 3;
 
 /// The numbers on one filter.
@@ -26,6 +28,8 @@ pub(crate) struct Case<'a> {
     pub(crate) estimates: &'a Estimates,
     pub(crate) record: &'a Record,
     pub(crate) bound: Option<&'a CramerRao>,
+    /// The samples that it is about, of those that are kept.
+    pub(crate) samples: Range<usize>,
     pub(crate) sensors: Vec<SensorInnovations>,
     pub(crate) errors: Vec<ChannelErrors>,
     /// The parts that are bad.
@@ -50,11 +54,14 @@ impl<'a> Case<'a> {
         estimates: &'a Estimates,
         record: &'a Record,
         bound: Option<&'a CramerRao>,
+        samples: Range<usize>,
     ) -> Self {
-        let sensors = SensorInnovations::of_all(estimates, record);
-        let errors = ChannelErrors::of_all(estimates, record);
+        let end = samples.end.min(estimates.len()).min(record.len());
+        let samples = samples.start.min(end)..end;
+        let sensors = SensorInnovations::of_all(estimates, record, &samples);
+        let errors = ChannelErrors::of_all(estimates, record, &samples);
         let (bad, forgiven, kept) = ([false; PARTS], [false; PARTS], ALL);
-        let mut case = Self { diagnostics, estimates, record, bound, sensors, errors, bad, forgiven, kept };
+        let mut case = Self { diagnostics, estimates, record, bound, samples, sensors, errors, bad, forgiven, kept };
         let bad: Chosen = std::array::from_fn(|part| case.is_bad(part));
         case.bad = bad;
         let count = bad.iter().filter(|&&bad| bad).count();
@@ -62,26 +69,52 @@ impl<'a> Case<'a> {
             (case.forgiven, case.kept) = (bad, bad.map(|bad| !bad));
         }
         let kept: Vec<Range<usize>> =
-            (0..PARTS).filter(|&part| case.kept[part]).map(|part| parts::range(part, case.len())).collect();
-        SensorInnovations::transform(&mut case.sensors, &kept);
+            (0..PARTS).filter(|&part| case.kept[part]).map(|part| parts::range(part, &case.samples)).collect();
+        SensorInnovations::transform(&mut case.sensors, &kept, case.samples.start);
         case
     }
 
-    /// The number of samples that are kept.
+    /// The number of samples.
     pub(crate) fn len(&self) -> usize {
-        self.estimates.len()
+        self.samples.len()
+    }
+
+    /// The last sample.
+    pub(crate) fn last(&self) -> Option<usize> {
+        (!self.samples.is_empty()).then(|| self.samples.end - 1)
+    }
+
+    /// A part of the samples.
+    pub(crate) fn part(&self, part: usize) -> Range<usize> {
+        parts::range(part, &self.samples)
+    }
+
+    /// The last fifth of the samples.
+    pub(crate) fn late(&self) -> Range<usize> {
+        self.part(PARTS - 2).start..self.samples.end
+    }
+
+    /// The share of the samples with the truth in the 95 % ellipsoid.
+    pub(crate) fn share_in_ellipsoid(&self) -> Option<f64> {
+        if self.samples == (0..self.diagnostics.len()) {
+            return self.diagnostics.share_in_ellipsoid();
+        }
+        let total = self.diagnostics.nees_within(self.samples.clone());
+        let limit = chi_squared::quantile(0.95, total.degrees.checked_div(total.samples)?)?;
+        let inside = self.diagnostics.nees()[self.samples.clone()].iter().filter(|nees| **nees <= limit).count();
+        Some(inside as f64 / f64::from(total.samples))
     }
 
     /// All that is kept.
     pub(crate) fn whole(&self) -> Span {
-        Span { parts: self.kept, samples: 0..self.len(), words: "" }
+        Span { parts: self.kept, samples: self.samples.clone(), words: "" }
     }
 
     /// All that is kept, and the last fifth alone: what has changed late is diluted by all that was before.
     pub(crate) fn spans(&self) -> [Span; 2] {
         let first = PARTS - 2;
         let late: Chosen = std::array::from_fn(|part| part >= first && self.kept[part]);
-        let samples = parts::range(first, self.len()).start..self.len();
+        let samples = self.late();
         [self.whole(), Span { parts: late, samples, words: " in the last fifth" }]
     }
 
@@ -94,7 +127,7 @@ impl<'a> Case<'a> {
     pub(crate) fn bad_samples(&self) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
         for part in (0..PARTS).filter(|&part| self.bad[part]) {
-            let next = parts::range(part, self.len());
+            let next = self.part(part);
             match ranges.last_mut() {
                 Some(before) if before.end == next.start => before.end = next.end,
                 _ => ranges.push(next),
@@ -107,13 +140,13 @@ impl<'a> Case<'a> {
     pub(crate) fn forgiven_samples(&self) -> Option<Range<usize>> {
         let first = self.forgiven.iter().position(|&forgiven| forgiven)?;
         let last = self.forgiven.iter().rposition(|&forgiven| forgiven)?;
-        Some(parts::range(first, self.len()).start..parts::range(last, self.len()).end)
+        Some(self.part(first).start..self.part(last).end)
     }
 
     /// The mean of the normalised innovations squared over some parts, by number; and how many numbers.
     pub(crate) fn nis(&self, chosen: &Chosen) -> (f64, f64) {
         let total = |of: fn(crate::diagnostics::Total) -> f64| {
-            parts::sum(chosen, |part| of(self.diagnostics.nis_within(parts::range(part, self.len()))))
+            parts::sum(chosen, |part| of(self.diagnostics.nis_within(self.part(part))))
         };
         let degrees = total(|total| f64::from(total.degrees));
         (total(|total| total.sum) / degrees, degrees)
@@ -125,25 +158,27 @@ impl<'a> Case<'a> {
         self.sensors.iter().any(|one| one.level(&self.kept) < 0.75)
     }
 
+    /// Whether the innovations or errors of a part are too large, and no chance.
     fn is_bad(&self, part: usize) -> bool {
         let only: Chosen = std::array::from_fn(|other| other == part);
-        let surprised = |level: f64, degrees: f64| {
-            degrees > 0.0
-                && !(level <= SURPRISE)
-                && !(super::distributions::chi_squared_score(level, degrees) <= NOT_CHANCE)
+        let is_no_chance = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), NOT_CHANCE);
+        let surprises =
+            |level: f64, degrees: f64| degrees > 0.0 && exceeds(level, SURPRISE) && is_no_chance(level, degrees);
+        let is_outside = |one: &ChannelErrors| {
+            let level = one.level(&only);
+            match one.channel.is_parameter() {
+                true => exceeds(level, OUTSIDE.0),
+                false => exceeds(level, OUTSIDE.1) && is_no_chance(level, one.independent(&only)),
+            }
         };
         let (nis, degrees) = self.nis(&only);
-        surprised(nis, degrees)
-            || self.sensors.iter().any(|one| surprised(one.level(&only), one.count(&only)))
-            || self.errors.iter().any(|one| {
-                one.by_part[part].count > 0.0
-                    && if one.channel.is_parameter() {
-                        !(one.level(&only) <= OUTSIDE.0)
-                    } else {
-                        !(one.level(&only) <= OUTSIDE.1)
-                            && !(super::distributions::chi_squared_score(one.level(&only), one.independent(&only))
-                                <= NOT_CHANCE)
-                    }
-            })
+        surprises(nis, degrees)
+            || self.sensors.iter().any(|one| surprises(one.level(&only), one.count(&only)))
+            || self.errors.iter().any(|one| one.count(&only) > 0.0 && is_outside(one))
     }
+}
+
+/// A mean of squares that have overflowed is as large as can be.
+fn exceeds(level: f64, limit: f64) -> bool {
+    level > limit || level.is_nan()
 }

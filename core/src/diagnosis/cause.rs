@@ -109,12 +109,12 @@ impl Matter<'_> {
     /// The root mean square of the estimated displacement of the first mass, which springs answer to; in m.
     pub(crate) fn size(&self) -> f64 {
         let Some(place) = self.case.estimates.place(crate::Channel::DISPLACEMENT) else { return 0.0 };
-        rms(self.case.estimates.canonical_means(place))
+        rms(&self.case.estimates.canonical_means(place)[self.case.samples.clone()])
     }
 
     /// The root mean square of the input \[m/s²\].
     pub(crate) fn input_size(&self) -> f64 {
-        rms(&self.case.record.input()[..self.case.len().min(self.case.record.len())])
+        rms(&self.case.record.input()[self.case.samples.clone()])
     }
 }
 

@@ -1,9 +1,9 @@
 //! The sample at which a series changes its size.
 
-/// A square counts as no more than this: one reading makes no change.
+/// Limits a square, so that one reading makes no change.
 const LARGEST: f64 = 50.0;
 
-/// The shares of a record, at its beginning and its end, in which no change is looked for.
+/// Limits the search for a change: the shares of a record, at its beginning and end, that it leaves out.
 const MARGINS: (f64, f64) = (0.15, 0.03);
 
 /// The sample from which on normalised squares are larger, and how many times they are larger than before: where the

@@ -1,5 +1,7 @@
 //! One pass over the errors of each channel whose truth is known.
 
+use std::ops::Range;
+
 use super::parts::{self, Chosen, PARTS};
 use crate::{Channel, Estimates, Record};
 
@@ -24,8 +26,7 @@ pub(crate) struct Sums {
 
 impl ChannelErrors {
     /// The pass over all channels of some estimates; those that are known for certain have no part in it.
-    pub(crate) fn of_all(estimates: &Estimates, record: &Record) -> Vec<Self> {
-        let samples = estimates.len();
+    pub(crate) fn of_all(estimates: &Estimates, record: &Record, samples: &Range<usize>) -> Vec<Self> {
         let one = |(place, &channel): (usize, &Channel)| {
             let truth = record.truth(channel)?;
             let (means, variances) = (estimates.canonical_means(place), estimates.variances(place));

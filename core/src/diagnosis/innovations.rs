@@ -16,7 +16,7 @@ pub(crate) const CROSS_LAGS: usize = 20;
 /// The lag of the first of them.
 pub(crate) const FIRST_CROSS_LAG: i32 = -4;
 
-/// A normalised innovation counts as no larger than this in correlations: one reading does not speak for the rest.
+/// Limits a normalised innovation in correlations, so that one reading does not dominate them.
 const LARGEST: f64 = 5.0;
 
 /// The normalised innovations `ν = e / √S` of one sensor.
@@ -49,12 +49,15 @@ pub(crate) struct Sums {
 
 impl SensorInnovations {
     /// The pass over all sensors of some estimates.
-    pub(crate) fn of_all(estimates: &Estimates, record: &Record) -> Vec<Self> {
-        let samples = estimates.len();
+    pub(crate) fn of_all(estimates: &Estimates, record: &Record, samples: &Range<usize>) -> Vec<Self> {
+        let first = samples.start;
         let m = estimates.sensors().len();
         let input = limited_input(record, samples);
-        let mut all: Vec<(Quantity, [Sums; PARTS], Vec<f64>)> =
-            estimates.sensors().iter().map(|&sensor| (sensor, [Sums::default(); PARTS], vec![0.0; samples])).collect();
+        let mut all: Vec<(Quantity, [Sums; PARTS], Vec<f64>)> = estimates
+            .sensors()
+            .iter()
+            .map(|&sensor| (sensor, [Sums::default(); PARTS], vec![0.0; samples.len()]))
+            .collect();
         for part in 0..PARTS {
             for k in parts::range(part, samples) {
                 let (innovation, cov) = (estimates.innovation(k), estimates.innovation_cov(k));
@@ -68,7 +71,7 @@ impl SensorInnovations {
                     sums.square += value * value;
                     let limited = value.clamp(-LARGEST, LARGEST);
                     sums.sum += limited;
-                    values[k] = limited;
+                    values[k - first] = limited;
                 }
             }
         }
@@ -76,7 +79,7 @@ impl SensorInnovations {
         all.into_iter()
             .map(|(sensor, mut by_part, values)| {
                 for (part, sums) in by_part.iter_mut().enumerate() {
-                    let range = parts::range(part, samples);
+                    let range = parts::range(part, &(0..samples.len()));
                     add_products(&mut sums.products, &values, &values, range.clone(), 0);
                     if spare {
                         sums.input_square = input[range.clone()].iter().map(|f| f * f).sum();
@@ -88,10 +91,11 @@ impl SensorInnovations {
             .collect()
     }
 
-    /// The periodograms of all sensors, of these samples.
-    pub(crate) fn transform(all: &mut [Self], samples: &[Range<usize>]) {
+    /// The periodograms of all sensors, of these samples; the first one of all is `first`.
+    pub(crate) fn transform(all: &mut [Self], samples: &[Range<usize>], first: usize) {
+        let samples: Vec<Range<usize>> = samples.iter().map(|of| of.start - first..of.end - first).collect();
         let values: Vec<&[f64]> = all.iter().map(|one| one.values.as_slice()).collect();
-        let periodograms = Periodogram::of_all(&values, samples);
+        let periodograms = Periodogram::of_all(&values, &samples);
         for (one, periodogram) in all.iter_mut().zip(periodograms) {
             one.periodogram = periodogram;
         }
@@ -131,8 +135,8 @@ impl SensorInnovations {
 }
 
 /// The input without its mean, limited to five times its root mean square.
-fn limited_input(record: &Record, samples: usize) -> Vec<f64> {
-    let input = &record.input()[..samples.min(record.len())];
+fn limited_input(record: &Record, samples: &Range<usize>) -> Vec<f64> {
+    let input = &record.input()[samples.clone()];
     let count = input.len().max(1) as f64;
     let mean = input.iter().sum::<f64>() / count;
     let rms = (input.iter().map(|f| (f - mean) * (f - mean)).sum::<f64>() / count).sqrt();

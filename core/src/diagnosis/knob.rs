@@ -51,6 +51,12 @@ impl Knob {
         Some(&rest[..inner.or_else(|| rest.rfind('.'))?])
     }
 
+    /// The knob with numbers of four significant digits, as people read and write them.
+    #[must_use]
+    pub fn rounded(&self) -> Self {
+        Self { key: self.key.clone(), value: rounded(&self.value) }
+    }
+
     /// The scenario with the setting turned.
     ///
     /// # Errors
@@ -75,6 +81,14 @@ impl Knob {
             set(table.ok_or_else(unknown)?, key, &knob.value);
         }
         Scenario::from_toml(&toml::to_string(&file).map_err(|error| syntax(&error))?)
+    }
+}
+
+fn rounded(value: &Value) -> Value {
+    match value {
+        Value::Float(x) => Value::Float(format!("{x:.3e}").parse().unwrap_or(*x)),
+        Value::Array(values) => Value::Array(values.iter().map(rounded).collect()),
+        other => other.clone(),
     }
 }
 
@@ -121,6 +135,8 @@ mod tests {
         assert_eq!(turned.filters[1].sensor_std, [0.1, 0.2]);
         assert_eq!(knobs[1].toml_line(), "process_std.velocity = 0.5");
         assert_eq!((knobs[2].toml_line().as_str(), knobs[2].filter()), ("sensor_std = [0.1, 0.2]", Some("UKF, no. 2")));
+        let rounded = Knob::of_filter("EKF", "sensor_std", vec![0.012_345_678, 1.005]).rounded();
+        assert_eq!(rounded.toml_line(), "sensor_std = [0.01235, 1.005]");
         for wrong in [Knob::of_filter("PF", "fading", 1.0), Knob::of_filter("EKF", "fadng", 1.0)] {
             assert!(matches!(wrong.apply(&scenario), Err(ScenarioError::Syntax(_))), "{wrong:?}");
         }

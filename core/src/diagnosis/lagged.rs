@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// The number of terms that are added side by side: the compiler makes vector instructions of them.
+/// The number of terms that are added side by side, for vector instructions.
 const LANES: usize = 4;
 
 /// Adds to each sum, in order of the lags from `first` on, `Σ a_k b_(k - lag)` over the k in `range` for which b reaches so

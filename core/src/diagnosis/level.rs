@@ -2,7 +2,7 @@
 
 use super::evidence::Evidence;
 
-/// The probability that any test at all rejects a filter that is right.
+/// Limits the probability that any test rejects a consistent filter.
 const LEVEL: f64 = 1e-4;
 
 /// Says of each piece of evidence whether it counts: whether its effect matters and its p-value is below the level for all

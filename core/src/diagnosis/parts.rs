@@ -5,9 +5,10 @@ use std::ops::Range;
 /// The number of parts that a record is judged in, so that one sudden change does not speak for the whole.
 pub const PARTS: usize = 10;
 
-/// The samples of part `part` of a record of `samples`.
-pub(crate) fn range(part: usize, samples: usize) -> Range<usize> {
-    part * samples / PARTS..(part + 1) * samples / PARTS
+/// Part `part` of some samples.
+pub(crate) fn range(part: usize, samples: &Range<usize>) -> Range<usize> {
+    let end = |part: usize| samples.start + part * samples.len() / PARTS;
+    end(part)..end(part + 1)
 }
 
 /// A choice of parts.

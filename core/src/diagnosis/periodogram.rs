@@ -3,13 +3,13 @@
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// The longest window: at 100 Hz about ten seconds.
+/// Limits the length of a window from above: at 100 Hz about ten seconds.
 const LONGEST: usize = 1024;
 
-/// The shortest window that is worth a look.
+/// Limits the length of a window from below.
 const SHORTEST: usize = 32;
 
-/// The fewest windows that a record is cut into.
+/// Limits the number of windows in a record from below.
 const WINDOWS: usize = 4;
 
 /// The mean power of a series over windows that do not overlap, at frequencies from one cycle a window on.
@@ -29,7 +29,7 @@ pub(crate) struct Periodogram {
     power: Vec<f64>,
 }
 
-/// The first frequency, in cycles a window: below it the window's own shape counts.
+/// Limits the frequencies from below, in cycles per window: the window's own shape dominates there.
 const FIRST: usize = 2;
 
 impl Periodogram {

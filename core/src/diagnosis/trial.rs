@@ -148,7 +148,8 @@ impl Trials {
             if let Some(own) = self.own.filter(|_| suspect.cause.key == "collapsed_sample") {
                 gain = before.log_likelihood - own;
             }
-            if !suspect.certain && !(gain > WORTH) {
+            let is_worth = suspect.certain || gain > WORTH;
+            if !is_worth {
                 continue;
             }
             let finding = Finding { suspect: suspect.clone(), gain, after: outcome.verdict.clone() };

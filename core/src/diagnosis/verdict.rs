@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::case::Case;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, Subject};
 use super::words::{percent, short};
 
 /// Whether a filter is to be believed, and why.
@@ -38,10 +38,10 @@ pub enum VerdictKind {
     Diverged,
 }
 
-/// Fewer measurements tell nothing.
+/// Limits the number of measurements for a verdict from below.
 const ENOUGH: u32 = 20;
 
-/// The most pieces of evidence in a sentence.
+/// Limits the pieces of evidence in a sentence.
 const MOST: usize = 3;
 
 impl VerdictKind {
@@ -99,13 +99,21 @@ impl Verdict {
     /// The gravest verdict that evidence which counts speaks for; none where there are too few measurements to tell.
     pub(crate) fn of(case: &Case<'_>, evidence: &[Evidence]) -> Option<Self> {
         let stopped = case.diagnostics.stop().is_some();
-        if !stopped && case.diagnostics.nis_within(0..case.len()).samples < ENOUGH {
+        if !stopped && case.diagnostics.nis_within(case.samples.clone()).samples < ENOUGH {
             return None;
         }
         let counting = || evidence.iter().filter(|one| one.counts);
         let kind = counting().map(|one| one.speaks_for).max().unwrap_or(VerdictKind::Consistent);
         let mut grounds: Vec<&Evidence> = counting().filter(|one| one.speaks_for == kind).collect();
         grounds.sort_by(|a, b| b.effect.total_cmp(&a.effect));
+        // The same of the last fifth adds nothing.
+        let mut told: Vec<(&str, Subject)> = Vec::new();
+        grounds.retain(|one| {
+            let of = (one.test.name, one.subject);
+            let is_new = !told.contains(&of);
+            told.push(of);
+            is_new
+        });
         let mut reasons: Vec<String> = grounds.iter().take(MOST).map(|one| one.sentence.clone()).collect();
         let mut besides: Vec<&Evidence> = counting().filter(|one| one.speaks_for != kind).collect();
         besides.sort_by(|a, b| {
@@ -124,7 +132,7 @@ impl Verdict {
 fn fit(case: &Case<'_>) -> String {
     let (level, _) = case.nis(&case.kept);
     let mut text = format!("innovations² are {level:.2} times what it expects");
-    if let Some(share) = case.diagnostics.share_in_ellipsoid() {
+    if let Some(share) = case.share_in_ellipsoid() {
         text += &format!(", the truth is in its 95 % ellipsoid in {} of the samples", percent(share));
         if share < 0.5 {
             text += ", as one record in many may have it: errors of parameters stay for as long as it lasts";
@@ -139,7 +147,7 @@ fn fit(case: &Case<'_>) -> String {
     if most.abs() * count.sqrt() > 3.3 {
         text += &format!("; they are not quite white ({most:.2} at lag 1), which does no harm");
     }
-    if let Some(last) = case.len().checked_sub(1) {
+    if let Some(last) = case.last() {
         for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
             let share = case.estimates.std(last, place) / case.estimates.initial_std(place);
             if share > 0.5 {

@@ -11,7 +11,7 @@ use crate::kernel::model::{Model, Output};
 /// A Gaussian held as mean and lower triangular root L of its covariance `L Lᵀ`, which no rounding can make indefinite.
 ///
 /// With the unscented rule every covariance is a sum of squares, so that roots are only ever added to, and never
-/// subtracted from. Sums over pairs of points ([`super::sigma_points`]) make arrays that Householder reflections bring to
+/// subtracted from. Sums over pairs of points (as in [`super::SigmaPoints`]) make arrays that Householder reflections bring to
 /// triangles, first those of the parts b and s, which only moving components and accelerometers have:
 ///
 /// ```text

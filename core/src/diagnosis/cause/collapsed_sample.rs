@@ -4,10 +4,10 @@ use super::{Cause, Matter, Suspect};
 use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// An effective sample size below this is as good as a single particle.
+/// Limits the effective sample size of a sound sample from below.
 const FEW: f64 = 3.0;
 
-/// The most particles that are proposed.
+/// Limits the proposed number of particles.
 const MOST: usize = 20_000;
 
 pub(super) static CAUSE: Cause = Cause {

@@ -2,7 +2,7 @@
 
 use super::{Cause, Matter, Suspect};
 
-/// The factor on the initial standard deviations that is tried.
+/// The tried factor on the initial standard deviations.
 const WIDER: f64 = 5.0;
 
 pub(super) static CAUSE: Cause = Cause {

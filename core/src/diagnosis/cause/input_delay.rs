@@ -3,7 +3,7 @@
 use super::{Cause, Matter, Suspect};
 use crate::diagnosis::innovations::FIRST_CROSS_LAG;
 
-/// The most samples that are tried.
+/// Limits the tried delays, in samples.
 const MOST: i32 = 3;
 
 pub(super) static CAUSE: Cause = Cause {

@@ -3,7 +3,7 @@
 use super::{Cause, Matter, Suspect};
 use crate::diagnosis::verdict::VerdictKind;
 
-/// Readings that resemble the one before by less are noise.
+/// Limits the correlation at lag 1 of readings that are noise.
 const WHITE: f64 = 0.3;
 
 pub(super) static CAUSE: Cause = Cause {

@@ -4,7 +4,7 @@ use super::{Cause, Matter, Suspect};
 use crate::Channel;
 use crate::diagnosis::words::short;
 
-/// Factors on the standard deviations that are tried.
+/// The tried factors on the standard deviations.
 const FACTORS: [f64; 6] = [0.03, 0.1, 0.3, 3.0, 10.0, 30.0];
 
 pub(super) static CAUSE: Cause = Cause {

@@ -2,7 +2,7 @@
 
 use super::{Cause, Matter, Suspect};
 
-/// How many standard deviations of its noise a bias may have.
+/// The initial standard deviation of a bias, relative to that of the noise.
 const WIDE: f64 = 10.0;
 
 pub(super) static CAUSE: Cause = Cause {

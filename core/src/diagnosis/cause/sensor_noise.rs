@@ -4,10 +4,10 @@ use super::{Cause, Matter, Suspect};
 use crate::diagnosis::parts;
 use crate::diagnosis::words::short;
 
-/// A factor on a variance that is nearer to 1 is not worth a trial.
+/// Limits the factors on a variance that are not worth a trial.
 const TOLERANCE: f64 = 1.15;
 
-/// The least share of R that an estimate of it may be.
+/// Limits an estimate of R from below, relative to R.
 const LEAST: f64 = 1e-4;
 
 pub(super) static CAUSE: Cause = Cause {
@@ -27,7 +27,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     let mut factors = vec![(1.0, 1.0); m];
     for (i, (factors, std)) in factors.iter_mut().zip(assumed).enumerate() {
         let (mut square, mut expected, mut count) = (0.0, 0.0, 0.0);
-        for k in (0..parts::PARTS).filter(|&part| case.kept[part]).flat_map(|part| parts::range(part, case.len())) {
+        for k in (0..parts::PARTS).filter(|&part| case.kept[part]).flat_map(|part| case.part(part)) {
             let innovation = case.estimates.innovation(k)[i];
             if !innovation.is_nan() {
                 square += innovation * innovation;

@@ -4,7 +4,7 @@ use super::{Cause, Matter, Suspect};
 use crate::Channel;
 use crate::diagnosis::words::percent;
 
-/// How far the parameters may walk over the record, in their own size.
+/// The tried random walks over the record, relative to the parameters.
 const WALKS: [f64; 2] = [0.05, 0.3];
 
 pub(super) static CAUSE: Cause = Cause {
@@ -16,7 +16,6 @@ pub(super) static CAUSE: Cause = Cause {
 
 fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
     let case = matter.case;
-    let Some(last) = case.len().checked_sub(1) else { return };
     let own = |channel: &Channel| channel.is_parameter() && !channel.is_augmentation();
     let parameters: Vec<(usize, Channel)> =
         case.estimates.channels().iter().copied().enumerate().filter(|(_, c)| own(c)).collect();
@@ -24,7 +23,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         let mut knobs = Vec::new();
         for &(place, channel) in &parameters {
             let size = case.estimates.initial_mean(place).abs().max(case.estimates.initial_std(place));
-            let std = walk * size / (last.max(1) as f64).sqrt();
+            let std = walk * size / (case.len().max(2) as f64).sqrt();
             if std > matter.filter.process_std[channel] && case.estimates.initial_std(place) > 0.0 {
                 knobs.push(matter.knob(&format!("process_std.{}", channel.key()), std));
             }

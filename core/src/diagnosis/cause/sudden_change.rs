@@ -4,7 +4,7 @@ use super::{Cause, Matter, Suspect};
 use crate::diagnosis::change::change_point;
 use crate::diagnosis::words::short;
 
-/// The fading factors that are tried.
+/// The tried fading factors.
 const FADING: [f64; 2] = [1.005, 1.02];
 
 pub(super) static CAUSE: Cause = Cause {
@@ -16,8 +16,9 @@ pub(super) static CAUSE: Cause = Cause {
 
 fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
     let case = matter.case;
-    let Some((at, rise)) = change_point(case.estimates.nis()) else { return };
-    let samples = at..case.len();
+    let Some((at, rise)) = change_point(&case.estimates.nis()[case.samples.clone()]) else { return };
+    let at = case.samples.start + at;
+    let samples = at..case.samples.end;
     let time = short(case.record.time(at));
     let weight = if rise > 1.3 { 1.0 - 1.0 / rise } else { 0.05 };
     for fading in FADING.into_iter().filter(|fading| *fading > matter.filter.fading) {

@@ -6,7 +6,7 @@ use crate::diagnosis::innovations::LAGS;
 use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnostics::chi_squared;
 
-/// A correlation below this is as good as none.
+/// Limits the correlations that do no harm.
 const TOLERANCE: f64 = 0.08;
 
 pub(super) static TEST: Test = Test {

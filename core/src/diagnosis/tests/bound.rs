@@ -5,7 +5,7 @@ use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// A σ that is fewer times smaller than the least that it could be is as good as right.
+/// Limits the ratio of the bound to σ.
 const TOLERANCE: f64 = 3.0;
 
 pub(super) static TEST: Test = Test {
@@ -19,7 +19,7 @@ pub(super) static TEST: Test = Test {
 
 fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let Some(bound) = case.bound else { return };
-    let Some(last) = case.len().min(bound.len()).checked_sub(1) else { return };
+    let Some(last) = case.last().filter(|last| *last < bound.len()) else { return };
     for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
         let Some(floor) = bound.place(channel).map(|of_bound| bound.std(last, of_bound)) else { continue };
         let std = case.estimates.std(last, place);

@@ -5,13 +5,13 @@ use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// A σ that falls by more than this from one sample to the next is that of a sample which has become one point.
+/// Limits the fall of σ from one sample to the next.
 const FALL: f64 = 100.0;
 
-/// The effective sample size below which as good as one particle is left.
+/// Limits the effective sample size from below.
 const FEWEST: f64 = 2.0;
 
-/// A sample of so few particles for this many measurements has collapsed.
+/// Limits the successive measurements with an effective sample size below [`FEWEST`].
 const A_WHILE: usize = 10;
 
 pub(super) static TEST: Test = Test {
@@ -24,19 +24,20 @@ pub(super) static TEST: Test = Test {
 };
 
 fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let sizes = case.estimates.effective_samples();
-    if sizes.is_empty() {
+    if case.estimates.effective_samples().is_empty() {
         return;
     }
+    let sizes = &case.estimates.effective_samples()[case.samples.clone()];
     let fall_of = |(place, channel): (usize, &crate::Channel)| {
-        let variances = case.estimates.variances(place);
+        let variances = &case.estimates.variances(place)[case.samples.clone()];
         let falls = variances.windows(2).map(|pair| pair[0] / pair[1]).enumerate();
         let (k, fall) = falls.filter(|(_, fall)| !fall.is_nan()).max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((fall.sqrt(), k + 1, *channel))
     };
     let falls = case.estimates.channels().iter().enumerate().filter_map(fall_of);
     if let Some((fall, k, channel)) = falls.max_by(|a, b| a.0.total_cmp(&b.0)) {
-        let time = short(case.record.time(k));
+        let at = case.samples.start + k;
+        let time = short(case.record.time(at));
         let sentence = format!(
             "σ of the {} falls by {} times at {time} s, with {} particles in effect",
             channel.name(),
@@ -45,7 +46,7 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         );
         let evidence = Evidence::new(test, Subject::Channel(channel), case);
         let one = evidence.certain(VerdictKind::Collapsed, fall / FALL, sentence);
-        found.push(Evidence { statistic: fall, samples: k..case.len(), ..one });
+        found.push(Evidence { statistic: fall, samples: at..case.samples.end, ..one });
     }
     let (mut longest, mut present, mut least) = (0, 0, f64::INFINITY);
     for &size in sizes.iter().filter(|size| !size.is_nan()) {

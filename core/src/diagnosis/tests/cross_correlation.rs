@@ -6,7 +6,7 @@ use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::innovations::{CROSS_LAGS, FIRST_CROSS_LAG};
 use crate::diagnosis::verdict::VerdictKind;
 
-/// A correlation below this is as good as none.
+/// Limits the correlations that do no harm.
 const TOLERANCE: f64 = 0.08;
 
 pub(super) static TEST: Test = Test {

@@ -5,7 +5,7 @@ use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// An error of more standard deviations, and larger than the truth and all doubts at first, is no error any more.
+/// Limits an error, in standard deviations, if it is larger than the truth and the initial uncertainty.
 const LOST: f64 = 10.0;
 
 pub(super) static TEST: Test = Test {
@@ -30,6 +30,6 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let sentence = format!("the {} is off by {}{space}{unit}, {}σ", channel.name(), short(size), short(in_stds));
         let evidence = Evidence::new(test, Subject::Channel(channel), case);
         let one = evidence.certain(VerdictKind::Diverged, in_stds / LOST, sentence);
-        found.push(Evidence { samples: case.len() * 4 / 5..case.len(), ..one });
+        found.push(Evidence { samples: case.late(), ..one });
     }
 }

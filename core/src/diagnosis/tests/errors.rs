@@ -9,16 +9,16 @@ use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnosis::words::{percent, short};
 use crate::diagnostics::chi_squared;
 
-/// A parameter that is fewer standard deviations off is as good as right: its errors over a record are as good as one.
+/// Limits the error of a parameter, in standard deviations; its errors over a record count as one.
 const OFF: f64 = 4.0;
 
-/// Squared errors of a motion that are fewer times what the covariance says are as good as right.
+/// Limits the squared errors of a motion from above, relative to the covariance.
 const TOO_LARGE: f64 = 2.0;
 
-/// Squared errors of a motion below this share of what the covariance says are too small.
+/// Limits the squared errors of a motion from below, relative to the covariance.
 const TOO_SMALL: f64 = 0.3;
 
-/// A truth that is in the 95 % ellipsoid in a smaller share of the samples is outside.
+/// Limits the share of the samples with the truth in the 95 % ellipsoid from below.
 const OUTSIDE: f64 = 0.5;
 
 pub(super) static CHANNELS: Test = Test {
@@ -55,7 +55,7 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
                 p_value: if off > OFF { 0.0 } else { normal_p(off) },
                 effect: off / OFF,
                 speaks_for: VerdictKind::Overconfident,
-                samples: case.len() * 4 / 5..case.len(),
+                samples: case.late(),
                 sentence: format!(
                     "the {name} is {} times its σ off in the last fifth, and inside ±2σ in {} of it",
                     short(off),
@@ -88,8 +88,8 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 }
 
 fn ellipsoid(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(share) = case.diagnostics.share_in_ellipsoid() else { return };
-    let late = case.diagnostics.nees_within(case.len() / 2..case.len());
+    let Some(share) = case.share_in_ellipsoid() else { return };
+    let late = case.diagnostics.nees_within(case.part(PARTS / 2).start..case.samples.end);
     let degrees = late.degrees.checked_div(late.samples).unwrap_or(0);
     found.push(Evidence {
         statistic: share,

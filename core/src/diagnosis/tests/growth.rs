@@ -2,17 +2,17 @@
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::diagnosis::parts::{self, PARTS};
+use crate::diagnosis::parts::PARTS;
 use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// A parameter whose σ is more times that at first is being forgotten, if it still grows or is as large as the parameter.
+/// Limits σ of a parameter, relative to the initial one, where it still grows or is as large as the parameter.
 const GROWN: f64 = 3.0;
 
-/// Growth over the last third of the record by more than this is growth.
+/// Limits the growth of σ over the last third of the record.
 const GROWS: f64 = 1.2;
 
-/// A parameter whose σ is still more than this share of that at first has not been identified.
+/// Limits σ of an identified parameter, relative to the initial one.
 const UNLEARNT_SHARE: f64 = 0.9;
 
 pub(super) static WIND_UP: Test = Test {
@@ -34,10 +34,11 @@ pub(super) static UNLEARNT: Test = Test {
 };
 
 fn wind_up(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(last) = case.len().checked_sub(1) else { return };
+    let Some(last) = case.last() else { return };
     for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
         let first = case.estimates.initial_std(place);
-        let (third, now) = (case.estimates.std(last * 2 / 3, place), case.estimates.std(last, place));
+        let (third, now) =
+            (case.estimates.std(case.samples.start + case.len() * 2 / 3, place), case.estimates.std(last, place));
         let growth = now / first;
         let size = case.estimates.canonical_mean(last, place).abs();
         let unbounded = now > GROWS * third || now > 0.5 * size;
@@ -53,7 +54,7 @@ fn wind_up(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 }
 
 fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(last) = case.len().checked_sub(1) else { return };
+    let Some(last) = case.last() else { return };
     let of = |channel: crate::Channel| channel.is_parameter() && !channel.is_augmentation();
     for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| of(**c)) {
         let first = case.estimates.initial_std(place);
@@ -62,15 +63,15 @@ fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         }
         let share = case.estimates.std(last, place) / first;
         // The last part in which anything was learnt.
-        let at = |part: usize| case.estimates.std(parts::range(part, case.len()).end.max(1) - 1, place);
+        let at = |part: usize| case.estimates.std(case.part(part).end.max(1) - 1, place);
         let learnt = (1..PARTS).rev().find(|&part| at(part) < 0.98 * at(part - 1));
-        let since = learnt.map_or(0, |part| parts::range(part, case.len()).end.min(last));
+        let since = learnt.map_or(case.samples.start, |part| case.part(part).end.min(last));
         let time = case.record.time(since);
         let when =
             if learnt.is_some() { format!(", and nothing is learnt since {} s", short(time)) } else { String::new() };
         let sentence = format!("σ of the {} is still {} times that at first{when}", channel.name(), short(share));
         let evidence = Evidence::new(test, Subject::Channel(channel), case);
         let one = evidence.certain(VerdictKind::NotIdentifiable, share / UNLEARNT_SHARE, sentence);
-        found.push(Evidence { statistic: share, samples: since..case.len(), ..one });
+        found.push(Evidence { statistic: share, samples: since..case.samples.end, ..one });
     }
 }

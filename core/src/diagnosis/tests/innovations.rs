@@ -6,8 +6,7 @@ use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// Innovations² that are less than this many times too large or too small are as good as right, however many samples say
-/// that they are not exactly so.
+/// Limits the factor by which innovations² may differ from their expectation, however significant the difference is.
 const TOLERANCE: f64 = 1.12;
 
 pub(super) static SENSORS: Test = Test {

@@ -6,7 +6,7 @@ use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnosis::words::short;
 use crate::diagnostics::chi_squared;
 
-/// A peak that is fewer times the mean power is as good as none.
+/// Limits a peak that does no harm, relative to the mean power.
 const TOLERANCE: f64 = 5.0;
 
 pub(super) static TEST: Test = Test {

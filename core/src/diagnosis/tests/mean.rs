@@ -5,7 +5,7 @@ use crate::diagnosis::distributions::normal_p;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict::VerdictKind;
 
-/// A mean of fewer standard deviations is as good as none.
+/// Limits the mean innovation that does no harm, in standard deviations.
 const TOLERANCE: f64 = 0.1;
 
 pub(super) static TEST: Test = Test {

@@ -8,10 +8,10 @@ use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// An estimate that is more times its start, and the doubt about it, is lost.
+/// Limits an estimate, relative to its initial mean and standard deviation.
 const FAR: f64 = 1e3;
 
-/// A parameter that cannot be negative is, beyond doubt, where it is this many standard deviations below zero.
+/// Limits how far below zero a positive parameter can be, in standard deviations.
 const BELOW: f64 = 4.0;
 
 pub(super) static TEST: Test = Test {
@@ -24,8 +24,8 @@ pub(super) static TEST: Test = Test {
 };
 
 fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
-    let Some(last) = case.len().checked_sub(1) else { return };
-    let late = case.len() * 4 / 5..case.len();
+    let Some(last) = case.last() else { return };
+    let late = case.late();
     for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
         let means = case.estimates.canonical_means(place);
         let (mean, std) = (means[last], case.estimates.std(last, place));

@@ -16,7 +16,7 @@ pub(super) static TEST: Test = Test {
 
 fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let Some(samples) = case.forgiven_samples() else { return };
-    let [from, to] = [samples.start, samples.end].map(|k| short(case.record.time(k.min(case.len() - 1))));
+    let [from, to] = [samples.start, samples.end].map(|k| short(case.record.time(k.min(case.samples.end - 1))));
     let level = case.nis(&case.forgiven).0;
     let sentence = format!(
         "between {from} s and {to} s innovations² are {} times what the filter expects; it has recovered",

@@ -1,0 +1,81 @@
+//! The bad parts of a record as thin strips at the foot of a plot.
+
+use std::ops::RangeInclusive;
+
+use egui::{Color32, Rect, Shape, Ui, pos2};
+use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotTransform};
+
+use crate::session::Session;
+use crate::theme::Palette;
+use crate::visibility::Visibility;
+
+/// The height of a strip \[points\].
+const HEIGHT: f32 = 4.0;
+
+/// The opacity of a strip: lines in front of it stay readable.
+const OPACITY: f32 = 0.5;
+
+/// The times in which filters are not to be believed, one filter's strip above the other's.
+pub(super) struct Strips {
+    base: PlotItemBase,
+    /// The height of each strip in numbers of strips, its times \[s\] and its colour.
+    strips: Vec<(f32, (f64, f64), Color32)>,
+}
+
+impl Strips {
+    /// The strips of the filters that are shown.
+    pub(super) fn of(session: &Session, visible: &Visibility, palette: &Palette) -> Self {
+        let mut strips = Vec::new();
+        let (run, record) = (session.run(), session.run().record());
+        let shown = run.estimates().iter().enumerate().filter(|(_, estimates)| visible.filter(estimates.id()));
+        for (row, (place, estimates)) in shown.enumerate().filter(|_| visible.verdicts) {
+            let color = palette.shade(estimates.color()).gamma_multiply(OPACITY);
+            let bad_parts = session.diagnosis(place).map_or(&[][..], |diagnosis| &diagnosis.bad_parts);
+            strips.extend(
+                bad_parts.iter().map(|part| (row as f32, (record.time(part.start), record.time(part.end)), color)),
+            );
+        }
+        Self { base: PlotItemBase::new("bad parts".to_owned()), strips }
+    }
+}
+
+impl PlotItem for Strips {
+    fn shapes(&self, _: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+        let frame = transform.frame();
+        for (row, (from, to), color) in &self.strips {
+            let [left, right] = [from, to].map(|time| transform.position_from_point_x(*time));
+            let bottom = frame.bottom() - row * HEIGHT;
+            let strip = Rect::from_min_max(pos2(left, bottom - HEIGHT), pos2(right, bottom)).intersect(*frame);
+            if strip.is_positive() {
+                shapes.push(Shape::rect_filled(strip, 0.0, *color));
+            }
+        }
+    }
+
+    fn initialize(&mut self, _: RangeInclusive<f64>) {}
+
+    fn color(&self) -> Color32 {
+        Color32::TRANSPARENT
+    }
+
+    fn allow_hover(&self) -> bool {
+        false
+    }
+
+    fn geometry(&self) -> PlotGeometry<'_> {
+        PlotGeometry::None
+    }
+
+    /// The chart sets the plot's bounds.
+    fn bounds(&self) -> PlotBounds {
+        PlotBounds::NOTHING
+    }
+
+    fn base(&self) -> &PlotItemBase {
+        &self.base
+    }
+
+    fn base_mut(&mut self) -> &mut PlotItemBase {
+        &mut self.base
+    }
+}

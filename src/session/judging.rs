@@ -1,0 +1,59 @@
+//! Whether the filters are to be believed, as far as the record has come.
+
+use kalmanscope_core::Diagnosis;
+
+use super::Session;
+
+/// Limits how often diagnoses of a growing record are made anew, in real time \[s\].
+const EVERY: f64 = 0.3;
+
+/// Limits the share of a growing record that is new when its diagnoses are made anew: long ones take longer.
+const GROWN: usize = 50;
+
+/// The diagnoses of a record that still grows.
+#[derive(Default)]
+pub(super) struct Judged {
+    diagnoses: Vec<Option<Diagnosis>>,
+    /// The picture's number and the samples that were done.
+    of: Option<(u64, usize)>,
+    /// Real time since then \[s\].
+    age: f64,
+}
+
+impl Session {
+    /// The diagnosis of the filter at a place, over what is kept of the record; a moment old while the record grows. None
+    /// where it is not known, or not wanted.
+    pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
+        if self.is_whole() {
+            return self.study.analysis().diagnosis(place);
+        }
+        self.judged.diagnoses.get(place)?.as_ref()
+    }
+
+    /// Makes the diagnoses of a growing record anew, where it is time for that.
+    pub(super) fn judge(&mut self, elapsed: f64) {
+        self.judged.age += elapsed;
+        let (run, diagnostics) = (self.study.run(), self.study.analysis().diagnostics());
+        if self.is_whole() || self.job.is_some() || !self.complete {
+            return;
+        }
+        let now = (self.generation, run.done());
+        let is_due = match self.judged.of {
+            Some(before) if before == now => false,
+            Some((generation, done)) if generation == now.0 && self.playing => {
+                self.judged.age >= EVERY && run.done() >= done + run.len() / GROWN
+            }
+            _ => true,
+        };
+        if is_due {
+            let of = |(estimates, diagnostics)| Diagnosis::new(diagnostics, estimates, run.record(), None);
+            self.judged.diagnoses = run.estimates().iter().zip(diagnostics).map(of).collect();
+            (self.judged.of, self.judged.age) = (Some(now), 0.0);
+        }
+    }
+
+    /// Whether the record no longer grows: its analysis has the diagnoses.
+    fn is_whole(&self) -> bool {
+        self.run().done() == self.run().samples()
+    }
+}

@@ -1,0 +1,131 @@
+//! Trials of what may be wrong with filters that are not to be believed, beside the drawing.
+
+use kalmanscope_core::Verdict;
+use kalmanscope_core::diagnosis::{Finding, Trials};
+
+use super::Session;
+
+/// The trials that are asked for.
+#[derive(Default)]
+pub(super) struct Trying {
+    /// The ids of the filters.
+    wanted: Vec<u32>,
+    attempts: Vec<Attempt>,
+    is_done: bool,
+}
+
+/// The trials of one filter, and their results so far.
+pub struct Attempt {
+    filter: u32,
+    /// The picture's number and the samples that were done when they began.
+    of: (u64, usize),
+    /// None once they are done.
+    trials: Option<Trials>,
+    progress: f64,
+    before: Option<Verdict>,
+    findings: Vec<Finding>,
+    /// Whether `findings` are all that were found in trials that are done.
+    is_complete: bool,
+}
+
+impl Attempt {
+    /// The share of the trials that is done, from 0 to 1.
+    pub fn progress(&self) -> f64 {
+        self.progress
+    }
+
+    /// Whether trials are under way.
+    pub fn is_under_way(&self) -> bool {
+        self.trials.is_some()
+    }
+
+    /// The verdict on the filter as it is, over the samples that are tried; none before it is known.
+    pub fn before(&self) -> Option<&Verdict> {
+        self.before.as_ref()
+    }
+
+    /// The causes that were found, the likeliest first.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// Goes on while there is time. Results of trials before stay until all new ones are there.
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
+        let Some(trials) = &mut self.trials else { return };
+        let is_done = trials.advance(while_time);
+        self.progress = trials.progress();
+        if is_done || !self.is_complete {
+            self.before = trials.before().cloned();
+            self.findings = trials.findings();
+        }
+        if is_done {
+            self.is_complete = true;
+            self.trials = None;
+        }
+    }
+}
+
+impl Session {
+    /// Says which filters, by id, to try the causes of where they are not to be believed.
+    pub fn want_trials(&mut self, filters: Vec<u32>) {
+        self.trying.wanted = filters;
+    }
+
+    /// The trials of the filter with an id, if there are any.
+    pub fn attempt(&self, filter: u32) -> Option<&Attempt> {
+        self.trying.attempts.iter().find(|attempt| attempt.filter == filter)
+    }
+
+    /// Whether trials are under way, which every [`Self::advance`] brings nearer to their end.
+    pub fn is_trying(&self) -> bool {
+        !self.trying.wanted.is_empty() && !self.trying.is_done
+    }
+
+    /// Tries for as long as there is time. What is shown comes first.
+    pub(super) fn try_causes(&mut self, while_time: &mut dyn FnMut() -> bool) {
+        let mut attempts = std::mem::take(&mut self.trying.attempts);
+        let wanted = std::mem::take(&mut self.trying.wanted);
+        attempts.retain(|attempt| wanted.contains(&attempt.filter) && attempt.of.0 == self.generation);
+        let is_free = self.job.is_none() && self.complete;
+        let mut is_done = is_free;
+        for &filter in wanted.iter().filter(|_| is_free) {
+            let place = self.run().estimates().iter().position(|estimates| estimates.id() == filter);
+            let Some(place) = place.filter(|&place| self.is_bad(place)) else {
+                attempts.retain(|attempt| attempt.filter != filter);
+                continue;
+            };
+            let at = attempts.iter().position(|attempt| attempt.filter == filter);
+            if at.is_none_or(|at| self.is_outdated(&attempts[at])) {
+                let before = at.map(|at| attempts.remove(at));
+                attempts.extend(self.begin_attempt(filter, place, before));
+            }
+            let Some(attempt) = attempts.iter_mut().find(|attempt| attempt.filter == filter) else { continue };
+            if attempt.is_under_way() && while_time() {
+                attempt.advance(while_time);
+            }
+            is_done &= !attempt.is_under_way();
+        }
+        (self.trying.attempts, self.trying.wanted, self.trying.is_done) = (attempts, wanted, is_done);
+    }
+
+    fn is_bad(&self, place: usize) -> bool {
+        let verdict = self.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
+        verdict.is_some_and(|verdict| !verdict.kind.is_good()) && self.diagnostics().len() > place
+    }
+
+    /// Whether trials that are done are of a record that has grown: by half, as long as it goes on.
+    fn is_outdated(&self, attempt: &Attempt) -> bool {
+        let (done, before) = (self.run().done(), attempt.of.1);
+        !attempt.is_under_way() && if self.playing { done > before + before / 2 } else { done != before }
+    }
+
+    fn begin_attempt(&self, filter: u32, place: usize, before: Option<Attempt>) -> Option<Attempt> {
+        let run = self.run();
+        let (diagnostics, estimates) = (&self.diagnostics()[place], &run.estimates()[place]);
+        let trials = self.diagnosis(place)?.trials(run.scenario(), place, diagnostics, estimates, run.record()).ok()?;
+        let of = (self.generation, run.done());
+        let (findings, verdict, is_complete) =
+            before.map_or((Vec::new(), None, false), |attempt| (attempt.findings, attempt.before, attempt.is_complete));
+        Some(Attempt { filter, of, trials: Some(trials), progress: 0.0, before: verdict, findings, is_complete })
+    }
+}

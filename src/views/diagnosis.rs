@@ -1,0 +1,87 @@
+//! Whether each filter is to be believed: verdict, evidence, causes and the knobs that take them away.
+
+mod causes;
+mod evidence;
+
+use egui::{Label, RichText, ScrollArea, Ui};
+use kalmanscope_core::Estimates;
+use kalmanscope_core::diagnostics::Depth;
+
+use crate::request::Request;
+use crate::session::Wanted;
+use crate::theme;
+use crate::verdict::{symbol, text_color};
+use crate::view::{View, ViewContext};
+
+/// The verdicts, and what they rest on.
+pub(super) struct Diagnosis;
+
+impl View for Diagnosis {
+    fn name(&self) -> &'static str {
+        "Diagnosis"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "Whether each filter's ±2σ is to be believed over the record so far, and the tests that say so: click on one for how to read it.",
+            "A bar is the size of an effect; beyond the line in its middle it matters. It counts if chance explains it in less than one of 10 000 records.",
+            "Causes are tried: the filter runs again with a setting changed. A button makes that change; Ctrl+Z takes it back.",
+        ]
+    }
+
+    fn wanted(&self) -> Wanted {
+        Wanted::diagnostics(Depth::All)
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
+            for (place, estimates) in context.filters() {
+                ui.push_id(estimates.id(), |ui| filter_ui(ui, context, place, estimates, requests));
+                ui.add_space(10.0);
+            }
+        });
+        None
+    }
+}
+
+fn filter_ui(ui: &mut Ui, context: &ViewContext<'_>, place: usize, estimates: &Estimates, requests: &mut Vec<Request>) {
+    let ViewContext { session, palette, .. } = *context;
+    let color = palette.shade(estimates.color());
+    let diagnosis = session.diagnosis(place);
+    let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict.as_ref());
+    ui.horizontal_wrapped(|ui| {
+        ui.label(RichText::new(estimates.name()).family(theme::strong()).size(15.0).color(color));
+        match verdict {
+            Some(verdict) => {
+                let text = format!("{} {}", symbol(verdict.kind), verdict.kind.name());
+                let text = RichText::new(text).family(theme::strong()).size(15.0);
+                ui.label(text.color(text_color(verdict.kind, palette)));
+            }
+            None => _ = ui.weak("no verdict yet: fewer than 20 measurements"),
+        }
+    });
+    let (Some(diagnosis), Some(verdict)) = (diagnosis, verdict) else { return };
+    ui.add(Label::new(format!("{}.", sentence(&verdict.reason))).wrap());
+    if is_mirrored(estimates) {
+        let text = "The filter itself has (−ωₙ, −ζ), the mirror image of the same oscillator. Plots and numbers show it with \
+                    positive signs.";
+        ui.weak(text);
+    }
+    if !verdict.kind.is_good() {
+        causes::causes_ui(ui, context, estimates, requests);
+    }
+    evidence::evidence_ui(ui, &diagnosis.evidence, color, palette);
+}
+
+/// Whether the filter has found the mirror image of the oscillator.
+fn is_mirrored(estimates: &Estimates) -> bool {
+    let Some(last) = estimates.len().checked_sub(1) else { return false };
+    (0..estimates.channels().len()).any(|place| estimates.canonical_sign(last, place) < 0.0)
+}
+
+/// A text that begins with a capital letter.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}

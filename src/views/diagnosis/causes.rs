@@ -1,0 +1,102 @@
+//! What is wrong with a filter, as far as trials tell, with buttons that turn the knobs.
+
+use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
+use kalmanscope_core::Estimates;
+use kalmanscope_core::diagnosis::{Finding, Knob};
+
+use super::sentence;
+use crate::request::Request;
+use crate::session::Attempt;
+use crate::text::significant;
+use crate::theme;
+use crate::verdict::{symbol, text_color};
+use crate::view::ViewContext;
+
+/// Limits the causes that are shown at once.
+const LIKELIEST: usize = 3;
+
+/// The most settings whose values a button shows.
+const SHOWN: usize = 2;
+
+/// The causes that were found so far, and the progress of the trials.
+pub(super) fn causes_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Estimates, requests: &mut Vec<Request>) {
+    let session = context.session;
+    ui.add_space(4.0);
+    ui.label(RichText::new("Causes, the likeliest first").small().weak());
+    let Some(attempt) = session.attempt(estimates.id()) else {
+        ui.weak("They are tried as soon as the record is computed.");
+        return;
+    };
+    let (first, rest) = attempt.findings().split_at(attempt.findings().len().min(LIKELIEST));
+    for finding in first {
+        finding_ui(ui, context, (attempt, finding), estimates.name(), requests);
+    }
+    if !rest.is_empty() {
+        let title = RichText::new(format!("{} less likely", rest.len())).small().weak();
+        CollapsingHeader::new(title).id_salt("less likely").show(ui, |ui| {
+            for finding in rest {
+                finding_ui(ui, context, (attempt, finding), estimates.name(), requests);
+            }
+        });
+    }
+    if attempt.is_under_way() {
+        let bar = ProgressBar::new(attempt.progress() as f32).desired_width(160.0).desired_height(8.0);
+        let bar = ui.add(bar).on_hover_text("The filter runs again with one setting after another changed");
+        bar.ctx.accesskit_node_builder(bar.id, |node| node.set_label(format!("Trials of {}", estimates.name())));
+    } else if attempt.findings().is_empty() {
+        ui.weak("None of the causes that are known makes the record likelier.");
+    }
+}
+
+fn finding_ui(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    (attempt, finding): (&Attempt, &Finding),
+    name: &str,
+    requests: &mut Vec<Request>,
+) {
+    let palette = context.palette;
+    let Finding { suspect, gain, after } = finding;
+    ui.horizontal_wrapped(|ui| {
+        let cause = RichText::new(sentence(suspect.cause.name)).family(theme::strong());
+        ui.label(cause).on_hover_text(suspect.cause.hint);
+        if let (Some(before), Some(after)) = (attempt.before(), after) {
+            ui.weak(format!("{} {} →", symbol(before.kind), before.kind.name()));
+            let text = format!("{} {}", symbol(after.kind), after.kind.name());
+            let text = RichText::new(text).color(text_color(after.kind, palette));
+            ui.label(text).on_hover_text(format!("With the knob turned it is {after}"));
+        }
+    });
+    ui.add(Label::new(format!("{}.", sentence(&suspect.sentence))).wrap());
+    let knobs: Vec<Knob> = suspect.knobs.iter().map(Knob::rounded).collect();
+    if !knobs.is_empty() {
+        knob_ui(ui, context, (name, suspect.cause.name), &knobs, requests);
+    }
+    let gain = if gain.is_finite() && *gain > 0.0 {
+        format!(" The log likelihood gains {}.", significant(*gain, 3))
+    } else {
+        String::new()
+    };
+    ui.add(Label::new(RichText::new(format!("{}{gain}", suspect.cause.hint)).small().weak()).wrap());
+    ui.add_space(5.0);
+}
+
+/// The button that turns the knobs of a cause.
+fn knob_ui(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    (filter, cause): (&str, &str),
+    knobs: &[Knob],
+    requests: &mut Vec<Request>,
+) {
+    let lines: Vec<String> = knobs.iter().map(Knob::toml_line).collect();
+    let more = if lines.len() > SHOWN { format!(" and {} more", lines.len() - SHOWN) } else { String::new() };
+    let text = format!("Set {}{more}", lines[..lines.len().min(SHOWN)].join(", "));
+    let button = ui.add(Button::new(text).wrap()).on_hover_text(lines.join("\n"));
+    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(format!("Turn the knob of {filter}: {cause}")));
+    if button.clicked()
+        && let Ok(turned) = Knob::apply_all(knobs, context.session.scenario())
+    {
+        requests.push(Request::Edit(Box::new(turned)));
+    }
+}

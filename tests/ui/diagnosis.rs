@@ -1,0 +1,90 @@
+//! Verdicts: chips, their evidence, causes and knobs, and hiding them.
+
+use super::*;
+
+/// The whole of a record that the EKF believes ten times too well, paused.
+fn mistuned() -> Screen {
+    let mut screen = screen(Vec2::new(1280.0, 2400.0), Theme::Light);
+    let mut scenario = Scenario::default();
+    scenario.filters[0].sensor_std = scenario.filters[0].sensor_std.iter().map(|std| 0.1 * std).collect();
+    let session = screen.state_mut().session_mut();
+    session.toggle_play();
+    session.set_mode(Mode::Whole);
+    session.set_scenario(scenario);
+    screen.run_steps(20);
+    screen
+}
+
+fn click(screen: &mut Screen, label: &str) {
+    screen.get_by_label(label).click();
+    screen.run_steps(4);
+}
+
+#[test]
+fn a_verdict_beside_a_filter_opens_the_diagnosis() {
+    let mut screen = mistuned();
+    assert!(screen.query_by_label("UKF is consistent but for a time").is_some());
+    assert!(screen.query_by_label("About Diagnosis").is_none());
+    for _ in 0..2 {
+        click(&mut screen, "EKF is overconfident");
+        assert!(screen.query_by_label("About Diagnosis").is_some());
+    }
+}
+
+#[test]
+fn a_knob_is_turned_by_its_button_and_turned_back() {
+    let mut screen = mistuned();
+    click(&mut screen, "EKF is overconfident");
+    // Long enough for a state to go back to.
+    screen.run_steps(80);
+    let before = scenario(&screen).clone();
+    click(&mut screen, "Turn the knob of EKF: R of a sensor");
+    screen.run_steps(20);
+    let stds = &scenario(&screen).filters[0].sensor_std;
+    for (std, right) in stds.iter().zip(&Scenario::default().filters[0].sensor_std) {
+        assert!((std / right - 1.0).abs() < 0.2, "{std} in place of {right}");
+    }
+    assert_eq!(scenario(&screen).filters[1], before.filters[1]);
+    assert!(screen.query_by_label("EKF is consistent but for a time").is_some());
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen), &before);
+    assert!(screen.query_by_label("EKF is overconfident").is_some());
+}
+
+#[test]
+fn evidence_says_how_to_read_it() {
+    let mut screen = mistuned();
+    click(&mut screen, "EKF is overconfident");
+    assert!(screen.query_by_label_contains("How to read it").is_none());
+    screen.get_all_by_label_contains("times what the filter expects ▸").next().expect("evidence").click();
+    screen.run_steps(4);
+    assert!(screen.query_by_label_contains("How to read it").is_some());
+}
+
+#[test]
+fn verdicts_can_be_hidden() {
+    let mut screen = mistuned();
+    click(&mut screen, "Show verdicts");
+    assert!(screen.query_by_label("UKF is consistent but for a time").is_none());
+    assert!(screen.query_by_label("EKF is overconfident").is_none());
+    click(&mut screen, "Show verdicts");
+    assert!(screen.query_by_label("UKF is consistent but for a time").is_some());
+}
+
+#[test]
+fn live_verdicts_come_with_the_record() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    assert!(screen.query_by_label_contains("EKF is ").is_none());
+    screen.run_steps(120);
+    assert!(screen.query_by_label("EKF is consistent").is_some());
+}
+
+#[test]
+fn a_verdict_on_a_phone_opens_the_diagnosis_alone() {
+    let mut screen = screen(PHONE, Theme::Light);
+    screen.run_steps(120);
+    click(&mut screen, "EKF is consistent");
+    assert!(screen.query_by_label("About Diagnosis").is_some());
+    assert!(screen.query_by_label("About Parameters").is_none());
+}
