@@ -7,8 +7,8 @@ use super::Session;
 /// Limits how often diagnoses of a growing record are made anew, in real time \[s\].
 const EVERY: f64 = 0.3;
 
-/// Limits the share of a growing record that is new when its diagnoses are made anew: long ones take longer.
-const GROWN: usize = 50;
+/// Limits the samples of a diagnosis of a growing record: about 2 ms.
+const MOST: usize = 20_000;
 
 /// The diagnoses of a record that still grows.
 #[derive(Default)]
@@ -21,8 +21,11 @@ pub(super) struct Judged {
 }
 
 impl Session {
-    /// The diagnosis of the filter at a place, over what is kept of the record; a moment old while the record grows. None
-    /// where it is not known, or not wanted.
+    /// Limits the time that live plots show \[s\].
+    pub const LIVE_SPAN: f64 = 20.0;
+
+    /// The diagnosis of the filter at a place: over the whole record, or over the time on screen and a moment old while the
+    /// record grows. None where it is not known, or not wanted.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         if self.is_whole() {
             return self.study.analysis().diagnosis(place);
@@ -40,13 +43,15 @@ impl Session {
         let now = (self.generation, run.done());
         let is_due = match self.judged.of {
             Some(before) if before == now => false,
-            Some((generation, done)) if generation == now.0 && self.playing => {
-                self.judged.age >= EVERY && run.done() >= done + run.len() / GROWN
-            }
+            // The number changes with every sample that is forgotten.
+            Some((_, done)) if self.playing && run.done() >= done => self.judged.age >= EVERY,
             _ => true,
         };
         if is_due {
-            let of = |(estimates, diagnostics)| Diagnosis::new(diagnostics, estimates, run.record(), None);
+            let on_screen = (Self::LIVE_SPAN / run.record().dt()).ceil() as usize;
+            let from = run.len().saturating_sub(on_screen.min(MOST));
+            let of =
+                |(estimates, diagnostics)| Diagnosis::over(from..run.len(), diagnostics, estimates, run.record(), None);
             self.judged.diagnoses = run.estimates().iter().zip(diagnostics).map(of).collect();
             (self.judged.of, self.judged.age) = (Some(now), 0.0);
         }
