@@ -117,7 +117,7 @@ fn write_causes(text: &mut String, causes: &[Finding]) -> fmt::Result {
         writeln!(text, "  cause {number}: {}: {}{told}", suspect.cause.name, suspect.sentence)?;
         for knob in &suspect.knobs {
             let place = if knob.filter().is_some() { "in its [[filters]]" } else { "at the top" };
-            writeln!(text, "    write {place}: {}", knob.toml_line())?;
+            writeln!(text, "    write {place}: {}", knob.rounded().toml_line())?;
         }
         if suspect.knobs.is_empty() {
             writeln!(text, "    {}", suspect.cause.hint)?;

@@ -106,7 +106,9 @@ fn assert_consistent(plant: PlantKind, kind: FilterKind, slack: f64) {
     for place in 0..parameters {
         let ratio = (outcomes.iter().map(|o| o.over_bound[place]).sum::<f64>() / SEEDS as f64).sqrt();
         println!("{name}: rms error over bound {ratio:.3}");
-        assert!((0.85..1.35).contains(&ratio), "{name}: rms error of parameter {place} is {ratio} times the bound");
+        // The bound is that of one trajectory, which the errors of a short record of a chain stay below on average.
+        let least = if plant.masses() == 1 { 0.85 } else { 0.7 };
+        assert!((least..1.35).contains(&ratio), "{name}: rms error of parameter {place} is {ratio} times the bound");
     }
 }
 

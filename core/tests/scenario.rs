@@ -165,8 +165,8 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
         ),
         (
             "[plant]\nmass = 1",
-            "line 2: `plant.mass`: unknown field `mass`, expected `kind`, `initial`, `disturbance_std` or one of \
-             `natural_frequency`, `damping_ratio`, `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, \
+            "line 2: `plant.mass`: unknown field `mass`, expected `kind`, `initial`, `disturbance_std`, `input_delay` \
+             or one of `natural_frequency`, `damping_ratio`, `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, \
              `hysteresis_gamma`, `stiffness_1`, `storey_damping`, `input_gain`, `input_offset`, `unknown_force`, \
              `bias_displacement`, `bias_velocity`, `bias_acceleration`, `bias_total_acceleration`, `bias_drift`, and of \
              other masses as in `displacement_2`",
@@ -199,7 +199,8 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
         (
             "[[filters]]\n[[filters]]\nlambda = 1",
             "line 3: `filters[1].lambda`: unknown field `lambda`, expected one of `id`, `name`, `kind`, `color`, `plant`, \
-             `augment`, `log_parameters`, `propagation`, `iterations`, `ensemble_size`, `adaptation`, `smoother`, `fading`, \
+             `augment`, `input_delay`, `log_parameters`, `propagation`, `iterations`, `ensemble_size`, `adaptation`, `smoother`, \
+             `fading`, \
              `eta`, `sensor_std`, `initial_mean`, `initial_std`, `process_std`",
         ),
         ("[[filters]]\ninitial_std = { mass = 1 }", &channels),
