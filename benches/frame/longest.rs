@@ -60,7 +60,6 @@ fn whole_picture() {
     Phase::until_complete(&mut screen, |_, _| {}).print("from program start until complete");
     Phase::of(&mut screen, 100, |_, _, _| {}).print("nothing changes");
     Phase::of(&mut screen, 100, point).print("the pointer moves");
-    Phase::of(&mut screen, 100, pan).print("the plots are dragged");
     let begin = Moment::now();
     screen.app.save(&mut saved);
     Phase::once(begin.elapsed()).print("the session is saved");
@@ -150,16 +149,6 @@ fn escape(i: usize, input: &mut RawInput) {
 
 fn point(_: &mut App, i: usize, input: &mut RawInput) {
     input.events.push(Event::PointerMoved(pos2(500.0 + i as f32, 300.0)));
-}
-
-/// Drags the plots along their time axis.
-fn pan(_: &mut App, i: usize, input: &mut RawInput) {
-    let at = pos2(600.0 + i as f32, 500.0);
-    input.events.push(Event::PointerMoved(at));
-    if i == 1 {
-        let (button, modifiers) = (egui::PointerButton::Secondary, Modifiers::NONE);
-        input.events.push(Event::PointerButton { pos: at, button, pressed: true, modifiers });
-    }
 }
 
 fn scenario(particles: usize) -> Scenario {
