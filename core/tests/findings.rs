@@ -1,4 +1,4 @@
-//! Findings of a review, each a scenario that was once judged wrongly.
+//! Scenarios that were once judged wrongly, each with the verdict that it must have.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
@@ -45,7 +45,7 @@ fn assert_kind(verdict: &Verdict, allowed: &[VerdictKind]) {
 
 #[test]
 fn a_collapsed_sample_is_not_underconfident() {
-    let scenario = finding!("f1-pf-collapse");
+    let scenario = finding!("pf-collapse");
     let [known, unknown] = verdicts(&scenario, scenario.filters.len() - 1);
     assert_kind(&known, &[Collapsed]);
     assert_kind(&unknown, &[Collapsed]);
@@ -54,7 +54,7 @@ fn a_collapsed_sample_is_not_underconfident() {
 
 #[test]
 fn a_start_that_is_too_sure_does_not_speak_for_the_rest() {
-    let scenario = finding!("f1-start-too-sure");
+    let scenario = finding!("start-too-sure");
     let [known, unknown] = verdicts(&scenario, 0);
     assert_kind(&known, &[Recovered, Consistent]);
     assert_kind(&unknown, &[Recovered, Consistent]);
@@ -74,7 +74,7 @@ fn overloaded(scenario: &Scenario) -> Record {
 
 #[test]
 fn a_reading_that_is_no_reading_is_never_underconfidence() {
-    let scenario = finding!("f1-overload");
+    let scenario = finding!("overload");
     let mut run = Run::on_record(&scenario, Arc::new(overloaded(&scenario))).unwrap();
     run.finish();
     let verdict = diagnosis(&run.estimates()[0], run.record()).verdict.unwrap();
@@ -91,7 +91,7 @@ fn without_first(scenario: &Scenario, samples: usize) -> (Run, Run) {
 
 #[test]
 fn numbers_on_a_part_do_not_depend_on_what_was_before_it() {
-    for scenario in [finding!("f1-start-too-sure"), finding!("f2-late-step")] {
+    for scenario in [finding!("start-too-sure"), finding!("late-step")] {
         for prefix in [1, 15, 16, 17, 600, 2345] {
             let (whole, rest) = without_first(&scenario, prefix);
             let of_whole = Diagnostics::new(&whole.estimates()[0], whole.record());
@@ -113,7 +113,7 @@ fn numbers_on_a_part_do_not_depend_on_what_was_before_it() {
 
 #[test]
 fn one_reading_changes_nothing_that_is_said_of_the_rest() {
-    let scenario = finding!("f1-overload");
+    let scenario = finding!("overload");
     let run = finished(&scenario);
     let (estimates, record) = (&run.estimates()[0], run.record());
     // A filter that has not seen the reading, but whose first innovation is immense.
@@ -129,7 +129,7 @@ fn one_reading_changes_nothing_that_is_said_of_the_rest() {
 
 #[test]
 fn what_is_lost_at_the_end_is_not_forgiven() {
-    let scenario = finding!("f2-late-step");
+    let scenario = finding!("late-step");
     for at in [40.0, 47.0, 50.0, 52.0, 55.0, 58.0] {
         for seed in 1..=3 {
             let mut scenario = with_seed(&scenario, seed);
@@ -143,7 +143,7 @@ fn what_is_lost_at_the_end_is_not_forgiven() {
 
 #[test]
 fn sensors_that_are_trusted_too_little_are_underconfidence() {
-    let scenario = finding!("f3-r-hundredfold");
+    let scenario = finding!("r-hundredfold");
     for seed in 1..=4 {
         for place in 0..2 {
             for verdict in verdicts(&with_seed(&scenario, seed), place) {
@@ -155,7 +155,7 @@ fn sensors_that_are_trusted_too_little_are_underconfidence() {
 
 #[test]
 fn a_filter_that_is_wound_up_is_not_consistent() {
-    let scenario = finding!("f4-wind-up");
+    let scenario = finding!("wind-up");
     for seed in 1..=12 {
         for place in 0..2 {
             for verdict in verdicts(&with_seed(&scenario, seed), place) {
@@ -168,11 +168,11 @@ fn a_filter_that_is_wound_up_is_not_consistent() {
 
 #[test]
 fn a_wrong_parameter_is_not_diluted_by_right_ones() {
-    let [known, _] = verdicts(&finding!("f5-kappa4-five-sigma"), 0);
+    let [known, _] = verdicts(&finding!("kappa4-five-sigma"), 0);
     assert_kind(&known, &[Overconfident]);
     assert!(known.reason.contains("stiffness 4"), "{known}");
 
-    let ramp = finding!("f5-slow-ramp");
+    let ramp = finding!("slow-ramp");
     for seed in 1..=6 {
         let scenario = with_seed(&ramp, seed);
         let run = finished(&scenario);
@@ -189,7 +189,7 @@ fn a_wrong_parameter_is_not_diluted_by_right_ones() {
 
 #[test]
 fn consistent_beside_numbers_that_say_otherwise_is_explained() {
-    let scenario = finding!("f5-pf-at-rest");
+    let scenario = finding!("pf-at-rest");
     let [known, _] = verdicts(&scenario, scenario.filters.len() - 1);
     assert!(
         known.kind == Overconfident || !known.kind.is_good() || known.reason.contains("as one record in many"),
@@ -199,7 +199,7 @@ fn consistent_beside_numbers_that_say_otherwise_is_explained() {
 
 #[test]
 fn the_disturbance_that_an_accelerometer_feels_is_part_of_its_noise() {
-    let scenario = finding!("f6-accelerometer-disturbance");
+    let scenario = finding!("accelerometer-disturbance");
     let (sensor_std, _) = scenario.true_noise();
     assert!((sensor_std[1] - libm::hypot(0.5, 2.0)).abs() < 1e-12 && sensor_std[0] == 0.01);
     let [wrong, right] = [0, 1].map(|place| verdicts(&scenario, place));
@@ -217,7 +217,7 @@ fn the_disturbance_that_an_accelerometer_feels_is_part_of_its_noise() {
 
 #[test]
 fn the_cause_of_a_felt_disturbance_is_named_and_its_knob_helps() {
-    let mut scenario = finding!("f6-accelerometer-disturbance");
+    let mut scenario = finding!("accelerometer-disturbance");
     scenario.filters.truncate(1);
     let run = finished(&scenario);
     let (estimates, record) = (&run.estimates()[0], run.record());
@@ -237,7 +237,7 @@ fn the_cause_of_a_felt_disturbance_is_named_and_its_knob_helps() {
 
 #[test]
 fn a_particle_filter_does_not_die_without_a_remark() {
-    let mut scenario = finding!("f1-pf-collapse");
+    let mut scenario = finding!("pf-collapse");
     scenario.filters.drain(..scenario.filters.len() - 1);
     let run = finished(&scenario);
     let found = diagnosis(&run.estimates()[0], run.record());
@@ -247,7 +247,7 @@ fn a_particle_filter_does_not_die_without_a_remark() {
 
 #[test]
 fn sensors_that_are_wrong_in_contrary_directions_do_not_cancel() {
-    let mut scenario = finding!("f3-r-hundredfold");
+    let mut scenario = finding!("r-hundredfold");
     scenario.filters.truncate(1);
     scenario.filters[0].sensor_std = vec![0.01 / 1.9_f64.sqrt() / 1.3, 0.06 * 10.0_f64.sqrt()];
     for seed in 1..=4 {
@@ -256,6 +256,6 @@ fn sensors_that_are_wrong_in_contrary_directions_do_not_cancel() {
         }
     }
     // Whatever is not white but harmless is said beside the verdict.
-    let [_, unknown] = verdicts(&finding!("f6-accelerometer-disturbance"), 1);
+    let [_, unknown] = verdicts(&finding!("accelerometer-disturbance"), 1);
     assert!(unknown.reason.contains("not quite white") || unknown.kind == Consistent, "{unknown}");
 }
