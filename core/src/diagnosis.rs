@@ -39,15 +39,17 @@ pub use tests::TESTS;
 pub use trial::{Finding, Trials};
 pub use verdict::{Verdict, VerdictKind};
 
-/// What the estimates of one filter are worth, and why.
+/// The diagnosis of one filter: a verdict and its evidence.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnosis {
     /// Whether the filter is to be believed, if there are enough measurements to tell.
     pub verdict: Option<Verdict>,
-    /// What each test says.
+    /// The results of all tests.
     pub evidence: Vec<Evidence>,
     /// The samples, of those that are kept, in which the filter was not to be believed: parts of the record one by one.
     pub bad_parts: Vec<Range<usize>>,
+    /// The diagnosed samples, of those that are kept.
+    samples: Range<usize>,
 }
 
 impl Diagnosis {
@@ -75,18 +77,18 @@ impl Diagnosis {
         if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
             return None;
         }
-        let case = Case::new(diagnostics, estimates, record, bound, samples);
+        let case = Case::new(diagnostics, estimates, record, bound, samples.clone());
         let mut evidence = Vec::new();
         for test in TESTS {
             (test.run)(&case, test, &mut evidence);
         }
         level::decide(&mut evidence);
         let verdict = Verdict::of(&case, &evidence);
-        Some(Self { verdict, evidence, bad_parts: case.bad_samples() })
+        Some(Self { verdict, evidence, bad_parts: case.bad_samples(), samples })
     }
 
-    /// What may be wrong with the filter at `place` of a scenario, the likeliest first as far as that can be told without a
-    /// trial. The other arguments are those of [`Self::new`].
+    /// The possible causes for the filter at `place` of a scenario, the likeliest first as far as the evidence tells without
+    /// a trial. The other arguments are those of [`Self::new`].
     pub fn suspects(
         &self,
         scenario: &Scenario,
@@ -96,7 +98,7 @@ impl Diagnosis {
         record: &Record,
     ) -> Vec<Suspect> {
         let Some(filter) = scenario.filters.get(place).filter(|_| !estimates.is_empty()) else { return Vec::new() };
-        let case = Case::new(diagnostics, estimates, record, None, 0..diagnostics.len());
+        let case = Case::new(diagnostics, estimates, record, None, self.samples.clone());
         let matter = Matter { case: &case, evidence: &self.evidence, scenario, filter };
         let mut suspects = Vec::new();
         for cause in CAUSES {

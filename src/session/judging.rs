@@ -43,8 +43,7 @@ impl Session {
         let now = (self.generation, run.done());
         let is_due = match self.judged.of {
             Some(before) if before == now => false,
-            // The number changes with every sample that is forgotten.
-            Some((_, done)) if self.playing && run.done() >= done => self.judged.age >= EVERY,
+            Some((generation, _)) if self.playing && generation == now.0 => self.judged.age >= EVERY,
             _ => true,
         };
         if is_due {
