@@ -6,6 +6,8 @@ mod window;
 use egui::util::undoer::Undoer;
 use egui::{ThemePreference, Ui};
 use kalmanscope_core::{Estimates, RunError, Scenario};
+use std::sync::LazyLock;
+
 use kalmanscope_lessons::Lesson;
 
 use crate::keys;
@@ -29,7 +31,8 @@ pub struct App {
     axis: TimeAxis,
     visible: Visibility,
     layout: Layout,
-    lessons: Vec<Lesson>,
+    /// Read when the menu is first opened.
+    lessons: LazyLock<Vec<Lesson>>,
     tutor: Option<Tutor>,
     history: Undoer<Scenario>,
     /// Whether the settings are shown; `None` until the user decides.
@@ -102,7 +105,7 @@ impl App {
             axis: TimeAxis::default(),
             visible: Visibility::default(),
             layout: Layout::default(),
-            lessons: kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect(),
+            lessons: LazyLock::new(|| kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect()),
             tutor: None,
             history: Undoer::default(),
             controls_open: None,

@@ -2,6 +2,8 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, PopupCloseBehavior, RichText, Ui};
+use std::sync::LazyLock;
+
 use kalmanscope_lessons::{BUILT_IN, Lesson};
 
 use crate::layout::Layout;
@@ -20,7 +22,7 @@ const ROOMY: f32 = 1000.0;
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
     pub(crate) layout: &'a Layout,
-    pub(crate) lessons: &'a [Lesson],
+    pub(crate) lessons: &'a LazyLock<Vec<Lesson>>,
     /// Whether the settings are shown.
     pub(crate) controls: bool,
     pub(crate) presenting: bool,

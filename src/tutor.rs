@@ -1,5 +1,7 @@
 //! The panel of a lesson: something to look at, a button that changes it, what happens, why.
 
+use std::sync::LazyLock;
+
 use egui::{Button, RichText, ScrollArea, Sense, TextWrapMode, Ui};
 use kalmanscope_lessons::{Lesson, LessonError, Presentation, Step, ViewName};
 
@@ -201,7 +203,7 @@ pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 }
 
 /// The menu of all lessons, by group.
-pub fn menu_ui(ui: &mut Ui, lessons: &[Lesson], requests: &mut Vec<Request>) {
+pub fn menu_ui(ui: &mut Ui, lessons: &LazyLock<Vec<Lesson>>, requests: &mut Vec<Request>) {
     let menu = ui.menu_button("Lessons", |ui| {
         // As high as the window allows.
         let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);

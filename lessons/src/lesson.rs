@@ -40,11 +40,11 @@ pub enum Base {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
-    /// What to look at.
+    /// Instructions on where to look.
     pub look: String,
     /// The change, if any.
     pub change: Option<Change>,
-    /// What happens.
+    /// The effect to be seen.
     pub happens: String,
     /// Why.
     pub why: String,
@@ -103,7 +103,7 @@ pub enum ViewName {
     Oscillator,
 }
 
-/// How a step shows the record.
+/// The presentation of the record in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Presentation {
@@ -122,7 +122,7 @@ impl Lesson {
     /// # Errors
     /// [`LessonError::Syntax`] where it is not a lesson, [`LessonError::Step`] where a step is impossible.
     pub fn from_toml(text: &str) -> Result<Self, LessonError> {
-        let lesson: Self = toml::from_str(text).map_err(|error| LessonError::Syntax(error.to_string()))?;
+        let lesson = Self::read(text)?;
         let scenarios = lesson.scenarios()?;
         let first = lesson.first_scenario()?;
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
@@ -137,6 +137,11 @@ impl Lesson {
             }
         }
         Ok(lesson)
+    }
+
+    /// Reads a lesson, but does not try its scenarios and checks.
+    pub(crate) fn read(text: &str) -> Result<Self, LessonError> {
+        toml::from_str(text).map_err(|error| LessonError::Syntax(error.to_string()))
     }
 
     /// The initial scenario, before the first step's change.
