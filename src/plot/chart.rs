@@ -7,6 +7,7 @@ use egui::{Id, Sense, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, LineStyle, Plot, VLine};
 
 use super::cache::cached;
+use super::decoration::Decoration;
 use super::drawing::Drawing;
 use super::frame::{Y_AXIS, sense};
 use super::grid::Grid;
@@ -122,7 +123,7 @@ impl Chart<'_> {
                     plot.set_plot_bounds_y(low..=high);
                 }
             }
-            plot.add(strips);
+            plot.add(Decoration::new("bad parts", strips));
             drawn.show(grid, plot);
             if show_position {
                 let line = VLine::new("playback", position).color(palette.weak).width(1.2);

@@ -3,6 +3,7 @@
 use egui_plot::PlotUi;
 use kalmanscope_core::Record;
 
+use super::decoration::Decoration;
 use super::grid::Grid;
 use super::item::{DrawingItem, PaintedShapes};
 use super::layers::{Layer, LayerColumns};
@@ -33,6 +34,6 @@ impl Drawing {
 
     /// Adds a grid and the marks to a plot.
     pub(crate) fn show<'a>(&'a self, grid: Grid, plot: &mut PlotUi<'a>) {
-        plot.add(DrawingItem::new(grid, &self.marks, &self.painted));
+        plot.add(Decoration::new("drawing", DrawingItem::new(grid, &self.marks, &self.painted)));
     }
 }

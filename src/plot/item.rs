@@ -1,11 +1,10 @@
 //! A chart's drawing as one plot item.
 
-use std::ops::RangeInclusive;
-
 use egui::mutex::Mutex;
-use egui::{Color32, Context, Rect, Shape, Stroke, Ui, pos2};
-use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotTransform};
+use egui::{Context, Rect, Shape, Stroke, Ui, pos2};
+use egui_plot::PlotTransform;
 
+use super::decoration::Paint;
 use super::grid::Grid;
 use super::marks::Mark;
 use super::projection::{DASH, Projection};
@@ -20,7 +19,6 @@ const FEW: usize = 300;
 
 /// The grid and all marks of a chart as one item of the plot: points are transformed once, and no hover search runs.
 pub(crate) struct DrawingItem<'a> {
-    base: PlotItemBase,
     grid: Grid,
     marks: &'a [Mark],
     painted: &'a PaintedShapes,
@@ -29,7 +27,7 @@ pub(crate) struct DrawingItem<'a> {
 impl<'a> DrawingItem<'a> {
     /// `painted` keeps the shapes of the last frame.
     pub(crate) fn new(grid: Grid, marks: &'a [Mark], painted: &'a PaintedShapes) -> Self {
-        Self { base: PlotItemBase::new("drawing".to_owned()), grid, marks, painted }
+        Self { grid, marks, painted }
     }
 
     fn paint(&self, ctx: &Context, transform: &PlotTransform) -> Vec<Shape> {
@@ -79,7 +77,7 @@ pub(crate) struct PaintedShapes(Mutex<Option<(Place, Vec<Shape>)>>);
 /// The plot's position and range, and the size of a pixel.
 type Place = (Rect, [f64; 2], [f64; 2], f32);
 
-impl PlotItem for DrawingItem<'_> {
+impl Paint for DrawingItem<'_> {
     fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
         let bounds = transform.bounds();
         let place = (*transform.frame(), bounds.min(), bounds.max(), ui.pixels_per_point());
@@ -88,32 +86,5 @@ impl PlotItem for DrawingItem<'_> {
             *painted = Some((place, self.paint(ui.ctx(), transform)));
         }
         shapes.extend(painted.iter().flat_map(|(_, shapes)| shapes.iter().cloned()));
-    }
-
-    fn initialize(&mut self, _: RangeInclusive<f64>) {}
-
-    fn color(&self) -> Color32 {
-        Color32::TRANSPARENT
-    }
-
-    fn allow_hover(&self) -> bool {
-        false
-    }
-
-    fn geometry(&self) -> PlotGeometry<'_> {
-        PlotGeometry::None
-    }
-
-    /// The chart sets the plot's bounds.
-    fn bounds(&self) -> PlotBounds {
-        PlotBounds::NOTHING
-    }
-
-    fn base(&self) -> &PlotItemBase {
-        &self.base
-    }
-
-    fn base_mut(&mut self) -> &mut PlotItemBase {
-        &mut self.base
     }
 }

@@ -1,10 +1,9 @@
 //! The bad parts of a record as thin strips at the foot of a plot.
 
-use std::ops::RangeInclusive;
-
 use egui::{Color32, Rect, Shape, Ui, pos2};
-use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotTransform};
+use egui_plot::PlotTransform;
 
+use super::decoration::Paint;
 use crate::session::Session;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
@@ -17,7 +16,6 @@ const OPACITY: f32 = 0.5;
 
 /// The times in which filters are not to be believed, one filter's strip above the other's.
 pub(super) struct Strips {
-    base: PlotItemBase,
     /// The height of each strip in numbers of strips, its times \[s\] and its colour.
     strips: Vec<(f32, (f64, f64), Color32)>,
 }
@@ -35,11 +33,11 @@ impl Strips {
                 bad_parts.iter().map(|part| (row as f32, (record.time(part.start), record.time(part.end)), color)),
             );
         }
-        Self { base: PlotItemBase::new("bad parts".to_owned()), strips }
+        Self { strips }
     }
 }
 
-impl PlotItem for Strips {
+impl Paint for Strips {
     fn shapes(&self, _: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
         let frame = transform.frame();
         for (row, (from, to), color) in &self.strips {
@@ -50,32 +48,5 @@ impl PlotItem for Strips {
                 shapes.push(Shape::rect_filled(strip, 0.0, *color));
             }
         }
-    }
-
-    fn initialize(&mut self, _: RangeInclusive<f64>) {}
-
-    fn color(&self) -> Color32 {
-        Color32::TRANSPARENT
-    }
-
-    fn allow_hover(&self) -> bool {
-        false
-    }
-
-    fn geometry(&self) -> PlotGeometry<'_> {
-        PlotGeometry::None
-    }
-
-    /// The chart sets the plot's bounds.
-    fn bounds(&self) -> PlotBounds {
-        PlotBounds::NOTHING
-    }
-
-    fn base(&self) -> &PlotItemBase {
-        &self.base
-    }
-
-    fn base_mut(&mut self) -> &mut PlotItemBase {
-        &mut self.base
     }
 }

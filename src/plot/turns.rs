@@ -5,7 +5,7 @@ use web_time::{Duration, Instant};
 
 use crate::session::Budget;
 
-/// What `make` returns, unless the charts of this frame have used up the budget: then `None`, and the next frame begins with
+/// The result of `make`, unless the charts of this frame have used up the budget: then `None`, and the next frame begins with
 /// the first chart that has had to wait.
 pub(crate) fn in_turn<T>(ctx: &Context, chart: Id, budget: Budget, make: impl FnOnce() -> T) -> Option<T> {
     let turns = Id::unique("turns of the charts");
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_limit_nobody_waits() {
+    fn without_a_limit_no_chart_waits() {
         let mut turns = Turns { spent: Duration::from_secs(9), ..Turns::default() };
         assert!((0..9).all(|i| turns.may_draw(Id::unique(i), 0, Budget::Unlimited)));
     }

@@ -1,0 +1,58 @@
+//! A plot item that is painted and no more: it has no legend entry, answers no pointer and sets no bounds.
+
+use std::ops::RangeInclusive;
+
+use egui::{Color32, Shape, Ui};
+use egui_plot::{PlotBounds, PlotGeometry, PlotItem, PlotItemBase, PlotTransform};
+
+/// Paints into a plot.
+pub(super) trait Paint {
+    /// Appends the shapes to paint where the plot is now.
+    fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>);
+}
+
+/// Something painted as an item of a plot.
+pub(super) struct Decoration<P> {
+    base: PlotItemBase,
+    paint: P,
+}
+
+impl<P: Paint> Decoration<P> {
+    /// An item with a name that no user sees.
+    pub(super) fn new(name: &str, paint: P) -> Self {
+        Self { base: PlotItemBase::new(name.to_owned()), paint }
+    }
+}
+
+impl<P: Paint> PlotItem for Decoration<P> {
+    fn shapes(&self, ui: &Ui, transform: &PlotTransform, shapes: &mut Vec<Shape>) {
+        self.paint.shapes(ui, transform, shapes);
+    }
+
+    fn initialize(&mut self, _: RangeInclusive<f64>) {}
+
+    fn color(&self) -> Color32 {
+        Color32::TRANSPARENT
+    }
+
+    fn allow_hover(&self) -> bool {
+        false
+    }
+
+    fn geometry(&self) -> PlotGeometry<'_> {
+        PlotGeometry::None
+    }
+
+    /// The chart sets the plot's bounds.
+    fn bounds(&self) -> PlotBounds {
+        PlotBounds::NOTHING
+    }
+
+    fn base(&self) -> &PlotItemBase {
+        &self.base
+    }
+
+    fn base_mut(&mut self) -> &mut PlotItemBase {
+        &mut self.base
+    }
+}
