@@ -1,9 +1,7 @@
 //! The longest frame of the heaviest case that the explorer shows as a whole: six filters, one of them a particle filter of
 //! 2,000 particles, 200,000 samples and six views. No frame may take more than 50 ms.
 
-use std::collections::HashMap;
-
-use eframe::{App as _, Storage};
+use eframe::App as _;
 use egui::{Event, Key, Modifiers, RawInput, pos2};
 use kalmanscope::App;
 use kalmanscope::session::{Budget, Mode, Session};
@@ -11,6 +9,7 @@ use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 use kalmanscope_lessons::BUILT_IN;
 
 use crate::clock::Moment;
+use crate::memory::Memory;
 use crate::phase::Phase;
 use crate::screen::{Screen, edit};
 
@@ -185,7 +184,7 @@ fn start(saved: &Memory) -> Screen {
     })
 }
 
-/// What the explorer saves while it shows all of a scenario.
+/// The saved state of an explorer that shows all of a scenario.
 fn saved(scenario: &Scenario) -> Memory {
     let mut app = App::with_scenario(scenario.clone()).expect("the scenario can be run");
     app.session_mut().set_budget(Budget::FRAME);
@@ -193,24 +192,4 @@ fn saved(scenario: &Scenario) -> Memory {
     let mut memory = Memory::default();
     app.save(&mut memory);
     memory
-}
-
-/// A storage that lasts as long as the program.
-#[derive(Default)]
-struct Memory(HashMap<String, String>);
-
-impl Storage for Memory {
-    fn get_string(&self, key: &str) -> Option<String> {
-        self.0.get(key).cloned()
-    }
-
-    fn set_string(&mut self, key: &str, value: String) {
-        self.0.insert(key.to_owned(), value);
-    }
-
-    fn remove_string(&mut self, key: &str) {
-        self.0.remove(key);
-    }
-
-    fn flush(&mut self) {}
 }

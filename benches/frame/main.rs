@@ -1,7 +1,9 @@
-//! What a frame costs without a screen: the median of simple cases, and the longest frame of the heaviest one.
+//! The cost of a frame without a screen: the median of simple cases, and the longest frame of the heaviest one.
 
 mod clock;
 mod longest;
+#[path = "../../tests/ui/memory.rs"]
+mod memory;
 mod phase;
 mod screen;
 mod typical;

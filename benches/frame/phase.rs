@@ -14,7 +14,7 @@ pub(crate) struct Phase {
 }
 
 impl Phase {
-    /// Draws so many frames, each after a change that is given its number.
+    /// Draws `frames` frames, each after a change that is given the frame's number.
     pub(crate) fn of(
         screen: &mut Screen,
         frames: usize,

@@ -25,7 +25,7 @@ pub(crate) const VIEWS: [ViewKind; 6] = [
 /// The parts of a frame.
 pub(crate) const PARTS: [&str; 4] = ["change", "logic", "ui", "triangles"];
 
-/// How long each of [`PARTS`] takes.
+/// The time that each of [`PARTS`] takes.
 pub(crate) type Frame = [Elapsed; PARTS.len()];
 
 /// The explorer and its window.

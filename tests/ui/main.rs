@@ -5,6 +5,7 @@ mod frequency_response;
 mod habits;
 mod identity;
 mod lessons;
+mod memory;
 mod playback;
 mod settings;
 mod sizes;
@@ -22,6 +23,8 @@ use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
 use kalmanscope_core::{Channel, FilterKind, Force, PlantKind, Quantity, Scenario, Signal};
+
+use memory::Memory;
 
 type Screen = Harness<'static, App>;
 

@@ -43,25 +43,6 @@ fn the_transport_buttons_work() {
 /// The storage of saved sessions.
 const KEY: &str = "kalmanscope";
 
-#[derive(Default)]
-struct Memory(HashMap<String, String>);
-
-impl eframe::Storage for Memory {
-    fn get_string(&self, key: &str) -> Option<String> {
-        self.0.get(key).cloned()
-    }
-
-    fn set_string(&mut self, key: &str, value: String) {
-        self.0.insert(key.to_owned(), value);
-    }
-
-    fn remove_string(&mut self, key: &str) {
-        self.0.remove(key);
-    }
-
-    fn flush(&mut self) {}
-}
-
 /// A saved session with settings other than the defaults.
 fn saved() -> (App, Memory) {
     let mut edited = Scenario { seed: 5, force: Force::None, ..Scenario::default() };
