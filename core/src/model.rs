@@ -1,12 +1,15 @@
 //! A plant with everything that surrounds it: augmentations, decay of the parameters, logarithms.
 
+mod reading;
+
 use serde::{Deserialize, Serialize};
 
 use crate::linalg::{Matrix, Vector, fit};
-use crate::quantity::Term;
-use crate::{Channel, PlantKind, Quantity};
+use crate::{Channel, PlantKind};
 
-/// What the input of a record is.
+pub use reading::Reading;
+
+/// The physical meaning of a record's input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InputKind {
@@ -28,7 +31,7 @@ impl InputKind {
     }
 }
 
-/// How the input runs between samples.
+/// The course of the input between samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Hold {
@@ -63,17 +66,6 @@ pub struct Model {
     /// The places of forces that the record lacks: the offset and the unknown force.
     offset: Option<usize>,
     unknown: Option<usize>,
-}
-
-/// The reading of a sensor, in places of a model's state.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Reading {
-    /// Components with their factors.
-    state: Vec<(usize, f64)>,
-    /// Rates of components with their factors.
-    rates: Vec<(usize, f64)>,
-    /// The factor of the ground's acceleration.
-    ground: f64,
 }
 
 impl Model {
@@ -323,83 +315,6 @@ impl Model {
         self.by_force(state) * self.gain(state)
     }
 
-    /// Where a sensor for `quantity` reads, if the plant has it.
-    pub fn reading(&self, quantity: Quantity) -> Option<Reading> {
-        let mut reading = Reading { state: Vec::new(), rates: Vec::new(), ground: 0.0 };
-        for (term, factor) in quantity.reads() {
-            match term {
-                Term::State(channel) => reading.state.push((self.place(channel)?, factor)),
-                Term::Rate(channel) => reading.rates.push((self.place(channel)?, factor)),
-                Term::Ground if self.input == InputKind::GroundAcceleration => reading.ground += factor,
-                Term::Ground => {}
-            }
-        }
-        if let Some(bias) = self.place(quantity.bias()) {
-            reading.state.push((bias, 1.0));
-        }
-        Some(reading)
-    }
-
-    /// `h(y, f)`: what a perfect sensor reads, in its quantity's unit.
-    pub fn read(&self, reading: &Reading, state: &[f64], force: f64) -> f64 {
-        self.read_disturbed(reading, state, force, 0.0)
-    }
-
-    /// [`Self::read`] where a force over mass acts besides that nobody records \[m/s²\].
-    pub fn read_disturbed(&self, reading: &Reading, state: &[f64], force: f64, disturbance: f64) -> f64 {
-        if reading.is_of_components() {
-            return self.read_moving(reading, state, &[], force);
-        }
-        let rate = self.rate_under(state, self.acting_force(state, force) + disturbance);
-        self.read_moving(reading, state, rate.as_slice(), force)
-    }
-
-    /// [`Self::read`] in a state that moves at this rate, which only readings of rates look at.
-    pub fn read_moving(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
-        let Reading { state: components, rates, ground } = reading;
-        let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
-        sum += rates.iter().map(|&(place, factor)| factor * rate[place]).sum::<f64>();
-        if *ground != 0.0 {
-            // The force over mass is the negative of the ground's acceleration.
-            sum -= ground * self.recorded_force(state, force);
-        }
-        sum
-    }
-
-    /// `∂h/∂y`, n numbers.
-    pub fn read_gradient(&self, reading: &Reading, state: &[f64], force: f64) -> Vector {
-        let jacobian = if reading.rates.is_empty() { Matrix::zeros(0, 0) } else { self.jacobian(state, force) };
-        let mut gradient = Vector::zeros(self.size());
-        self.read_gradient_into(reading, &jacobian, force, |place, part| gradient[place] += part);
-        gradient
-    }
-
-    /// `∂h/∂y` where A is `jacobian`, which only readings of rates look at: adds every part of it that is not zero to its
-    /// place.
-    pub fn read_gradient_into(
-        &self,
-        reading: &Reading,
-        jacobian: &Matrix,
-        force: f64,
-        mut add: impl FnMut(usize, f64),
-    ) {
-        let Reading { state: components, rates, ground } = reading;
-        for &(place, factor) in components {
-            add(place, factor);
-        }
-        for &(row, factor) in rates {
-            for (place, entry) in jacobian.row(row).iter().enumerate() {
-                add(place, entry * factor);
-            }
-        }
-        if *ground != 0.0 {
-            let unrecorded = self.unknown;
-            for (place, factor) in self.force_parts(force).filter(|(place, _)| Some(*place) != unrecorded) {
-                add(place, -ground * factor);
-            }
-        }
-    }
-
     /// The state for values in the channels' units, and what a unit of each channel is in the state's.
     pub fn to_state(&self, values: &[f64]) -> (Vector, Vector) {
         let mut state = Vector::from_column_slice(values);
@@ -425,33 +340,5 @@ impl Model {
             state[place] = libm::exp(state[place]);
             unit[place] = state[place];
         }
-    }
-}
-
-impl Reading {
-    /// The component that it reads as it is, if it reads one alone.
-    pub fn component(&self) -> Option<usize> {
-        match (&self.state[..], &self.rates[..], self.ground) {
-            (&[(place, 1.0)], [], 0.0) => Some(place),
-            _ => None,
-        }
-    }
-
-    /// The component whose rate it reads as it is, if it reads that alone.
-    pub fn rate_component(&self) -> Option<usize> {
-        match (&self.state[..], &self.rates[..], self.ground) {
-            ([], &[(place, 1.0)], 0.0) => Some(place),
-            _ => None,
-        }
-    }
-
-    /// Whether it reads a rate.
-    pub fn is_of_rates(&self) -> bool {
-        !self.rates.is_empty()
-    }
-
-    /// Whether it is linear in the state, whatever the plant.
-    pub fn is_of_components(&self) -> bool {
-        self.rates.is_empty() && self.ground == 0.0
     }
 }
