@@ -119,7 +119,7 @@ impl Session {
         self.budget = budget;
     }
 
-    /// How much is computed at once.
+    /// The amount of computation in one go.
     pub(crate) fn budget(&self) -> Budget {
         self.budget
     }
@@ -181,7 +181,7 @@ impl Session {
         self.run().record().sensors().to_vec()
     }
 
-    /// What is shown of the record. One that is too long to be shown as a whole is live, whatever is wanted.
+    /// The part of the record that is shown. A record too long to be shown as a whole is always live.
     pub fn mode(&self) -> Mode {
         if self.can_be_whole { self.wanted_mode } else { Mode::Live }
     }

@@ -42,7 +42,7 @@ enum OutputError {
     Plot(#[from] PlotError),
 }
 
-/// How a run has ended.
+/// The outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ending {
     /// All was written, and no filter stopped.

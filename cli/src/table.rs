@@ -90,7 +90,7 @@ fn write_table(
 /// The most pieces of evidence, and the most causes, that are told of a filter.
 const MOST: (usize, usize) = (6, 3);
 
-/// What speaks for the verdict, and the p-value of each.
+/// The evidence for the verdict, each with its p-value.
 fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Result {
     let Some(diagnosis) = diagnosis else { return Ok(()) };
     let mut counting: Vec<&Evidence> = diagnosis.evidence.iter().filter(|one| one.counts).collect();
@@ -103,7 +103,7 @@ fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Resu
     Ok(())
 }
 
-/// What may be wrong, the likeliest first: how much likelier the record is with the knob turned, the verdict then, and the
+/// The causes, the likeliest first: the gain in likelihood with the knob turned, the verdict then, and the
 /// line to write.
 fn write_causes(text: &mut String, causes: &[Finding]) -> fmt::Result {
     for (number, finding) in (1..).zip(causes.iter().take(MOST.1)) {

@@ -1,4 +1,4 @@
-//! How often the diagnosis is right, over situations drawn at random.
+//! The share of right diagnoses over situations drawn at random.
 //!
 //! ```text
 //! cargo bench -p kalmanscope-core --bench diagnosis -- [FROM] [NUMBER]
@@ -54,7 +54,7 @@ fn main() {
     }
 }
 
-/// What came of one situation.
+/// The diagnosis of one situation.
 struct Outcome {
     seed: u64,
     fault: Fault,

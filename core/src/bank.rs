@@ -60,12 +60,12 @@ impl Bank {
         Estimates::new(filter, &model, self.quantities.clone())
     }
 
-    /// How many samples of the record beyond its last one a filter looks at: those that take the record for late.
+    /// The number of samples beyond its last one that a filter reads of the record, if it takes the record for late.
     pub(crate) fn lookahead(&self) -> usize {
         lookahead(&self.scenario)
     }
 
-    /// How many samples of the record before its last one a filter looks at.
+    /// The number of samples before its last one that a filter reads of the record.
     pub(crate) fn reach(&self) -> usize {
         self.scenario.filters.iter().map(|filter| filter.input_delay.max(0) as usize).max().unwrap_or(0)
     }
@@ -104,7 +104,7 @@ impl Bank {
     }
 }
 
-/// How many samples of the record beyond its last one a filter of a scenario looks at.
+/// The number of samples beyond its last one that a filter of a scenario reads of the record.
 pub(crate) fn lookahead(scenario: &Scenario) -> usize {
     scenario.filters.iter().map(|filter| filter.input_delay.min(0).unsigned_abs() as usize).max().unwrap_or(0)
 }

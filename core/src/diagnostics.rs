@@ -139,7 +139,7 @@ impl Diagnostics {
         self.likelihood.push(estimates, k);
     }
 
-    /// How much is followed.
+    /// The depth of these diagnostics.
     pub fn depth(&self) -> Depth {
         self.depth
     }

@@ -1,4 +1,4 @@
-//! How a state moves over one step: exact for linear rates, Runge-Kutta for others.
+//! The motion of a state over one step: exact for linear rates, Runge-Kutta for others.
 
 mod exponential;
 mod impulse_response;
@@ -19,14 +19,14 @@ pub(crate) const INVERSE_FACTORIAL: [f64; 18] = {
     table
 };
 
-/// How often a step must be halved until `size`, a norm of `A dt`, is at most one half.
+/// The number of times that a step must be halved until `size`, a norm of `A dt`, is at most one half.
 pub(crate) fn doublings(size: f64) -> u32 {
     if size <= 0.5 {
         0
     } else if size < 1e300 {
         libm::ceil(libm::log2(2.0 * size)) as u32
     } else {
-        // Without doublings such a step overflows, and is seen to; a step halved to nothing would not be.
+        // Zero doublings let the series overflow, which callers detect; a step halved to zero would hide the error.
         0
     }
 }

@@ -45,7 +45,7 @@ pub struct Noise<const N: usize> {
     pub fading: f64,
 }
 
-/// What one measurement told. Sensors that were skipped have an innovation of NaN and no gain.
+/// The effect of one sample of the sensors on the belief. Sensors that were skipped have an innovation of NaN and no gain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correction<const N: usize> {
     /// e = z - h(y⁻), in the sensors' units.
@@ -90,7 +90,7 @@ impl<const N: usize> Correction<N> {
     }
 }
 
-/// How a filter holds its belief over the N components of a model's state.
+/// A representation of a filter's belief over the N components of a model's state.
 pub trait Belief<P: Model<N>, const N: usize>: Send {
     /// Whether observations are padded to [`MAX_SENSORS`]: slower, but the program has the update once instead of once for
     /// every number of sensors. For beliefs that take their time anyway.

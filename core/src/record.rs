@@ -197,7 +197,7 @@ impl Record {
         self.kind
     }
 
-    /// How the input runs between samples.
+    /// The course of the input between samples.
     pub fn hold(&self) -> Hold {
         self.hold
     }

@@ -33,7 +33,7 @@ pub(crate) trait Beliefs: Send {
     fn report(&self, k: usize, estimates: &mut Estimates);
 }
 
-/// How far a smoother has come.
+/// The progress of a smoother.
 #[derive(Clone, Copy)]
 enum Stage {
     /// The filter is on its way.

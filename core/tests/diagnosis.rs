@@ -13,7 +13,7 @@ use situations::{Fault, Situation, largest_error, without_truth};
 /// The first seed that no limit was set on.
 const FIRST: u64 = 1_000_000;
 
-/// What came of one situation.
+/// The diagnosis of one situation.
 struct Outcome {
     fault: Fault,
     /// The seed and what was drawn, in words.

@@ -44,7 +44,7 @@ fn scenario(plant: PlantKind, kind: FilterKind, seed: u64) -> Scenario {
     Scenario { filters: vec![filter], ..scenario }
 }
 
-/// What came of one run.
+/// The result of one run.
 struct Outcome {
     /// The NEES of the last sample and its degrees of freedom.
     nees: (f64, u32),

@@ -1,8 +1,8 @@
-//! How much is computed in one frame.
+//! The amount of computation in one frame.
 
 use web_time::{Duration, Instant};
 
-/// How much a session computes in one go.
+/// The amount of computation in one go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Budget {
     /// All there is to compute.

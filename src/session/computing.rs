@@ -168,7 +168,7 @@ impl Session {
         }
     }
 
-    /// What changes besides the length of the run: the first sample that is kept, and which analyses are there.
+    /// The changes besides the length of the run: the first sample that is kept, and which analyses are there.
     fn shown(&self) -> (usize, [bool; 3]) {
         let analysis = self.study.analysis();
         let there = [analysis.diagnostics().is_empty(), analysis.smoothed().is_empty(), analysis.bounds().is_empty()];

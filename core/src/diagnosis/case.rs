@@ -28,7 +28,7 @@ pub(crate) struct Case<'a> {
     pub(crate) estimates: &'a Estimates,
     pub(crate) record: &'a Record,
     pub(crate) bound: Option<&'a CramerRao>,
-    /// The samples that it is about, of those that are kept.
+    /// The diagnosed samples, of those that are kept.
     pub(crate) samples: Range<usize>,
     pub(crate) sensors: Vec<SensorInnovations>,
     pub(crate) errors: Vec<ChannelErrors>,
@@ -44,7 +44,7 @@ pub(crate) struct Case<'a> {
 pub(crate) struct Span {
     pub(crate) parts: Chosen,
     pub(crate) samples: Range<usize>,
-    /// What to add to a sentence about them.
+    /// Words that a sentence about them ends with.
     pub(crate) words: &'static str,
 }
 

@@ -44,14 +44,14 @@ pub static CAUSES: &[&Cause] = &[
     &initial_guess::CAUSE,
 ];
 
-/// What can be wrong with a filter.
+/// A possible cause of a bad verdict.
 #[derive(Debug)]
 pub struct Cause {
     /// A name that does not change.
     pub key: &'static str,
     /// The name in running text.
     pub name: &'static str,
-    /// How it shows, and what to do.
+    /// Its symptoms and its remedy.
     pub hint: &'static str,
     /// Appends the ways in which it may be the cause.
     pub(crate) suspects: fn(&Matter<'_>, &'static Self, &mut Vec<Suspect>),
@@ -62,15 +62,15 @@ pub struct Cause {
 pub struct Suspect {
     /// The cause.
     pub cause: &'static Cause,
-    /// What it is, in words and numbers.
+    /// The cause in words and numbers.
     pub sentence: String,
-    /// How much of the evidence it explains, from 0 to 1, as far as that can be told without a trial.
+    /// The share of the evidence that it explains, from 0 to 1, estimated without a trial.
     pub weight: f64,
     /// Whether the evidence is enough without a trial: the likelihood does not tell.
     pub certain: bool,
     /// The settings to turn.
     pub knobs: Vec<Knob>,
-    /// How many numbers are fitted to the record by turning them.
+    /// The number of values that turning them fits to the record.
     pub fitted: f64,
     /// Whether its likelihood is that of a filter which begins anew at the first of its samples, if that is larger: what a
     /// knob can do against it comes late.

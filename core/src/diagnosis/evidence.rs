@@ -1,4 +1,4 @@
-//! What one test says of a filter.
+//! The result of one test of a filter.
 
 use std::ops::Range;
 
@@ -17,13 +17,13 @@ pub struct Test {
     pub distribution: &'static str,
     /// Where it comes from.
     pub source: &'static str,
-    /// How to read it.
+    /// Instructions for reading it.
     pub reading: &'static str,
     /// Appends what it says.
     pub(crate) run: fn(&Case<'_>, &'static Self, &mut Vec<Evidence>),
 }
 
-/// What a test is about.
+/// The subject of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Subject {
     /// All sensors, or all channels.
@@ -34,12 +34,12 @@ pub enum Subject {
     Channel(Channel),
 }
 
-/// What one test says of one subject.
+/// The result of one test for one subject.
 #[derive(Clone, Debug)]
 pub struct Evidence {
     /// The test.
     pub test: &'static Test,
-    /// What it is about.
+    /// The subject.
     pub subject: Subject,
     /// The statistic.
     pub statistic: f64,
@@ -53,7 +53,7 @@ pub struct Evidence {
     pub counts: bool,
     /// The samples, of those that are kept, that it is about.
     pub samples: Range<usize>,
-    /// What it found, in words and numbers.
+    /// The finding, in words and numbers.
     pub sentence: String,
 }
 

@@ -40,7 +40,7 @@ pub struct Trials {
     current: Option<(Pass, Estimates)>,
     /// The sample of the run's record at which the window begins.
     first: usize,
-    /// What the filter as it is believes and how likely each sample is to it, for filters that begin anew.
+    /// The estimates and likelihoods of the filter with no knob turned, for filters that begin anew.
     unturned: Option<Estimates>,
     /// The result without any knob turned.
     before: Option<Outcome>,
@@ -49,7 +49,7 @@ pub struct Trials {
     own: Option<f64>,
 }
 
-/// What came of one trial.
+/// The result of one trial.
 #[derive(Clone, Debug)]
 struct Outcome {
     log_likelihood: f64,
@@ -96,7 +96,7 @@ impl Trials {
         let record = window(record, first..estimates.len().min(record.len()));
         let (outcomes, before) = (Vec::new(), None);
         let trials = Self { record, scenario, suspects, current: None, first, unturned: None, before, outcomes, own };
-        // What could not begin at all is said now.
+        // A scenario that cannot begin is an error now, not at the first trial.
         Pass::new(&trials.scenario, 0, &trials.record)?;
         Ok(trials)
     }

@@ -11,11 +11,11 @@ use super::words::{percent, short};
 pub struct Verdict {
     /// The verdict.
     pub kind: VerdictKind,
-    /// What it rests on, in words and numbers.
+    /// The reason, in words and numbers.
     pub reason: String,
 }
 
-/// What a filter's estimates and standard deviations are worth: the graver, the further down.
+/// The trust that a filter's estimates and standard deviations deserve, in order of gravity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum VerdictKind {
     /// Its errors are as large as it says.
@@ -128,7 +128,7 @@ impl Verdict {
     }
 }
 
-/// How well a filter that is consistent fits, and whatever of the numbers beside it seems to say something else.
+/// The fit of a consistent filter, and an explanation of numbers that seem to contradict the verdict.
 fn fit(case: &Case<'_>) -> String {
     let (level, _) = case.nis(&case.kept);
     let mut text = format!("innovations² are {level:.2} times what it expects");

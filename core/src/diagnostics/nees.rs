@@ -66,7 +66,7 @@ pub(super) struct Nees {
     totals: Totals,
     /// The number of samples below the 95 % quantile of their degrees of freedom.
     inside: u32,
-    /// That quantile for one and more degrees of freedom.
+    /// The 95 % quantile for one and more degrees of freedom.
     limits: Vec<f64>,
 }
 

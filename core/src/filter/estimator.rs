@@ -82,7 +82,7 @@ fn report(
 pub(super) struct InUnits {
     pub(super) belief: Gaussian,
     gain: Matrix,
-    /// What a unit of each component is in its channel's.
+    /// The size of each component's unit in its channel's unit.
     unit: Vector,
 }
 

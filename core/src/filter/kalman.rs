@@ -7,7 +7,7 @@ use crate::linalg::{
     multiply_sparse,
 };
 
-/// What a belief says of m measurements before they are seen.
+/// The prediction of m measurements from a belief.
 #[derive(Clone, Debug)]
 pub struct Expected {
     /// h(y⁻), m numbers.
@@ -112,7 +112,7 @@ impl Default for Last {
     }
 }
 
-/// What one sample of the sensors told, n channels and m sensors. Sensors that were skipped have an innovation of NaN and no
+/// The effect of one sample of the sensors on the belief, with n channels and m sensors. Sensors that were skipped have an innovation of NaN and no
 /// gain.
 #[derive(Clone, Debug)]
 pub struct Correction {

@@ -15,7 +15,7 @@ pub struct FilterInfo {
     pub key: &'static str,
     /// The usual abbreviation.
     pub name: &'static str,
-    /// What it does, in a few words.
+    /// Its method in a few words.
     pub description: &'static str,
     /// Where it comes from.
     pub reference: &'static str,
@@ -24,7 +24,7 @@ pub struct FilterInfo {
     /// Whether the belief reports a log likelihood and an effective sample size of its own, as particle filters do. That of
     /// any other follows from NIS and S.
     pub has_own_likelihood: bool,
-    /// How often a filter with these settings evaluates `g(y, f)` of an n-component state to predict one step.
+    /// The number of times that a filter with these settings evaluates `g(y, f)` of an n-component state in one prediction.
     pub evaluations: fn(&FilterSettings, usize) -> usize,
     /// The belief that a filter with these settings begins with, from its mean and covariance; random numbers, if it needs
     /// any, come from the stream.
@@ -64,7 +64,7 @@ impl FilterKind {
         self.0.key
     }
 
-    /// What it does, in a few words.
+    /// Its method in a few words.
     pub const fn description(self) -> &'static str {
         self.0.description
     }

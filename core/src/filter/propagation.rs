@@ -1,4 +1,4 @@
-//! How a linearising filter moves: the mean and its transition matrix.
+//! The motion of a linearising filter: the mean and its transition matrix.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::Model;
 use crate::integrate::Integrals;
 use crate::linalg::{Matrix, Vector, add_product, copy, copy_vector, fit, multiply};
 
-/// How the mean of a linearising filter moves, and with which transition matrix its covariance.
+/// The motion of a linearising filter's mean, and the transition matrix of its covariance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Propagation {
@@ -60,7 +60,7 @@ pub struct Transition {
 }
 
 impl Default for Transition {
-    /// That of no component.
+    /// A transition of no component.
     fn default() -> Self {
         let none = || Matrix::zeros(0, 0);
         Self {

@@ -56,7 +56,7 @@ struct Smoothed {
     in_units: InUnits,
 }
 
-/// How a filter came from one sample to the next.
+/// The passage of a filter from one sample to the next.
 struct Passage {
     /// Φ, n × n.
     transition: Matrix,
@@ -92,7 +92,7 @@ impl Update {
     }
 }
 
-/// What all later measurements tell of a state: `λ`, n numbers, and `Λ`, n × n.
+/// The information in all later measurements about a state: `λ`, n numbers, and `Λ`, n × n.
 struct Adjoint {
     score: Vector,
     information: Matrix,

@@ -64,7 +64,7 @@ impl ImpulseResponse {
         p
     }
 
-    /// What classical fourth-order Runge-Kutta makes of the response: its Taylor polynomial.
+    /// The response by a classical fourth-order Runge-Kutta step: its Taylor polynomial.
     #[inline]
     pub fn runge_kutta(a: f64, b: f64, dt: f64) -> Self {
         let (alpha, beta) = (a * dt * dt, b * dt);

@@ -66,7 +66,7 @@ fn next_pivot<const N: usize>(columns: &Matrix<N, N>, j: usize, pivot: f64, inve
     in_range.then(|| (determinant * inverse, pivot / determinant))
 }
 
-/// What rounding has made of a covariance, symmetric to the last bit again: the lower triangle, mirrored.
+/// A covariance that is symmetric to the last bit: the lower triangle, mirrored. Rounding makes the triangles differ.
 #[inline]
 pub(crate) fn mirrored<const N: usize>(mut matrix: Matrix<N, N>) -> Matrix<N, N> {
     for j in 1..N {

@@ -4,7 +4,7 @@ use super::observation::{Active, Observation};
 use super::{Correction, FilterError, Noise};
 use crate::kernel::gaussian::{Factor, Gaussian, Matrix, Vector, lower_root, minus_product, mirrored};
 
-/// What a belief says of M measurements before they are seen.
+/// The prediction of M measurements from a belief.
 pub(super) struct Expected<const N: usize, const M: usize> {
     pub(super) mean: Vector<M>,
     /// S, noise included.
@@ -14,7 +14,7 @@ pub(super) struct Expected<const N: usize, const M: usize> {
     pub(super) view: View<N, M>,
 }
 
-/// How measurements depend on the state.
+/// The dependence of measurements on the state.
 pub(super) enum View<const N: usize, const M: usize> {
     /// Linearly, or taken to: H.
     Linear(Matrix<M, N>),

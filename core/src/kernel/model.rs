@@ -1,4 +1,4 @@
-//! What a filter knows of a plant: its rate of change, the Jacobian of that, and what sensors see.
+//! A plant as a filter models it: the rate of change, its Jacobian, and the readings of sensors.
 
 use crate::Channel;
 use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
@@ -23,9 +23,9 @@ impl Output {
 
 /// A plant with an N-component augmented state `y` (motion and parameters) and rate `ẏ = g(y, f)`.
 pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
-    /// What each component is: first what moves, then the parameters.
+    /// The channel of each component: motion first, then the parameters.
     const CHANNELS: [Channel; N];
-    /// How many components move. Those after them are parameters: each is constant or decays in proportion to itself,
+    /// The number of components that move. Those after them are parameters: each is constant or decays in proportion to itself,
     /// whatever the others do.
     const MOTION: usize;
 

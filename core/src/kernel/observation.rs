@@ -1,4 +1,4 @@
-//! What the sensors have delivered at one sample.
+//! The measurements of one sample.
 
 use crate::kernel::gaussian::{Matrix, Vector};
 use crate::kernel::model::{Model, Output};
@@ -17,12 +17,12 @@ pub struct Observation<const M: usize> {
     pub(super) active: [Active; M],
     pub(super) values: Vector<M>,
     pub(super) force: f64,
-    /// How many are measurements; the rest, if a belief wants [`super::Belief::PADDED`] ones, reads zero with a variance of one.
+    /// The number of measurements; the rest, if a belief wants [`super::Belief::PADDED`] ones, reads zero with a variance of one.
     pub(super) count: usize,
 }
 
 impl<const M: usize> Observation<M> {
-    /// What the sensors would read in a state.
+    /// The readings of the sensors in a state.
     #[inline]
     pub(super) fn read<P: Model<N>, const N: usize>(&self, model: &P, state: &Vector<N>) -> Vector<M> {
         if let Some(components) = self.components() {

@@ -1,4 +1,4 @@
-//! How a state of a known size moves over one step: exact for linear rates, Runge-Kutta for others.
+//! The motion of a state of a known size over one step: exact for linear rates, Runge-Kutta for others.
 
 mod chain;
 mod held;

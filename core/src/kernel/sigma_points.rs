@@ -119,7 +119,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     }
 }
 
-/// What the sensors will read, from sigma points drawn afresh from the prediction.
+/// The predicted measurements, from sigma points drawn afresh from the prediction.
 fn expect<P: Model<N>, const N: usize, const M: usize>(
     model: &P,
     belief: &Gaussian<N>,

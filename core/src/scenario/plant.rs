@@ -22,7 +22,7 @@ pub struct Plant {
     /// Standard deviation of an unmeasured force over mass, which is normal, held over each step, and the same for
     /// every mass \[m/s²\].
     pub disturbance_std: f64,
-    /// How many samples after it is recorded the plant feels the input; negative where the record is late.
+    /// The delay of the input, in samples, from the record to the plant; negative where the record is late.
     pub input_delay: i32,
     signals: Vec<(Channel, Signal)>,
 }

@@ -1,4 +1,4 @@
-//! What is wrong with a filter, as far as trials tell, with buttons that turn the knobs.
+//! The likely causes of a filter's verdict, with buttons that turn the knobs.
 
 use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
 use kalmanscope_core::Estimates;

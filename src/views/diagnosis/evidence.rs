@@ -1,4 +1,4 @@
-//! What the tests say of a filter, each as a bar and a sentence.
+//! The results of the tests of a filter, each as a bar and a sentence.
 
 use egui::{Color32, Label, Rect, RichText, Sense, Stroke, Ui, Vec2};
 use kalmanscope_core::diagnosis::Evidence;
