@@ -11,8 +11,14 @@ use crate::theme::{self, Palette};
 use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
 
-/// The width of a verdict's reason \[points\].
-const REASON: f32 = 210.0;
+/// Limits the width of a verdict's reason from below and above \[points\].
+const REASON: (f32, f32) = (110.0, 210.0);
+
+/// The width of the names of the rows \[points\].
+const NAMES: f32 = 125.0;
+
+/// The distance between columns \[points\].
+const SPACING: f32 = 18.0;
 
 /// A table of the filters' scores with the best values marked.
 pub(super) struct Scores;
@@ -48,8 +54,10 @@ impl View for Scores {
             summaries.sort_by(|(a, _), (b, _)| distances[*a].total_cmp(&distances[*b]));
         }
         let rows = rows(&summaries);
+        let column = (ui.available_width() - NAMES) / summaries.len().max(1) as f32 - SPACING;
+        let reason_width = column.clamp(REASON.0, REASON.1);
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-            Grid::new("scores").striped(true).spacing([18.0, 4.0]).show(ui, |ui| {
+            Grid::new("scores").striped(true).spacing([SPACING, 4.0]).show(ui, |ui| {
                 if ui.small_button("Copy").on_hover_text("Copy the table as text").clicked() {
                     ui.ctx().copy_text(as_text(&summaries, &rows));
                 }
@@ -64,7 +72,7 @@ impl View for Scores {
                 if visible.verdicts {
                     ui.weak("verdict");
                     for (_, summary) in &summaries {
-                        verdict_ui(ui, summary.verdict.as_ref(), palette);
+                        verdict_ui(ui, summary.verdict.as_ref(), reason_width, palette);
                     }
                     ui.end_row();
                 }
@@ -90,13 +98,13 @@ impl View for Scores {
 }
 
 /// A verdict and its reason.
-fn verdict_ui(ui: &mut Ui, verdict: Option<&Verdict>, palette: &Palette) {
+fn verdict_ui(ui: &mut Ui, verdict: Option<&Verdict>, width: f32, palette: &Palette) {
     let Some(verdict) = verdict else {
         ui.weak("too few samples");
         return;
     };
     ui.vertical(|ui| {
-        ui.set_max_width(REASON);
+        ui.set_max_width(width);
         let kind = verdict.kind;
         ui.colored_label(text_color(kind, palette), format!("{} {}", symbol(kind), kind.name()));
         ui.add(Label::new(RichText::new(&verdict.reason).small().weak()).wrap());
