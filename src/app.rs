@@ -15,6 +15,7 @@ use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
+use crate::ruler::Ruler;
 use crate::saved::{self, Found, Saved};
 use crate::session::{Budget, Mode, Session};
 use crate::theme;
@@ -29,6 +30,7 @@ const LARGE: f32 = 1.4;
 pub struct App {
     session: Session,
     axis: TimeAxis,
+    ruler: Ruler,
     visible: Visibility,
     layout: Layout,
     /// Read when the menu is first opened.
@@ -103,6 +105,7 @@ impl App {
         Ok(Self {
             session: Session::new(scenario)?,
             axis: TimeAxis::default(),
+            ruler: Ruler::default(),
             visible: Visibility::default(),
             layout: Layout::default(),
             lessons: LazyLock::new(|| kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect()),
@@ -156,6 +159,11 @@ impl App {
         &self.axis
     }
 
+    /// The marked times.
+    pub fn ruler(&self) -> &Ruler {
+        &self.ruler
+    }
+
     /// The message about a failure on screen, until it is dismissed.
     pub fn notice(&self) -> Option<&str> {
         self.notice.as_deref()
@@ -189,8 +197,11 @@ impl eframe::App for App {
         self.session.want_trials(self.tried());
         // A slow frame (a hidden tab, a breakpoint) must not skip part of the record.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
+        // A number that is held is still being changed.
+        self.session.rest(if ctx.input(|input| input.pointer.any_down()) { 0.0 } else { elapsed });
         self.session.advance(elapsed);
-        if self.session.playing() || self.session.behind() || self.session.is_trying() {
+        let Self { session, .. } = self;
+        if session.playing() || session.behind() || session.is_before_behind() || session.is_trying() {
             ctx.request_repaint();
         }
     }

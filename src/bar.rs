@@ -9,7 +9,7 @@ use kalmanscope_lessons::{BUILT_IN, Lesson};
 use crate::layout::Layout;
 use crate::probe;
 use crate::request::{Arrangement, Request, ViewKind};
-use crate::session::Session;
+use crate::session::{Session, Setting};
 use crate::theme;
 use crate::transport;
 use crate::tutor;
@@ -27,11 +27,13 @@ pub(crate) struct Bar<'a> {
     pub(crate) controls: bool,
     pub(crate) presenting: bool,
     pub(crate) narrow: bool,
+    /// Whether there is a change to take back, and one to make again.
+    pub(crate) history: (bool, bool),
 }
 
 impl Bar<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
-        let Self { session, layout, lessons, controls, presenting, narrow } = *self;
+        let Self { session, layout, lessons, controls, presenting, narrow, history } = *self;
         ui.horizontal_wrapped(|ui| {
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
             toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
@@ -46,12 +48,20 @@ impl Bar<'_> {
             views_menu_ui(ui, layout, requests);
             tutor::menu_ui(ui, lessons, requests);
             more_menu_ui(ui, presenting, requests);
+            if !narrow {
+                history_ui(ui, history, requests);
+                settings_ui(ui, session, requests);
+            }
             if narrow {
                 ui.end_row();
             } else {
                 ui.separator();
             }
-            transport::transport_ui(ui, session, narrow, requests);
+            transport::transport_ui(ui, session, narrow, requests, |ui, requests| {
+                if narrow {
+                    history_ui(ui, history, requests);
+                }
+            });
         });
     }
 }
@@ -111,6 +121,38 @@ fn more_menu_ui(ui: &mut Ui, presenting: bool, requests: &mut Vec<Request>) {
     keys.ctx.accesskit_node_builder(keys.id, |node| node.set_label("List of keys"));
     if keys.clicked() {
         requests.push(Request::ToggleKeys);
+    }
+}
+
+/// Takes changes back and makes them again.
+fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut Vec<Request>) {
+    for (icon, name, key, possible, request) in
+        [("↶", "Undo", "Ctrl+Z", undo, Request::Undo), ("↷", "Redo", "Ctrl+Shift+Z", redo, Request::Redo)]
+    {
+        let button = ui.add_enabled(possible, Button::new(RichText::new(icon).size(15.0)));
+        let button = button.on_hover_text(format!("{name} the last change of a setting ({key})"));
+        button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
+        if button.clicked() {
+            requests.push(request);
+        }
+    }
+}
+
+/// Two whole settings, A and B, to go to and fro between.
+fn settings_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
+    for setting in Setting::BOTH {
+        let is_on = session.setting() == setting;
+        let hint = match (is_on, session.has_other_setting()) {
+            (true, _) => "All settings, kept as this one",
+            (false, false) => "Keep all settings as they are under A, and go on with a copy (X)",
+            (false, true) => "Go to the other settings, and keep these (X)",
+        };
+        let button = ui.selectable_label(is_on, setting.name()).on_hover_text(hint);
+        let name = format!("Setting {}", setting.name());
+        button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
+        if button.clicked() && !is_on {
+            requests.push(Request::SwapSettings);
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use egui::{Grid, Key, Modifiers, RichText, Ui};
 
 use crate::request::{LegendEntry, Request};
+use crate::ruler::End;
 use crate::session::{Mode, Session};
 use crate::theme;
 
@@ -36,6 +37,9 @@ const SHORTCUTS: &[Shortcut] = &[
     }),
     plain("+", "faster", &[Key::Plus, Key::Equals], |session| Request::SetSpeed(session.next_speed(true))),
     plain("−", "slower", &[Key::Minus], |session| Request::SetSpeed(session.next_speed(false))),
+    plain("A", "mark the time that is shown as A, or take A away", &[Key::A], |_| Request::ToggleMark(End::A)),
+    plain("B", "the same for B", &[Key::B], |_| Request::ToggleMark(End::B)),
+    plain("X", "the other of two settings, A and B", &[Key::X], |_| Request::SwapSettings),
     plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
     plain("P", "presenter mode: large type", &[Key::P], |_| Request::TogglePresenter),
     plain("?", "this list", &[Key::Questionmark], |_| Request::ToggleKeys),
@@ -62,6 +66,8 @@ const DIGITS: [Key; 6] = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5,
 /// Gestures, which the plots handle themselves.
 const GESTURES: &[(&str, &str)] = &[
     ("1 to 6", "show or hide a filter"),
+    ("Click in a plot", "go to that time"),
+    ("Shift and click in a plot", "mark A, then B: values and what lies between"),
     ("Drag in a plot", "zoom in"),
     ("Right drag in a plot", "move it"),
     ("Double click in a plot", "all of it again"),
@@ -72,11 +78,16 @@ const GESTURES: &[(&str, &str)] = &[
 
 /// Pushes the requests of the pressed keys, except while the user types text.
 pub(crate) fn keys(ctx: &egui::Context, session: &Session, requests: &mut Vec<Request>) {
-    if ctx.memory(|memory| memory.focused().is_some()) {
+    if ctx.text_edit_focused() {
         return;
     }
+    // Space presses the button that has the focus, and arrows move a slider.
+    let has_focus = ctx.memory(|memory| memory.focused().is_some());
+    let is_taken = |keys: &[Key]| {
+        has_focus && keys.iter().any(|key| matches!(key, Key::Space | Key::ArrowLeft | Key::ArrowRight | Key::Escape))
+    };
     ctx.input_mut(|input| {
-        for Shortcut { keys, modifiers, request, .. } in SHORTCUTS {
+        for Shortcut { keys, modifiers, request, .. } in SHORTCUTS.iter().filter(|shortcut| !is_taken(shortcut.keys)) {
             let alone = !input.modifiers.command && !input.modifiers.alt;
             let pressed = keys.iter().any(|&key| {
                 if modifiers.is_none() { alone && input.key_pressed(key) } else { input.consume_key(*modifiers, key) }

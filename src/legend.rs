@@ -46,6 +46,16 @@ pub(crate) fn legend_ui(
         }
         entry(ui, LegendEntry::Bands, "±2σ", Mark::Band, palette.weak, visible.bands, requests);
         entry(ui, LegendEntry::Verdicts, "verdicts", Mark::Chip, palette.weak, visible.verdicts, requests);
+        if let Some(before) = session.before() {
+            let text = format!("before: {} ×", before.words());
+            let chip = ui.add(Button::new(text).small().stroke(Stroke::new(1.2, palette.weak)));
+            if chip
+                .on_hover_text("The thin grey lines: the estimates before the last change. Click to forget them")
+                .clicked()
+            {
+                requests.push(Request::ForgetBefore);
+            }
+        }
         if !visible.only.is_empty() {
             let symbols: Vec<&str> = visible.only.iter().map(|channel| channel.symbol()).collect();
             let all = Button::new(format!("only {} ×", symbols.join(", "))).small();

@@ -14,6 +14,7 @@ mod panes;
 pub mod plot;
 pub mod probe;
 pub mod request;
+pub mod ruler;
 mod saved;
 pub mod session;
 pub mod text;

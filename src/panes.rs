@@ -99,12 +99,16 @@ impl Panes<'_> {
             let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
             let [what, good, then] = view.help();
             let small = |icon: &str| Button::new(RichText::new(icon).small().weak()).frame(false);
-            let help = ui.add(small("?")).on_hover_ui(|ui| {
+            let lines = |ui: &mut Ui| {
                 ui.set_max_width(380.0);
                 for line in [what, good, then] {
                     ui.label(line);
                 }
-            });
+            };
+            let help = ui.add(small("?"));
+            // On a touch screen nothing hovers.
+            let is_open = egui::Popup::from_toggle_button_response(&help).show(lines).is_some();
+            let help = if is_open { help } else { help.on_hover_ui(lines) };
             help.ctx.accesskit_node_builder(help.id, |node| node.set_label(format!("About {}", view.name())));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let close = ui.add(small("×")).on_hover_text("Hide this view");

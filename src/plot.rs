@@ -5,6 +5,7 @@ pub(crate) mod cells;
 pub(crate) mod chart;
 pub(crate) mod charts;
 mod columns;
+mod cursor;
 mod decoration;
 mod drawing;
 mod frame;

@@ -5,6 +5,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_lessons::BuiltIn;
 use serde::{Deserialize, Serialize};
 
+use crate::ruler::End;
 use crate::session::Mode;
 
 /// A request, applied after the frame in which it was made.
@@ -32,6 +33,10 @@ pub enum Request {
     Undo,
     /// Redo it.
     Redo,
+    /// Go to the other of the two settings, and keep this one.
+    SwapSettings,
+    /// Forget the picture from before the last change.
+    ForgetBefore,
     /// Begin the lesson at a place in the menu.
     StartLesson(usize),
     /// Go to a step of the lesson.
@@ -70,6 +75,14 @@ pub enum Request {
     Unfollow,
     /// Show the values at this time \[s\], or at playback.
     PointAt(Option<f64>),
+    /// Mark a time \[s\]: A, then B, then the nearer of both moves.
+    MarkTime(f64),
+    /// Move a mark to a time \[s\].
+    PlaceMark(End, f64),
+    /// Mark the time that is shown, or take the mark away where it already is.
+    ToggleMark(End),
+    /// Take both marks away.
+    ClearMarks,
 }
 
 /// An entry of the legend of all plots.

@@ -1,9 +1,12 @@
 //! A scenario and its run, and where playback stands in it.
 
+mod before;
 mod budget;
 mod computing;
+mod difference;
 mod judging;
 mod playback;
+mod setting;
 #[cfg(test)]
 mod tests;
 mod trying;
@@ -14,8 +17,10 @@ use serde::{Deserialize, Serialize};
 use judging::Judged;
 use trying::Trying;
 
+pub use before::Before;
 pub use budget::Budget;
 pub use kalmanscope_core::{Bound, Wanted};
+pub use setting::Setting;
 pub use trying::Attempt;
 
 /// The part of the record that is shown.
@@ -58,6 +63,12 @@ pub struct Session {
     generation: u64,
     problem: Option<String>,
     judged: Judged,
+    before: Option<Before>,
+    /// The setting on screen, and the other one.
+    setting: Setting,
+    other: Option<Scenario>,
+    /// Real time since the last edit \[s\].
+    since_edit: f64,
     trying: Trying,
 }
 
@@ -107,6 +118,10 @@ impl Session {
             generation: 0,
             problem: None,
             judged: Judged::default(),
+            before: None,
+            setting: Setting::A,
+            other: None,
+            since_edit: f64::INFINITY,
             trying: Trying::default(),
         };
         session.want_of_study();

@@ -7,8 +7,14 @@ use crate::request::Request;
 use crate::session::{Mode, Session};
 use crate::text::{clock, parse_clock, significant};
 
-/// Shows the playback's buttons; where it is narrow, the time has its own row.
-pub(crate) fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, requests: &mut Vec<Request>) {
+/// Shows the playback's buttons; where it is narrow, the time has its own row, with `add_contents` at its beginning.
+pub(crate) fn transport_ui(
+    ui: &mut Ui,
+    session: &Session,
+    narrow: bool,
+    requests: &mut Vec<Request>,
+    add_contents: impl FnOnce(&mut Ui, &mut Vec<Request>),
+) {
     let (icon, name) = if session.playing() { ("⏸", "Pause") } else { ("▶", "Play") };
     if button(ui, icon, name, "Space") {
         requests.push(Request::TogglePlay);
@@ -41,6 +47,7 @@ pub(crate) fn transport_ui(ui: &mut Ui, session: &Session, narrow: bool, request
     } else {
         ui.separator();
     }
+    add_contents(ui, requests);
     time_ui(ui, session, requests);
 }
 

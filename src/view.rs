@@ -8,7 +8,8 @@ use kalmanscope_core::{Channel, Diagnostics, Estimates};
 use crate::plot::input::PlotInput;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
-use crate::session::{Session, Wanted};
+use crate::ruler::Ruler;
+use crate::session::{Before, Session, Wanted};
 use crate::theme::Palette;
 use crate::visibility::Visibility;
 
@@ -23,23 +24,32 @@ pub struct ViewContext<'a> {
     pub visible: &'a Visibility,
     /// The common time axis.
     pub axis: &'a TimeAxis,
+    /// The marked times.
+    pub ruler: &'a Ruler,
     /// A version number of everything that is drawn over time.
     version: u64,
 }
 
 impl<'a> ViewContext<'a> {
     /// The context of this frame.
-    pub fn new(session: &'a Session, palette: &'a Palette, visible: &'a Visibility, axis: &'a TimeAxis) -> Self {
+    pub fn new(
+        session: &'a Session,
+        palette: &'a Palette,
+        visible: &'a Visibility,
+        axis: &'a TimeAxis,
+        ruler: &'a Ruler,
+    ) -> Self {
         let mut hasher = DefaultHasher::new();
+        session.before().map_or(0, Before::len).hash(&mut hasher);
         (session.generation(), session.run().len(), session.bounds().len(), visible, palette).hash(&mut hasher);
         session.run().estimates().iter().for_each(|estimates| estimates.color().hash(&mut hasher));
-        Self { session, palette, visible, axis, version: hasher.finish() }
+        Self { session, palette, visible, axis, ruler, version: hasher.finish() }
     }
 
     /// The part for charts.
     pub(crate) fn plot_input(&self) -> PlotInput<'a> {
-        let Self { session, palette, visible, axis, version } = *self;
-        PlotInput { session, palette, visible, axis, version }
+        let Self { session, palette, visible, axis, ruler, version } = *self;
+        PlotInput { session, palette, visible, axis, ruler, version }
     }
 
     /// The estimates of the filters that are shown, each with its place among all filters.
@@ -53,6 +63,12 @@ impl<'a> ViewContext<'a> {
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {
         let all = self.session.diagnostics();
         self.filters().filter_map(|(place, estimates)| Some((place, estimates, all.get(place)?)))
+    }
+
+    /// The estimates from before the last change of the filters that are shown and that it concerns.
+    pub(crate) fn before(&self) -> impl Iterator<Item = &'a Estimates> + use<'a> {
+        let before = self.session.before();
+        self.filters().filter_map(move |(_, estimates)| before?.estimates(estimates.id()))
     }
 
     /// Whether any filter is uncertain about a channel, initially or now; other channels have nothing to show.

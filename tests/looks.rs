@@ -40,6 +40,26 @@ fn it_looks_as_it_did() {
         screen.snapshot_options(name, &options);
         results.extend_harness(&mut screen);
     }
+    let mut screen = Harness::builder()
+        .with_size(DESKTOP)
+        .with_theme(Theme::Light)
+        .wgpu()
+        .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    let session = screen.state_mut().session_mut();
+    session.toggle_play();
+    session.set_mode(Mode::Whole);
+    session.seek(12.0);
+    screen.run_steps(4);
+    screen.key_press(egui::Key::A);
+    screen.run_steps(2);
+    screen.state_mut().session_mut().seek(38.0);
+    screen.key_press(egui::Key::B);
+    screen.get_by_label("EKF fading factor").set_value_accesskit(1.0);
+    screen.run_steps(4);
+    screen.state_mut().session_mut().seek(50.0);
+    screen.run_steps(4);
+    screen.snapshot_options("marks-light", &options);
+    results.extend_harness(&mut screen);
     for kind in ViewKind::ALL {
         let mut screen = Harness::builder()
             .with_size(Vec2::new(900.0, 620.0))

@@ -16,7 +16,7 @@ TEXT = [*range(0x20, 0x7F), *range(0xA0, 0x180), *range(0x370, 0x400), *range(0x
         0x300, 0x301, 0x302, 0x303, 0x304, 0x307, 0x308, *range(0x2010, 0x2028), 0x2030, 0x2032, 0x2033, 0x2039, 0x203A,
         *range(0x2070, 0x209D), 0x20AC, 0x1D40, 0x2212, *[ord(c) for c in "ˣᵛᵃᵗᵈ"]]
 SYMBOLS = ([ord(c) for c in "±×·−√∞≈≤≥≠→←↑↓↔∑∫∂∆∈∝∼⟂ᵀ⋅…∥∣≪≫"],
-           [ord(c) for c in "▶◀⏵⏴⏶⏷⏸⏹⏺⏭⏮↺↻⟲⟳☀☾🌙☰✕✖✔✓⚠●○◆◇■□◻▲▼▸▾▴◂⚙🔗⛶⌨➕➖"])
+           [ord(c) for c in "▶◀⏵⏴⏶⏷⏸⏹⏺⏭⏮↺↻⟲⟳↶↷⇄☀☾🌙☰✕✖✔✓⚠●○◆◇■□◻▲▼▸▾▴◂⚙🔗⛶⌨➕➖"])
 FONTS = {"NotoSans-Regular": TEXT, "NotoSans-Bold": TEXT,
          "NotoSansMath-Regular": SYMBOLS[0] + SYMBOLS[1], "NotoSansSymbols2-Regular": SYMBOLS[1],
          "NotoSansSymbols-Regular": SYMBOLS[1]}

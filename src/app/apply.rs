@@ -29,6 +29,7 @@ impl App {
             Request::Open(built_in) => match built_in.scenario() {
                 Ok(scenario) => {
                     session.set_scenario(scenario);
+                    session.begin_anew();
                     session.play_from_start();
                     *axis = TimeAxis::default();
                     visible.reset();
@@ -36,15 +37,17 @@ impl App {
                 }
                 Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title)),
             },
-            Request::Edit(scenario) => session.set_scenario(*scenario),
+            Request::Edit(scenario) => session.edit(*scenario),
+            Request::SwapSettings => session.swap_settings(),
+            Request::ForgetBefore => session.forget_before(),
             Request::Undo => {
                 if let Some(scenario) = history.undo(session.scenario()).cloned() {
-                    session.set_scenario(scenario);
+                    session.edit(scenario);
                 }
             }
             Request::Redo => {
                 if let Some(scenario) = history.redo(session.scenario()).cloned() {
-                    session.set_scenario(scenario);
+                    session.edit(scenario);
                 }
             }
             Request::StartLesson(place) => {
@@ -105,6 +108,10 @@ impl App {
             Request::Follow => axis.follows = true,
             Request::Unfollow => axis.follows = false,
             Request::PointAt(time) => axis.pointed = time,
+            Request::MarkTime(time) => self.ruler.mark(time),
+            Request::PlaceMark(end, time) => self.ruler.place(end, time),
+            Request::ToggleMark(end) => self.ruler.toggle(end, axis.shown_time(session)),
+            Request::ClearMarks => self.ruler.clear(),
         }
     }
 
@@ -117,6 +124,7 @@ impl App {
             *tutor = None;
             return;
         }
+        session.begin_anew();
         *axis = TimeAxis { framed: lesson.frame(session), ..TimeAxis::default() };
         lesson.choose(visible);
         let views = lesson.views();

@@ -10,6 +10,7 @@ use crate::legend::legend_ui;
 use crate::notice::notice_ui;
 use crate::panes::panes_ui;
 use crate::request::Request;
+use crate::ruler;
 use crate::theme::Palette;
 use crate::tutor;
 use crate::view::ViewContext;
@@ -30,8 +31,9 @@ impl App {
         let open = self.controls_open();
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
-        let Self { session, layout, lessons, presenting, requests, .. } = self;
-        let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow };
+        let Self { session, layout, lessons, presenting, requests, history, .. } = self;
+        let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
+        let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow, history };
         Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         if open {
             self.controls_panel_ui(ui, frame, &palette, narrow);
@@ -80,7 +82,7 @@ impl App {
 
     /// Legend and views.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, visible, layout, requests, inviting, notice, .. } = self;
+        let Self { session, axis, ruler, visible, layout, requests, inviting, notice, .. } = self;
         if let Some(notice) = notice {
             notice_ui(ui, notice, palette, requests);
         }
@@ -89,7 +91,10 @@ impl App {
                 tutor::invitation_ui(ui, requests);
             }
         });
-        panes_ui(ui, layout, &ViewContext::new(session, palette, visible, axis), requests, narrow);
+        panes_ui(ui, layout, &ViewContext::new(session, palette, visible, axis, ruler), requests, narrow);
+        if let Some(reading) = ruler.reading(session, visible, palette) {
+            ruler::table_ui(ui.ctx(), &reading, requests);
+        }
     }
 
     fn keys_ui(&mut self, ctx: &Context) {

@@ -4,9 +4,10 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use egui::{Id, Sense, Ui, Vec2, Vec2b};
-use egui_plot::{AxisHints, LineStyle, Plot, VLine};
+use egui_plot::{AxisHints, Plot};
 
 use super::cache::cached;
+use super::cursor::{Cursors, cursor_gestures, time_text};
 use super::decoration::Decoration;
 use super::drawing::Drawing;
 use super::frame::{Y_AXIS, sense};
@@ -19,7 +20,6 @@ use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use super::turns::in_turn;
 use super::window::Window;
 use crate::request::Request;
-use crate::session::Mode;
 
 /// Labels of ticks are opaque from this distance on \[points\].
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
@@ -54,15 +54,16 @@ pub(crate) struct ChartResponse {
 impl Chart<'_> {
     /// Draws the chart with its heading into all of `ui`.
     pub(crate) fn show(self, ui: &mut Ui, input: &PlotInput<'_>, requests: &mut Vec<Request>) -> ChartResponse {
-        let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &self.readouts);
+        let shown = time_text(input, input.axis.shown_time(input.session));
+        let time = Readout { text: format!("t {shown}"), color: input.palette.weak, hint: "time [s]".to_owned() };
+        let readouts: Vec<Readout> = std::iter::once(time).chain(self.readouts).collect();
+        let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &readouts);
         let alone =
             symbol.interact(Sense::click()).on_hover_text("Click: this plot alone, or all of them again").clicked();
-        let PlotInput { session, palette, visible, axis, version } = *input;
+        let PlotInput { session, palette, visible, axis, version, .. } = *input;
         let strips = Strips::of(session, visible, palette);
         let size = ui.available_size().max(Vec2::splat(1.0));
         let followed = axis.followed(session);
-        let position = session.time();
-        let show_position = session.mode() == Mode::Whole;
         let group = Id::unique("time");
         let time_label = if self.last_row && size.y >= 150.0 { "time [s]" } else { "" };
         let logarithmic = self.logarithmic;
@@ -125,14 +126,12 @@ impl Chart<'_> {
             }
             plot.add(Decoration::new("bad parts", strips));
             drawn.show(grid, plot);
-            if show_position {
-                let line = VLine::new("playback", position).color(palette.weak).width(1.2);
-                plot.vline(line.style(LineStyle::dashed_dense()).allow_hover(false));
-            }
+            plot.add(Decoration::new("cursors", Cursors::of(input, self.last_row)));
             plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
         });
-        let pointed = response.inner;
+        let (pointed, transform) = (response.inner, response.transform);
         let response = response.response;
+        cursor_gestures(ui, &self.key, &response, &transform, input, requests);
         response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {}", self.title)));
         if response.double_clicked() {
             requests.push(Request::Follow);

@@ -1,6 +1,7 @@
 //! The input of plots over time.
 
 use crate::plot::time_axis::TimeAxis;
+use crate::ruler::Ruler;
 use crate::session::Session;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
@@ -16,6 +17,8 @@ pub(crate) struct PlotInput<'a> {
     pub(crate) visible: &'a Visibility,
     /// The common time axis.
     pub(crate) axis: &'a TimeAxis,
+    /// The marked times.
+    pub(crate) ruler: &'a Ruler,
     /// A version number of everything that is drawn over time; drawings of another version are outdated.
     pub(crate) version: u64,
 }

@@ -48,11 +48,11 @@ impl TimeAxis {
 
     /// The index of the sample whose values are shown: the one under the pointer, else that of the playback.
     pub fn readout(&self, session: &Session) -> usize {
-        let record = session.run().record();
-        let last = session.run().len().saturating_sub(1);
-        match self.pointed {
-            Some(time) => (((time - record.time(0)) / record.dt()).round().max(0.0) as usize).min(last),
-            None => session.index(),
-        }
+        self.pointed.map_or_else(|| session.index(), |time| session.sample_at(time))
+    }
+
+    /// The time of that sample \[s\].
+    pub fn shown_time(&self, session: &Session) -> f64 {
+        session.run().record().time(self.readout(session))
     }
 }

@@ -50,6 +50,13 @@ impl Session {
         index.min(self.run().len().saturating_sub(1))
     }
 
+    /// The index, among the samples that are kept, of the one nearest to a time \[s\].
+    pub fn sample_at(&self, time: f64) -> usize {
+        let record = self.run().record();
+        let last = self.run().len().saturating_sub(1);
+        (((time - record.time(0)) / record.dt()).round().max(0.0) as usize).min(last)
+    }
+
     /// Lets `elapsed` seconds of real time pass.
     pub fn advance(&mut self, elapsed: f64) {
         let mut while_time = self.budget.slice();
@@ -64,6 +71,7 @@ impl Session {
             self.compute();
         }
         self.judge(elapsed);
+        self.follow_before(&mut while_time);
         self.try_causes(&mut while_time);
     }
 

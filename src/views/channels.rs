@@ -80,6 +80,18 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             bounds: true,
         });
     }
+    let before = session.before();
+    let lines_before = context.before().filter_map(|one| Some(one.canonical_means(one.place(channel)?)));
+    let truth_before = before.and_then(|before| before.truth(channel, session.scenario()));
+    for values in truth_before
+        .filter(|_| visible.truth)
+        .into_iter()
+        .map(|all| (all, true))
+        .chain(lines_before.map(|all| (all, false)))
+    {
+        let (series, dashed) = (Series::of(values.0), values.1);
+        layers.push(Layer::Line { series, color: palette.weak, width: 1.2, dashed, bounds: false });
+    }
     for (place, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         layers.push(Layer::Line {

@@ -47,13 +47,19 @@ impl View for Scores {
         let mut summaries: Vec<(usize, Summary)> =
             session.diagnostics().iter().zip(estimates).enumerate().map(of).enumerate().collect();
         let sorting = Id::unique("scores are sorted by");
+        // What the last change has done.
+        let was = |place: usize| {
+            let (diagnostics, estimates) = session.before()?.diagnostics(estimates[place].id())?;
+            Some(Summary::of(diagnostics, None, estimates, session.before()?.record()))
+        };
         let mut sorted_by = ui.data(|data| data.get_temp::<Option<String>>(sorting)).flatten();
-        if let Some(row) = rows(&summaries).into_iter().find(|row| Some(&row.name) == sorted_by.as_ref()) {
+        if let Some(row) = rows(&summaries, &[]).into_iter().find(|row| Some(&row.name) == sorted_by.as_ref()) {
             let distances: Vec<f64> =
                 row.values.iter().map(|value| value.map_or(f64::INFINITY, |x| row.distance(x))).collect();
             summaries.sort_by(|(a, _), (b, _)| distances[*a].total_cmp(&distances[*b]));
         }
-        let rows = rows(&summaries);
+        let before: Vec<Option<Summary>> = summaries.iter().map(|(place, _)| was(*place)).collect();
+        let rows = rows(&summaries, &before);
         let column = (ui.available_width() - NAMES) / summaries.len().max(1) as f32 - SPACING;
         let reason_width = column.clamp(REASON.0, REASON.1);
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
@@ -72,7 +78,7 @@ impl View for Scores {
                 if visible.verdicts {
                     ui.weak("verdict");
                     for (_, summary) in &summaries {
-                        verdict_ui(ui, summary.verdict.as_ref(), reason_width, palette);
+                        verdict_ui(ui, summary.verdict.as_ref(), palette);
                     }
                     ui.end_row();
                 }
@@ -83,10 +89,25 @@ impl View for Scores {
                     }
                     // Scores that are equal as printed are equally good.
                     let best = row.best().map(|best| significant(best, 3));
-                    for value in &row.values {
+                    for (value, before) in row.values.iter().zip(&row.before) {
                         let value = value.map_or("–".to_owned(), |x| significant(x, 3));
                         let text = RichText::new(&value).monospace();
-                        ui.label(if best.as_ref() == Some(&value) { text.strong().underline() } else { text });
+                        let text = if best.as_ref() == Some(&value) { text.strong().underline() } else { text };
+                        let before = before.map(|x| significant(x, 3)).filter(|before| *before != value);
+                        ui.horizontal(|ui| {
+                            ui.label(text);
+                            if let Some(before) = before {
+                                ui.weak(format!("was {before}"));
+                            }
+                        });
+                    }
+                    ui.end_row();
+                }
+                if visible.verdicts {
+                    // Last: it is long, and the numbers are what is compared.
+                    ui.weak("why");
+                    for (_, summary) in &summaries {
+                        reason_ui(ui, summary.verdict.as_ref(), reason_width);
                     }
                     ui.end_row();
                 }
@@ -97,17 +118,18 @@ impl View for Scores {
     }
 }
 
-/// A verdict and its reason.
-fn verdict_ui(ui: &mut Ui, verdict: Option<&Verdict>, width: f32, palette: &Palette) {
-    let Some(verdict) = verdict else {
-        ui.weak("too few samples");
-        return;
+fn verdict_ui(ui: &mut Ui, verdict: Option<&Verdict>, palette: &Palette) {
+    match verdict.map(|verdict| verdict.kind) {
+        Some(kind) => ui.colored_label(text_color(kind, palette), format!("{} {}", symbol(kind), kind.name())),
+        None => ui.weak("too few samples"),
     };
+}
+
+fn reason_ui(ui: &mut Ui, verdict: Option<&Verdict>, width: f32) {
     ui.vertical(|ui| {
         ui.set_max_width(width);
-        let kind = verdict.kind;
-        ui.colored_label(text_color(kind, palette), format!("{} {}", symbol(kind), kind.name()));
-        ui.add(Label::new(RichText::new(&verdict.reason).small().weak()).wrap());
+        let reason = verdict.map_or("", |verdict| verdict.reason.as_str());
+        ui.add(Label::new(RichText::new(reason).small().weak()).wrap());
     });
 }
 
@@ -116,6 +138,8 @@ struct Row {
     name: String,
     hint: &'static str,
     values: Vec<Option<f64>>,
+    /// The values before the last change, of filters that it concerns.
+    before: Vec<Option<f64>>,
     /// The best value: the nearest to this, or the largest where this is infinite.
     ideal: f64,
 }
@@ -140,12 +164,13 @@ fn row_name_ui(ui: &mut Ui, row: &Row, sorts: bool) -> bool {
     name.on_hover_text(format!("{}. Click to put the best first", row.hint)).clicked()
 }
 
-fn rows(summaries: &[(usize, Summary)]) -> Vec<Row> {
+fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>]) -> Vec<Row> {
     let row = |name: &str, hint, ideal, of: &dyn Fn(&Summary) -> Option<f64>| Row {
         name: name.to_owned(),
         hint,
         ideal,
         values: summaries.iter().map(|(_, summary)| of(summary)).collect(),
+        before: before.iter().map(|summary| of(summary.as_ref()?)).collect(),
     };
     let mut channels: Vec<kalmanscope_core::Channel> = Vec::new();
     for channel in summaries.iter().flat_map(|(_, s)| s.finals.iter().map(|f| f.channel)) {

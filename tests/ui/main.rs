@@ -3,6 +3,7 @@
 mod diagnosis;
 mod frequency_response;
 mod habits;
+mod hand;
 mod identity;
 mod lessons;
 mod memory;
@@ -20,6 +21,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use kalmanscope::App;
 use kalmanscope::layout::Layout;
 use kalmanscope::request::{Arrangement, ViewKind};
+use kalmanscope::ruler::End;
 use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
 use kalmanscope_core::{Channel, FilterKind, Force, PlantKind, Quantity, Scenario, Signal};

@@ -157,8 +157,12 @@ impl Visitor for Build<'_> {
             kind if kind == FilterKind::UKF => Some(self.filter(model, SigmaPoints::new(belief, Rule::Unscented))),
             kind if kind == FilterKind::CKF => Some(self.filter(model, SigmaPoints::new(belief, Rule::Cubature))),
             kind if kind == FilterKind::SR_UKF => Some(self.try_filter(model, SquareRoot::new(&belief))),
-            kind if const { N < 10 } && kind == FilterKind::ENKF => Some(self.try_filter(model, Ensemble::new(belief, size, normal()))),
-            kind if const { N < 10 } && kind == FilterKind::PF => Some(self.try_filter(model, Particles::new(belief, size, normal()))),
+            kind if const { N < 10 } && kind == FilterKind::ENKF => {
+                Some(self.try_filter(model, Ensemble::new(belief, size, normal())))
+            }
+            kind if const { N < 10 } && kind == FilterKind::PF => {
+                Some(self.try_filter(model, Particles::new(belief, size, normal())))
+            }
             _ => None,
         }
     }

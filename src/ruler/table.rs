@@ -1,0 +1,86 @@
+//! The table of what lies between A and B.
+
+use egui::{Align2, Context, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
+
+use super::{Decay, Reading};
+use crate::request::Request;
+use crate::text::{decimals, fixed, significant};
+use crate::theme;
+
+/// Limits the height of the rows \[points\].
+const HEIGHT: f32 = 220.0;
+
+/// A small window with the numbers between A and B.
+pub(crate) fn table_ui(ctx: &Context, reading: &Reading, requests: &mut Vec<Request>) {
+    let mut open = true;
+    let window = egui::Window::new("From A to B").id(egui::Id::unique("ruler")).collapsible(true).resizable(false);
+    let corner = ctx.content_rect().right_bottom() - vec2(12.0, 12.0);
+    let window = window.open(&mut open).pivot(Align2::RIGHT_BOTTOM).default_pos(corner);
+    window.show(ctx, |ui| {
+        ui.style_mut().override_text_style = Some(TextStyle::Small);
+        times_ui(ui, reading);
+        ui.separator();
+        ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| rows_ui(ui, reading));
+        match &reading.decay {
+            Some(Ok(decay)) => {
+                ui.separator();
+                decay_ui(ui, decay);
+            }
+            Some(Err(reason)) => {
+                ui.small(reason.words());
+            }
+            None => {
+                ui.small("Shift and a click in a plot, or the key B, sets B.");
+            }
+        }
+    });
+    if !open {
+        requests.push(Request::ClearMarks);
+    }
+}
+
+fn times_ui(ui: &mut Ui, reading: &Reading) {
+    let [a, b] = reading.times;
+    let between = b - a;
+    let other = if reading.is_b_set { "B" } else { "now" };
+    ui.label(format!("A {}   {other} {}   Δt {} s", fixed(a, 3), fixed(b, 3), fixed(between, 3)));
+    if between != 0.0 {
+        let frequency = 1.0 / between.abs();
+        let angular = std::f64::consts::TAU * frequency;
+        ui.weak(format!("as one period: {} Hz, {} rad/s", significant(frequency, 4), significant(angular, 4)));
+    }
+}
+
+fn rows_ui(ui: &mut Ui, reading: &Reading) {
+    Grid::new("from A to B").num_columns(5).striped(true).spacing([12.0, 1.0]).show(ui, |ui| {
+        for heading in ["", "", "A", if reading.is_b_set { "B" } else { "now" }, "Δ"] {
+            ui.weak(heading);
+        }
+        ui.end_row();
+        let mut last = None;
+        for row in &reading.rows {
+            let is_new = last != Some(row.channel);
+            last = Some(row.channel);
+            let symbol = if is_new { row.channel.symbol() } else { "" };
+            ui.label(RichText::new(symbol).family(theme::strong()));
+            ui.colored_label(row.color, &row.name);
+            let digits = decimals(row.channel);
+            let [a, b] = row.values;
+            for value in [a, b, b - a] {
+                ui.label(fixed(value, digits));
+            }
+            ui.end_row();
+        }
+    });
+}
+
+fn decay_ui(ui: &mut Ui, decay: &Decay) {
+    let Decay { periods, decrement, damping_ratio, period, natural_frequency } = *decay;
+    let times = if periods == 1 { "period" } else { "periods" };
+    ui.label(format!(
+        "By hand, from the peaks next to A and B, {periods} {times} apart: T {} s, δ {}",
+        significant(period, 4),
+        significant(decrement, 3)
+    ));
+    ui.label(format!("ωₙ {} rad/s, ζ {}", significant(natural_frequency, 4), significant(damping_ratio, 3)));
+}

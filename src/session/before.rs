@@ -1,0 +1,200 @@
+//! What was shown before a change: the filters that the change concerns, with their settings from before, on the record from
+//! before.
+
+use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Scenario, Source, Study, Wanted};
+
+use super::difference::difference;
+use super::{Mode, Session, Setting};
+
+/// Edits that follow each other within this time are one change \[s\].
+const ONE_CHANGE: f64 = 0.8;
+
+/// Limits the samples of a picture from before: twice the work must remain a short work.
+const MOST: usize = 20_000;
+
+/// The picture from before a change.
+pub struct Before {
+    /// All settings as they were.
+    scenario: Scenario,
+    study: Study,
+    /// What was different, as it was.
+    words: String,
+    /// Whether it is as far as the picture itself.
+    is_complete: bool,
+}
+
+impl Before {
+    /// What was different, as it was: `EKF λ = 1`.
+    pub fn words(&self) -> &str {
+        &self.words
+    }
+
+    /// The estimates, from before, of the filter with an id, if the change concerns it.
+    pub fn estimates(&self, id: u32) -> Option<&Estimates> {
+        let all = self.study.run().estimates();
+        all.iter().find(|estimates| estimates.id() == id).filter(|estimates| !estimates.is_empty())
+    }
+
+    /// Their diagnostics, where they are wanted.
+    pub fn diagnostics(&self, id: u32) -> Option<(&Diagnostics, &Estimates)> {
+        let (analysis, all) = (self.study.analysis(), self.study.run().estimates());
+        analysis.diagnostics().iter().zip(all).find(|(_, estimates)| estimates.id() == id)
+    }
+
+    /// The truth from before, if it was another one.
+    pub fn truth(&self, channel: Channel, now: &Scenario) -> Option<&[f64]> {
+        let is_other = !is_same_record(&self.scenario, now);
+        self.study.run().record().truth(channel).filter(|_| is_other)
+    }
+
+    /// The number of samples.
+    pub fn len(&self) -> usize {
+        self.study.run().len()
+    }
+
+    /// Whether it has no samples.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The record from before.
+    pub fn record(&self) -> &kalmanscope_core::Record {
+        self.study.run().record()
+    }
+}
+
+/// Whether two scenarios simulate the same record.
+fn is_same_record(a: &Scenario, b: &Scenario) -> bool {
+    let bare = |scenario: &Scenario| Scenario { filters: Vec::new(), ..scenario.clone() };
+    bare(a) == bare(b)
+}
+
+/// The filters of `before` whose results differ from those of `now`.
+fn concerned(before: &Scenario, now: &Scenario) -> Vec<FilterSettings> {
+    let same_record = is_same_record(before, now);
+    let is_same = |filter: &FilterSettings| {
+        let bare = |filter: &FilterSettings| FilterSettings { name: String::new(), color: None, ..filter.clone() };
+        now.filters.iter().any(|other| bare(other) == bare(filter))
+    };
+    let was_kept = |filter: &&FilterSettings| now.filters.iter().any(|other| other.id == filter.id);
+    before.filters.iter().filter(was_kept).filter(|filter| !same_record || !is_same(filter)).cloned().collect()
+}
+
+impl Session {
+    /// Takes over an edited scenario. The picture from before the first of some edits in a row stays as [`Self::before`].
+    pub fn edit(&mut self, scenario: Scenario) {
+        let goes_on = self.since_edit < ONE_CHANGE && self.before.is_some();
+        self.since_edit = 0.0;
+        let was = self.scenario.clone();
+        self.set_scenario(scenario);
+        match (&self.before, &self.other) {
+            (_, Some(other)) => self.remember(other.clone()),
+            (Some(before), None) if goes_on => self.remember(before.scenario.clone()),
+            _ => self.remember(was),
+        }
+    }
+
+    /// Lets time pass in which the user edits nothing \[s\].
+    pub fn rest(&mut self, elapsed: f64) {
+        self.since_edit += elapsed;
+    }
+
+    /// The picture from before the last change, or that of the other setting; none where there is nothing to compare.
+    pub fn before(&self) -> Option<&Before> {
+        let is_shown = |before: &&Before| {
+            let same_times = before.study.run().record().dt() == self.run().record().dt();
+            let kept = self.run().record().forgotten() == 0;
+            before.is_complete && same_times && kept && !before.words.is_empty()
+        };
+        self.before.as_ref().filter(is_shown)
+    }
+
+    /// Forgets it.
+    pub fn forget_before(&mut self) {
+        self.before = None;
+        self.generation += 1;
+    }
+
+    /// The setting on screen.
+    pub fn setting(&self) -> Setting {
+        self.setting
+    }
+
+    /// Whether there is another setting to go to.
+    pub fn has_other_setting(&self) -> bool {
+        self.other.is_some()
+    }
+
+    /// Goes to the other setting and keeps this one; the first time, goes on with a copy.
+    pub fn swap_settings(&mut self) {
+        let now = self.scenario.clone();
+        let next = self.other.replace(now.clone()).unwrap_or_else(|| now.clone());
+        self.setting = self.setting.other();
+        self.since_edit = f64::INFINITY;
+        if next != now {
+            self.set_scenario(next);
+        }
+        self.remember(now);
+    }
+
+    /// Forgets the other setting and the picture from before: something new begins.
+    pub fn begin_anew(&mut self) {
+        (self.other, self.setting) = (None, Setting::A);
+        self.forget_before();
+    }
+
+    /// Whether the picture from before is yet to be computed.
+    pub fn is_before_behind(&self) -> bool {
+        self.before.as_ref().is_some_and(|before| !before.is_complete)
+    }
+
+    fn remember(&mut self, was: Scenario) {
+        let filters = concerned(&was, &self.scenario);
+        let words = difference(&was, &self.scenario).unwrap_or_default();
+        let words = match (&self.other, words.is_empty()) {
+            (Some(_), false) => format!("setting {}: {words}", self.setting.other().name()),
+            _ => words,
+        };
+        if let Some(before) = &mut self.before
+            && before.scenario == was
+            && before.study.run().scenario().filters == filters
+        {
+            before.words = words;
+            return;
+        }
+        self.before = None;
+        self.generation += 1;
+        if was.samples() > MOST || !matches!(self.run().source(), Source::Simulated) {
+            return;
+        }
+        let shown = Scenario { filters, ..was.clone() };
+        // An impossible scenario has no picture.
+        if let Ok(study) = Study::new(&shown, Source::Simulated, MOST + 1) {
+            self.before = Some(Before { scenario: was, study, words, is_complete: false });
+        }
+    }
+
+    /// Brings the picture from before as far as the picture itself.
+    pub(super) fn follow_before(&mut self, while_time: &mut dyn FnMut() -> bool) {
+        if self.behind() {
+            return;
+        }
+        let (done, wanted) = (self.run().done(), self.wanted);
+        let is_whole = self.mode() == Mode::Whole;
+        let Some(before) = &mut self.before else { return };
+        let goal = if is_whole { usize::MAX } else { done };
+        let was_complete = before.is_complete;
+        if before.study.run().done() > goal {
+            // The run has gone back to an earlier time.
+            let scenario = before.study.run().scenario().clone();
+            if let Ok(study) = Study::new(&scenario, Source::Simulated, MOST + 1) {
+                before.study = study;
+            }
+        }
+        before.study.want(Wanted { smoothed: false, bounds: false, ..wanted });
+        before.is_complete = before.study.advance_to(goal, while_time) || (was_complete && !is_whole);
+        if before.is_complete != was_complete {
+            self.generation += 1;
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! What differs between two scenarios, in words.
+
+use kalmanscope_core::{Channel, Scenario};
+use serde_json::Value;
+
+use crate::text::significant;
+
+/// Limits the settings that are named.
+const NAMED: usize = 2;
+
+/// The settings in which `before` differs from `now`, with their values before: `EKF λ = 1`. None where nothing differs.
+pub(super) fn difference(before: &Scenario, now: &Scenario) -> Option<String> {
+    let mut all: Vec<String> = Vec::new();
+    let several = before.filters.len() > 1;
+    for filter in &before.filters {
+        let Some(other) = now.filters.iter().find(|other| other.id == filter.id) else {
+            all.push(format!("with {}", filter.name));
+            continue;
+        };
+        let mut of_filter = Vec::new();
+        compare(&value(filter), &value(other), &mut Vec::new(), &mut of_filter);
+        let owner = if several { format!("{} ", filter.name) } else { String::new() };
+        all.extend(of_filter.into_iter().map(|text| owner.clone() + &text));
+    }
+    for filter in now.filters.iter().filter(|filter| before.filters.iter().all(|other| other.id != filter.id)) {
+        all.push(format!("without {}", filter.name));
+    }
+    let bare = |scenario: &Scenario| value(&Scenario { filters: Vec::new(), ..scenario.clone() });
+    compare(&bare(before), &bare(now), &mut Vec::new(), &mut all);
+    let more = if all.len() > NAMED { ", …" } else { "" };
+    (!all.is_empty()).then(|| all.into_iter().take(NAMED).collect::<Vec<_>>().join(", ") + more)
+}
+
+fn value(of: &impl serde::Serialize) -> Value {
+    serde_json::to_value(of).unwrap_or(Value::Null)
+}
+
+/// Appends every setting below `path` in which the two differ.
+fn compare(before: &Value, now: &Value, path: &mut Vec<String>, all: &mut Vec<String>) {
+    match (before, now) {
+        _ if before == now => {}
+        (Value::Object(one), Value::Object(other)) => {
+            for key in one.keys().chain(other.keys().filter(|key| !one.contains_key(*key))) {
+                path.push(key.clone());
+                let of = |map: &serde_json::Map<String, Value>| map.get(key).cloned().unwrap_or(Value::Null);
+                compare(&of(one), &of(other), path, all);
+                path.pop();
+            }
+        }
+        (Value::Array(one), Value::Array(other)) if one.len() == other.len() => {
+            for (i, (one, other)) in one.iter().zip(other).enumerate() {
+                path.push((i + 1).to_string());
+                compare(one, other, path, all);
+                path.pop();
+            }
+        }
+        _ => all.push(format!("{} = {}", name(path), words(before))),
+    }
+}
+
+/// The name of a setting: the field's symbols where there are some, else the words of its key.
+fn name(path: &[String]) -> String {
+    let word = |key: &String| match key.as_str() {
+        "fading" => "λ".to_owned(),
+        "eta" => "η".to_owned(),
+        "sensor_std" => "√R".to_owned(),
+        "process_std" => "√Q".to_owned(),
+        "initial_mean" => "guess".to_owned(),
+        "initial_std" => "its σ".to_owned(),
+        "noise_std" => "noise".to_owned(),
+        "dt" => "Δt".to_owned(),
+        key => Channel::from_key(key).map_or_else(|| key.replace('_', " "), |channel| channel.symbol().to_owned()),
+    };
+    path.iter().map(word).collect::<Vec<_>>().join(" ")
+}
+
+fn words(value: &Value) -> String {
+    match value {
+        Value::Null => "none".to_owned(),
+        Value::Bool(on) => if *on { "yes" } else { "no" }.to_owned(),
+        Value::Number(number) => significant(number.as_f64().unwrap_or(f64::NAN), 4),
+        Value::String(text) => text.clone(),
+        Value::Array(_) | Value::Object(_) => "other".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_is_named_by_what_was_before() {
+        let now = Scenario::default();
+        assert_eq!(difference(&now, &now), None);
+        let mut before = now.clone();
+        before.filters[0].fading = 1.0;
+        assert_eq!(difference(&before, &now).unwrap(), "EKF λ = 1");
+        before.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 9.0;
+        before.seed = 7;
+        assert_eq!(difference(&before, &now).unwrap(), "EKF λ = 1, EKF guess ωₙ = 9, …");
+        let mut fewer = now.clone();
+        let removed = fewer.filters.remove(1);
+        assert_eq!(difference(&now, &fewer).unwrap(), format!("with {}", removed.name));
+        assert_eq!(difference(&fewer, &now).unwrap(), format!("without {}", removed.name));
+    }
+}

@@ -1,0 +1,160 @@
+//! What a hand does: point at a time, mark two, hold a picture still and compare, undo by a button.
+
+use super::*;
+
+/// A paused whole record at rest.
+fn whole() -> Screen {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let session = screen.state_mut().session_mut();
+    session.set_mode(Mode::Whole);
+    session.pause();
+    session.seek(20.0);
+    screen.run_steps(3);
+    screen
+}
+
+/// A position in the plot of the natural frequency, by the share of its width.
+fn in_plot(screen: &Screen, share: f32) -> egui::Pos2 {
+    let rect = screen.get_by_label("Plot of the natural frequency").rect();
+    egui::pos2(rect.left() + share * rect.width(), rect.center().y)
+}
+
+fn click_at(screen: &mut Screen, at: egui::Pos2, modifiers: Modifiers) {
+    screen.hover_at(at);
+    // Long enough after any earlier click.
+    screen.run_steps(60);
+    for pressed in [true, false] {
+        let button = egui::PointerButton::Primary;
+        screen.event_modifiers(egui::Event::PointerButton { pos: at, button, pressed, modifiers }, modifiers);
+        screen.run_steps(2);
+    }
+    screen.run_steps(2);
+}
+
+fn marks(screen: &Screen) -> [Option<f64>; 2] {
+    End::BOTH.map(|end| screen.state().ruler().time(end))
+}
+
+#[test]
+fn a_click_in_a_plot_goes_to_that_time() {
+    let mut screen = whole();
+    let time = |screen: &Screen| screen.state().session().time();
+    let at = in_plot(&screen, 0.5);
+    click_at(&mut screen, at, Modifiers::NONE);
+    assert!((time(&screen) - 31.0).abs() < 2.0, "{}", time(&screen));
+    assert_eq!(marks(&screen), [None, None]);
+}
+
+#[test]
+fn shift_and_a_click_mark_two_times_whose_values_stand_in_a_table() {
+    let mut screen = whole();
+    for share in [0.25, 0.75] {
+        let at = in_plot(&screen, share);
+        click_at(&mut screen, at, Modifiers::SHIFT);
+    }
+    let [Some(a), Some(b)] = marks(&screen) else { panic!("{:?}", marks(&screen)) };
+    assert!((a - 15.5).abs() < 2.0 && (b - 46.4).abs() < 2.0, "{a} {b}");
+    assert_eq!(screen.state().session().time(), 20.0, "playback stays");
+    let label = format!("Δt {:.3} s", b - a);
+    assert!(screen.query_by_label_contains(&label).is_some(), "{label}");
+    assert!(screen.query_by_label_contains("no force between A and B").is_some());
+    // A mark is dragged by its line.
+    let at = in_plot(&screen, 0.75);
+    let x = screen.get_by_label("Plot of the natural frequency").rect();
+    let line = egui::pos2(at.x, x.top() + 20.0);
+    screen.hover_at(line);
+    screen.run_steps(2);
+    screen.drag_at(line);
+    screen.run_steps(2);
+    for step in 1..=5 {
+        screen.hover_at(line - egui::vec2(8.0 * step as f32, 0.0));
+        screen.run_steps(2);
+    }
+    screen.drop_at(line - egui::vec2(40.0, 0.0));
+    screen.run_steps(2);
+    let moved = marks(&screen)[1].unwrap();
+    assert!(moved < b - 1.0, "{moved} instead of {b}");
+    assert!(screen.state().axis().follows, "a mark was dragged, not the plot");
+}
+
+#[test]
+fn marks_are_set_by_keys_too() {
+    let mut screen = whole();
+    screen.key_press(Key::A);
+    screen.run_steps(2);
+    screen.state_mut().session_mut().seek(25.0);
+    screen.key_press(Key::B);
+    screen.run_steps(2);
+    assert_eq!(marks(&screen), [Some(20.0), Some(25.0)]);
+    screen.key_press(Key::B);
+    screen.run_steps(2);
+    assert_eq!(marks(&screen), [Some(20.0), None]);
+}
+
+#[test]
+fn the_picture_before_a_change_stays_until_it_is_forgotten() {
+    let mut screen = whole();
+    assert!(screen.query_by_label_contains("before:").is_none());
+    let before = screen.state().session().run().estimates()[0].checksum();
+    for value in [1.02, 1.03] {
+        set(&mut screen, "EKF fading factor", value);
+    }
+    let of_session = screen.state().session().before().expect("there is a picture from before");
+    assert_eq!(of_session.words(), "EKF λ = 1.005");
+    assert_eq!(of_session.estimates(1).expect("the EKF").checksum(), before);
+    assert!(of_session.estimates(2).is_none(), "the UKF has not changed");
+    screen.get_by_label_contains("before: EKF λ = 1.005").click();
+    screen.run_steps(2);
+    assert!(screen.state().session().before().is_none());
+}
+
+#[test]
+fn two_settings_are_swapped_by_a_key() {
+    let mut screen = whole();
+    let fading = |screen: &Screen| scenario(screen).filters[0].fading;
+    screen.key_press(Key::X);
+    screen.run_steps(3);
+    set(&mut screen, "EKF fading factor", 1.05);
+    assert!(screen.query_by_label_contains("before: setting A: EKF λ = 1.005").is_some());
+    screen.key_press(Key::X);
+    screen.run_steps(3);
+    assert_eq!(fading(&screen), 1.005);
+    assert!(screen.query_by_label_contains("before: setting B: EKF λ = 1.05").is_some());
+    screen.get_by_label("Setting B").click();
+    screen.run_steps(3);
+    assert_eq!(fading(&screen), 1.05);
+}
+
+#[test]
+fn changes_are_taken_back_and_made_again_by_buttons() {
+    let mut screen = whole();
+    screen.run_steps(90);
+    set(&mut screen, "EKF fading factor", 1.03);
+    screen.run_steps(90);
+    screen.get_by_label("Undo").click();
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen).filters[0].fading, 1.005);
+    screen.get_by_label("Redo").click();
+    screen.run_steps(3);
+    assert_eq!(scenario(&screen).filters[0].fading, 1.03);
+}
+
+#[test]
+fn help_opens_on_a_tap() {
+    let mut screen = whole();
+    let first = view(ViewKind::Parameters).help()[0];
+    screen.get_by_label("About Parameters").click();
+    screen.run_steps(3);
+    assert!(screen.query_by_label(first).is_some());
+}
+
+#[test]
+fn keys_work_while_a_button_has_the_focus() {
+    let mut screen = whole();
+    screen.get_by_label("Live").focus();
+    screen.run_steps(2);
+    assert_eq!(screen.state().session().mode(), Mode::Whole);
+    screen.key_press(Key::L);
+    screen.run_steps(2);
+    assert_eq!(screen.state().session().mode(), Mode::Live);
+}
