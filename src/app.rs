@@ -67,6 +67,7 @@ impl App {
         found.saved.apply_theme(ctx);
         if found.saved.presenting {
             ctx.set_zoom_factor(LARGE);
+            theme::enlarge_readouts(ctx, true);
         }
         Self::from_found(found, Budget::FRAME)
     }

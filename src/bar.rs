@@ -15,8 +15,11 @@ use crate::transport;
 use crate::tutor;
 use crate::views::view;
 
-/// Limits the width below which the program's name is left out \[points\].
+/// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
+
+/// Limits the width below which the transport has its own row \[points\].
+const ONE_ROW: f32 = 960.0;
 
 /// The inputs of the bar.
 pub(crate) struct Bar<'a> {
@@ -50,9 +53,11 @@ impl Bar<'_> {
             more_menu_ui(ui, presenting, requests);
             if !narrow {
                 history_ui(ui, history, requests);
-                settings_ui(ui, session, requests);
+                if ui.max_rect().width() > ROOMY || session.has_other_setting() {
+                    settings_ui(ui, session, requests);
+                }
             }
-            if narrow {
+            if narrow || ui.max_rect().width() < ONE_ROW {
                 ui.end_row();
             } else {
                 ui.separator();

@@ -1,7 +1,7 @@
 //! The settings: the only code that writes to the scenario.
 
 mod belief;
-mod color;
+pub(crate) mod color;
 mod filter;
 mod force;
 mod general;
@@ -25,9 +25,7 @@ pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> b
         let Scenario { seed: _, dt: _, duration: _, plant: _, force: _, input: _, hold: _, sensors: _, filters } =
             scenario;
         let filters = filters.len();
-        section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario));
-        section(ui, "Force", true, |ui| force::force_ui(ui, scenario));
-        section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
+        // First what one tunes.
         for place in 0..filters {
             // A filter may have been removed in this frame.
             if place < scenario.filters.len() {
@@ -35,6 +33,10 @@ pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> b
             }
         }
         filter::add_filter_ui(ui, scenario);
+        ui.add_space(6.0);
+        section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario));
+        section(ui, "Force", true, |ui| force::force_ui(ui, scenario));
+        section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
         section(ui, "Record", false, |ui| general::general_ui(ui, scenario));
         ui.add_space(12.0);
     });

@@ -42,6 +42,8 @@ const SHORTCUTS: &[Shortcut] = &[
     plain("X", "the other of two settings, A and B", &[Key::X], |_| Request::SwapSettings),
     plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
     plain("P", "presenter mode: large type", &[Key::P], |_| Request::TogglePresenter),
+    plain("Page down", "the next view alone, then all", &[Key::PageDown], |_| Request::TurnView(true)),
+    plain("Page up", "the view before", &[Key::PageUp], |_| Request::TurnView(false)),
     plain("?", "this list", &[Key::Questionmark], |_| Request::ToggleKeys),
     plain("Esc", "leave this list, stop computing, or leave an enlarged view", &[Key::Escape], |_| Request::Leave),
     Shortcut {

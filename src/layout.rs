@@ -101,6 +101,19 @@ impl Layout {
         self.enlarged.map_or_else(|| self.shown(), |view| vec![view])
     }
 
+    /// Enlarges the next view, or the one before; after the last come all of them.
+    pub fn turn(&mut self, forward: bool) {
+        let views = self.in_order();
+        let place = self.enlarged.and_then(|view| views.iter().position(|other| *other == view));
+        let next = match (place, forward) {
+            (None, true) => Some(0),
+            (None, false) => views.len().checked_sub(1),
+            (Some(place), true) => Some(place + 1),
+            (Some(place), false) => place.checked_sub(1),
+        };
+        self.enlarged = next.and_then(|place| views.get(place)).copied();
+    }
+
     /// Leaves the enlarged view. Returns whether there was one.
     pub fn leave_enlarged(&mut self) -> bool {
         self.enlarged.take().is_some()
@@ -142,11 +155,14 @@ type Rows<'a> = &'a [(f32, &'a [ViewKind])];
 
 /// The rows of an arrangement.
 const fn rows(arrangement: Arrangement) -> Rows<'static> {
-    use ViewKind::{Consistency, Errors, Innovations, Oscillator, ParameterPlane, Parameters, Scores, States};
+    use ViewKind::{
+        Autocorrelation, Consistency, Errors, Filters, Innovations, Oscillator, ParameterPlane, Parameters, Scores,
+        States,
+    };
     match arrangement {
         Arrangement::Teach => &[(0.19, &[Oscillator]), (0.44, &[Parameters]), (0.37, &[States])],
-        Arrangement::Tune => &[(0.5, &[Parameters, Consistency]), (0.5, &[Innovations, Errors])],
-        Arrangement::Compare => &[(0.5, &[Parameters, Scores]), (0.5, &[Errors, ParameterPlane])],
+        Arrangement::Tune => &[(0.5, &[Parameters, Consistency]), (0.5, &[Innovations, Autocorrelation])],
+        Arrangement::Compare => &[(0.5, &[Parameters, Scores]), (0.5, &[Errors, Filters, ParameterPlane])],
     }
 }
 

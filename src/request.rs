@@ -67,6 +67,8 @@ pub enum Request {
     Arrange(Arrangement),
     /// Use the tiles as the user has dragged or resized them.
     Rearrange(Box<Tree<ViewKind>>),
+    /// Enlarge the next view, or the one before; after the last come all of them.
+    TurnView(bool),
     /// Enlarge a view, or show all views again.
     ToggleEnlarged(ViewKind),
     /// Let the time axis follow the playback again.
@@ -129,13 +131,15 @@ pub enum ViewKind {
     Matrices,
     /// Filters side by side.
     Scores,
+    /// The filters' numbers side by side.
+    Filters,
     /// Verdicts with their evidence, causes and knobs.
     Diagnosis,
 }
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -149,6 +153,7 @@ impl ViewKind {
         Self::FrequencyResponse,
         Self::Matrices,
         Self::Scores,
+        Self::Filters,
         Self::Diagnosis,
     ];
 }
@@ -159,9 +164,9 @@ pub enum Arrangement {
     /// The story: the moving mass, parameters and states.
     #[default]
     Teach,
-    /// For tuning Q and R: parameters, innovations, NIS and NEES, errors.
+    /// For tuning Q and R: parameters, NIS and NEES, innovations and their autocorrelation.
     Tune,
-    /// For comparing filters: scores, parameters, errors, the parameter plane.
+    /// For comparing filters: scores, parameters, errors, their settings, the parameter plane.
     Compare,
 }
 

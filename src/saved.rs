@@ -2,6 +2,7 @@
 
 use egui::ThemePreference;
 use kalmanscope_core::Scenario;
+use kalmanscope_lessons::BuiltIn;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -55,7 +56,7 @@ struct Written<'a> {
 impl Default for Saved {
     fn default() -> Self {
         Self {
-            scenario: Scenario::default(),
+            scenario: BuiltIn::FIRST.scenario().unwrap_or_default(),
             mode: Mode::default(),
             speed: Session::DEFAULT_SPEED,
             presenting: false,

@@ -22,6 +22,22 @@ pub fn strong() -> FontFamily {
     FontFamily::Name(fonts::STRONG.into())
 }
 
+/// The text style of the numbers above plots.
+pub fn readout() -> TextStyle {
+    TextStyle::Name("readout".into())
+}
+
+/// Makes the numbers above plots large, for a lecture hall, or as large as small text.
+pub fn enlarge_readouts(ctx: &egui::Context, large: bool) {
+    let size = if large { READOUT.1 } else { READOUT.0 };
+    ctx.all_styles_mut(|style| {
+        style.text_styles.insert(readout(), FontId::new(size, FontFamily::Proportional));
+    });
+}
+
+/// Size of the numbers above plots, and in a lecture hall \[points\].
+const READOUT: (f32, f32) = (12.0, 20.0);
+
 fn restyle(style: &mut egui::Style, theme: Theme) {
     let palette = Palette::of(theme);
     let proportional = |size| FontId::new(size, FontFamily::Proportional);
@@ -31,6 +47,7 @@ fn restyle(style: &mut egui::Style, theme: Theme) {
         (TextStyle::Button, proportional(13.5)),
         (TextStyle::Small, proportional(11.5)),
         (TextStyle::Monospace, proportional(13.0)),
+        (readout(), proportional(READOUT.0)),
     ]
     .into();
     style.spacing.item_spacing = Vec2::new(7.0, 5.0);

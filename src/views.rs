@@ -5,8 +5,10 @@ mod channels;
 mod consistency;
 mod diagnosis;
 mod errors;
+mod filters;
 mod frequency_response;
 mod gain;
+mod handles;
 mod innovations;
 mod matrices;
 mod oscillator;
@@ -34,6 +36,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::FrequencyResponse => &frequency_response::FrequencyResponse,
         ViewKind::Matrices => &matrices::Matrices,
         ViewKind::Scores => &scores::Scores,
+        ViewKind::Filters => &filters::Filters,
         ViewKind::Diagnosis => &diagnosis::Diagnosis,
     }
 }

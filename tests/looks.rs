@@ -8,6 +8,7 @@ use kalmanscope::layout::Layout;
 use kalmanscope::request::{Arrangement, ViewKind};
 use kalmanscope::session::Mode;
 use kalmanscope::views::view;
+use kalmanscope_core::Scenario;
 
 const DESKTOP: Vec2 = Vec2::new(1280.0, 800.0);
 const PHONE: Vec2 = Vec2::new(390.0, 844.0);
@@ -19,6 +20,7 @@ fn it_looks_as_it_did() {
     let mut results = SnapshotResults::new();
     let teach = Arrangement::Teach;
     for (name, size, theme, mode, time, arrangement) in [
+        ("first-light", DESKTOP, Theme::Light, Mode::Live, 10.0, teach),
         ("live-light", DESKTOP, Theme::Light, Mode::Live, 8.0, teach),
         ("live-dark", DESKTOP, Theme::Dark, Mode::Live, 34.0, teach),
         ("whole-dark", DESKTOP, Theme::Dark, Mode::Whole, 40.0, teach),
@@ -34,6 +36,9 @@ fn it_looks_as_it_did() {
         *screen.state_mut().layout_mut() = Layout::of(arrangement);
         let session = screen.state_mut().session_mut();
         session.toggle_play();
+        if name != "first-light" {
+            session.set_scenario(Scenario::default());
+        }
         session.set_mode(mode);
         session.seek(time);
         screen.run_steps(8);
@@ -47,6 +52,7 @@ fn it_looks_as_it_did() {
         .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
     let session = screen.state_mut().session_mut();
     session.toggle_play();
+    session.set_scenario(Scenario::default());
     session.set_mode(Mode::Whole);
     session.seek(12.0);
     screen.run_steps(4);
@@ -75,6 +81,7 @@ fn it_looks_as_it_did() {
         }
         let session = screen.state_mut().session_mut();
         session.toggle_play();
+        session.set_scenario(Scenario::default());
         session.set_mode(Mode::Whole);
         session.seek(34.0);
         screen.run_steps(8);

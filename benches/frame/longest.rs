@@ -128,7 +128,7 @@ fn edit_sensor(app: &mut App, i: usize) {
 }
 
 fn open_another(app: &mut App) {
-    let scenario = BUILT_IN[0].scenario().expect("a built-in scenario");
+    let scenario = BUILT_IN[1].scenario().expect("a built-in scenario");
     app.session_mut().set_scenario(scenario);
     app.session_mut().play_from_start();
 }

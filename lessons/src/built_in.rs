@@ -24,6 +24,7 @@ macro_rules! built_in {
 
 /// Every built-in scenario, in the menu's order.
 pub const BUILT_IN: &[BuiltIn] = built_in![
+    "With and without forgetting": "forgetting",
     "Sudden stiffness loss": "stiffness-loss",
     "Constant parameters": "constant",
     "Slow drift": "slow-drift",
@@ -42,6 +43,9 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
 ];
 
 impl BuiltIn {
+    /// The scenario that a new user sees first: it tells a story within seconds.
+    pub const FIRST: Self = BUILT_IN[0];
+
     /// The scenario with this file name.
     pub fn named(file: &str) -> Option<&'static Self> {
         BUILT_IN.iter().find(|scenario| scenario.file == file)

@@ -6,6 +6,7 @@ use crate::controls::number;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
+use crate::theme;
 use crate::tutor::Tutor;
 
 impl App {
@@ -84,6 +85,7 @@ impl App {
             Request::TogglePresenter => {
                 self.presenting = !self.presenting;
                 ctx.set_zoom_factor(ctx.zoom_factor() * if self.presenting { LARGE } else { 1.0 / LARGE });
+                theme::enlarge_readouts(ctx, self.presenting);
                 self.controls_open = None;
             }
             Request::ToggleKeys => self.keys_open = !self.keys_open,
@@ -102,6 +104,7 @@ impl App {
             }
             Request::Arrange(arrangement) => *layout = Layout::of(arrangement),
             Request::Rearrange(tree) => layout.rearrange(*tree),
+            Request::TurnView(forward) => layout.turn(forward),
             Request::ToggleEnlarged(view) => layout.toggle_enlarged(view),
             // First back to the range of interest, then to the whole record.
             Request::Follow if axis.follows => axis.framed = None,

@@ -21,6 +21,18 @@ pub(super) const NARROW: f32 = 720.0;
 /// Limits the width of a window in which a lesson replaces the settings, unless the user opens them \[points\].
 pub(super) const WIDE: f32 = 1500.0;
 
+/// In presenter mode the bar is there for a pointer near it, for a finger, and for who goes through it by keyboard.
+fn is_bar_wanted(ctx: &Context) -> bool {
+    let near = ctx.input(|input| {
+        input.has_touch_screen()
+            || input.pointer.latest_pos().is_none_or(|at| at.y < NEAR_BAR + input.content_rect().top())
+    });
+    near || egui::Popup::is_any_open(ctx) || ctx.memory(|memory| memory.focused().is_some())
+}
+
+/// The distance from the top at which a pointer is near the bar \[points\].
+const NEAR_BAR: f32 = 50.0;
+
 impl App {
     /// Fills the window.
     pub(super) fn window_ui(&mut self, ui: &mut Ui) {
@@ -34,7 +46,9 @@ impl App {
         let Self { session, layout, lessons, presenting, requests, history, .. } = self;
         let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
         let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow, history };
-        Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
+        if !*presenting || is_bar_wanted(ui.ctx()) {
+            Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
+        }
         if open {
             self.controls_panel_ui(ui, frame, &palette, narrow);
         }

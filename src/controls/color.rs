@@ -36,7 +36,7 @@ pub(super) fn free_color(scenario: &Scenario, id: u32) -> Option<FilterColor> {
 }
 
 /// The filter's own colour, else the default colour of its id.
-fn color_of(filter: &FilterSettings) -> FilterColor {
+pub(crate) fn color_of(filter: &FilterSettings) -> FilterColor {
     filter.color.unwrap_or(FilterColor::of(filter.id))
 }
 

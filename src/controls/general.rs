@@ -3,7 +3,7 @@
 use egui::{DragValue, Ui};
 use kalmanscope_core::Scenario;
 
-use super::number::Number;
+use super::number::{Number, limit};
 
 /// Limits the length of a record: a day \[s\].
 const LONGEST: f64 = 86_400.0;
@@ -43,8 +43,9 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
         hint,
     }
     .show(ui, dt);
-    *dt = dt.min(*duration);
-    *duration = duration.min(LONGEST);
+    let longest_step = *duration;
+    limit(ui, dt, 0.0, longest_step, "Sampling time, most", "s");
+    limit(ui, duration, 0.0, LONGEST, "Duration, most", "s");
     ui.horizontal(|ui| {
         ui.label("seed").on_hover_text("The same seed gives the same noise, on every machine");
         let drag = ui.add(DragValue::new(seed).range(0..=i64::MAX as u64).speed(0.1));

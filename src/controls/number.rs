@@ -41,7 +41,13 @@ impl Number<'_> {
         let initial = initial(ui, name, *value);
         ui.horizontal(|ui| {
             fixed_width(ui, LABEL_WIDTH, |ui| {
-                ui.add(egui::Label::new(label).truncate()).on_hover_text(hint);
+                let changed = *value != initial;
+                let label = ui.add(egui::Label::new(label).truncate()).on_hover_text(hint);
+                if changed {
+                    // A bar beside each number that is not what it was at the beginning.
+                    let x = label.rect.left() - 5.0;
+                    ui.painter().vline(x, label.rect.y_range(), Stroke::new(2.0, ui.visuals().selection.bg_fill));
+                }
             });
             let spacing = ui.spacing().item_spacing.x;
             let rail = (ui.available_width() - FIELD_WIDTH - UNIT_WIDTH - 2.0 * spacing).max(40.0);
@@ -63,9 +69,33 @@ impl Number<'_> {
             reset(&field, value, initial);
             ui.weak(unit);
         });
-        *value = value.max(least);
+        limit(ui, value, least, f64::INFINITY, name, unit);
     }
 }
+
+/// Keeps a value within limits, and says so for a moment where it was not.
+pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, name: &str, unit: &str) {
+    let id = Id::unique(("limited", name));
+    let now = ui.input(|input| input.time);
+    let limited = value.clamp(least, most);
+    if *value != limited {
+        let which = if *value < least { "at least" } else { "at most" };
+        ui.data_mut(|data| data.insert_temp(id, (now, format!("{which} {} {unit}", significant(limited, 5)))));
+        *value = limited;
+    }
+    if let Some((since, text)) =
+        ui.data(|data| data.get_temp::<(f64, String)>(id)).filter(|(since, _)| now - since < SAID)
+    {
+        ui.horizontal(|ui| {
+            ui.add_space(LABEL_WIDTH + 7.0);
+            ui.colored_label(ui.visuals().warn_fg_color, egui::RichText::new(text.trim_end()).small());
+        });
+        ui.ctx().request_repaint_after_secs((since + SAID - now) as f32);
+    }
+}
+
+/// The time for which a limit is said \[s\].
+const SAID: f64 = 4.0;
 
 /// A compact number in a table: a field to drag, scroll or type in.
 pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) -> Response {

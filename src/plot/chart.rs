@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use egui::{Id, Sense, Ui, Vec2, Vec2b};
+use egui::{Color32, Id, Sense, Ui, Vec2, Vec2b};
 use egui_plot::{AxisHints, Plot};
 
 use super::cache::cached;
@@ -12,6 +12,7 @@ use super::decoration::Decoration;
 use super::drawing::Drawing;
 use super::frame::{Y_AXIS, sense};
 use super::grid::Grid;
+use super::handles::{Handle, handles_ui};
 use super::heading::{Readout, heading_ui};
 use super::input::PlotInput;
 use super::layers::Layer;
@@ -35,6 +36,8 @@ pub(crate) struct Chart<'a> {
     pub(crate) unit: &'static str,
     pub(crate) readouts: Vec<Readout>,
     pub(crate) layers: Vec<Layer<'a>>,
+    /// The settings that can be dragged in it.
+    pub(crate) handles: Vec<Handle<'a>>,
     /// Whether the chart is the lowest of the view, which has the time axis.
     pub(crate) last_row: bool,
     /// The range that the vertical axis shows at least.
@@ -55,7 +58,8 @@ impl Chart<'_> {
     /// Draws the chart with its heading into all of `ui`.
     pub(crate) fn show(self, ui: &mut Ui, input: &PlotInput<'_>, requests: &mut Vec<Request>) -> ChartResponse {
         let shown = time_text(input, input.axis.shown_time(input.session));
-        let time = Readout { text: format!("t {shown}"), color: input.palette.weak, hint: "time [s]".to_owned() };
+        let time =
+            Readout { text: format!("t\u{a0}{shown}"), color: Color32::TRANSPARENT, hint: "time [s]".to_owned() };
         let readouts: Vec<Readout> = std::iter::once(time).chain(self.readouts).collect();
         let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &readouts);
         let alone =
@@ -132,6 +136,7 @@ impl Chart<'_> {
         let (pointed, transform) = (response.inner, response.transform);
         let response = response.response;
         cursor_gestures(ui, &self.key, &response, &transform, input, requests);
+        handles_ui(ui, &self.key, &self.handles, &transform, input, requests);
         response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {}", self.title)));
         if response.double_clicked() {
             requests.push(Request::Follow);

@@ -1,8 +1,11 @@
 //! The drawing of a chart in one window, from its layers down to the marks of a frame.
 
+use std::ops::Range;
+
 use egui_plot::PlotUi;
 use kalmanscope_core::Record;
 
+use super::coinciding::drawn_runs;
 use super::decoration::Decoration;
 use super::grid::Grid;
 use super::item::{DrawingItem, PaintedShapes};
@@ -27,7 +30,11 @@ impl Drawing {
         let range = value_range(layers.iter().zip(&columns), least);
         // Without a range there are no values to draw.
         let marks = window.scale(range).map_or(Vec::new(), |scale| {
-            layers.iter().zip(&columns).filter_map(|(layer, c)| Mark::new(layer, c, record, scale)).collect()
+            let runs = drawn_runs(layers, &columns, record, scale);
+            let of_layer = |((layer, columns), runs): ((&Layer<'_>, &LayerColumns), Vec<Range<usize>>)| {
+                runs.into_iter().filter_map(|run| Mark::new(layer, columns, run, record, scale)).collect::<Vec<_>>()
+            };
+            layers.iter().zip(&columns).zip(runs).flat_map(of_layer).collect()
         });
         Self { range, marks, painted: PaintedShapes::default() }
     }

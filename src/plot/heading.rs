@@ -1,19 +1,28 @@
 //! The line above a chart: its title, and the values at the cursor.
 
-use egui::{Align, Color32, Id, Layout, Response, RichText, TextStyle, Ui, vec2};
+use egui::{Align, Color32, Id, Layout, Response, RichText, Sense, TextStyle, Ui, vec2};
 
 use crate::theme;
 
 /// A value in a heading.
 pub(crate) struct Readout {
     pub(crate) text: String,
+    /// The colour of its owner; transparent where it has none.
     pub(crate) color: Color32,
     /// The owner of the value.
     pub(crate) hint: String,
 }
 
+impl Readout {
+    fn has_owner(&self) -> bool {
+        self.color != Color32::TRANSPARENT
+    }
+}
+
 /// Space between the parts of a heading \[points\].
 const GAP: f32 = 10.0;
+/// Width of the dot in the colour of a value's owner, with the space after it \[points\].
+const DOT: f32 = 11.0;
 /// Space for the sign of omitted values \[points\].
 const ELLIPSIS: f32 = 20.0;
 
@@ -49,7 +58,8 @@ impl<'a> Values<'a> {
         // A value keeps the largest width so far, so that nothing moves while it changes.
         let scope = ui.scope_id();
         let sized = |(readout, text): (&Readout, &'a str)| {
-            (text, steady(ui, scope.with((symbol, &readout.hint)), width(ui, text, &TextStyle::Small)))
+            let dot = if readout.has_owner() { DOT } else { 0.0 };
+            (text, steady(ui, scope.with((symbol, &readout.hint)), width(ui, text, &theme::readout()) + dot))
         };
         let shown = all.iter().map(|r| (r, r.text.as_str())).map(sized).collect();
         let mut values = Self { all, shown };
@@ -75,8 +85,14 @@ impl<'a> Values<'a> {
         for (readout, (text, width)) in all.iter().zip(shown).rev() {
             let size = vec2(*width, ui.available_height());
             ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
-                let text = RichText::new(*text).small().color(readout.color);
-                ui.label(text).on_hover_text(format!("{}: {}", readout.hint, readout.text));
+                ui.spacing_mut().item_spacing.x = 0.0;
+                let label = ui.label(RichText::new(*text).text_style(theme::readout()));
+                label.on_hover_text(format!("{}: {}", readout.hint, readout.text));
+                // Text in a light colour is hard to read on a light ground: a dot has the colour.
+                if readout.has_owner() {
+                    let (dot, _) = ui.allocate_exact_size(vec2(DOT, DOT), Sense::hover());
+                    ui.painter().circle_filled(dot.left_center() + vec2(0.3 * DOT, 0.0), 0.3 * DOT, readout.color);
+                }
             });
         }
     }

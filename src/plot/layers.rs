@@ -19,10 +19,10 @@ pub(crate) enum Layer<'a> {
     Level { value: f64, color: Color32 },
 }
 
-/// The width of the line of the filter at this place; the first has the width `first`. Each line is 0.6 points thinner
-/// than the one below it, so that coinciding lines remain visible \[points\].
+/// The width of the line of the filter at this place; the first has the width `first`. Each line is a little thinner
+/// than the one below it \[points\].
 pub(crate) fn line_width(place: usize, first: f32) -> f32 {
-    (first - 0.6 * place as f32).max(1.0)
+    (first - 0.2 * place as f32).max(1.6)
 }
 
 /// A layer, reduced to the pixel columns of a window.

@@ -1,5 +1,7 @@
 //! Marks: the visible shapes of a layer at a given scale, without points that make no visible difference.
 
+use std::ops::Range;
+
 use egui::Color32;
 use egui_plot::PlotPoint;
 use kalmanscope_core::Record;
@@ -56,21 +58,27 @@ pub(crate) enum Mark {
 }
 
 impl Mark {
-    /// The layer at this scale, without points that make no visible difference.
-    pub(crate) fn new(layer: &Layer<'_>, columns: &LayerColumns, record: &Record, scale: Scale) -> Option<Self> {
+    /// A run of the layer's columns at this scale, without points that make no visible difference.
+    pub(crate) fn new(
+        layer: &Layer<'_>,
+        columns: &LayerColumns,
+        run: Range<usize>,
+        record: &Record,
+        scale: Scale,
+    ) -> Option<Self> {
         Some(match (layer, columns) {
             (&Layer::Band { color, under, .. }, LayerColumns::Band(columns)) => {
-                let rungs = rungs(record, columns);
+                let rungs = rungs(record, columns.get(run)?);
                 let seen: Vec<&[Rung]> = unhidden(&rungs, f64::from(under) / scale.y).collect();
                 let parts = seen.iter().map(|rungs| simplify_band(rungs, scale)).collect();
                 Self::Band { parts, color, steep: are_steep(&seen, scale) }
             }
             (&Layer::Dots { color, .. }, LayerColumns::Series(columns)) => {
                 let both = |c: &Column| [c.low, c.high].map(|value| PlotPoint::new(record.time(c.samples.0), value));
-                Self::Dots { points: columns.iter().flat_map(both).collect(), color }
+                Self::Dots { points: columns.get(run)?.iter().flat_map(both).collect(), color }
             }
             (&Layer::Line { color, width, dashed, .. }, LayerColumns::Series(columns)) => {
-                let points = line(record, columns, scale);
+                let points = line(record, columns.get(run)?, scale);
                 let kept = simplify(points.iter().map(|p| (scale.x * p.x, scale.y * p.y)));
                 let kept: Vec<PlotPoint> = kept.into_iter().map(|i| points[i]).collect();
                 let dense = is_dense(&points, &kept, scale);

@@ -11,6 +11,7 @@ use crate::plot::series::{Band, Series};
 use crate::request::Request;
 use crate::text::{decimals, fixed};
 use crate::view::{View, ViewContext};
+use crate::views::handles;
 
 /// The width of the first filter's line \[points\].
 const ESTIMATE: f32 = 2.4;
@@ -120,6 +121,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         unit: channel.unit(),
         readouts: readouts(channel, context),
         layers,
+        handles: handles::of_channel(channel, context),
         last_row,
         least: None,
         logarithmic: false,

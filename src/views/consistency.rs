@@ -100,6 +100,7 @@ fn chart<'a>(
         unit: "",
         readouts,
         layers,
+        handles: Vec::new(),
         last_row,
         least: Some((-0.5, 0.5)),
         logarithmic: true,

@@ -109,6 +109,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         unit: channel.unit(),
         readouts,
         layers,
+        handles: Vec::new(),
         last_row,
         least: None,
         logarithmic: false,

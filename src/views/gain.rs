@@ -92,6 +92,7 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
         unit: channel.unit(),
         readouts,
         layers,
+        handles: Vec::new(),
         last_row,
         least: None,
         logarithmic: false,

@@ -1,7 +1,7 @@
 //! Innovations within ±2√S: the new information of each measurement.
 
 use egui::Ui;
-use kalmanscope_core::Quantity;
+use kalmanscope_core::{Estimates, Quantity};
 
 use crate::plot::chart::Chart;
 use crate::plot::charts::charts_ui;
@@ -11,6 +11,10 @@ use crate::plot::series::{Band, Series};
 use crate::request::Request;
 use crate::text::significant;
 use crate::view::{View, ViewContext};
+use crate::views::handles;
+
+/// Limits the charts in which each filter has its own.
+const ROWS: usize = 8;
 
 /// Measurement minus prediction.
 pub(super) struct Innovations;
@@ -33,18 +37,29 @@ impl View for Innovations {
         if sensors.is_empty() {
             ui.weak("Nothing is measured.");
         }
-        charts_ui(ui, sensors.len(), &context.plot_input(), requests, |i, last_row| {
-            chart(i, sensors[i], context, last_row)
+        // The innovations of several filters in one chart would be one block of colour.
+        let filters: Vec<&Estimates> = context.filters().map(|(_, estimates)| estimates).collect();
+        let rows = if sensors.len() * filters.len() <= ROWS { filters.len().max(1) } else { 1 };
+        charts_ui(ui, sensors.len() * rows, &context.plot_input(), requests, |i, last_row| {
+            let (sensor, row) = (i / rows, i % rows);
+            let filters = if rows > 1 { &filters[row..=row] } else { &filters[..] };
+            chart(sensor, sensors[sensor], filters, context, last_row)
         })
     }
 }
 
-fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
+fn chart<'a>(
+    sensor: usize,
+    quantity: Quantity,
+    filters: &[&'a Estimates],
+    context: &ViewContext<'a>,
+    last_row: bool,
+) -> Chart<'a> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
     let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = Vec::new();
     let mut readouts = Vec::new();
-    for (_, estimates) in context.filters() {
+    for &estimates in filters {
         let m = estimates.sensors().len();
         let variance = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)];
         if visible.bands {
@@ -61,7 +76,7 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_
         }
     }
     layers.push(Layer::Level { value: 0.0, color: palette.weak });
-    for (_, estimates) in context.filters() {
+    for &estimates in filters {
         layers.push(Layer::Line {
             series: Series::new(estimates.len(), move |samples| samples.map(move |k| estimates.innovation(k)[sensor])),
             color: palette.shade(estimates.color()).gamma_multiply(0.8),
@@ -70,14 +85,19 @@ fn chart<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_
             bounds: false,
         });
     }
+    let of = match filters {
+        [one] if context.filters().nth(1).is_some() => format!(", {}", one.name()),
+        _ => String::new(),
+    };
     Chart {
-        key: format!("innovation of {}", quantity.key()),
-        title: format!("innovations of the {} sensor", quantity.key()),
+        key: format!("innovation of {}{of}", quantity.key()),
+        title: format!("innovations of the {} sensor{of}", quantity.key()),
         symbol: format!("e({})", quantity.symbol()),
-        name: format!("innovation of {}", quantity.key()),
+        name: format!("innovation of {}{of}", quantity.key()),
         unit: quantity.unit(),
         readouts,
         layers,
+        handles: handles::of_sensor(sensor, quantity, filters, context),
         last_row,
         least: None,
         logarithmic: false,

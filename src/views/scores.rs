@@ -78,7 +78,7 @@ impl View for Scores {
                 if visible.verdicts {
                     ui.weak("verdict");
                     for (_, summary) in &summaries {
-                        verdict_ui(ui, summary.verdict.as_ref(), palette);
+                        verdict_ui(ui, summary.verdict.as_ref(), reason_width, palette);
                     }
                     ui.end_row();
                 }
@@ -118,11 +118,14 @@ impl View for Scores {
     }
 }
 
-fn verdict_ui(ui: &mut Ui, verdict: Option<&Verdict>, palette: &Palette) {
-    match verdict.map(|verdict| verdict.kind) {
-        Some(kind) => ui.colored_label(text_color(kind, palette), format!("{} {}", symbol(kind), kind.name())),
-        None => ui.weak("too few samples"),
-    };
+fn verdict_ui(ui: &mut Ui, verdict: Option<&Verdict>, width: f32, palette: &Palette) {
+    ui.vertical(|ui| {
+        ui.set_max_width(width);
+        match verdict.map(|verdict| verdict.kind) {
+            Some(kind) => ui.colored_label(text_color(kind, palette), format!("{} {}", symbol(kind), kind.name())),
+            None => ui.weak("too few samples"),
+        };
+    });
 }
 
 fn reason_ui(ui: &mut Ui, verdict: Option<&Verdict>, width: f32) {

@@ -40,7 +40,7 @@ fn a_double_click_takes_a_number_back_to_what_it_was() {
     // Another scenario resets the initial values.
     screen.get_by_label("Scenario").click();
     screen.run_steps(3);
-    screen.get_by_label(kalmanscope_lessons::BUILT_IN[2].title).click();
+    screen.get_by_label(kalmanscope_lessons::BUILT_IN[3].title).click();
     screen.run_steps(3);
     let opened = numbers(&screen);
     set(&mut screen, "Noise of the displacement sensor", 0.2);
@@ -147,7 +147,7 @@ fn the_drawer_of_the_phone_leaves_the_plots_in_sight() {
     assert!(screen.query_by_label("EKF fading factor").is_none());
     screen.get_by_label("Settings").click();
     screen.run_steps(20);
-    let drawer = screen.get_by_label("Truth").rect();
+    let drawer = screen.get_by_label("EKF fading factor").rect();
     let plot = screen.get_by_label("Plot of the natural frequency").rect();
     assert!(plot.height() > 40.0 && plot.bottom() < drawer.top(), "{plot} is behind the drawer at {drawer}");
     assert!(drawer.top() < 0.75 * PHONE.y, "the drawer begins only at {}", drawer.top());

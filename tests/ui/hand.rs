@@ -158,3 +158,110 @@ fn keys_work_while_a_button_has_the_focus() {
     screen.run_steps(2);
     assert_eq!(screen.state().session().mode(), Mode::Live);
 }
+
+/// Drags from one place to another, in steps that a hand would make.
+fn drag(screen: &mut Screen, from: egui::Pos2, way: egui::Vec2) {
+    screen.hover_at(from);
+    screen.run_steps(2);
+    screen.drag_at(from);
+    screen.run_steps(2);
+    for step in 1..=5 {
+        screen.hover_at(from + way * (step as f32 / 5.0));
+        screen.run_steps(2);
+    }
+    screen.drop_at(from + way);
+    screen.run_steps(3);
+}
+
+#[test]
+fn a_sudden_change_is_dragged_where_it_is_seen() {
+    let mut screen = whole();
+    let step = |screen: &Screen| match scenario(screen).plant.parameter(Channel::NATURAL_FREQUENCY) {
+        Some(Signal::Step(step)) => step,
+        other => panic!("{other:?}"),
+    };
+    let before = step(&screen);
+    let handle = screen.get_by_label("time and size of the change of the natural frequency").rect().center();
+    drag(&mut screen, handle, egui::vec2(60.0, -40.0));
+    let after = step(&screen);
+    assert!(after.at > before.at + 2.0 && after.to > before.to + 0.1, "{before:?} {after:?}");
+    assert_eq!(after.from, before.from);
+    assert!(screen.state().axis().follows, "the axes follow again");
+}
+
+#[test]
+fn the_assumed_noise_is_dragged_at_the_height_of_a_band() {
+    let mut screen = whole();
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Innovations]);
+    screen.run_steps(3);
+    for filter in ["EKF", "UKF"] {
+        let chart = format!("Plot of the innovations of the displacement sensor, {filter}");
+        assert!(screen.query_by_label(&chart).is_some(), "each filter has a chart of its own");
+    }
+    let std = |screen: &Screen| scenario(screen).filters[0].sensor_std[0];
+    let handle = screen.get_by_label("2√R of EKF for the displacement sensor").rect().center();
+    drag(&mut screen, handle, egui::vec2(0.0, -15.0));
+    assert!(std(&screen) > 0.012, "{}", std(&screen));
+    assert_eq!(scenario(&screen).filters[1].sensor_std[0], 0.01);
+}
+
+#[test]
+fn filters_stand_side_by_side_with_their_numbers() {
+    let mut screen = whole();
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);
+    screen.run_steps(3);
+    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    assert_eq!(scenario(&screen).filters[1].process_std[Channel::NATURAL_FREQUENCY], 0.003);
+    assert_eq!(scenario(&screen).filters[0].process_std[Channel::NATURAL_FREQUENCY], 1e-4);
+}
+
+#[test]
+fn page_keys_go_from_view_to_view() {
+    let mut screen = whole();
+    let about = |view: ViewKind| format!("About {}", kalmanscope::views::view(view).name());
+    let shown = |screen: &Screen| {
+        ViewKind::ALL.into_iter().filter(|kind| screen.query_by_label(&about(*kind)).is_some()).collect::<Vec<_>>()
+    };
+    let all = shown(&screen);
+    assert_eq!(all.len(), 3);
+    for expected in all.iter().map(|kind| vec![*kind]).chain([all.clone()]) {
+        screen.key_press(Key::PageDown);
+        screen.run_steps(3);
+        assert_eq!(shown(&screen), expected);
+    }
+    screen.key_press(Key::PageUp);
+    screen.run_steps(3);
+    assert_eq!(shown(&screen), [all[2]]);
+}
+
+#[test]
+fn a_number_beyond_its_limit_says_so_for_a_moment() {
+    let mut screen = workbench();
+    set(&mut screen, "Sampling time", 1e-9);
+    assert_eq!(scenario(&screen).dt, 0.002);
+    assert!(screen.query_by_label("at least 0.002 s").is_some());
+    screen.run_steps(5 * 60);
+    assert!(screen.query_by_label("at least 0.002 s").is_none());
+}
+
+#[test]
+fn a_stranger_sees_something_happen_within_five_seconds() {
+    let mut screen = Harness::builder()
+        .with_size(DESKTOP)
+        .with_step_dt(1.0 / 60.0)
+        .build_eframe(|creation| App::new(creation).expect("the first scenario can be run"));
+    screen.state_mut().session_mut().set_budget(Budget::Unlimited);
+    screen.run_steps(5 * 60);
+    let session = screen.state().session();
+    let Some(Signal::Step(step)) = session.scenario().plant.parameter(Channel::NATURAL_FREQUENCY) else {
+        panic!("the first screen shows a sudden change");
+    };
+    assert!(session.time() > step.at + 1.0, "{} s", session.time());
+    let last = session.index();
+    let estimate = |filter: usize| session.run().estimates()[filter].canonical_mean(last, 2);
+    assert!(estimate(1) - estimate(0) > 0.3, "the filters go apart: {} {}", estimate(0), estimate(1));
+    // At the end the change is still in sight.
+    screen.run_steps(20 * 60);
+    let session = screen.state().session();
+    assert!(!session.playing() && screen.state().axis().followed(session).0 < step.at);
+}

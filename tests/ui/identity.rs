@@ -43,7 +43,7 @@ fn another_scenario_is_shown_with_all_its_filters() {
     click(&mut screen, "Show UKF");
     click(&mut screen, "Show measured");
     click(&mut screen, "Scenario");
-    click(&mut screen, kalmanscope_lessons::BUILT_IN[1].title);
+    click(&mut screen, kalmanscope_lessons::BUILT_IN[2].title);
     assert!(shown(&screen).iter().all(|(_, on)| *on));
 }
 

@@ -40,7 +40,10 @@ fn screen(size: Vec2, theme: Theme) -> Screen {
         .with_theme(theme)
         .with_step_dt(1.0 / 60.0)
         .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
-    screen.state_mut().session_mut().set_budget(Budget::Unlimited);
+    let session = screen.state_mut().session_mut();
+    session.set_budget(Budget::Unlimited);
+    session.set_scenario(Scenario::default());
+    session.play_from_start();
     screen.run_steps(2);
     screen
 }

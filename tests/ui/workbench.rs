@@ -127,7 +127,7 @@ fn a_change_can_be_undone_and_made_again() {
 #[test]
 fn problems_are_reported() {
     let mut screen = workbench();
-    let mut wound_up = kalmanscope_lessons::BUILT_IN[8].scenario().unwrap();
+    let mut wound_up = kalmanscope_lessons::BUILT_IN[9].scenario().unwrap();
     assert_eq!(wound_up.force, Force::None);
     wound_up.filters[0].fading = 1.02;
     screen.state_mut().session_mut().set_mode(Mode::Whole);

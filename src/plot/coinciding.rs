@@ -1,0 +1,142 @@
+//! Lines and bands that coincide: lines take turns, so that each colour is seen, and bands are filled once.
+
+use std::ops::Range;
+
+use kalmanscope_core::Record;
+
+use super::columns::{BandColumn, Column};
+use super::layers::{Layer, LayerColumns};
+use super::window::Scale;
+
+/// Lines closer than this coincide \[points\].
+const CLOSE: f64 = 1.2;
+
+/// The length of a turn \[points\].
+const TURN: f64 = 9.0;
+
+/// For each layer, the runs of its columns that are drawn.
+pub(super) fn drawn_runs<'c>(
+    layers: &[Layer<'_>],
+    columns: &'c [LayerColumns],
+    record: &Record,
+    scale: Scale,
+) -> Vec<Vec<Range<usize>>> {
+    let mut lines: Vec<&[Column]> = Vec::new();
+    let mut bands: Vec<&[BandColumn]> = Vec::new();
+    let of_layer = |(layer, columns): (&Layer<'_>, &'c LayerColumns)| match (layer, columns) {
+        (Layer::Line { dashed: false, bounds: false, .. }, LayerColumns::Series(columns)) => {
+            let is_drawn = |column: &Column| is_its_turn(column, &lines, record, scale);
+            // A run shares an end with the gap beside it, so that nothing is missing between two colours.
+            let runs = runs(columns, is_drawn).into_iter().map(|run| run.start.saturating_sub(1)..run.end).collect();
+            lines.push(columns);
+            runs
+        }
+        (Layer::Band { .. }, LayerColumns::Band(columns)) => {
+            let runs = runs(columns, |column| !bands.iter().any(|other| is_same_band(column, other, scale)));
+            bands.push(columns);
+            runs
+        }
+        (_, LayerColumns::Series(columns)) => whole(columns),
+        (_, LayerColumns::Band(columns)) => whole(columns),
+        (_, LayerColumns::Level) => vec![0..0],
+    };
+    layers.iter().zip(columns).map(of_layer).collect()
+}
+
+fn whole<C>(columns: &[C]) -> Vec<Range<usize>> {
+    std::iter::once(0..columns.len()).collect()
+}
+
+/// The runs of columns that are drawn.
+fn runs<C>(columns: &[C], is_drawn: impl FnMut(&C) -> bool) -> Vec<Range<usize>> {
+    let drawn: Vec<bool> = columns.iter().map(is_drawn).collect();
+    let mut start = 0;
+    let mut runs = Vec::new();
+    for run in drawn.chunk_by(|a, b| a == b) {
+        let end = start + run.len();
+        if run[0] {
+            runs.push(start..end);
+        }
+        start = end;
+    }
+    runs
+}
+
+/// Whether a line is drawn in a column: where it lies on earlier ones, every colour has its turn.
+fn is_its_turn(column: &Column, earlier: &[&[Column]], record: &Record, scale: Scale) -> bool {
+    let close = CLOSE / scale.y;
+    let coincides = |others: &&&[Column]| {
+        let at = others.binary_search_by_key(&column.samples.0, |other| other.samples.0);
+        at.is_ok_and(|at| {
+            let other = &others[at];
+            (other.low - column.low).abs() < close && (other.high - column.high).abs() < close
+        })
+    };
+    let below = earlier.iter().filter(coincides).count();
+    if below == 0 {
+        return true;
+    }
+    let turn = (record.time(column.samples.0) * scale.x / TURN).floor() as i64;
+    turn.rem_euclid(below as i64 + 1) == below as i64
+}
+
+fn is_same_band(column: &BandColumn, others: &[BandColumn], scale: Scale) -> bool {
+    let close = CLOSE / scale.y;
+    let at = others.binary_search_by_key(&column.samples.0, |other| other.samples.0);
+    at.is_ok_and(|at| {
+        let other = &others[at];
+        (other.low - column.low).abs() < close && (other.high - column.high).abs() < close
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{Color32, Vec2};
+    use kalmanscope_core::record::Input;
+    use kalmanscope_core::{Hold, InputKind};
+
+    use super::super::series::{Band, Series};
+    use super::super::window::Window;
+    use super::*;
+
+    const N: usize = 400;
+
+    fn line(values: &[f64]) -> Layer<'_> {
+        Layer::Line { series: Series::of(values), color: Color32::RED, width: 2.0, dashed: false, bounds: false }
+    }
+
+    fn runs_of(layers: &[Layer<'_>]) -> Vec<Vec<Range<usize>>> {
+        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; N] };
+        let record = Record::new(0.01, input, vec![]).unwrap();
+        let window = Window { times: (0.0, 4.0), values: Some((-1.0, 1.0)), size: Vec2::new(400.0, 200.0) };
+        let columns: Vec<LayerColumns> =
+            layers.iter().map(|layer| LayerColumns::new(layer, &record, &window)).collect();
+        drawn_runs(layers, &columns, &record, window.scale(None).unwrap())
+    }
+
+    fn covered(runs: &[Range<usize>], of: usize) -> f64 {
+        runs.iter().map(Range::len).sum::<usize>() as f64 / of as f64
+    }
+
+    #[test]
+    fn coinciding_lines_take_turns_and_others_are_whole() {
+        let (same, apart) = (vec![0.0; N], vec![0.5; N]);
+        let runs = runs_of(&[line(&same), line(&same), line(&same), line(&apart)]);
+        let of = runs[0][0].len();
+        assert_eq!((runs[0].len(), runs[3].len(), covered(&runs[3], of)), (1, 1, 1.0));
+        assert!(runs[1].len() > 10 && (0.3..0.7).contains(&covered(&runs[1], of)), "{:?}", runs[1]);
+        assert!(runs[2].len() > 10 && (0.2..0.5).contains(&covered(&runs[2], of)), "{:?}", runs[2]);
+    }
+
+    #[test]
+    fn bands_that_agree_are_filled_once() {
+        let (means, variances) = (vec![0.0; N], vec![0.01; N]);
+        let half: Vec<f64> = (0..N).map(|k| if k < N / 2 { 0.01 } else { 0.04 }).collect();
+        let band = |variances| Layer::Band { band: Band::around(&means, variances), color: Color32::RED, under: 0.0 };
+        let runs = runs_of(&[band(&variances), band(&variances), band(&half)]);
+        assert!(runs[1].is_empty());
+        let of = runs[0][0].len();
+        assert_eq!(runs[2].len(), 1);
+        assert!((covered(&runs[2], of) - 0.5).abs() < 0.02);
+    }
+}

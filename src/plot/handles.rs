@@ -1,0 +1,72 @@
+//! Handles: settings that are dragged where they are seen.
+
+use egui::{Color32, CursorIcon, Id, InputState, Rect, Sense, Stroke, Ui, pos2, vec2};
+use egui_plot::PlotTransform;
+use kalmanscope_core::Scenario;
+
+use super::input::PlotInput;
+use crate::request::Request;
+
+/// Radius of a handle, and of the room in which it is grasped \[points\].
+const RADIUS: f32 = 4.5;
+const GRASP: f32 = 10.0;
+
+/// A setting at its place in a plot.
+pub(crate) struct Handle<'a> {
+    /// What it sets, for the hint and for screen readers.
+    pub(crate) name: String,
+    /// \[s\]; none for the right edge of the plot.
+    pub(crate) time: Option<f64>,
+    pub(crate) value: f64,
+    pub(crate) color: Color32,
+    /// Puts the setting to a time and a value.
+    pub(crate) set: Box<dyn Fn(&mut Scenario, f64, f64) + 'a>,
+}
+
+/// Shows the handles of a chart. While one is dragged the axes stay, because the picture changes under the hand.
+pub(super) fn handles_ui(
+    ui: &Ui,
+    key: &str,
+    handles: &[Handle<'_>],
+    transform: &PlotTransform,
+    input: &PlotInput<'_>,
+    requests: &mut Vec<Request>,
+) {
+    // A finger scrolls the page.
+    if ui.input(InputState::has_touch_screen) {
+        return;
+    }
+    let frame = *transform.frame();
+    let painter = ui.painter_at(frame);
+    for (i, handle) in handles.iter().enumerate() {
+        let x = handle.time.map_or(frame.right() - 2.0 * RADIUS, |time| transform.position_from_point_x(time));
+        let at = pos2(x, transform.position_from_point_y(handle.value));
+        let id = Id::unique(("handle", key, i));
+        let is_held = ui.ctx().is_being_dragged(id);
+        if !(frame.contains(at) || is_held) {
+            continue;
+        }
+        let grasp = Rect::from_center_size(at, 2.0 * vec2(GRASP, GRASP));
+        let response = ui.interact(grasp, id, Sense::drag());
+        response.ctx.accesskit_node_builder(id, |node| node.set_label(&*handle.name));
+        let is_lit = is_held || response.hovered();
+        let fill = if is_lit { handle.color } else { input.palette.ground };
+        painter.circle(at, RADIUS, fill, Stroke::new(2.0, handle.color));
+        let response = response.on_hover_cursor(CursorIcon::Grab).on_hover_text(format!("Drag: {}", handle.name));
+        if response.drag_started() && input.axis.follows {
+            ui.data_mut(|data| data.insert_temp(id, true));
+            requests.push(Request::Unfollow);
+        }
+        if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+            let to = transform.value_from_position(frame.clamp(pointer));
+            let mut scenario = input.session.scenario().clone();
+            (handle.set)(&mut scenario, to.x, to.y);
+            if &scenario != input.session.scenario() {
+                requests.push(Request::Edit(Box::new(scenario)));
+            }
+        }
+        if response.drag_stopped() && ui.data_mut(|data| data.remove_temp::<bool>(id)).is_some() {
+            requests.push(Request::Follow);
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! The settings that can be dragged in plots over time.
+
+use kalmanscope_core::signal::Step;
+use kalmanscope_core::{Channel, Estimates, FilterSettings, Quantity, Scenario, Signal};
+
+use crate::plot::handles::Handle;
+use crate::text::significant;
+use crate::view::ViewContext;
+
+/// The least standard deviation that a handle sets.
+const LEAST: f64 = 1e-6;
+
+/// In a chart of a channel: each filter's guess and its ±2σ at the beginning, and a sudden change of the truth.
+pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Handle<'a>> {
+    let session = context.session;
+    let record = session.run().record();
+    let mut handles = Vec::new();
+    if let Some(Signal::Step(step)) = session.scenario().plant.parameter(channel).filter(|_| context.visible.truth) {
+        handles.push(Handle {
+            name: format!("time and size of the change of the {}", channel.name()),
+            time: Some(record.time_of(0) + step.at),
+            value: step.to,
+            color: context.palette.truth,
+            set: Box::new(move |scenario, time, value| {
+                let at = rounded(time - record.time_of(0)).clamp(0.0, scenario.duration);
+                let to = rounded(value);
+                let to = if channel.is_positive() { to.max(LEAST) } else { to };
+                scenario.plant.set(channel, Signal::Step(Step { to, at, ..step }));
+            }),
+        });
+    }
+    if !channel.is_parameter() || record.forgotten() > 0 {
+        return handles;
+    }
+    for (_, estimates) in context.filters() {
+        let id = estimates.id();
+        let Some(filter) = session.scenario().filters.iter().find(|filter| filter.id == id) else { continue };
+        if filter.knows(channel) {
+            continue;
+        }
+        let (mean, std) = (filter.initial_mean[channel], filter.initial_std[channel]);
+        let color = context.palette.shade(estimates.color());
+        let time = Some(record.time_of(0));
+        let name = &filter.name;
+        handles.push(Handle {
+            name: format!("{name}'s guess of the {}", channel.name()),
+            time,
+            value: mean,
+            color,
+            set: Box::new(move |scenario, _, value| {
+                edit(scenario, id, |filter| filter.initial_mean[channel] = rounded(value));
+            }),
+        });
+        handles.push(Handle {
+            name: format!("2σ of {name}'s guess of the {}", channel.name()),
+            time,
+            value: mean + 2.0 * std,
+            color: color.gamma_multiply(0.6),
+            set: Box::new(move |scenario, _, value| {
+                let std = rounded(0.5 * (value - mean)).max(LEAST);
+                edit(scenario, id, |filter| filter.initial_std[channel] = std);
+            }),
+        });
+    }
+    handles
+}
+
+/// In a chart of innovations: 2√R of each filter, at the right edge.
+pub(super) fn of_sensor<'a>(
+    sensor: usize,
+    quantity: Quantity,
+    filters: &[&'a Estimates],
+    context: &ViewContext<'a>,
+) -> Vec<Handle<'a>> {
+    let session = context.session;
+    let of = |estimates: &Estimates| {
+        let id = estimates.id();
+        let filter = session.scenario().filters.iter().find(|filter| filter.id == id)?;
+        let std = *filter.sensor_std.get(sensor)?;
+        Some(Handle {
+            name: format!("2√R of {} for the {} sensor", filter.name, quantity.key()),
+            time: None,
+            value: 2.0 * std,
+            color: context.palette.shade(estimates.color()),
+            set: Box::new(move |scenario: &mut Scenario, _, value: f64| {
+                let std = rounded(0.5 * value).max(LEAST);
+                edit(scenario, id, |filter| filter.sensor_std[sensor] = std);
+            }) as Box<dyn Fn(&mut Scenario, f64, f64) + 'a>,
+        })
+    };
+    filters.iter().filter_map(|estimates| of(estimates)).collect()
+}
+
+fn edit(scenario: &mut Scenario, id: u32, change: impl FnOnce(&mut FilterSettings)) {
+    if let Some(filter) = scenario.filters.iter_mut().find(|filter| filter.id == id) {
+        change(filter);
+    }
+}
+
+/// As many digits as a hand can set.
+fn rounded(value: f64) -> f64 {
+    crate::text::parse(&significant(value, 3)).unwrap_or(value)
+}
