@@ -36,7 +36,7 @@ pub fn enlarge_readouts(ctx: &egui::Context, large: bool) {
 }
 
 /// Size of the numbers above plots, and in a lecture hall \[points\].
-const READOUT: (f32, f32) = (12.0, 20.0);
+const READOUT: (f32, f32) = (11.5, 20.0);
 
 fn restyle(style: &mut egui::Style, theme: Theme) {
     let palette = Palette::of(theme);

@@ -21,6 +21,7 @@ fn it_looks_as_it_did() {
     let teach = Arrangement::Teach;
     for (name, size, theme, mode, time, arrangement) in [
         ("first-light", DESKTOP, Theme::Light, Mode::Live, 10.0, teach),
+        ("hall-dark", Vec2::new(1920.0, 1080.0), Theme::Dark, Mode::Live, 14.0, teach),
         ("live-light", DESKTOP, Theme::Light, Mode::Live, 8.0, teach),
         ("live-dark", DESKTOP, Theme::Dark, Mode::Live, 34.0, teach),
         ("whole-dark", DESKTOP, Theme::Dark, Mode::Whole, 40.0, teach),
@@ -36,11 +37,16 @@ fn it_looks_as_it_did() {
         *screen.state_mut().layout_mut() = Layout::of(arrangement);
         let session = screen.state_mut().session_mut();
         session.toggle_play();
-        if name != "first-light" {
+        if !["first-light", "hall-dark"].contains(&name) {
             session.set_scenario(Scenario::default());
         }
         session.set_mode(mode);
         session.seek(time);
+        if name == "hall-dark" {
+            screen.key_press(egui::Key::P);
+            screen.run_steps(2);
+            screen.hover_at(egui::pos2(700.0, 200.0));
+        }
         screen.run_steps(8);
         screen.snapshot_options(name, &options);
         results.extend_harness(&mut screen);

@@ -38,7 +38,7 @@ pub(super) fn drawn_runs<'c>(
         }
         (_, LayerColumns::Series(columns)) => whole(columns),
         (_, LayerColumns::Band(columns)) => whole(columns),
-        (_, LayerColumns::Level) => vec![0..0],
+        (_, LayerColumns::Level) => whole::<Column>(&[]),
     };
     layers.iter().zip(columns).map(of_layer).collect()
 }

@@ -20,8 +20,11 @@ pub(crate) struct Handle<'a> {
     pub(crate) value: f64,
     pub(crate) color: Color32,
     /// Puts the setting to a time and a value.
-    pub(crate) set: Box<dyn Fn(&mut Scenario, f64, f64) + 'a>,
+    pub(crate) set: Set<'a>,
 }
+
+/// Puts a setting to a time \[s\] and a value.
+pub(crate) type Set<'a> = Box<dyn Fn(&mut Scenario, f64, f64) + 'a>;
 
 /// Shows the handles of a chart. While one is dragged the axes stay, because the picture changes under the hand.
 pub(super) fn handles_ui(

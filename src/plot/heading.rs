@@ -20,9 +20,9 @@ impl Readout {
 }
 
 /// Space between the parts of a heading \[points\].
-const GAP: f32 = 10.0;
+const GAP: f32 = 8.0;
 /// Width of the dot in the colour of a value's owner, with the space after it \[points\].
-const DOT: f32 = 11.0;
+const DOT: f32 = 9.0;
 /// Space for the sign of omitted values \[points\].
 const ELLIPSIS: f32 = 20.0;
 
@@ -91,7 +91,7 @@ impl<'a> Values<'a> {
                 // Text in a light colour is hard to read on a light ground: a dot has the colour.
                 if readout.has_owner() {
                     let (dot, _) = ui.allocate_exact_size(vec2(DOT, DOT), Sense::hover());
-                    ui.painter().circle_filled(dot.left_center() + vec2(0.3 * DOT, 0.0), 0.3 * DOT, readout.color);
+                    ui.painter().circle_filled(dot.left_center() + vec2(0.35 * DOT, 0.0), 0.35 * DOT, readout.color);
                 }
             });
         }

@@ -73,21 +73,23 @@ fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {
     }
 }
 
+/// A number of a filter, if the filter has it.
+type Of = Box<dyn Fn(&mut FilterSettings) -> Option<&mut f64>>;
+
 /// A number that each filter has, or may have.
 struct Row {
     symbol: String,
     name: String,
     least: f64,
     scale: f64,
-    of: Box<dyn Fn(&mut FilterSettings) -> Option<&mut f64>>,
+    of: Of,
 }
 
 fn rows(scenario: &Scenario) -> Vec<Row> {
     let mut rows = Vec::new();
-    let mut add =
-        |symbol: String, name: &str, least, scale, of: Box<dyn Fn(&mut FilterSettings) -> Option<&mut f64>>| {
-            rows.push(Row { symbol, name: name.to_owned(), least, scale, of });
-        };
+    let mut add = |symbol: String, name: &str, least, scale, of: Of| {
+        rows.push(Row { symbol, name: name.to_owned(), least, scale, of });
+    };
     add("λ".into(), "fading factor", 1.0, 1.0, Box::new(|filter| Some(&mut filter.fading)));
     add("η [1/s]".into(), "decay", 0.0, 0.1, Box::new(|filter| Some(&mut filter.eta)));
     for (i, sensor) in scenario.sensors.iter().enumerate() {

@@ -3,7 +3,7 @@
 use kalmanscope_core::signal::Step;
 use kalmanscope_core::{Channel, Estimates, FilterSettings, Quantity, Scenario, Signal};
 
-use crate::plot::handles::Handle;
+use crate::plot::handles::{Handle, Set};
 use crate::text::significant;
 use crate::view::ViewContext;
 
@@ -85,7 +85,7 @@ pub(super) fn of_sensor<'a>(
             set: Box::new(move |scenario: &mut Scenario, _, value: f64| {
                 let std = rounded(0.5 * value).max(LEAST);
                 edit(scenario, id, |filter| filter.sensor_std[sensor] = std);
-            }) as Box<dyn Fn(&mut Scenario, f64, f64) + 'a>,
+            }) as Set<'a>,
         })
     };
     filters.iter().filter_map(|estimates| of(estimates)).collect()

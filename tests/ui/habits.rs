@@ -131,8 +131,14 @@ fn presenter_mode_is_large_and_leaves_the_room_to_the_plots() {
     screen.get_by_label("Presenter mode").click();
     screen.run_steps(5);
     assert!(screen.ctx.zoom_factor() > 1.3 * before.0);
+    // The bar hides while the pointer is elsewhere.
+    screen.hover_at(egui::pos2(400.0, 300.0));
+    screen.run_steps(5);
+    assert!(screen.query_by_label("Settings").is_none());
     assert!(share(&screen) > before.1, "{} after {}", share(&screen), before.1);
     assert!(screen.query_by_label("EKF fading factor").is_none());
+    screen.hover_at(egui::pos2(400.0, 5.0));
+    screen.run_steps(5);
     screen.get_by_label("Settings").click();
     screen.run_steps(20);
     assert!(screen.query_by_label("EKF fading factor").is_some());
