@@ -1,14 +1,12 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
+mod lesson;
 mod window;
 
 use egui::util::undoer::Undoer;
 use egui::{ThemePreference, Ui};
 use kalmanscope_core::{Estimates, RunError, Scenario};
-use std::sync::LazyLock;
-
-use kalmanscope_lessons::Lesson;
 
 use crate::keys;
 use crate::layout::Layout;
@@ -18,7 +16,7 @@ use crate::request::{Request, ViewKind};
 use crate::saved::{self, Found, Saved};
 use crate::session::{Budget, Mode, Session};
 use crate::theme;
-use crate::tutor::Tutor;
+use crate::tutor::{Catalogue, Tutor};
 use crate::views;
 use crate::visibility::Visibility;
 
@@ -31,8 +29,7 @@ pub struct App {
     axis: TimeAxis,
     visible: Visibility,
     layout: Layout,
-    /// Read when the menu is first opened.
-    lessons: LazyLock<Vec<Lesson>>,
+    catalogue: Catalogue,
     tutor: Option<Tutor>,
     history: Undoer<Scenario>,
     /// Whether the settings are shown; `None` until the user decides.
@@ -87,6 +84,7 @@ impl App {
         app.presenting = saved.presenting;
         app.layout = saved.layout;
         app.inviting = new_here;
+        app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
             app.notice =
                 Some(format!("The last session could not be restored in full, but its text is kept: {reason}."));
@@ -105,7 +103,7 @@ impl App {
             axis: TimeAxis::default(),
             visible: Visibility::default(),
             layout: Layout::default(),
-            lessons: LazyLock::new(|| kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect()),
+            catalogue: Catalogue::default(),
             tutor: None,
             history: Undoer::default(),
             controls_open: None,
@@ -204,7 +202,8 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        let studies = self.studies();
         let Self { session, layout, presenting, theme, unreadable, .. } = self;
-        saved::save(storage, session, layout, *presenting, *theme, unreadable.as_deref());
+        saved::save(storage, session, layout, &studies, *presenting, *theme, unreadable.as_deref());
     }
 }

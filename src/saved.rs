@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 
 use crate::layout::Layout;
 use crate::session::{Mode, Session};
+use crate::tutor::Studies;
 
 /// The storage key of the saved session.
 const KEY: &str = "kalmanscope";
@@ -27,6 +28,7 @@ pub(crate) struct Saved {
     /// The theme; the system's if none was chosen.
     dark: Option<bool>,
     pub(crate) layout: Layout,
+    pub(crate) studies: Studies,
 }
 
 /// The result of reading a saved session.
@@ -50,6 +52,7 @@ struct Written<'a> {
     presenting: bool,
     dark: Option<bool>,
     layout: &'a Layout,
+    lessons: &'a Studies,
 }
 
 impl Default for Saved {
@@ -61,6 +64,7 @@ impl Default for Saved {
             presenting: false,
             dark: None,
             layout: Layout::default(),
+            studies: Studies::default(),
         }
     }
 }
@@ -98,6 +102,7 @@ impl Saved {
             presenting: reader.part("presenting", usual.presenting),
             dark: reader.part("dark", usual.dark),
             layout: reader.layout(version),
+            studies: reader.part("lessons", usual.studies),
         };
         (saved, reader.problems)
     }
@@ -153,6 +158,7 @@ pub(crate) fn save(
     storage: &mut dyn eframe::Storage,
     session: &Session,
     layout: &Layout,
+    studies: &Studies,
     presenting: bool,
     theme: ThemePreference,
     unreadable: Option<&str>,
@@ -170,7 +176,9 @@ pub(crate) fn save(
         ThemePreference::System => None,
     };
     let (mode, speed) = (session.mode(), session.speed());
-    match serde_json::to_string(&Written { version: VERSION, scenario, mode, speed, presenting, dark, layout }) {
+    let lessons = studies;
+    match serde_json::to_string(&Written { version: VERSION, scenario, mode, speed, presenting, dark, layout, lessons })
+    {
         Ok(text) => storage.set_string(KEY, text),
         Err(error) => log::error!("The session is not saved: {error}"),
     }

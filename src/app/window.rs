@@ -30,8 +30,8 @@ impl App {
         let open = self.controls_open();
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
-        let Self { session, layout, lessons, presenting, requests, .. } = self;
-        let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow };
+        let Self { session, layout, catalogue, presenting, requests, .. } = self;
+        let bar = Bar { session, layout, catalogue, controls: open, presenting: *presenting, narrow };
         Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         if open {
             self.controls_panel_ui(ui, frame, &palette, narrow);
@@ -69,13 +69,13 @@ impl App {
     }
 
     fn lesson_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {
-        let Self { tutor: Some(tutor), requests, .. } = self else { return };
+        let Self { tutor: Some(tutor), catalogue, requests, .. } = self else { return };
         let panel = if narrow {
-            Panel::bottom("lesson").default_size(260.0)
+            Panel::bottom("lesson").default_size(0.36 * ui.available_height()).size_range(160.0..=600.0).resizable(true)
         } else {
             Panel::right("lesson").default_size(290.0).size_range(240.0..=420.0)
         };
-        panel.frame(frame).show(ui, |ui| tutor.ui(ui, palette, requests));
+        panel.frame(frame).show(ui, |ui| tutor.ui(ui, catalogue, palette, requests));
     }
 
     /// Legend and views.

@@ -1,4 +1,6 @@
-//! The screen of a lesson's step.
+//! The screen of a lesson's step, its question, and the way from lesson to lesson.
+
+use kalmanscope_lessons::{Lesson, Measure, Step};
 
 use super::*;
 
@@ -88,4 +90,206 @@ fn on_a_phone_the_views_are_in_the_order_of_the_step() {
     let screen = lesson(PHONE, "Computational cost");
     let top = |view: &str| screen.get_by_label(&format!("About {view}")).rect().top();
     assert!(top("Errors") < top("States"));
+}
+
+fn is_enabled(screen: &Screen, label: &str) -> bool {
+    !screen.get_by_label(label).accesskit_node().is_disabled()
+}
+
+/// Answers the step's question and makes its change.
+fn reveal(screen: &mut Screen, step: &Step) {
+    let skip = step.question.as_ref().map(|_| "Show me");
+    for label in skip.into_iter().chain(step.change.as_ref().map(|change| change.label.as_str())) {
+        // On a phone it may have to be scrolled to.
+        screen.get_by_label(label).click_accesskit();
+        screen.run_steps(4);
+    }
+}
+
+/// Goes through the lesson to its end.
+fn study(screen: &mut Screen, lesson: &Lesson) {
+    for (number, step) in lesson.steps.iter().enumerate() {
+        reveal(screen, step);
+        if number + 1 < lesson.steps.len() {
+            click(screen, "Next");
+        }
+    }
+}
+
+fn built_in(title: &str) -> Lesson {
+    let lessons = kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok);
+    lessons.into_iter().find(|lesson| lesson.title == title).expect(title)
+}
+
+const GUESS: &str = "Guess 14 ± 2 rad/s";
+
+#[test]
+fn a_question_comes_before_the_change_and_its_effect() {
+    let mut screen = lesson(DESKTOP, "Parameter initialisation");
+    let shows = |screen: &Screen, label: &str| screen.query_by_label(label).is_some();
+    assert!(!shows(&screen, GUESS) && !shows(&screen, "What happens"));
+    assert!(shows(&screen, "Answer the question first, or press “Show me”.") && !is_enabled(&screen, "Next"));
+    click(&mut screen, "Near the end of the 30 s.");
+    assert!(shows(&screen, GUESS) && !shows(&screen, "What happens") && !shows(&screen, "Your answer"));
+    assert!(shows(&screen, "Press “Guess 14 ± 2 rad/s” first.") && !is_enabled(&screen, "Next"));
+    click(&mut screen, GUESS);
+    assert!(shows(&screen, "What happens") && is_enabled(&screen, "Next"));
+    assert!(shows(&screen, "Not this time, and many would say so. The answer is: “After about a second.”"));
+    assert!(shows(&screen, "Near the end of the 30 s. (your answer)"));
+    assert!(screen.query_by_label_contains("Four σ are improbable at first").is_some());
+}
+
+#[test]
+fn a_right_answer_is_told_and_a_question_can_be_skipped() {
+    let mut screen = lesson(DESKTOP, "Parameter initialisation");
+    click(&mut screen, "Never: it rules such a value out.");
+    // The choice is free until the change is made.
+    click(&mut screen, "After about a second.");
+    click(&mut screen, GUESS);
+    screen.get_by_label("That is right.");
+    screen.get_by_label("After about a second. (right, your answer)");
+    let mut screen = lesson(DESKTOP, "Parameter initialisation");
+    click(&mut screen, "Show me");
+    click(&mut screen, GUESS);
+    screen.get_by_label("The answer is: “After about a second.”");
+}
+
+#[test]
+fn the_record_waits_for_the_answer() {
+    let mut screen = lesson(DESKTOP, "Fading memory and a sudden loss");
+    screen.run_steps(30);
+    let session = screen.state().session();
+    assert_eq!((session.mode(), session.playing(), session.position()), (Mode::Live, false, 2990));
+    assert_eq!(screen.state().axis().framed, None);
+    click(&mut screen, "Be wrong for seconds, within a narrow band.");
+    assert_eq!(screen.state().session().mode(), Mode::Whole);
+    assert_eq!(screen.state().axis().framed, Some((20.0, 60.0)));
+    screen.get_by_label("That is right.");
+}
+
+#[test]
+fn a_finished_lesson_has_a_tick_and_leads_to_the_next() {
+    let first = built_in("Recursive estimation");
+    let mut screen = lesson(DESKTOP, &first.title);
+    study(&mut screen, &first);
+    assert!(is_enabled(&screen, "Done"));
+    click(&mut screen, "Next: Noise reduction");
+    screen.get_by_label("1 of 3");
+    click(&mut screen, "Lessons");
+    screen.get_by_label("Recursive estimation, finished");
+    assert!(screen.query_by_label("Noise reduction, finished").is_none());
+}
+
+#[test]
+fn a_lesson_is_finished_by_its_end_only() {
+    let first = built_in("Recursive estimation");
+    let mut screen = lesson(DESKTOP, &first.title);
+    click(&mut screen, "Leave the lesson");
+    click(&mut screen, "Lessons");
+    click(&mut screen, &first.title);
+    study(&mut screen, &first);
+    click(&mut screen, "Done");
+    assert!(screen.query_by_label("Leave the lesson").is_none());
+    click(&mut screen, "Lessons");
+    screen.get_by_label("Recursive estimation, finished");
+}
+
+/// The screen that a reload of the page shows.
+fn reloaded(memory: Memory) -> Screen {
+    let mut screen = Harness::builder().with_size(DESKTOP).build_eframe(move |creation| {
+        kalmanscope::theme::install(&creation.egui_ctx);
+        App::restored(Some(&memory)).expect("the saved scenario can be run")
+    });
+    screen.run_steps(4);
+    screen
+}
+
+fn saved(screen: &mut Screen) -> Memory {
+    let mut memory = Memory::default();
+    screen.state_mut().save(&mut memory);
+    memory
+}
+
+#[test]
+fn lesson_and_finished_lessons_survive_a_reload() {
+    let first = built_in("Recursive estimation");
+    let mut screen = lesson(DESKTOP, &first.title);
+    study(&mut screen, &first);
+    click(&mut screen, "Done");
+    click(&mut screen, "Lessons");
+    click(&mut screen, "Parameter initialisation");
+    click(&mut screen, "Near the end of the 30 s.");
+    let mut again = reloaded(saved(&mut screen));
+    again.get_by_label(GUESS);
+    click(&mut screen, GUESS);
+    let framed = screen.state().axis().framed;
+    let mut changed = reloaded(saved(&mut screen));
+    changed.get_by_label("1 of 4");
+    changed.get_by_label("Near the end of the 30 s. (your answer)");
+    assert!(is_enabled(&changed, "Next"));
+    assert_eq!(scenario(&changed), scenario(&screen));
+    assert_eq!((changed.state().axis().framed, changed.state().notice()), (framed, None));
+    click(&mut changed, "Lessons");
+    changed.get_by_label("Recursive estimation, finished");
+    click(&mut again, GUESS);
+    assert_eq!(scenario(&again), scenario(&screen));
+}
+
+#[test]
+fn a_place_in_an_unknown_lesson_is_ignored_in_words() {
+    let mut screen = lesson(DESKTOP, "Parameter initialisation");
+    for (part, other) in
+        [("\"lesson\":\"Parameter initialisation\"", "\"lesson\":\"Old\""), ("\"step\":0", "\"step\":9")]
+    {
+        let mut memory = saved(&mut screen);
+        let text = memory.get_string("kalmanscope").expect("it is saved");
+        assert!(text.contains(part), "{text}");
+        memory.set_string("kalmanscope", text.replace(part, other));
+        let restored = reloaded(memory);
+        let notice = restored.state().notice().expect("it is said");
+        assert!(notice.contains("cannot be continued") && notice.contains("step"), "{notice}");
+        assert!(restored.query_by_label("Leave the lesson").is_none());
+    }
+}
+
+#[test]
+fn a_state_from_before_lessons_were_saved_can_be_read() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let mut memory = saved(&mut screen);
+    let text = memory.get_string("kalmanscope").expect("it is saved");
+    let (before, _) = text.split_once(",\"lessons\"").expect("lessons are saved last");
+    memory.set_string("kalmanscope", format!("{before}}}"));
+    assert_eq!(reloaded(memory).state().notice(), None);
+}
+
+/// Where a step claims a verdict, the verdict is on screen.
+#[test]
+fn a_verdict_that_a_lesson_speaks_of_is_in_sight() {
+    for (size, titles) in [
+        (DESKTOP, &["Sensitivity to assumptions", "Wind-up", "R wrong by ten", "Acceleration only"][..]),
+        (PHONE, &["Fading memory and a sudden loss"]),
+    ] {
+        for title in titles {
+            let mut screen = screen(size, Theme::Light);
+            // A lecturer may have hidden them.
+            click(&mut screen, "Show verdicts");
+            click(&mut screen, "Lessons");
+            click(&mut screen, title);
+            let steps = built_in(title).steps;
+            for (number, step) in steps.iter().enumerate() {
+                reveal(&mut screen, step);
+                screen.run_steps(3);
+                for check in step.checks.iter().filter(|check| check.measure == Measure::Verdict) {
+                    let name = format!("{} is ", check.filter);
+                    let chip = screen.query_by_label_contains(&name);
+                    let chip = chip.unwrap_or_else(|| panic!("{title}, step {}: no verdict", number + 1)).rect();
+                    let window = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+                    assert!(window.contains_rect(chip), "{title}, step {}: {chip}", number + 1);
+                }
+                if number + 1 < steps.len() {
+                    click(&mut screen, "Next");
+                }
+            }
+        }
+    }
 }
