@@ -78,6 +78,11 @@ impl Tutor {
         self.current().map_or(vec![], |step| step.views.iter().map(|view| kind(*view)).collect())
     }
 
+    /// The settings that the step is about, by their paths in a scenario.
+    pub(crate) fn lit(&self) -> Vec<String> {
+        self.current().and_then(|step| step.change.as_ref()).map_or(vec![], |change| change.adjustment.paths())
+    }
+
     /// Shows the channels and bands of the step, and the verdicts if it speaks of them.
     pub fn choose(&self, visible: &mut Visibility) {
         if let Some(step) = self.current() {

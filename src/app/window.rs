@@ -11,7 +11,7 @@ use crate::notice::notice_ui;
 use crate::panes::panes_ui;
 use crate::request::Request;
 use crate::theme::Palette;
-use crate::tutor;
+use crate::tutor::{self, Tutor};
 use crate::view::ViewContext;
 
 /// Limits the width of a window whose settings are a drawer under the plots \[points\].
@@ -59,10 +59,11 @@ impl App {
         } else {
             Panel::left("controls").default_size(340.0).size_range(300.0..=460.0)
         };
-        let Self { session, requests, .. } = self;
+        let Self { session, tutor, requests, .. } = self;
+        let lit = tutor.as_ref().map_or(vec![], Tutor::lit);
         panel.frame(frame).show(ui, |ui| {
             let mut scenario = session.scenario().clone();
-            if controls_ui(ui, &mut scenario, palette) {
+            if controls_ui(ui, &mut scenario, palette, lit) {
                 requests.push(Request::Edit(Box::new(scenario)));
             }
         });

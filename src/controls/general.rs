@@ -3,6 +3,7 @@
 use egui::{DragValue, Ui};
 use kalmanscope_core::Scenario;
 
+use super::lit::lit;
 use super::number::Number;
 
 /// Limits the length of a record: a day \[s\].
@@ -14,7 +15,7 @@ const LENGTHS: [(&str, f64); 3] = [("1 min", 60.0), ("1 h", 3600.0), ("1 day", L
 pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let Scenario { seed, dt, duration, .. } = scenario;
     let hint = "Length of the record, up to a day; a long one is shown live only, and its beginning is forgotten";
-    Number {
+    let length = Number {
         label: "duration",
         name: "Duration",
         unit: "s",
@@ -22,8 +23,8 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
         least: 1.0,
         logarithmic: false,
         hint,
-    }
-    .show(ui, duration);
+    };
+    lit(ui, "duration", |ui| length.show(ui, duration));
     ui.horizontal(|ui| {
         ui.add_space(119.0);
         for (name, length) in LENGTHS {
@@ -33,7 +34,7 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
         }
     });
     let hint = "Time between samples";
-    Number {
+    let sampling = Number {
         label: "Δt sampling",
         name: "Sampling time",
         unit: "s",
@@ -41,8 +42,8 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
         least: 0.002,
         logarithmic: true,
         hint,
-    }
-    .show(ui, dt);
+    };
+    lit(ui, "dt", |ui| sampling.show(ui, dt));
     *dt = dt.min(*duration);
     *duration = duration.min(LONGEST);
     ui.horizontal(|ui| {

@@ -262,6 +262,22 @@ fn a_state_from_before_lessons_were_saved_can_be_read() {
     assert_eq!(reloaded(memory).state().notice(), None);
 }
 
+#[test]
+fn the_setting_that_a_step_changes_is_lit() {
+    let mut screen = lesson(Vec2::new(1700.0, 1400.0), "Fading memory and a sudden loss");
+    let lit = |screen: &Screen, path: &str| screen.query_by_label(&format!("The step is about {path}")).is_some();
+    let steps = built_in("Fading memory and a sudden loss").steps;
+    assert!(!lit(&screen, "filters.EKF.fading"));
+    reveal(&mut screen, &steps[0]);
+    click(&mut screen, "Next");
+    assert!(lit(&screen, "filters.EKF.fading") && !lit(&screen, "filters.EKF.eta"));
+    click(&mut screen, "λ = 1.005");
+    let row = screen.get_by_label("The step is about filters.EKF.fading").rect();
+    assert!(row.contains(screen.get_by_label("EKF fading factor, value").rect().center()));
+    click(&mut screen, "Leave the lesson");
+    assert!(!lit(&screen, "filters.EKF.fading"));
+}
+
 /// Where a step claims a verdict, the verdict is on screen.
 #[test]
 fn a_verdict_that_a_lesson_speaks_of_is_in_sight() {
