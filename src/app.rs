@@ -8,6 +8,7 @@ use egui::util::undoer::Undoer;
 use egui::{ThemePreference, Ui};
 use kalmanscope_core::{Estimates, RunError, Scenario};
 
+use crate::drop;
 use crate::keys;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
@@ -159,6 +160,11 @@ impl App {
         self.notice.as_deref()
     }
 
+    /// Opens a file with a lesson or a scenario, or says why it cannot be read.
+    pub fn open_file(&mut self, name: &str, contents: Result<Vec<u8>, String>) {
+        self.requests.push(drop::opened(name, contents));
+    }
+
     /// The ids of the filters whose causes are asked for.
     fn tried(&self) -> Vec<u32> {
         if !self.layout.in_sight().contains(&ViewKind::Diagnosis) {
@@ -177,6 +183,7 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         keys::keys(ctx, &self.session, &mut self.requests);
+        drop::dropped(ctx, &mut self.requests);
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);
         }
