@@ -103,11 +103,14 @@ mod web {
         static RUNNER: RefCell<Option<(eframe::WebRunner, egui::Context)>> = const { RefCell::new(None) };
     }
 
+    /// A file's name, and its contents or the reason why it cannot be read.
+    type ReadFile = (String, Result<Vec<u8>, String>);
+
     /// The app, accessible from JavaScript.
     struct Page {
         app: kalmanscope::App,
-        /// Dropped files that have been read: names and contents.
-        files: Rc<RefCell<Vec<(String, Result<Vec<u8>, String>)>>>,
+        /// The dropped files that have been read and are to be opened.
+        files: Rc<RefCell<Vec<ReadFile>>>,
     }
 
     impl Page {

@@ -72,7 +72,7 @@ impl App {
     fn lesson_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {
         let Self { tutor: Some(tutor), catalogue, requests, .. } = self else { return };
         let panel = if narrow {
-            Panel::bottom("lesson").default_size(0.36 * ui.available_height()).size_range(160.0..=600.0).resizable(true)
+            Panel::bottom("lesson").default_size(0.4 * ui.available_height()).size_range(160.0..=600.0).resizable(true)
         } else {
             Panel::right("lesson").default_size(290.0).size_range(240.0..=420.0)
         };

@@ -12,6 +12,8 @@ use crate::theme::{self, Palette};
 impl Tutor {
     /// The panel's contents.
     pub(crate) fn ui(&self, ui: &mut Ui, catalogue: &Catalogue, palette: &Palette, requests: &mut Vec<Request>) {
+        // The panel keeps its size when the text becomes shorter.
+        ui.set_min_size(ui.available_size());
         self.title_ui(ui, requests);
         // The buttons stay in sight while the text is scrolled.
         Panel::bottom("steps").frame(Frame::new()).show_separator_line(false).show(ui, |ui| {

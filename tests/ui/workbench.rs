@@ -14,6 +14,11 @@ fn every_lesson_can_be_taken_from_beginning_to_end() {
         screen.run_steps(3);
         for (i, step) in lesson.steps.iter().enumerate() {
             assert!(screen.query_by_label(&step.look).is_some(), "{}, step {}", lesson.title, i + 1);
+            if step.question.is_some() {
+                assert!(screen.query_by_label(&step.why).is_none(), "{} gives the answer away", lesson.title);
+                screen.get_by_label("Show me").click();
+                screen.run_steps(3);
+            }
             if let Some(change) = &step.change {
                 let before = scenario(&screen).clone();
                 assert!(screen.query_by_label(&step.why).is_none(), "{} gives its secret away", lesson.title);
@@ -167,7 +172,7 @@ fn views_come_back_one_by_one_when_all_have_been_hidden() {
 fn a_lesson_whose_filter_is_gone_begins_its_step_again() {
     let mut screen = workbench();
     let lesson = kalmanscope_lessons::lessons().remove(9).unwrap();
-    for label in ["Lessons", &lesson.title, "Next"] {
+    for label in ["Lessons", &lesson.title, "Show me", "Next"] {
         screen.get_by_label(label).click();
         screen.run_steps(3);
     }
