@@ -96,12 +96,13 @@ impl Adjustment {
 }
 
 impl Adjustment {
-    /// The paths of all settings that are changed or added, such as `filters.EKF.fading` or `sensors.acceleration`.
+    /// The paths of all settings that are changed, such as `filters.EKF.fading`; of an added filter its name, and of an
+    /// added sensor its noise.
     pub fn paths(&self) -> Vec<String> {
         let Self { remove_filters: _, add_filters, remove_sensors: _, add_sensors, set } = self;
-        let name = |filter: &Table| Some(format!("filters.{}", filter.get("name")?.as_str()?));
+        let name = |filter: &Table| Some(format!("filters.{}.name", filter.get("name")?.as_str()?));
         let filters = add_filters.iter().filter_map(name);
-        let sensors = add_sensors.iter().map(|sensor| format!("sensors.{}", sensor.measures.key()));
+        let sensors = add_sensors.iter().map(|sensor| format!("sensors.{}.noise_std", sensor.measures.key()));
         set.keys().cloned().chain(filters).chain(sensors).collect()
     }
 }
@@ -200,7 +201,7 @@ mod tests {
         );
         let mut paths = change.adjustment.paths();
         paths.sort();
-        assert_eq!(paths, ["dt", "filters.EKF.fading", "filters.P", "sensors.acceleration"]);
+        assert_eq!(paths, ["dt", "filters.EKF.fading", "filters.P.name", "sensors.acceleration.noise_std"]);
     }
 
     #[test]

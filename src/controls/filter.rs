@@ -56,7 +56,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
                 duplicate = small(ui, "Duplicate", several < MOST_FILTERS);
                 remove = small(ui, "Remove", true);
             });
-            rename_ui(ui, filter, &others);
+            lit(ui, &format!("filters.{}.name", filter.name), |ui| rename_ui(ui, filter, &others));
             ui.add_space(6.0);
         });
     if duplicate {

@@ -46,6 +46,11 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     lit(ui, "dt", |ui| sampling.show(ui, dt));
     *dt = dt.min(*duration);
     *duration = duration.min(LONGEST);
+    lit(ui, "seed", |ui| seed_ui(ui, seed));
+}
+
+/// The seed of the random numbers, and a button for the next.
+fn seed_ui(ui: &mut Ui, seed: &mut u64) {
     ui.horizontal(|ui| {
         ui.label("seed").on_hover_text("The same seed gives the same noise, on every machine");
         let drag = ui.add(DragValue::new(seed).range(0..=i64::MAX as u64).speed(0.1));
