@@ -54,6 +54,12 @@ mod tests {
     }
 
     #[test]
+    fn many_lessons_begin_with_a_question() {
+        let lessons = lessons().into_iter().filter_map(Result::ok);
+        assert!(lessons.filter(|lesson| lesson.steps[0].question.is_some()).count() >= 6);
+    }
+
+    #[test]
     fn every_lesson_is_valid_and_complete() {
         for (name, text) in LESSONS {
             let lesson = Lesson::from_toml(text).unwrap_or_else(|error| panic!("{name}: {error}"));
