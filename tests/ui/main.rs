@@ -8,6 +8,7 @@ mod identity;
 mod lessons;
 mod memory;
 mod playback;
+mod progress;
 mod settings;
 mod sizes;
 mod workbench;
