@@ -1,15 +1,14 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
+mod lesson;
 mod window;
 
 use egui::util::undoer::Undoer;
 use egui::{ThemePreference, Ui};
 use kalmanscope_core::{Estimates, RunError, Scenario};
-use std::sync::LazyLock;
 
-use kalmanscope_lessons::Lesson;
-
+use crate::drop;
 use crate::keys;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
@@ -19,7 +18,7 @@ use crate::ruler::Ruler;
 use crate::saved::{self, Found, Saved};
 use crate::session::{Budget, Mode, Session};
 use crate::theme;
-use crate::tutor::Tutor;
+use crate::tutor::{Catalogue, Tutor};
 use crate::views;
 use crate::visibility::Visibility;
 
@@ -33,8 +32,7 @@ pub struct App {
     ruler: Ruler,
     visible: Visibility,
     layout: Layout,
-    /// Read when the menu is first opened.
-    lessons: LazyLock<Vec<Lesson>>,
+    catalogue: Catalogue,
     tutor: Option<Tutor>,
     history: Undoer<Scenario>,
     /// Whether the settings are shown; `None` until the user decides.
@@ -90,6 +88,7 @@ impl App {
         app.presenting = saved.presenting;
         app.layout = saved.layout;
         app.inviting = new_here;
+        app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
             app.notice =
                 Some(format!("The last session could not be restored in full, but its text is kept: {reason}."));
@@ -109,7 +108,7 @@ impl App {
             ruler: Ruler::default(),
             visible: Visibility::default(),
             layout: Layout::default(),
-            lessons: LazyLock::new(|| kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect()),
+            catalogue: Catalogue::default(),
             tutor: None,
             history: Undoer::default(),
             controls_open: None,
@@ -170,6 +169,11 @@ impl App {
         self.notice.as_deref()
     }
 
+    /// Opens a file with a lesson or a scenario, or says why it cannot be read.
+    pub fn open_file(&mut self, name: &str, contents: Result<Vec<u8>, String>) {
+        self.requests.push(drop::opened(name, contents));
+    }
+
     /// The ids of the filters whose causes are asked for.
     fn tried(&self) -> Vec<u32> {
         if !self.layout.in_sight().contains(&ViewKind::Diagnosis) {
@@ -188,6 +192,7 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         keys::keys(ctx, &self.session, &mut self.requests);
+        drop::dropped(ctx, &mut self.requests);
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);
         }
@@ -216,7 +221,8 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        let studies = self.studies();
         let Self { session, layout, presenting, theme, unreadable, .. } = self;
-        saved::save(storage, session, layout, *presenting, *theme, unreadable.as_deref());
+        saved::save(storage, session, layout, &studies, *presenting, *theme, unreadable.as_deref());
     }
 }

@@ -2,9 +2,7 @@
 
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, PopupCloseBehavior, RichText, Ui};
-use std::sync::LazyLock;
-
-use kalmanscope_lessons::{BUILT_IN, Lesson};
+use kalmanscope_lessons::BUILT_IN;
 
 use crate::layout::Layout;
 use crate::probe;
@@ -12,7 +10,7 @@ use crate::request::{Arrangement, Request, ViewKind};
 use crate::session::{Session, Setting};
 use crate::theme;
 use crate::transport;
-use crate::tutor;
+use crate::tutor::{self, Catalogue};
 use crate::views::view;
 
 /// Limits the width below which the program's name and the two settings are left out \[points\].
@@ -25,7 +23,7 @@ const ONE_ROW: f32 = 960.0;
 pub(crate) struct Bar<'a> {
     pub(crate) session: &'a Session,
     pub(crate) layout: &'a Layout,
-    pub(crate) lessons: &'a LazyLock<Vec<Lesson>>,
+    pub(crate) catalogue: &'a Catalogue,
     /// Whether the settings are shown.
     pub(crate) controls: bool,
     pub(crate) presenting: bool,
@@ -36,7 +34,7 @@ pub(crate) struct Bar<'a> {
 
 impl Bar<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
-        let Self { session, layout, lessons, controls, presenting, narrow, history } = *self;
+        let Self { session, layout, catalogue, controls, presenting, narrow, history } = *self;
         ui.horizontal_wrapped(|ui| {
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
             toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
@@ -49,7 +47,7 @@ impl Bar<'_> {
             }
             scenario_menu_ui(ui, session, requests);
             views_menu_ui(ui, layout, requests);
-            tutor::menu_ui(ui, lessons, requests);
+            tutor::menu_ui(ui, catalogue, requests);
             more_menu_ui(ui, presenting, requests);
             if !narrow {
                 history_ui(ui, history, requests);

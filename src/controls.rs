@@ -5,6 +5,7 @@ pub(crate) mod color;
 mod filter;
 mod force;
 mod general;
+mod lit;
 pub mod number;
 mod options;
 mod plant;
@@ -16,8 +17,10 @@ use kalmanscope_core::Scenario;
 
 use crate::theme::{self, Palette};
 
-/// Shows every control. Returns whether the scenario has changed.
-pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> bool {
+/// Shows every control, those of the settings under the paths `lit` on a lit ground. Returns whether the scenario has
+/// changed.
+pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette, lit: Vec<String>) -> bool {
+    lit::light(ui, lit);
     let before = scenario.clone();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         // The floating scroll bar must not cover the units.
@@ -35,7 +38,7 @@ pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) -> b
         filter::add_filter_ui(ui, scenario);
         ui.add_space(6.0);
         section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario));
-        section(ui, "Force", true, |ui| force::force_ui(ui, scenario));
+        section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| force::force_ui(ui, scenario)));
         section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
         section(ui, "Record", false, |ui| general::general_ui(ui, scenario));
         ui.add_space(12.0);

@@ -6,6 +6,7 @@
 pub mod app;
 mod bar;
 pub mod controls;
+pub mod drop;
 mod keys;
 pub mod layout;
 mod legend;

@@ -86,7 +86,10 @@ mod native {
 #[cfg(target_arch = "wasm32")]
 mod web {
     use std::cell::RefCell;
+    use std::rc::Rc;
 
+    use egui::DroppedFileHandle;
+    use kalmanscope::drop;
     use wasm_bindgen::JsCast as _;
     use wasm_bindgen::prelude::*;
 
@@ -100,24 +103,57 @@ mod web {
         static RUNNER: RefCell<Option<(eframe::WebRunner, egui::Context)>> = const { RefCell::new(None) };
     }
 
+    /// A file's name, and its contents or the reason why it cannot be read.
+    type ReadFile = (String, Result<Vec<u8>, String>);
+
     /// The app, accessible from JavaScript.
-    struct Page(kalmanscope::App);
+    struct Page {
+        app: kalmanscope::App,
+        /// The dropped files that have been read and are to be opened.
+        files: Rc<RefCell<Vec<ReadFile>>>,
+    }
+
+    impl Page {
+        /// Reads the files that were dropped in this frame, and opens those that have been read.
+        fn open_dropped_files(&mut self, ctx: &egui::Context) {
+            for file in ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files)) {
+                let (files, ctx) = (Rc::clone(&self.files), ctx.clone());
+                wasm_bindgen_futures::spawn_local(async move {
+                    let read = (drop::name(&*file), read(&file).await);
+                    files.borrow_mut().push(read);
+                    ctx.request_repaint();
+                });
+            }
+            for (name, contents) in self.files.take() {
+                self.app.open_file(&name, contents);
+            }
+        }
+    }
+
+    /// The contents of a file that is not too large.
+    async fn read(file: &DroppedFileHandle) -> Result<Vec<u8>, String> {
+        if file.web_file().is_some_and(|file| file.size() > drop::LARGEST as f64) {
+            return Err(drop::TOO_LARGE.to_owned());
+        }
+        file.bytes_async().await
+    }
 
     impl eframe::App for Page {
         fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
-            self.0.logic(ctx, frame);
+            self.open_dropped_files(ctx);
+            self.app.logic(ctx, frame);
         }
 
         fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
-            self.0.ui(ui, frame);
+            self.app.ui(ui, frame);
         }
 
         fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
-            self.0.clear_color(visuals)
+            self.app.clear_color(visuals)
         }
 
         fn save(&mut self, storage: &mut dyn eframe::Storage) {
-            self.0.save(storage);
+            self.app.save(storage);
         }
 
         fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
@@ -132,7 +168,7 @@ mod web {
         let summary = RUNNER.with_borrow(|runner| {
             let (runner, ctx) = runner.as_ref()?;
             let page = runner.app_mut::<Page>()?;
-            serde_json::to_string(&page.0.screen_state(ctx)).ok()
+            serde_json::to_string(&page.app.screen_state(ctx)).ok()
         });
         summary.unwrap_or_else(|| "null".to_owned())
     }
@@ -169,7 +205,7 @@ mod web {
                     *ctx = creation.egui_ctx.clone();
                 }
             });
-            Ok(Box::new(Page(app)))
+            Ok(Box::new(Page { app, files: Rc::default() }))
         });
         RUNNER.set(Some((runner.clone(), egui::Context::default())));
         // Dithering costs time for every pixel, and there are no gradients.

@@ -2,7 +2,7 @@
 
 use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
-use kalmanscope_lessons::BuiltIn;
+use kalmanscope_lessons::{BuiltIn, Lesson};
 use serde::{Deserialize, Serialize};
 
 use crate::ruler::End;
@@ -27,6 +27,8 @@ pub enum Request {
     SetSpeed(f64),
     /// Play a built-in scenario from its start.
     Open(BuiltIn),
+    /// Play a scenario from its start.
+    OpenScenario(Box<Scenario>),
     /// Use an edited scenario.
     Edit(Box<Scenario>),
     /// Undo the last change of the scenario.
@@ -39,10 +41,16 @@ pub enum Request {
     ForgetBefore,
     /// Begin the lesson at a place in the menu.
     StartLesson(usize),
+    /// Begin a lesson that is not in the menu.
+    StudyLesson(Box<Lesson>),
     /// Go to a step of the lesson.
     GoToStep(usize),
+    /// Answer the question of the lesson's step.
+    Answer(Answer),
     /// Make the change of the lesson's step.
     ChangeLesson,
+    /// Note that the lesson is finished.
+    FinishLesson,
     /// Leave the lesson and keep everything as it is.
     LeaveLesson,
     /// Show or hide an entry of the legend in all plots.
@@ -55,6 +63,8 @@ pub enum Request {
     TogglePresenter,
     /// Show or hide the list of keys.
     ToggleKeys,
+    /// Show a message about a failure.
+    Report(String),
     /// Dismiss the message about a failure.
     DismissNotice,
     /// Leave the list of keys, or the enlarged view.
@@ -85,6 +95,16 @@ pub enum Request {
     ToggleMark(End),
     /// Take both marks away.
     ClearMarks,
+}
+
+/// An answer to the question of a lesson's step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Answer {
+    /// The choice at a place, from 0 on.
+    Choice(usize),
+    /// The user wants to see the effect without an answer.
+    Skipped,
 }
 
 /// An entry of the legend of all plots.

@@ -9,6 +9,7 @@ use serde_json::{Map, Value};
 
 use crate::layout::Layout;
 use crate::session::{Mode, Session};
+use crate::tutor::Studies;
 
 /// The storage key of the saved session.
 const KEY: &str = "kalmanscope";
@@ -28,6 +29,7 @@ pub(crate) struct Saved {
     /// The theme; the system's if none was chosen.
     dark: Option<bool>,
     pub(crate) layout: Layout,
+    pub(crate) studies: Studies,
 }
 
 /// The result of reading a saved session.
@@ -51,6 +53,7 @@ struct Written<'a> {
     presenting: bool,
     dark: Option<bool>,
     layout: &'a Layout,
+    lessons: &'a Studies,
 }
 
 impl Default for Saved {
@@ -62,6 +65,7 @@ impl Default for Saved {
             presenting: false,
             dark: None,
             layout: Layout::default(),
+            studies: Studies::default(),
         }
     }
 }
@@ -99,6 +103,7 @@ impl Saved {
             presenting: reader.part("presenting", usual.presenting),
             dark: reader.part("dark", usual.dark),
             layout: reader.layout(version),
+            studies: reader.part("lessons", usual.studies),
         };
         (saved, reader.problems)
     }
@@ -154,6 +159,7 @@ pub(crate) fn save(
     storage: &mut dyn eframe::Storage,
     session: &Session,
     layout: &Layout,
+    studies: &Studies,
     presenting: bool,
     theme: ThemePreference,
     unreadable: Option<&str>,
@@ -171,7 +177,9 @@ pub(crate) fn save(
         ThemePreference::System => None,
     };
     let (mode, speed) = (session.mode(), session.speed());
-    match serde_json::to_string(&Written { version: VERSION, scenario, mode, speed, presenting, dark, layout }) {
+    let lessons = studies;
+    match serde_json::to_string(&Written { version: VERSION, scenario, mode, speed, presenting, dark, layout, lessons })
+    {
         Ok(text) => storage.set_string(KEY, text),
         Err(error) => log::error!("The session is not saved: {error}"),
     }

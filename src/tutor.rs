@@ -1,27 +1,57 @@
-//! The panel of a lesson: something to look at, a button that changes it, what happens, why.
+//! A lesson in progress: something to look at, a question, a change, what happens, why.
 
-use std::sync::LazyLock;
+mod catalogue;
+mod menu;
+mod panel;
+mod question;
+mod studies;
 
-use egui::{Button, RichText, ScrollArea, Sense, TextWrapMode, Ui};
-use kalmanscope_lessons::{Lesson, LessonError, Presentation, Step, ViewName};
+use kalmanscope_lessons::{Lesson, LessonError, Presentation, Question, Step, ViewName};
 
-use crate::probe;
-use crate::request::{Request, ViewKind};
+use crate::request::{Answer, ViewKind};
 use crate::session::{Mode, Session};
-use crate::theme::{self, Palette};
 use crate::visibility::Visibility;
+
+pub use catalogue::Catalogue;
+pub(crate) use menu::{invitation_ui, menu_ui};
+pub(crate) use studies::{Bookmark, Studies};
 
 /// A lesson in progress.
 pub struct Tutor {
     lesson: Lesson,
+    /// The lesson's place in the menu; `None` for a lesson from a file.
+    place: Option<usize>,
     step: usize,
     changed: bool,
+    answer: Option<Answer>,
 }
 
 impl Tutor {
-    /// The beginning of a lesson.
-    pub fn new(lesson: Lesson) -> Self {
-        Self { lesson, step: 0, changed: false }
+    /// The beginning of a lesson at a place in the menu.
+    pub(crate) fn of_menu(lesson: Lesson, place: usize) -> Self {
+        Self { lesson, place: Some(place), step: 0, changed: false, answer: None }
+    }
+
+    /// The beginning of a lesson from a file.
+    pub(crate) fn of_file(lesson: Lesson) -> Self {
+        Self { lesson, place: None, step: 0, changed: false, answer: None }
+    }
+
+    /// A lesson of the menu at its bookmark; `None` if the lesson has no such step.
+    pub(crate) fn at_bookmark(lesson: Lesson, place: usize, bookmark: &Bookmark) -> Option<Self> {
+        let Bookmark { lesson: _, step, changed, answer } = *bookmark;
+        (step < lesson.steps.len()).then_some(Self { lesson, place: Some(place), step, changed, answer })
+    }
+
+    /// The bookmark, if the lesson is one of the menu.
+    pub(crate) fn bookmark(&self) -> Option<Bookmark> {
+        let Self { lesson, place, step, changed, answer } = self;
+        place.map(|_| Bookmark { lesson: lesson.title.clone(), step: *step, changed: *changed, answer: *answer })
+    }
+
+    /// The lesson's place in the menu; `None` for a lesson from a file.
+    pub(crate) fn place(&self) -> Option<usize> {
+        self.place
     }
 
     /// The number of the step, from 0 on.
@@ -33,24 +63,45 @@ impl Tutor {
         self.lesson.steps.get(self.step)
     }
 
+    /// The question that waits for an answer.
+    fn open_question(&self) -> Option<&Question> {
+        self.current()?.question.as_ref().filter(|_| self.answer.is_none())
+    }
+
+    /// Whether the step shows its effect: its question is answered, and its change is made.
+    fn is_revealed(&self) -> bool {
+        self.open_question().is_none() && self.current().is_some_and(|step| self.changed || step.change.is_none())
+    }
+
     /// The views of the step, the most important first.
     pub fn views(&self) -> Vec<ViewKind> {
         self.current().map_or(vec![], |step| step.views.iter().map(|view| kind(*view)).collect())
     }
 
-    /// Shows the channels and bands of the step.
+    /// The settings that the step is about, by their paths in a scenario.
+    pub(crate) fn lit(&self) -> Vec<String> {
+        self.current().and_then(|step| step.change.as_ref()).map_or(vec![], |change| change.adjustment.paths())
+    }
+
+    /// Shows the channels and bands of the step, and the verdicts if it speaks of them.
     pub fn choose(&self, visible: &mut Visibility) {
         if let Some(step) = self.current() {
             visible.only.clone_from(&step.channels);
             visible.bands = step.bands;
+            visible.verdicts |= step.speaks_of_verdicts() && self.open_question().is_none();
         }
     }
 
     /// The part of the record that the step is about; `None` for all of it \[s\].
     pub fn frame(&self, session: &Session) -> Option<(f64, f64)> {
-        let step = self.current().filter(|step| step.mode != Presentation::Live)?;
+        let step = self.current().filter(|step| step.mode != Presentation::Live && self.waits_at().is_none())?;
         let (from, to) = (step.from.unwrap_or(0.0), step.to.unwrap_or(session.end()).min(session.end()));
         ((step.from.is_some() || step.to.is_some()) && from < to).then_some((from, to))
+    }
+
+    /// The time at which the record waits for an answer \[s\].
+    fn waits_at(&self) -> Option<f64> {
+        self.open_question()?.until
     }
 
     /// Goes to a step, with the changes of the steps before it, and shows its record.
@@ -60,6 +111,7 @@ impl Tutor {
     pub fn go_to(&mut self, step: usize, session: &mut Session) -> Result<(), LessonError> {
         self.step = step.min(self.lesson.steps.len().saturating_sub(1));
         self.changed = false;
+        self.answer = None;
         let scenario = match self.step.checked_sub(1) {
             Some(before) => self.lesson.scenario_at(before)?,
             None => self.lesson.first_scenario()?,
@@ -67,6 +119,17 @@ impl Tutor {
         session.set_scenario(scenario);
         self.show(session);
         Ok(())
+    }
+
+    /// Takes the answer to the step's question, until the effect is shown, and shows the record if it waited for it.
+    pub(crate) fn answer(&mut self, answer: Answer, session: &mut Session) {
+        let waited = self.waits_at().is_some();
+        if self.open_question().is_some() || !self.is_revealed() {
+            self.answer = Some(answer);
+        }
+        if waited {
+            self.show(session);
+        }
     }
 
     /// Makes the change of the step.
@@ -82,96 +145,33 @@ impl Tutor {
         Ok(())
     }
 
-    fn show(&self, session: &mut Session) {
+    /// Shows the record of the step: up to some time while it waits for an answer.
+    pub(crate) fn show(&self, session: &mut Session) {
         let Some(step) = self.current() else { return };
-        match step.mode {
-            Presentation::Whole => {
+        let from = step.from.unwrap_or(0.0);
+        match (self.waits_at(), step.mode) {
+            (Some(until), _) => {
+                session.set_mode(Mode::Live);
+                session.pause();
+                session.seek(until);
+            }
+            (None, Presentation::Whole) => {
                 session.set_mode(Mode::Whole);
                 session.pause();
                 session.seek(step.to.unwrap_or_else(|| session.end()));
             }
-            Presentation::Live => {
+            (None, Presentation::Live) => {
                 session.set_mode(Mode::Live);
                 session.play_from_start();
-                session.seek(step.from.unwrap_or(0.0));
+                session.seek(from);
             }
-            Presentation::Step => {
+            (None, Presentation::Step) => {
                 session.set_mode(Mode::Live);
                 session.pause();
-                session.seek(step.from.unwrap_or(0.0));
+                session.seek(from);
             }
         }
     }
-
-    /// The panel's contents.
-    pub fn ui(&self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) {
-        let Self { lesson, step, changed } = self;
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
-            let close = ui.add(Button::new("×").frame(false)).on_hover_text("Leave the lesson");
-            close.ctx.accesskit_node_builder(close.id, |node| node.set_label("Leave the lesson"));
-            if close.clicked() {
-                requests.push(Request::LeaveLesson);
-            }
-            ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
-                ui.label(RichText::new(&lesson.title).family(theme::strong()).size(15.0));
-            });
-        });
-        let Some(current) = self.current() else { return };
-        ScrollArea::vertical().max_height((ui.available_height() - 40.0).max(40.0)).show(ui, |ui| {
-            ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
-            if *step == 0 {
-                ui.weak(&lesson.summary);
-                ui.add_space(6.0);
-            }
-            part_ui(ui, "Look", &current.look);
-            if let Some(change) = &current.change {
-                let button = if *changed {
-                    // Done: the button remains as text.
-                    Button::new(RichText::new(&change.label).weak()).frame(false).sense(Sense::hover())
-                } else {
-                    Button::new(RichText::new(&change.label).color(palette.on_accent)).fill(palette.accent)
-                };
-                let button = ui.add(button.wrap());
-                probe::remember(ui.ctx(), "Change", button.rect);
-                if button.clicked() {
-                    requests.push(Request::ChangeLesson);
-                }
-                ui.add_space(6.0);
-            }
-            if *changed || current.change.is_none() {
-                part_ui(ui, "What happens", &current.happens);
-                part_ui(ui, "Why", &current.why);
-            }
-        });
-        ui.horizontal(|ui| {
-            if ui.add_enabled(*step > 0, Button::new("Back")).clicked() {
-                requests.push(Request::GoToStep(step - 1));
-            }
-            ui.weak(format!("{} of {}", step + 1, lesson.steps.len()));
-            let ready = *changed || current.change.is_none();
-            if step + 1 < lesson.steps.len() {
-                let next = ui.add_enabled(ready, Button::new("Next"));
-                probe::remember(ui.ctx(), "Next", next.rect);
-                if next.clicked() {
-                    requests.push(Request::GoToStep(step + 1));
-                }
-            } else {
-                let done = ui.add_enabled(ready, Button::new("Done"));
-                probe::remember(ui.ctx(), "Done", done.rect);
-                if done.clicked() {
-                    requests.push(Request::LeaveLesson);
-                }
-            }
-        });
-        // The panel is as high as its contents.
-        ui.allocate_space(ui.available_size());
-    }
-}
-
-fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
-    ui.label(RichText::new(heading).small().weak());
-    ui.label(text);
-    ui.add_space(6.0);
 }
 
 /// The kind of view that a lesson names.
@@ -190,38 +190,4 @@ fn kind(view: ViewName) -> ViewKind {
         ViewName::Oscillator => ViewKind::Oscillator,
         ViewName::FrequencyResponse => ViewKind::FrequencyResponse,
     }
-}
-
-/// An invitation to the first lesson, for new users.
-pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
-    let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
-    let link = ui.add(Button::new(text).frame(false).wrap_mode(TextWrapMode::Extend));
-    probe::remember(ui.ctx(), "First lesson", link.rect);
-    if link.clicked() {
-        requests.push(Request::StartLesson(0));
-    }
-}
-
-/// The menu of all lessons, by group.
-pub fn menu_ui(ui: &mut Ui, lessons: &LazyLock<Vec<Lesson>>, requests: &mut Vec<Request>) {
-    let menu = ui.menu_button("Lessons", |ui| {
-        // As high as the window allows.
-        let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);
-        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
-            let mut group = "";
-            for (place, lesson) in lessons.iter().enumerate() {
-                if lesson.group != group {
-                    group = &lesson.group;
-                    ui.label(RichText::new(group).small().weak());
-                }
-                let button = ui.button(&lesson.title).on_hover_text(&lesson.summary);
-                probe::remember(ui.ctx(), &lesson.title, button.rect);
-                if button.clicked() {
-                    requests.push(Request::StartLesson(place));
-                    ui.close();
-                }
-            }
-        });
-    });
-    probe::remember(ui.ctx(), "Lessons", menu.response.rect);
 }

@@ -103,6 +103,8 @@ fn it_looks_as_it_did() {
     screen.run_steps(4);
     screen.get_by_label("Fading memory and a sudden loss").click();
     screen.run_steps(4);
+    screen.get_by_label("Show me").click();
+    screen.run_steps(4);
     screen.get_by_label("Next").click();
     screen.run_steps(4);
     screen.get_by_label("λ = 1.005").click();

@@ -17,6 +17,17 @@ pub(crate) struct CommandLine {
 pub(crate) enum Command {
     /// Run a scenario to its end and print the results of each filter
     Run(RunArgs),
+    /// Read a lesson and try each of its claims on several records
+    Lesson(LessonArgs),
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LessonArgs {
+    /// The lesson, a TOML file; `-` for standard input
+    pub(crate) lesson: PathBuf,
+    /// Number of records to try, with the seeds 1, 2, ...
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub(crate) seeds: u64,
 }
 
 #[derive(Debug, Args)]

@@ -1,11 +1,14 @@
 //! The command `kalmanscope-cli`.
 //!
-//! Exit codes: 0 success; 1 a result could not be written, or a filter stopped; 2 invalid input; 3 a filter has a
-//! verdict that `--fail-on` names.
+//! Exit codes: 0 success; 1 a result could not be written, a filter stopped, or a lesson's claim fails; 2 invalid input;
+//! 3 a filter has a verdict that `--fail-on` names.
 
 mod args;
+mod input;
+mod lesson;
 mod run;
 
+use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use clap::Parser as _;
@@ -14,14 +17,23 @@ use args::{Command, CommandLine};
 use run::Ending;
 
 fn main() -> ExitCode {
-    let CommandLine { command: Command::Run(args) } = CommandLine::parse();
-    match run::run(&args) {
-        Ok(Ending::Well) => ExitCode::SUCCESS,
-        Ok(Ending::Stopped) => ExitCode::FAILURE,
-        Ok(Ending::Verdict) => ExitCode::from(3),
-        Err(error) => {
-            run::report_error(&error);
-            ExitCode::from(2)
+    let done = match CommandLine::parse().command {
+        Command::Run(args) => run::run(&args).map(|ending| match ending {
+            Ending::Well => ExitCode::SUCCESS,
+            Ending::Stopped => ExitCode::FAILURE,
+            Ending::Verdict => ExitCode::from(3),
+        }),
+        Command::Lesson(args) => {
+            lesson::lesson(&args).map(|holds| if holds { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
-    }
+    };
+    done.unwrap_or_else(|error| {
+        report_error(&error);
+        ExitCode::from(2)
+    })
+}
+
+/// Prints an error on standard error, and ignores that this can fail.
+pub(crate) fn report_error(error: &dyn std::fmt::Display) {
+    let _ = writeln!(io::stderr(), "error: {error}");
 }

@@ -1,29 +1,16 @@
 //! The command `kalmanscope-cli run`.
 
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read as _, Write as _};
+use std::io::{self, BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use kalmanscope_cli::{PlotError, causes, plot_svg, run_scenario, step_times, table, write_estimates};
-use kalmanscope_core::{Analysis, Record, RecordError, RunError, Scenario, ScenarioError, Wanted};
+use kalmanscope_core::{Analysis, Record, RecordError, Scenario, Wanted};
 use thiserror::Error;
 
 use crate::args::RunArgs;
-
-/// Errors of the input.
-#[derive(Debug, Error)]
-pub(crate) enum InputError {
-    #[error("{}: {error}", shown(.file))]
-    Read { file: PathBuf, error: io::Error },
-    #[error("{}: {error}", shown(.file))]
-    Scenario { file: PathBuf, error: ScenarioError },
-    #[error("{}: {error}", shown(.file))]
-    Record { file: PathBuf, error: RecordError },
-    #[error("{}: {error}", shown(.file))]
-    Run { file: PathBuf, error: RunError },
-    #[error("{}: `duration` is {MOST} times dt or more, but every sample is kept here", shown(.file))]
-    TooLong { file: PathBuf },
-}
+use crate::input::{InputError, read_text};
+use crate::report_error;
 
 /// Limits the samples of a run, because all are kept: at 100 Hz more than five hours, about a gigabyte of estimates per
 /// filter.
@@ -61,7 +48,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
         scenario.seed = *seed;
     }
     if record.is_none() && scenario.samples() > MOST {
-        return Err(InputError::TooLong { file: file.clone() });
+        return Err(InputError::TooLong { file: file.clone(), most: MOST });
     }
     let measured = record.as_deref().map(|path| read_record(path, &scenario)).transpose()?;
     let bad_run = |error| InputError::Run { file: file.clone(), error };
@@ -98,32 +85,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     })
 }
 
-/// Prints an error on standard error, and ignores that this can fail.
-pub(crate) fn report_error(error: &dyn std::fmt::Display) {
-    let _ = writeln!(io::stderr(), "error: {error}");
-}
-
 fn create(path: &Path) -> io::Result<BufWriter<File>> {
     Ok(BufWriter::new(File::create(path)?))
 }
 
-fn is_standard_input(file: &Path) -> bool {
-    file.as_os_str() == "-"
-}
-
-fn shown(file: &Path) -> String {
-    if is_standard_input(file) { "standard input".to_owned() } else { file.display().to_string() }
-}
-
 fn read_scenario(file: &Path) -> Result<Scenario, InputError> {
-    let mut text = String::new();
-    let read = if is_standard_input(file) {
-        io::stdin().read_to_string(&mut text)
-    } else {
-        File::open(file).and_then(|mut file| file.read_to_string(&mut text))
-    };
-    read.map_err(|error| InputError::Read { file: file.to_owned(), error })?;
-    Scenario::from_toml(&text).map_err(|error| InputError::Scenario { file: file.to_owned(), error })
+    Scenario::from_toml(&read_text(file)?).map_err(|error| InputError::Scenario { file: file.to_owned(), error })
 }
 
 fn read_record(path: &Path, scenario: &Scenario) -> Result<Record, InputError> {

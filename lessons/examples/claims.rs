@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use kalmanscope_lessons::{Claim, LESSONS, Lesson, Value, verify_all};
+use kalmanscope_lessons::{Claim, LESSONS, Lesson, verify_all};
 
 fn main() -> ExitCode {
     match run() {
@@ -35,27 +35,9 @@ fn run() -> Result<bool, String> {
     let claims = verify_all(&lessons, &seeds).map_err(|error| error.to_string())?;
     let tried: Vec<&Claim> = claims.iter().filter(|claim| !claim.values.is_empty()).collect();
     for claim in &tried {
-        println!("{}", line(claim));
+        println!("{}", claim.summary());
     }
     let failed = tried.iter().filter(|claim| !claim.holds()).count();
     println!("{} claims on {count} seeds from {first} on: {failed} fail", tried.len());
     Ok(failed == 0)
-}
-
-fn line(claim: &Claim) -> String {
-    let Claim { lesson, step, check, .. } = claim;
-    let word = if claim.holds() { "holds" } else { "FAILS" };
-    let (found, stated) = (100.0 * claim.share(), 100.0 * check.share);
-    format!("{word} {found:5.1} % ({stated:.0} %)  {lesson}, step {}: {check}: {}", step + 1, spread(claim))
-}
-
-/// Quantiles of the numbers, or the words with their counts.
-fn spread(claim: &Claim) -> String {
-    let numbers = claim.numbers();
-    if numbers.is_empty() {
-        let words: Vec<String> = claim.words().iter().map(|(word, count)| format!("{word} {count}")).collect();
-        return words.join(", ");
-    }
-    let quantile = |q: f64| Value::Number(numbers[((numbers.len() - 1) as f64 * q).round() as usize]).to_string();
-    [0.0, 0.02, 0.1, 0.5, 0.9, 0.98, 1.0].map(quantile).join(" | ")
 }

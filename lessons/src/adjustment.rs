@@ -95,6 +95,18 @@ impl Adjustment {
     }
 }
 
+impl Adjustment {
+    /// The paths of all settings that are changed, such as `filters.EKF.fading`; of an added filter its name, and of an
+    /// added sensor its noise.
+    pub fn paths(&self) -> Vec<String> {
+        let Self { remove_filters: _, add_filters, remove_sensors: _, add_sensors, set } = self;
+        let name = |filter: &Table| Some(format!("filters.{}.name", filter.get("name")?.as_str()?));
+        let filters = add_filters.iter().filter_map(name);
+        let sensors = add_sensors.iter().map(|sensor| format!("sensors.{}.noise_std", sensor.measures.key()));
+        set.keys().cloned().chain(filters).chain(sensors).collect()
+    }
+}
+
 fn add_filter(file: &mut Table, filter: &Table) -> Result<(), LessonError> {
     let mut filter = filter.clone();
     let name = filter.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
@@ -179,6 +191,17 @@ mod tests {
             (1.005, 7.0, 2.0)
         );
         assert!(scenario.filters.iter().all(|f| f.sensor_std == [0.01, 0.5]));
+    }
+
+    #[test]
+    fn paths_name_all_that_is_set_or_added() {
+        let change = change(
+            "set = { \"filters.EKF.fading\" = 1.01, dt = 0.1 }\nadd_filters = [{ like = \"EKF\", name = \"P\" }]\n\
+             add_sensors = [{ measures = \"acceleration\", noise_std = 0.5 }]\nremove_filters = [\"UKF\"]",
+        );
+        let mut paths = change.adjustment.paths();
+        paths.sort();
+        assert_eq!(paths, ["dt", "filters.EKF.fading", "filters.P.name", "sensors.acceleration.noise_std"]);
     }
 
     #[test]

@@ -61,6 +61,26 @@ impl Claim {
         words.chunk_by(String::eq).map(|equal| (equal[0].clone(), equal.len())).collect()
     }
 
+    /// A line with whether the claim holds, in what share of the records it does and should, and quantiles of the
+    /// numbers (0, 2, 10, 50, 90, 98 and 100 %) or the words with their counts.
+    pub fn summary(&self) -> String {
+        let Self { lesson, step, check, .. } = self;
+        let word = if self.holds() { "holds" } else { "FAILS" };
+        let (found, stated) = (100.0 * self.share(), 100.0 * check.share);
+        let spread = self.spread();
+        format!("{word} {found:5.1} % ({stated:.0} %)  {lesson}, step {}: {check}: {spread}", step + 1)
+    }
+
+    fn spread(&self) -> String {
+        let numbers = self.numbers();
+        if numbers.is_empty() {
+            let words: Vec<String> = self.words().iter().map(|(word, count)| format!("{word} {count}")).collect();
+            return words.join(", ");
+        }
+        let quantile = |q: f64| Value::Number(numbers[((numbers.len() - 1) as f64 * q).round() as usize]).to_string();
+        [0.0, 0.02, 0.1, 0.5, 0.9, 0.98, 1.0].map(quantile).join(" | ")
+    }
+
     /// The least and the largest number, or all words.
     fn span(&self) -> String {
         if let [least, .., largest] = self.numbers()[..] {

@@ -32,6 +32,12 @@ pub enum LessonError {
         /// The problem.
         trouble: String,
     },
+    /// A question lacks something, or its answer is none of its choices.
+    #[error("the question {0}")]
+    Question(String),
+    /// The lesson has no step.
+    #[error("the lesson has no step")]
+    NoStep,
     /// The changed scenario is impossible.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),

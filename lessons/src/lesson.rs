@@ -5,7 +5,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use crate::adjustment::{self, Adjustment, Change};
-use crate::{BuiltIn, Check, LessonError};
+use crate::{BuiltIn, Check, LessonError, Measure, Question};
 
 /// An experiment in steps. Each step includes the changes of the steps before it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -42,6 +42,8 @@ pub enum Base {
 pub struct Step {
     /// Instructions on where to look.
     pub look: String,
+    /// A question that is asked before the change is made and its effect is shown.
+    pub question: Option<Question>,
     /// The change, if any.
     pub change: Option<Change>,
     /// The effect to be seen.
@@ -67,6 +69,13 @@ pub struct Step {
     /// The claims of the text, as numbers.
     #[serde(default)]
     pub checks: Vec<Check>,
+}
+
+impl Step {
+    /// Whether the step makes a claim about a verdict.
+    pub fn speaks_of_verdicts(&self) -> bool {
+        self.checks.iter().any(|check| check.measure == Measure::Verdict)
+    }
 }
 
 const fn yes() -> bool {
@@ -125,8 +134,15 @@ impl Lesson {
         let lesson = Self::read(text)?;
         let scenarios = lesson.scenarios()?;
         let first = lesson.first_scenario()?;
+        if lesson.steps.is_empty() {
+            return Err(LessonError::NoStep);
+        }
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
             let before = number.checked_sub(1).map_or(&first, |last| &scenarios[last]);
+            if let Some(question) = &step.question {
+                // It is asked before the change.
+                question.validate(before).map_err(|error| error.in_step(number))?;
+            }
             for check in &step.checks {
                 let valid = check.validate(scenario).and_then(|()| match (check.before, &step.change) {
                     (false, _) => Ok(()),
@@ -219,6 +235,11 @@ mod tests {
     fn errors_name_their_step() {
         let check = |check: &str| format!("{HEAD}{STEP}{STEP}checks = [{{ filter = \"EKF\", {check} }}]");
         for (text, message) in [
+            (format!("{HEAD}steps = []"), "the lesson has no step"),
+            (
+                format!("{HEAD}{STEP}question = {{ ask = \"a\", choices = [], answer = 1, because = \"b\" }}"),
+                "step 1: the question has 0 `choices`, but must have 2 to 4",
+            ),
             (HEAD.replace("stiffness-loss", "x") + STEP, "there is no built-in scenario `x`"),
             (
                 format!("{HEAD}{STEP}{STEP}change = {{ label = \"x\", set = {{ \"plant.x\" = 1 }} }}"),

@@ -54,12 +54,20 @@ mod tests {
     }
 
     #[test]
+    fn many_lessons_begin_with_a_question() {
+        let lessons = lessons().into_iter().filter_map(Result::ok);
+        assert!(lessons.filter(|lesson| lesson.steps[0].question.is_some()).count() >= 6);
+    }
+
+    #[test]
     fn every_lesson_is_valid_and_complete() {
         for (name, text) in LESSONS {
             let lesson = Lesson::from_toml(text).unwrap_or_else(|error| panic!("{name}: {error}"));
             assert!(["Advantages", "Challenges", "Practice"].contains(&lesson.group.as_str()), "{name}");
             assert!((2..=4).contains(&lesson.steps.len()), "{name}: {} steps", lesson.steps.len());
             assert!(lesson.summary.ends_with('.'), "{name}");
+            let same = LESSONS.iter().filter(|(_, text)| text.contains(&format!("title = \"{}\"\n", lesson.title)));
+            assert_eq!(same.count(), 1, "a lesson is known by its title: {name}");
             for (number, step) in lesson.steps.iter().enumerate() {
                 let texts = [&step.look, &step.happens, &step.why];
                 assert!(texts.iter().all(|t| t.ends_with('.') && t.len() > 20), "{name}, step {}", number + 1);
@@ -68,6 +76,14 @@ mod tests {
                     "{name}, step {}",
                     number + 1
                 );
+                if let Some(question) = &step.question {
+                    assert!(question.ask.ends_with('?'), "{name}, step {}", number + 1);
+                    assert!(
+                        question.because.ends_with('.') && question.because.len() > 20,
+                        "{name}, step {}",
+                        number + 1
+                    );
+                }
                 assert!(!step.views.is_empty() && !step.checks.is_empty(), "{name}, step {}", number + 1);
             }
         }

@@ -1,5 +1,7 @@
 //! Applies requests.
 
+use kalmanscope_core::Scenario;
+
 use super::window::NARROW;
 use super::{App, LARGE};
 use crate::controls::number;
@@ -12,7 +14,7 @@ use crate::tutor::Tutor;
 impl App {
     /// Applies the request of a view, a menu or a key.
     pub(super) fn apply(&mut self, request: Request, ctx: &egui::Context) {
-        let Self { session, axis, visible, layout, lessons, tutor, history, .. } = self;
+        let Self { session, axis, visible, layout, history, .. } = self;
         match request {
             Request::TogglePlay => session.toggle_play(),
             Request::Step => session.step(),
@@ -28,16 +30,10 @@ impl App {
             }
             Request::SetSpeed(speed) => session.set_speed(speed),
             Request::Open(built_in) => match built_in.scenario() {
-                Ok(scenario) => {
-                    session.set_scenario(scenario);
-                    session.begin_anew();
-                    session.play_from_start();
-                    *axis = TimeAxis::default();
-                    visible.reset();
-                    number::begin_anew(ctx);
-                }
+                Ok(scenario) => self.open(scenario, ctx),
                 Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title)),
             },
+            Request::OpenScenario(scenario) => self.open(*scenario, ctx),
             Request::Edit(scenario) => session.edit(*scenario),
             Request::SwapSettings => session.swap_settings(),
             Request::ForgetBefore => session.forget_before(),
@@ -51,34 +47,16 @@ impl App {
                     session.edit(scenario);
                 }
             }
-            Request::StartLesson(place) => {
-                self.inviting = false;
-                *tutor = lessons.get(place).cloned().map(Tutor::new);
-                visible.reset();
-                self.go_to_step(0);
-                number::begin_anew(ctx);
-            }
+            Request::StartLesson(place) => self.start_lesson(place, ctx),
+            Request::StudyLesson(lesson) => self.begin(Some(Tutor::of_file(*lesson)), ctx),
             Request::GoToStep(step) => {
                 self.go_to_step(step);
                 number::begin_anew(ctx);
             }
-            Request::ChangeLesson => {
-                if let Some(lesson) = tutor
-                    && lesson.change(session).is_err()
-                {
-                    // The target of the change is gone: begin the step again.
-                    let step = lesson.step();
-                    self.go_to_step(step);
-                } else if let Some(lesson) = tutor {
-                    // The record may have become longer.
-                    axis.framed = lesson.frame(session);
-                }
-            }
-            Request::LeaveLesson => {
-                *tutor = None;
-                axis.framed = None;
-                visible.reset();
-            }
+            Request::Answer(answer) => self.answer(answer),
+            Request::ChangeLesson => self.change_lesson(),
+            Request::FinishLesson => self.finish_lesson(),
+            Request::LeaveLesson => self.leave_lesson(),
             Request::ToggleEntry(entry) => visible.toggle(entry),
             Request::ShowAllChannels => visible.only.clear(),
             Request::ToggleControls => self.controls_open = Some(!self.controls_open()),
@@ -89,6 +67,7 @@ impl App {
                 self.controls_open = None;
             }
             Request::ToggleKeys => self.keys_open = !self.keys_open,
+            Request::Report(sentence) => self.notice = Some(sentence),
             Request::DismissNotice => self.notice = None,
             Request::Leave => {
                 if !std::mem::take(&mut self.keys_open) && !session.cancel() {
@@ -118,21 +97,13 @@ impl App {
         }
     }
 
-    /// Goes to a step of the current lesson; does nothing without a lesson, or if the step is impossible.
-    fn go_to_step(&mut self, step: usize) {
-        let Self { session, axis, visible, layout, tutor, .. } = self;
-        let Some(lesson) = tutor else { return };
-        if let Err(error) = lesson.go_to(step, session) {
-            self.notice = Some(format!("This step of the lesson cannot be shown: {error}."));
-            *tutor = None;
-            return;
-        }
-        session.begin_anew();
-        *axis = TimeAxis { framed: lesson.frame(session), ..TimeAxis::default() };
-        lesson.choose(visible);
-        let views = lesson.views();
-        if !views.is_empty() {
-            *layout = Layout::column(&views);
-        }
+    /// Plays a scenario from its start.
+    fn open(&mut self, scenario: Scenario, ctx: &egui::Context) {
+        self.session.set_scenario(scenario);
+        self.session.begin_anew();
+        self.session.play_from_start();
+        self.axis = TimeAxis::default();
+        self.visible.reset();
+        number::begin_anew(ctx);
     }
 }

@@ -12,7 +12,7 @@ use crate::panes::panes_ui;
 use crate::request::Request;
 use crate::ruler;
 use crate::theme::Palette;
-use crate::tutor;
+use crate::tutor::{self, Tutor};
 use crate::view::ViewContext;
 
 /// Limits the width of a window whose settings are a drawer under the plots \[points\].
@@ -43,9 +43,9 @@ impl App {
         let open = self.controls_open();
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
-        let Self { session, layout, lessons, presenting, requests, history, .. } = self;
+        let Self { session, layout, catalogue, presenting, requests, history, .. } = self;
         let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
-        let bar = Bar { session, layout, lessons, controls: open, presenting: *presenting, narrow, history };
+        let bar = Bar { session, layout, catalogue, controls: open, presenting: *presenting, narrow, history };
         if !*presenting || is_bar_wanted(ui.ctx()) {
             Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         }
@@ -75,23 +75,24 @@ impl App {
         } else {
             Panel::left("controls").default_size(340.0).size_range(300.0..=460.0)
         };
-        let Self { session, requests, .. } = self;
+        let Self { session, tutor, requests, .. } = self;
+        let lit = tutor.as_ref().map_or(vec![], Tutor::lit);
         panel.frame(frame).show(ui, |ui| {
             let mut scenario = session.scenario().clone();
-            if controls_ui(ui, &mut scenario, palette) {
+            if controls_ui(ui, &mut scenario, palette, lit) {
                 requests.push(Request::Edit(Box::new(scenario)));
             }
         });
     }
 
     fn lesson_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {
-        let Self { tutor: Some(tutor), requests, .. } = self else { return };
+        let Self { tutor: Some(tutor), catalogue, requests, .. } = self else { return };
         let panel = if narrow {
-            Panel::bottom("lesson").default_size(260.0)
+            Panel::bottom("lesson").default_size(0.4 * ui.available_height()).size_range(160.0..=600.0).resizable(true)
         } else {
             Panel::right("lesson").default_size(290.0).size_range(240.0..=420.0)
         };
-        panel.frame(frame).show(ui, |ui| tutor.ui(ui, palette, requests));
+        panel.frame(frame).show(ui, |ui| tutor.ui(ui, catalogue, palette, requests));
     }
 
     /// Legend and views.

@@ -3,6 +3,7 @@
 use egui::{Grid, RichText, Ui, Vec2};
 use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Sensor};
 
+use super::lit::lit;
 use super::number::{field, std_field};
 
 /// Width of the column of symbols \[points\].
@@ -38,23 +39,30 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
             let uncertain = !known.contains(&channel);
             ui.label(channel.symbol()).on_hover_text(channel.name());
             let title = |what: &str| format!("{name} {what} of {}", channel.name());
+            let path = |table: &str| format!("filters.{name}.{table}.{}", channel.key());
             let scale = scale(channel);
             let mean = &mut initial_mean[channel];
             cell(ui, true, &mut |ui| {
-                field(ui, mean, f64::NEG_INFINITY, scale, &title("initial guess"), "Mean of the initial belief");
+                lit(ui, &path("initial_mean"), |ui| {
+                    field(ui, mean, f64::NEG_INFINITY, scale, &title("initial guess"), "Mean of the initial belief");
+                });
             });
             let std = &mut initial_std[channel];
             cell(ui, uncertain, &mut |ui| {
-                std_field(ui, std, 0.0, 10.0 * scale, &title("initial std"), "How sure the filter is of its guess");
+                lit(ui, &path("initial_std"), |ui| {
+                    std_field(ui, std, 0.0, 10.0 * scale, &title("initial std"), "How sure the filter is of its guess");
+                });
             });
             let process = &mut process_std[channel];
             cell(ui, uncertain, &mut |ui| {
-                std_field(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
+                lit(ui, &path("process_std"), |ui| {
+                    std_field(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
+                });
             });
             ui.weak(channel.unit());
             ui.end_row();
         }
-        for (std, sensor) in sensor_std.iter_mut().zip(sensors) {
+        for (place, (std, sensor)) in sensor_std.iter_mut().zip(sensors).enumerate() {
             let quantity = sensor.measures;
             ui.label(quantity.symbol()).on_hover_text(format!("{} sensor", quantity.key()));
             ui.label("");
@@ -63,7 +71,9 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
             });
             let title = format!("{name} sensor std of {}", quantity.key());
             cell(ui, true, &mut |ui| {
-                std_field(ui, std, 1e-9, 10.0, &title, "Standard deviation that the filter ascribes to the sensor");
+                lit(ui, &format!("filters.{name}.sensor_std.{place}"), |ui| {
+                    std_field(ui, std, 1e-9, 10.0, &title, "Standard deviation that the filter ascribes to the sensor");
+                });
             });
             ui.weak(quantity.unit());
             ui.end_row();

@@ -6,6 +6,7 @@ use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 
 use super::belief::belief_ui;
 use super::color::{color_ui, free_color};
+use super::lit::lit;
 use super::number::Number;
 use super::options::options_ui;
 use crate::text::significant;
@@ -15,6 +16,7 @@ use crate::theme::{self, Palette};
 pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize, palette: &Palette) {
     let id = ui.make_persistent_id(("filter", scenario.filters[place].id));
     let state = CollapsingState::load_with_default_open(ui.ctx(), id, place == 0);
+    let open = state.is_open();
     let (mut match_truth, mut duplicate, mut remove) = (false, false, false);
     let several = scenario.filters.len();
     let filters = scenario.filters.iter().enumerate();
@@ -23,7 +25,13 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
         .show_header(ui, |ui| {
             let filter = &mut scenario.filters[place];
             color_ui(ui, filter, palette);
-            ui.label(RichText::new(&filter.name).family(theme::strong()).size(14.5));
+            let name = RichText::new(&filter.name).family(theme::strong()).size(14.5);
+            // What is lit below the name cannot be seen if it is folded.
+            if open {
+                ui.label(name);
+            } else {
+                lit(ui, &format!("filters.{}", filter.name), |ui| ui.label(name));
+            }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| kind_ui(ui, filter, place, &others));
         })
         .body_unindented(|ui| {
@@ -48,7 +56,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
                 duplicate = small(ui, "Duplicate", several < MOST_FILTERS);
                 remove = small(ui, "Remove", true);
             });
-            rename_ui(ui, filter, &others);
+            lit(ui, &format!("filters.{}.name", filter.name), |ui| rename_ui(ui, filter, &others));
             ui.add_space(6.0);
         });
     if duplicate {
@@ -126,7 +134,7 @@ fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[Str
 
 fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
     let name = format!("{} fading factor", filter.name);
-    Number {
+    let fading = Number {
         label: "λ fading factor",
         name: &name,
         unit: "",
@@ -134,8 +142,8 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
         least: 1.0,
         logarithmic: false,
         hint: "Multiplies the predicted covariance at every step: 1 forgets nothing, more forgets faster",
-    }
-    .show(ui, &mut filter.fading);
+    };
+    lit(ui, &format!("filters.{}.fading", filter.name), |ui| fading.show(ui, &mut filter.fading));
     let memory = if filter.fading > 1.0 {
         let samples = std::f64::consts::LN_2 / filter.fading.ln();
         format!("half-life {} s, {} samples", significant(samples * dt, 3), significant(samples, 3))
@@ -149,7 +157,7 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
     });
     ui.add_enabled_ui(filter.kind != FilterKind::KF, |ui| {
         let name = format!("{} parameter decay", filter.name);
-        Number {
+        let decay = Number {
             label: "η decay",
             name: &name,
             unit: "1/s",
@@ -157,7 +165,7 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
             least: 0.0,
             logarithmic: false,
             hint: "Rate at which the filter's model lets the parameters decay; 0 keeps them constant",
-        }
-        .show(ui, &mut filter.eta);
+        };
+        lit(ui, &format!("filters.{}.eta", filter.name), |ui| decay.show(ui, &mut filter.eta));
     });
 }

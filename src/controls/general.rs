@@ -3,6 +3,7 @@
 use egui::{DragValue, Ui};
 use kalmanscope_core::Scenario;
 
+use super::lit::lit;
 use super::number::{Number, limit};
 
 /// Limits the length of a record: a day \[s\].
@@ -14,7 +15,7 @@ const LENGTHS: [(&str, f64); 3] = [("1 min", 60.0), ("1 h", 3600.0), ("1 day", L
 pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let Scenario { seed, dt, duration, .. } = scenario;
     let hint = "Length of the record, up to a day; a long one is shown live only, and its beginning is forgotten";
-    Number {
+    let length = Number {
         label: "duration",
         name: "Duration",
         unit: "s",
@@ -22,8 +23,8 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
         least: 1.0,
         logarithmic: false,
         hint,
-    }
-    .show(ui, duration);
+    };
+    lit(ui, "duration", |ui| length.show(ui, duration));
     ui.horizontal(|ui| {
         ui.add_space(119.0);
         for (name, length) in LENGTHS {
@@ -33,7 +34,7 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
         }
     });
     let hint = "Time between samples";
-    Number {
+    let sampling = Number {
         label: "Δt sampling",
         name: "Sampling time",
         unit: "s",
@@ -41,11 +42,16 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
         least: 0.002,
         logarithmic: true,
         hint,
-    }
-    .show(ui, dt);
+    };
+    lit(ui, "dt", |ui| sampling.show(ui, dt));
     let longest_step = *duration;
     limit(ui, dt, 0.0, longest_step, "Sampling time, most", "s");
     limit(ui, duration, 0.0, LONGEST, "Duration, most", "s");
+    lit(ui, "seed", |ui| seed_ui(ui, seed));
+}
+
+/// The seed of the random numbers, and a button for the next.
+fn seed_ui(ui: &mut Ui, seed: &mut u64) {
     ui.horizontal(|ui| {
         ui.label("seed").on_hover_text("The same seed gives the same noise, on every machine");
         let drag = ui.add(DragValue::new(seed).range(0..=i64::MAX as u64).speed(0.1));

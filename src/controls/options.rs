@@ -3,6 +3,8 @@
 use egui::{Checkbox, ComboBox, DragValue, Ui};
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Propagation, Sensor, augment};
 
+use super::lit::lit;
+
 /// Limits the members of an ensemble to what a frame can compute.
 const MOST_MEMBERS: usize = 2000;
 
@@ -12,7 +14,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         plant_ui(ui, filter);
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
         if [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF].contains(&filter.kind) {
-            propagation_ui(ui, filter);
+            lit(ui, &format!("filters.{}.propagation", filter.name), |ui| propagation_ui(ui, filter));
         }
         let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, smoother, .. } = filter;
         if *kind == FilterKind::IEKF {
@@ -22,7 +24,9 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         if kind.is_sampled() {
             let hint = "More are more exact, and slower";
             let label = if kind.info().has_own_likelihood { "particles" } else { "members" };
-            whole_ui(ui, label, &format!("{name} {label}"), ensemble_size, (2, MOST_MEMBERS), hint);
+            lit(ui, &format!("filters.{name}.ensemble_size"), |ui| {
+                whole_ui(ui, label, &format!("{name} {label}"), ensemble_size, (2, MOST_MEMBERS), hint);
+            });
         }
         let check = |ui: &mut Ui, value: &mut bool, text: &str, hint: &str| {
             let response = ui.add(Checkbox::new(value, text)).on_hover_text(hint);
@@ -34,9 +38,11 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         if !kind.is_sampled() {
             let hint = "In the whole record also show, dashed, what is known of each instant in the light of all that came \
                         after it: Rauch, Tung and Striebel (1965)";
-            check(ui, smoother, "hindsight", hint);
+            lit(ui, &format!("filters.{name}.smoother"), |ui| check(ui, smoother, "hindsight", hint));
         }
-        check(ui, &mut adaptation.sensor_noise, "learn R from the innovations", "Akhlaghi, Zhou and Huang (2017)");
+        lit(ui, &format!("filters.{name}.adaptation.sensor_noise"), |ui| {
+            check(ui, &mut adaptation.sensor_noise, "learn R from the innovations", "Akhlaghi, Zhou and Huang (2017)");
+        });
         check(ui, &mut adaptation.process_noise, "learn Q from the innovations", "Akhlaghi, Zhou and Huang (2017)");
     });
 }

@@ -4,6 +4,7 @@ use egui::{Button, ComboBox, Ui};
 use kalmanscope_core::channel::{Role, Sign};
 use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, augment};
 
+use super::lit::lit;
 use super::number::Number;
 use super::signal::{Parameter, signal_ui};
 
@@ -11,10 +12,10 @@ use super::signal::{Parameter, signal_ui};
 const LEAST_POSITIVE: f64 = 0.01;
 
 pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
-    kind_ui(ui, scenario);
+    lit(ui, "plant.kind", |ui| kind_ui(ui, scenario));
     let plant = &mut scenario.plant;
     for channel in plant.parameters().collect::<Vec<_>>() {
-        parameter_ui(ui, plant, channel);
+        lit(ui, &format!("plant.{}", channel.key()), |ui| parameter_ui(ui, plant, channel));
         ui.add_space(4.0);
     }
     augmentation_ui(ui, plant);
@@ -27,7 +28,9 @@ pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
     number(ui, "x at start", "Initial displacement", "m", (-1.0, 1.0), any, at_start, &mut initial.displacement);
     number(ui, "v at start", "Initial velocity", "m/s", (-5.0, 5.0), any, at_start, &mut initial.velocity);
     let hint = "Standard deviation of an unmeasured force";
-    number(ui, "disturbance", "Disturbance", "m/s²", (0.0, 10.0), 0.0, hint, disturbance_std);
+    lit(ui, "plant.disturbance_std", |ui| {
+        number(ui, "disturbance", "Disturbance", "m/s²", (0.0, 10.0), 0.0, hint, disturbance_std);
+    });
 }
 
 fn kind_ui(ui: &mut Ui, scenario: &mut Scenario) {

@@ -4,6 +4,7 @@ use egui::{Checkbox, ComboBox, Ui};
 use kalmanscope_core::quantity::MAX_SENSORS;
 use kalmanscope_core::{Aspect, InputKind, Quantity, Scenario, Sensor};
 
+use super::lit::lit;
 use super::number::Number;
 
 /// Limits the quantities that are all shown with a check box.
@@ -47,7 +48,7 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
         let quantity = sensor.measures;
         let label = format!("{} noise ± σ", quantity.symbol());
         let name = format!("Noise of the {} sensor", quantity.key());
-        Number {
+        let number = Number {
             label: &label,
             name: &name,
             unit: quantity.unit(),
@@ -55,8 +56,9 @@ pub(super) fn sensors_ui(ui: &mut Ui, scenario: &mut Scenario) {
             least: 0.0,
             logarithmic: true,
             hint: "True standard deviation of the sensor's noise; each filter has its own assumption among its settings",
-        }
-        .show(ui, &mut sensor.noise_std);
+        };
+        let path = format!("sensors.{}.noise_std", quantity.key());
+        lit(ui, &path, |ui| number.show(ui, &mut sensor.noise_std));
     }
     if scenario.sensors.is_empty() {
         ui.add_space(2.0);

@@ -1,13 +1,15 @@
-//! The screen of a lesson's step.
+//! The screen of a lesson's step, its question, and the way from lesson to lesson.
+
+use kalmanscope_lessons::{Lesson, Measure, Step};
 
 use super::*;
 
-fn click(screen: &mut Screen, label: &str) {
+pub(crate) fn click(screen: &mut Screen, label: &str) {
     screen.get_by_label(label).click();
     screen.run_steps(4);
 }
 
-fn lesson(size: Vec2, title: &str) -> Screen {
+pub(crate) fn lesson(size: Vec2, title: &str) -> Screen {
     let mut screen = screen(size, Theme::Light);
     click(&mut screen, "Lessons");
     click(&mut screen, title);
@@ -88,4 +90,159 @@ fn on_a_phone_the_views_are_in_the_order_of_the_step() {
     let screen = lesson(PHONE, "Computational cost");
     let top = |view: &str| screen.get_by_label(&format!("About {view}")).rect().top();
     assert!(top("Errors") < top("States"));
+}
+
+pub(crate) fn is_enabled(screen: &Screen, label: &str) -> bool {
+    !screen.get_by_label(label).accesskit_node().is_disabled()
+}
+
+/// Answers the step's question and makes its change.
+fn reveal(screen: &mut Screen, step: &Step) {
+    let skip = step.question.as_ref().map(|_| "Show me");
+    for label in skip.into_iter().chain(step.change.as_ref().map(|change| change.label.as_str())) {
+        // On a phone it may have to be scrolled to.
+        screen.get_by_label(label).click_accesskit();
+        screen.run_steps(4);
+    }
+}
+
+/// Goes through the lesson to its end.
+pub(crate) fn study(screen: &mut Screen, lesson: &Lesson) {
+    for (number, step) in lesson.steps.iter().enumerate() {
+        reveal(screen, step);
+        if number + 1 < lesson.steps.len() {
+            click(screen, "Next");
+        }
+    }
+}
+
+pub(crate) fn built_in(title: &str) -> Lesson {
+    let lessons = kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok);
+    lessons.into_iter().find(|lesson| lesson.title == title).expect(title)
+}
+
+pub(crate) const GUESS: &str = "Guess 14 ± 2 rad/s";
+
+#[test]
+fn a_question_comes_before_the_change_and_its_effect() {
+    let mut screen = lesson(DESKTOP, "Parameter initialisation");
+    let shows = |screen: &Screen, label: &str| screen.query_by_label(label).is_some();
+    assert!(!shows(&screen, GUESS) && !shows(&screen, "What happens"));
+    assert!(shows(&screen, "Answer the question first, or press “Show me”.") && !is_enabled(&screen, "Next"));
+    click(&mut screen, "Near the end of the 30 s.");
+    assert!(shows(&screen, GUESS) && !shows(&screen, "What happens") && !shows(&screen, "Your answer"));
+    assert!(shows(&screen, "Press “Guess 14 ± 2 rad/s” first.") && !is_enabled(&screen, "Next"));
+    let next = screen.get_by_label("Next").rect().center();
+    screen.hover_at(next);
+    screen.run_steps(60);
+    let reasons = screen.get_all_by_label("Press “Guess 14 ± 2 rad/s” first.");
+    assert_eq!(reasons.count(), 2, "the reason is below the button and beside the pointer");
+    click(&mut screen, GUESS);
+    assert!(shows(&screen, "What happens") && is_enabled(&screen, "Next"));
+    assert!(shows(&screen, "Not this time, and many would say so. The answer is: “After about a second.”"));
+    assert!(shows(&screen, "Near the end of the 30 s. (your answer)"));
+    assert!(screen.query_by_label_contains("Four σ are improbable at first").is_some());
+}
+
+#[test]
+fn a_right_answer_is_told_and_a_question_can_be_skipped() {
+    let mut screen = lesson(DESKTOP, "Parameter initialisation");
+    click(&mut screen, "Never: it rules such a value out.");
+    // The choice is free until the change is made.
+    click(&mut screen, "After about a second.");
+    click(&mut screen, GUESS);
+    screen.get_by_label("That is right.");
+    screen.get_by_label("After about a second. (right, your answer)");
+    let mut screen = lesson(DESKTOP, "Parameter initialisation");
+    click(&mut screen, "Show me");
+    click(&mut screen, GUESS);
+    screen.get_by_label("The answer is: “After about a second.”");
+}
+
+#[test]
+fn the_record_waits_for_the_answer() {
+    let mut screen = lesson(DESKTOP, "Fading memory and a sudden loss");
+    screen.run_steps(30);
+    let session = screen.state().session();
+    assert_eq!((session.mode(), session.playing(), session.position()), (Mode::Live, false, 2990));
+    assert_eq!(screen.state().axis().framed, None);
+    click(&mut screen, "Be wrong for seconds, within a narrow band.");
+    assert_eq!(screen.state().session().mode(), Mode::Whole);
+    assert_eq!(screen.state().axis().framed, Some((20.0, 60.0)));
+    screen.get_by_label("That is right.");
+}
+
+#[test]
+fn a_finished_lesson_has_a_tick_and_leads_to_the_next() {
+    let first = built_in("Recursive estimation");
+    let mut screen = lesson(DESKTOP, &first.title);
+    study(&mut screen, &first);
+    assert!(is_enabled(&screen, "Done"));
+    click(&mut screen, "Next: Noise reduction");
+    screen.get_by_label("1 of 3");
+    click(&mut screen, "Lessons");
+    screen.get_by_label("Recursive estimation, finished");
+    assert!(screen.query_by_label("Noise reduction, finished").is_none());
+}
+
+#[test]
+fn a_lesson_is_finished_by_its_end_only() {
+    let first = built_in("Recursive estimation");
+    let mut screen = lesson(DESKTOP, &first.title);
+    click(&mut screen, "Leave the lesson");
+    click(&mut screen, "Lessons");
+    click(&mut screen, &first.title);
+    study(&mut screen, &first);
+    click(&mut screen, "Done");
+    assert!(screen.query_by_label("Leave the lesson").is_none());
+    click(&mut screen, "Lessons");
+    screen.get_by_label("Recursive estimation, finished");
+}
+
+#[test]
+fn the_setting_that_a_step_changes_is_lit() {
+    let mut screen = lesson(Vec2::new(1700.0, 1400.0), "Fading memory and a sudden loss");
+    let lit = |screen: &Screen, path: &str| screen.query_by_label(&format!("The step is about {path}")).is_some();
+    let steps = built_in("Fading memory and a sudden loss").steps;
+    assert!(!lit(&screen, "filters.EKF.fading"));
+    reveal(&mut screen, &steps[0]);
+    click(&mut screen, "Next");
+    assert!(lit(&screen, "filters.EKF.fading") && !lit(&screen, "filters.EKF.eta"));
+    click(&mut screen, "λ = 1.005");
+    let row = screen.get_by_label("The step is about filters.EKF.fading").rect();
+    assert!(row.contains(screen.get_by_label("EKF fading factor, value").rect().center()));
+    click(&mut screen, "Leave the lesson");
+    assert!(!lit(&screen, "filters.EKF.fading"));
+}
+
+/// Where a step claims a verdict, the verdict is on screen.
+#[test]
+fn a_verdict_that_a_lesson_speaks_of_is_in_sight() {
+    for (size, titles) in [
+        (DESKTOP, &["Sensitivity to assumptions", "Wind-up", "R wrong by ten", "Acceleration only"][..]),
+        (PHONE, &["Fading memory and a sudden loss"]),
+    ] {
+        for title in titles {
+            let mut screen = screen(size, Theme::Light);
+            // A lecturer may have hidden them.
+            click(&mut screen, "Show verdicts");
+            click(&mut screen, "Lessons");
+            click(&mut screen, title);
+            let steps = built_in(title).steps;
+            for (number, step) in steps.iter().enumerate() {
+                reveal(&mut screen, step);
+                screen.run_steps(3);
+                for check in step.checks.iter().filter(|check| check.measure == Measure::Verdict) {
+                    let name = format!("{} is ", check.filter);
+                    let chip = screen.query_by_label_contains(&name);
+                    let chip = chip.unwrap_or_else(|| panic!("{title}, step {}: no verdict", number + 1)).rect();
+                    let window = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+                    assert!(window.contains_rect(chip), "{title}, step {}: {chip}", number + 1);
+                }
+                if number + 1 < steps.len() {
+                    click(&mut screen, "Next");
+                }
+            }
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! The app in a headless harness: every control, every view, any size.
 
 mod diagnosis;
+mod files;
 mod frequency_response;
 mod habits;
 mod hand;
@@ -8,6 +9,7 @@ mod identity;
 mod lessons;
 mod memory;
 mod playback;
+mod progress;
 mod settings;
 mod sizes;
 mod workbench;

@@ -1,5 +1,7 @@
 //! Lessons, views, filters side by side, undo and messages about problems.
 
+use kalmanscope_lessons::Measure;
+
 use super::*;
 
 #[test]
@@ -14,6 +16,11 @@ fn every_lesson_can_be_taken_from_beginning_to_end() {
         screen.run_steps(3);
         for (i, step) in lesson.steps.iter().enumerate() {
             assert!(screen.query_by_label(&step.look).is_some(), "{}, step {}", lesson.title, i + 1);
+            if step.question.is_some() {
+                assert!(screen.query_by_label(&step.why).is_none(), "{} gives the answer away", lesson.title);
+                screen.get_by_label("Show me").click();
+                screen.run_steps(3);
+            }
             if let Some(change) = &step.change {
                 let before = scenario(&screen).clone();
                 assert!(screen.query_by_label(&step.why).is_none(), "{} gives its secret away", lesson.title);
@@ -24,6 +31,11 @@ fn every_lesson_can_be_taken_from_beginning_to_end() {
             assert_eq!(scenario(&screen), &lesson.scenario_at(i).unwrap(), "{}, step {}", lesson.title, i + 1);
             assert_eq!(screen.state().session().problem(), None);
             assert!(screen.query_by_label(&step.why).is_some(), "{}, step {}", lesson.title, i + 1);
+            for check in step.checks.iter().filter(|check| check.measure == Measure::Verdict) {
+                let chip = format!("{} is ", check.filter);
+                let mut chips = screen.query_all_by_label_contains(&chip);
+                assert!(chips.next().is_some(), "{}, step {}: no verdict is in sight", lesson.title, i + 1);
+            }
             let next = if i + 1 < lesson.steps.len() { "Next" } else { "Done" };
             screen.get_by_label(next).click();
             screen.run_steps(3);
@@ -167,7 +179,7 @@ fn views_come_back_one_by_one_when_all_have_been_hidden() {
 fn a_lesson_whose_filter_is_gone_begins_its_step_again() {
     let mut screen = workbench();
     let lesson = kalmanscope_lessons::lessons().remove(9).unwrap();
-    for label in ["Lessons", &lesson.title, "Next"] {
+    for label in ["Lessons", &lesson.title, "Show me", "Next"] {
         screen.get_by_label(label).click();
         screen.run_steps(3);
     }

@@ -1,0 +1,56 @@
+//! Files that may be a lesson or a scenario.
+
+use kalmanscope_core::Scenario;
+use toml::Table;
+
+use crate::{Lesson, LessonError};
+
+/// The keys that a lesson has and a scenario has not.
+const OF_LESSONS: [&str; 4] = ["title", "group", "summary", "steps"];
+
+/// The contents of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum File {
+    /// A lesson.
+    Lesson(Lesson),
+    /// A scenario.
+    Scenario(Scenario),
+}
+
+impl File {
+    /// Reads a file and checks it. It is a lesson where it has a key that only lessons have.
+    ///
+    /// # Errors
+    /// [`LessonError`] where it is neither a possible lesson nor a possible scenario.
+    pub fn from_toml(text: &str) -> Result<Self, LessonError> {
+        let table: Table = toml::from_str(text).map_err(|error| LessonError::Syntax(error.to_string()))?;
+        if OF_LESSONS.iter().any(|key| table.contains_key(*key)) {
+            Lesson::from_toml(text).map(Self::Lesson)
+        } else {
+            Ok(Self::Scenario(Scenario::from_toml(text)?))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BUILT_IN, LESSONS};
+
+    #[test]
+    fn lessons_and_scenarios_are_told_apart() {
+        assert!(matches!(File::from_toml(LESSONS[0].1), Ok(File::Lesson(_))));
+        assert!(matches!(File::from_toml(BUILT_IN[0].toml()), Ok(File::Scenario(_))));
+        assert_eq!(File::from_toml("").unwrap(), File::Scenario(Scenario::default()));
+    }
+
+    #[test]
+    fn errors_are_those_of_the_kind_of_file() {
+        for (text, part) in
+            [("title = 1", "invalid type"), ("steps = []", "missing field"), ("fading = 1", "fading"), ("=", "TOML")]
+        {
+            let error = File::from_toml(text).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Questions: what a step asks before it shows.
+
+use kalmanscope_core::Scenario;
+use serde::Deserialize;
+
+use crate::LessonError;
+
+/// Limits the number of choices from below.
+const FEWEST: usize = 2;
+/// Limits the number of choices, so that all are read.
+const MOST: usize = 4;
+
+/// A question with a few choices, asked before a step makes its change and shows its effect.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Question {
+    /// The question.
+    pub ask: String,
+    /// The possible answers, two to four.
+    pub choices: Vec<String>,
+    /// The right choice, counted from 1.
+    pub answer: usize,
+    /// The reason why it is right, and the others are not.
+    pub because: String,
+    /// The record is shown up to this time until the question is answered \[s\]; as the step shows it if left out.
+    pub until: Option<f64>,
+}
+
+impl Question {
+    /// Whether a choice, counted from 0, is the right one.
+    pub fn is_right(&self, choice: usize) -> bool {
+        choice + 1 == self.answer
+    }
+
+    /// The text of the right choice; empty where there is none, which [`crate::Lesson::from_toml`] rules out.
+    pub fn right_choice(&self) -> &str {
+        self.answer.checked_sub(1).and_then(|place| self.choices.get(place)).map_or("", String::as_str)
+    }
+
+    /// Validates the question of a step that begins with this scenario.
+    ///
+    /// # Errors
+    /// [`LessonError::Question`] with the key and what is allowed.
+    pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
+        let Self { ask, choices, answer, because, until } = self;
+        let blank = |text: &String| text.trim().is_empty();
+        let repeated = (1..choices.len()).any(|place| choices[..place].contains(&choices[place]));
+        let duration = scenario.duration;
+        let wrong = if blank(ask) {
+            "has an empty `ask`".to_owned()
+        } else if !(FEWEST..=MOST).contains(&choices.len()) {
+            format!("has {} `choices`, but must have {FEWEST} to {MOST}", choices.len())
+        } else if choices.iter().any(blank) {
+            "has an empty choice".to_owned()
+        } else if repeated {
+            "has the same choice twice".to_owned()
+        } else if !(1..=choices.len()).contains(answer) {
+            format!("has the `answer` {answer}, but must have the number of a choice: 1 to {}", choices.len())
+        } else if blank(because) {
+            "has an empty `because`".to_owned()
+        } else if until.is_some_and(|until| !(0.0..=duration).contains(&until)) {
+            format!("has an `until` outside the record, which is from 0 to {duration} s")
+        } else {
+            return Ok(());
+        };
+        Err(LessonError::Question(wrong))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = "ask = \"a\"\nchoices = [\"x\", \"y\"]\nanswer = 2\nbecause = \"b\"\nuntil = 30.0";
+
+    fn validate(text: &str) -> Result<Question, LessonError> {
+        let question: Question = toml::from_str(text).unwrap();
+        question.validate(&Scenario::default()).map(|()| question)
+    }
+
+    #[test]
+    fn the_answer_is_one_of_the_choices() {
+        let question = validate(GOOD).unwrap();
+        assert_eq!(question.right_choice(), "y");
+        assert_eq!([0, 1].map(|choice| question.is_right(choice)), [false, true]);
+    }
+
+    #[test]
+    fn errors_name_the_key_and_what_is_allowed() {
+        for (part, other, message) in [
+            ("ask = \"a\"", "ask = \" \"", "the question has an empty `ask`"),
+            ("[\"x\", \"y\"]", "[\"x\"]", "the question has 1 `choices`, but must have 2 to 4"),
+            (
+                "[\"x\", \"y\"]",
+                "[\"v\", \"w\", \"x\", \"y\", \"z\"]",
+                "the question has 5 `choices`, but must have 2 to 4",
+            ),
+            ("[\"x\", \"y\"]", "[\"x\", \"\"]", "the question has an empty choice"),
+            ("[\"x\", \"y\"]", "[\"x\", \"x\"]", "the question has the same choice twice"),
+            (
+                "answer = 2",
+                "answer = 0",
+                "the question has the `answer` 0, but must have the number of a choice: 1 to 2",
+            ),
+            (
+                "answer = 2",
+                "answer = 3",
+                "the question has the `answer` 3, but must have the number of a choice: 1 to 2",
+            ),
+            ("because = \"b\"", "because = \"\"", "the question has an empty `because`"),
+            ("until = 30.0", "until = 61.0", "the question has an `until` outside the record, which is from 0 to 60 s"),
+        ] {
+            assert_eq!(validate(&GOOD.replace(part, other)).unwrap_err().to_string(), message);
+        }
+    }
+}

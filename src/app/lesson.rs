@@ -1,0 +1,110 @@
+//! Applies requests about lessons.
+
+use egui::Context;
+
+use super::App;
+use crate::controls::number;
+use crate::layout::Layout;
+use crate::plot::time_axis::TimeAxis;
+use crate::request::Answer;
+use crate::tutor::{Bookmark, Catalogue, Studies, Tutor};
+
+impl App {
+    /// Begins the lesson at a place in the menu.
+    pub(super) fn start_lesson(&mut self, place: usize, ctx: &Context) {
+        let lesson = self.catalogue.at(place).cloned();
+        self.begin(lesson.map(|lesson| Tutor::of_menu(lesson, place)), ctx);
+    }
+
+    /// Begins a lesson, or none.
+    pub(super) fn begin(&mut self, lesson: Option<Tutor>, ctx: &Context) {
+        self.inviting = false;
+        self.tutor = lesson;
+        self.visible.reset();
+        self.go_to_step(0);
+        number::begin_anew(ctx);
+    }
+
+    /// Goes to a step of the current lesson; does nothing without a lesson, or if the step is impossible.
+    pub(super) fn go_to_step(&mut self, step: usize) {
+        let Self { session, layout, tutor, .. } = self;
+        let Some(lesson) = tutor else { return };
+        if let Err(error) = lesson.go_to(step, session) {
+            self.notice = Some(format!("This step of the lesson cannot be shown: {error}."));
+            *tutor = None;
+            return;
+        }
+        session.begin_anew();
+        let views = lesson.views();
+        if !views.is_empty() {
+            *layout = Layout::column(&views);
+        }
+        self.show_step();
+    }
+
+    /// Shows the times and quantities of the lesson's step.
+    fn show_step(&mut self) {
+        let Self { session, axis, visible, tutor: Some(lesson), .. } = self else { return };
+        *axis = TimeAxis { framed: lesson.frame(session), ..TimeAxis::default() };
+        lesson.choose(visible);
+    }
+
+    /// Takes the answer to the question of the lesson's step.
+    pub(super) fn answer(&mut self, answer: Answer) {
+        let Self { session, tutor: Some(lesson), .. } = self else { return };
+        lesson.answer(answer, session);
+        self.show_step();
+    }
+
+    /// Makes the change of the lesson's step.
+    pub(super) fn change_lesson(&mut self) {
+        let Self { session, axis, tutor: Some(lesson), .. } = self else { return };
+        if lesson.change(session).is_err() {
+            // The target of the change is gone: begin the step again.
+            let step = lesson.step();
+            self.go_to_step(step);
+        } else {
+            // The record may have become longer.
+            axis.framed = lesson.frame(session);
+        }
+    }
+
+    /// Notes that the current lesson is finished, if it is one of the menu.
+    pub(super) fn finish_lesson(&mut self) {
+        if let Some(place) = self.tutor.as_ref().and_then(Tutor::place) {
+            self.catalogue.finish(place);
+        }
+    }
+
+    /// Leaves the lesson and keeps everything as it is.
+    pub(super) fn leave_lesson(&mut self) {
+        self.tutor = None;
+        self.axis.framed = None;
+        self.visible.reset();
+    }
+
+    /// The progress in the lessons, to be saved.
+    pub(super) fn studies(&self) -> Studies {
+        let bookmark = self.tutor.as_ref().and_then(Tutor::bookmark);
+        Studies { bookmark, finished: self.catalogue.finished().clone() }
+    }
+
+    /// Takes up the lessons where they were left. The scenario and the views have been restored before.
+    pub(super) fn resume(&mut self, Studies { bookmark, finished }: Studies) {
+        self.catalogue = Catalogue::with_finished(finished);
+        let Some(bookmark) = bookmark else { return };
+        let Some(lesson) = self.bookmarked(&bookmark) else {
+            let Bookmark { lesson, step, .. } = bookmark;
+            let reason = format!("The lesson “{lesson}” cannot be continued: there is no step {} of it.", step + 1);
+            return self.notice = Some(reason);
+        };
+        lesson.show(&mut self.session);
+        self.tutor = Some(lesson);
+        self.show_step();
+    }
+
+    fn bookmarked(&self, bookmark: &Bookmark) -> Option<Tutor> {
+        let place = self.catalogue.place_of(&bookmark.lesson)?;
+        Tutor::at_bookmark(self.catalogue.at(place)?.clone(), place, bookmark)
+    }
+}

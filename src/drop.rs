@@ -1,0 +1,54 @@
+//! Files dropped on the window: lessons and scenarios.
+
+use std::fs::File;
+use std::io::Read as _;
+
+use egui::{Context, DroppedFile};
+use kalmanscope_lessons::File as Contents;
+
+use crate::request::Request;
+
+/// Limits the size of a dropped file \[bytes\].
+pub const LARGEST: usize = 1_000_000;
+
+/// Pushes the request to open the file that was dropped in this frame. Of several files it is the last, which would hide
+/// the others.
+pub(crate) fn dropped(ctx: &Context, requests: &mut Vec<Request>) {
+    if let Some(file) = ctx.input(|input| input.raw.dropped_files.last().cloned()) {
+        requests.push(opened(&name(&*file), read(&*file)));
+    }
+}
+
+/// The request to open a file of this name, or to say why it cannot be opened.
+pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
+    let opened = bytes.and_then(text).and_then(|text| Contents::from_toml(&text).map_err(|error| error.to_string()));
+    match opened {
+        Ok(Contents::Lesson(lesson)) => Request::StudyLesson(Box::new(lesson)),
+        Ok(Contents::Scenario(scenario)) => Request::OpenScenario(Box::new(scenario)),
+        Err(reason) => {
+            Request::Report(format!("“{name}” cannot be opened: {}.", reason.trim_end_matches(['.', '\n', ' '])))
+        }
+    }
+}
+
+/// The file's name without its folder.
+pub fn name(file: &dyn DroppedFile) -> String {
+    file.path().file_name().map_or_else(|| "The file".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// The file's contents, or a byte more than is allowed where it is too large.
+fn read(file: &dyn DroppedFile) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let read = File::open(file.path()).and_then(|file| file.take(LARGEST as u64 + 1).read_to_end(&mut bytes));
+    read.map(|_| bytes).map_err(|error| error.to_string())
+}
+
+fn text(bytes: Vec<u8>) -> Result<String, String> {
+    if bytes.len() > LARGEST {
+        return Err(TOO_LARGE.to_owned());
+    }
+    String::from_utf8(bytes).map_err(|_| "it is not text".to_owned())
+}
+
+/// The reason why a file above [`LARGEST`] is not opened.
+pub const TOO_LARGE: &str = "it is larger than 1 MB";

@@ -1,0 +1,59 @@
+//! The lessons on offer, and which of them are finished.
+
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
+
+use kalmanscope_lessons::Lesson;
+
+/// The lessons of the menu.
+pub struct Catalogue {
+    /// Read when they are first asked for.
+    lessons: LazyLock<Vec<Lesson>>,
+    /// The titles of the finished lessons, also of those that this program does not have.
+    finished: BTreeSet<String>,
+}
+
+impl Default for Catalogue {
+    fn default() -> Self {
+        let read = || kalmanscope_lessons::lessons().into_iter().filter_map(Result::ok).collect();
+        Self { lessons: LazyLock::new(read), finished: BTreeSet::new() }
+    }
+}
+
+impl Catalogue {
+    /// The catalogue with these lessons finished.
+    pub(crate) fn with_finished(finished: BTreeSet<String>) -> Self {
+        Self { finished, ..Self::default() }
+    }
+
+    /// The lessons in the menu's order.
+    pub(crate) fn lessons(&self) -> &[Lesson] {
+        &self.lessons
+    }
+
+    /// The lesson at a place in the menu.
+    pub(crate) fn at(&self, place: usize) -> Option<&Lesson> {
+        self.lessons.get(place)
+    }
+
+    /// The place of the lesson with this title.
+    pub(crate) fn place_of(&self, title: &str) -> Option<usize> {
+        self.lessons.iter().position(|lesson| lesson.title == title)
+    }
+
+    /// Notes that the lesson at a place is finished.
+    pub(crate) fn finish(&mut self, place: usize) {
+        let title = self.at(place).map(|lesson| lesson.title.clone());
+        self.finished.extend(title);
+    }
+
+    /// Whether a lesson is finished.
+    pub(crate) fn is_finished(&self, lesson: &Lesson) -> bool {
+        self.finished.contains(&lesson.title)
+    }
+
+    /// The titles of the finished lessons.
+    pub(crate) fn finished(&self) -> &BTreeSet<String> {
+        &self.finished
+    }
+}

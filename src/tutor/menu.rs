@@ -1,0 +1,47 @@
+//! The ways to a lesson: the menu, and an invitation for new users.
+
+use egui::{Button, RichText, ScrollArea, TextWrapMode, Ui};
+
+use super::Catalogue;
+use crate::probe;
+use crate::request::Request;
+
+/// An invitation to the first lesson, for new users.
+pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
+    let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
+    let link = ui.add(Button::new(text).frame(false).wrap_mode(TextWrapMode::Extend));
+    probe::remember(ui.ctx(), "First lesson", link.rect);
+    if link.clicked() {
+        requests.push(Request::StartLesson(0));
+    }
+}
+
+/// The menu of all lessons, by group; finished ones have a tick.
+pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
+    let menu = ui.menu_button("Lessons", |ui| {
+        // As high as the window allows.
+        let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);
+        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
+            let mut group = "";
+            for (place, lesson) in catalogue.lessons().iter().enumerate() {
+                if lesson.group != group {
+                    group = &lesson.group;
+                    ui.label(RichText::new(group).small().weak());
+                }
+                let finished = catalogue.is_finished(lesson);
+                let text = if finished { format!("{} ✓", lesson.title) } else { lesson.title.clone() };
+                let button = ui.button(text).on_hover_text(&lesson.summary);
+                if finished {
+                    let name = format!("{}, finished", lesson.title);
+                    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
+                }
+                probe::remember(ui.ctx(), &lesson.title, button.rect);
+                if button.clicked() {
+                    requests.push(Request::StartLesson(place));
+                    ui.close();
+                }
+            }
+        });
+    });
+    probe::remember(ui.ctx(), "Lessons", menu.response.rect);
+}

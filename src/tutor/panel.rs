@@ -1,0 +1,149 @@
+//! The panel of a lesson.
+
+use egui::{Align, Button, Frame, Id, Panel, RichText, ScrollArea, Sense, Ui};
+use kalmanscope_lessons::Change;
+
+use super::question::{feedback_ui, question_ui};
+use super::{Catalogue, Tutor};
+use crate::probe;
+use crate::request::Request;
+use crate::theme::{self, Palette};
+
+impl Tutor {
+    /// The panel's contents.
+    pub(crate) fn ui(&self, ui: &mut Ui, catalogue: &Catalogue, palette: &Palette, requests: &mut Vec<Request>) {
+        // The panel keeps its size when the text becomes shorter.
+        ui.set_min_size(ui.available_size());
+        self.title_ui(ui, requests);
+        // The buttons stay in sight while the text is scrolled.
+        Panel::bottom("steps").frame(Frame::new()).show_separator_line(false).show(ui, |ui| {
+            self.steps_ui(ui, catalogue, requests);
+        });
+        ScrollArea::vertical().id_salt((&self.lesson.title, self.step)).auto_shrink(false).show(ui, |ui| {
+            ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
+            self.text_ui(ui, palette, requests);
+        });
+    }
+
+    fn title_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
+            let close = ui.add(Button::new("×").frame(false)).on_hover_text("Leave the lesson");
+            close.ctx.accesskit_node_builder(close.id, |node| node.set_label("Leave the lesson"));
+            if close.clicked() {
+                requests.push(Request::LeaveLesson);
+            }
+            ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
+                ui.label(RichText::new(&self.lesson.title).family(theme::strong()).size(15.0));
+            });
+        });
+    }
+
+    fn text_ui(&self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) {
+        let Self { lesson, place: _, step, changed, answer } = self;
+        let Some(current) = self.current() else { return };
+        if *step == 0 {
+            ui.weak(&lesson.summary);
+            ui.add_space(6.0);
+        }
+        part_ui(ui, "Look", &current.look);
+        let revealed = self.is_revealed();
+        let grown = self.has_grown(ui);
+        if let Some(question) = &current.question {
+            question_ui(ui, question, *answer, revealed, requests);
+        }
+        if let Some(change) = current.change.as_ref().filter(|_| self.open_question().is_none()) {
+            change_ui(ui, change, *changed, palette, requests);
+        }
+        if grown {
+            ui.scroll_to_cursor(Some(Align::Center));
+        }
+        if revealed {
+            part_ui(ui, "What happens", &current.happens);
+            if let (Some(question), Some(answer)) = (&current.question, *answer) {
+                feedback_ui(ui, question, answer);
+            }
+            part_ui(ui, "Why", &current.why);
+        }
+    }
+
+    /// Whether the step shows more than in the last frame, which may be below the part in sight.
+    fn has_grown(&self, ui: &Ui) -> bool {
+        let state = (self.step, self.open_question().is_some(), self.is_revealed());
+        let before = ui.data_mut(|data| {
+            let last = data.get_temp_mut_or_insert_with(Id::unique("state of the lesson's step"), || state);
+            std::mem::replace(last, state)
+        });
+        before != state && before.0 == state.0
+    }
+
+    /// The buttons that go from step to step, and from lesson to lesson.
+    fn steps_ui(&self, ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
+        let Self { lesson, place, step, .. } = self;
+        let missing = self.missing();
+        let button = |ui: &mut Ui, name: &str, text: String| {
+            let button = ui.add_enabled(missing.is_none(), Button::new(text));
+            probe::remember(ui.ctx(), name, button.rect);
+            button.on_disabled_hover_text(missing.as_deref().unwrap_or_default()).clicked()
+        };
+        ui.add_space(4.0);
+        ui.horizontal_wrapped(|ui| {
+            if ui.add_enabled(*step > 0, Button::new("Back")).clicked() {
+                requests.push(Request::GoToStep(step - 1));
+            }
+            ui.weak(format!("{} of {}", step + 1, lesson.steps.len()));
+            if step + 1 < lesson.steps.len() {
+                if button(ui, "Next", "Next".to_owned()) {
+                    requests.push(Request::GoToStep(step + 1));
+                }
+                return;
+            }
+            if button(ui, "Done", "Done".to_owned()) {
+                requests.extend([Request::FinishLesson, Request::LeaveLesson]);
+            }
+            let next = place.map(|place| place + 1).and_then(|next| Some((next, catalogue.at(next)?)));
+            if let Some((next, lesson)) = next
+                && button(ui, "Next lesson", format!("Next: {}", lesson.title))
+            {
+                requests.extend([Request::FinishLesson, Request::StartLesson(next)]);
+            }
+        });
+        if let Some(missing) = missing {
+            ui.label(RichText::new(missing).small().weak());
+        }
+    }
+
+    /// What is to be done before the next step; `None` if nothing is.
+    fn missing(&self) -> Option<String> {
+        if self.open_question().is_some() {
+            return Some("Answer the question first, or press “Show me”.".to_owned());
+        }
+        let change = self.current()?.change.as_ref().filter(|_| !self.changed)?;
+        Some(format!("Press “{}” first.", change.label))
+    }
+}
+
+/// The button that makes the change; afterwards it remains as text.
+fn change_ui(ui: &mut Ui, change: &Change, changed: bool, palette: &Palette, requests: &mut Vec<Request>) {
+    let button = if changed {
+        Button::new(RichText::new(&change.label).weak()).frame(false).sense(Sense::hover())
+    } else {
+        Button::new(RichText::new(&change.label).color(palette.on_accent)).fill(palette.accent)
+    };
+    let button = ui.add(button.wrap());
+    probe::remember(ui.ctx(), "Change", button.rect);
+    if button.clicked() {
+        requests.push(Request::ChangeLesson);
+    }
+    ui.add_space(6.0);
+}
+
+fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
+    heading_ui(ui, heading);
+    ui.label(text);
+    ui.add_space(6.0);
+}
+
+/// The small heading of a part of the text.
+pub(super) fn heading_ui(ui: &mut Ui, heading: &str) {
+    ui.label(RichText::new(heading).small().weak());
+}

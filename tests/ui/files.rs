@@ -1,0 +1,88 @@
+//! Files dropped on the window.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use kalmanscope_lessons::BUILT_IN;
+
+use super::*;
+
+/// The lesson of the page for authors.
+const AUTHORS: &str = include_str!("../../lessons/README.md");
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+/// Drops a file with these contents on the window.
+fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
+    let folder = std::env::temp_dir().join(format!("kalmanscope-{}-{name}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder can be made");
+    let path = folder.join(name);
+    std::fs::write(&path, contents).expect("a file can be written");
+    screen.input_mut().dropped_files = vec![Arc::new(Dropped(path))];
+    screen.run_steps(4);
+    std::fs::remove_dir_all(folder).expect("the folder can be removed");
+}
+
+fn lesson() -> &'static str {
+    AUTHORS.split_once("```toml\n").and_then(|(_, rest)| rest.split_once("```")).expect("the page has a lesson").0
+}
+
+#[test]
+fn a_dropped_lesson_begins() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    drop_file(&mut screen, "lesson.toml", lesson().as_bytes());
+    screen.get_by_label("A filter that forgets");
+    screen.get_by_label("Will the filter notice the loss at once?");
+    assert_eq!((screen.state().notice(), screen.state().session().time()), (None, 29.5));
+    for label in ["Show me", "Next", "λ = 1.02"] {
+        screen.get_by_label(label).click();
+        screen.run_steps(4);
+    }
+    assert!(screen.query_by_label_contains("Next: ").is_none(), "it is not in the menu");
+    screen.get_by_label("Done").click();
+    screen.run_steps(4);
+    assert!(screen.query_by_label("A filter that forgets").is_none());
+}
+
+#[test]
+fn a_dropped_scenario_is_played() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    drop_file(&mut screen, "scenario.toml", BUILT_IN[2].toml().as_bytes());
+    let mut expected = BUILT_IN[2].scenario().expect("it is valid");
+    expected.number_filters();
+    assert_eq!((screen.state().notice(), scenario(&screen)), (None, &expected));
+    assert!(screen.state().session().playing());
+}
+
+#[test]
+fn a_file_that_cannot_be_opened_is_reported_and_changes_nothing() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let before = scenario(&screen).clone();
+    for (contents, reason) in [
+        (lesson().replace("answer = 2", "answer = 4").into_bytes(), "the question has the `answer` 4"),
+        (b"duration = -1".to_vec(), "duration"),
+        (b"look".to_vec(), "TOML"),
+        (vec![0xff, 0xfe], "it is not text"),
+        (vec![b'#'; 1_000_001], "it is larger than 1 MB"),
+    ] {
+        drop_file(&mut screen, "bad.toml", &contents);
+        let notice = screen.state().notice().expect("it is reported").to_owned();
+        assert!(notice.starts_with("“bad.toml” cannot be opened: ") && notice.contains(reason), "{notice}");
+        assert_eq!(scenario(&screen), &before);
+    }
+    screen.input_mut().dropped_files = vec![Arc::new(Dropped("none.toml".into()))];
+    screen.run_steps(4);
+    let notice = screen.state().notice().expect("it is reported");
+    assert!(notice.starts_with("“none.toml” cannot be opened: "), "{notice}");
+}
