@@ -1,7 +1,7 @@
 //! The frame of plots of one quantity over another.
 
-use egui::{Id, Shape, Stroke, Ui, Vec2};
-use egui_plot::{AxisHints, GridInput, Plot, PlotUi};
+use egui::{Color32, Id, Shape, Stroke, Ui, Vec2};
+use egui_plot::{AxisHints, GridInput, Line, Plot, PlotUi};
 
 use super::frame::{Y_AXIS, sense};
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, log_ticks, tick_inside, ticks};
@@ -101,6 +101,21 @@ fn scaled_plane_ui<R>(
     ui.data_mut(|data| data.insert_temp(id, zoomed));
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {key}")));
     inner
+}
+
+/// The number of shades of a path.
+const SHADES: usize = 6;
+
+/// Draws a path, the newest point first, that fades with age.
+pub(crate) fn aged_path(plot: &mut PlotUi<'_>, path: &[[f64; 2]], color: Color32, width: f32) {
+    let length = path.len().div_ceil(SHADES).max(1);
+    for shade in (0..SHADES).rev() {
+        let part = path.get(shade * length..path.len().min((shade + 1) * length + 1)).unwrap_or_default();
+        if part.len() > 1 {
+            let color = color.gamma_multiply(1.0 - shade as f32 / (SHADES as f32 + 0.8));
+            plot.line(Line::new("path", part.to_vec()).color(color).width(width).allow_hover(false));
+        }
+    }
 }
 
 /// A range around some values, with a margin; none without values.

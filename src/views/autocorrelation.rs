@@ -1,14 +1,24 @@
 //! The autocorrelation of the innovations, a test of their whiteness.
 
+use std::ops::Range;
+
 use egui::Ui;
 use egui_plot::{Bar, BarChart, HLine, LineStyle};
 
 use crate::plot::cells::cells_ui;
 use crate::plot::plane::plane_ui;
 use crate::request::Request;
+use crate::ruler::End;
 use crate::session::Wanted;
 use crate::view::{Proportions, View, ViewContext};
-use kalmanscope_core::diagnostics::Depth;
+use kalmanscope_core::diagnostics::{Depth, Whiteness};
+
+/// The samples from A to B, if both are marked.
+fn span(context: &ViewContext<'_>) -> Option<Range<usize>> {
+    let [a, b] = End::BOTH.map(|end| context.ruler.time(end).map(|time| context.session.sample_at(time)));
+    let (a, b) = (a?, b?);
+    (a != b).then(|| a.min(b)..a.max(b) + 1)
+}
 
 /// Autocorrelation of the innovations, sensor by sensor.
 pub(super) struct Autocorrelation;
@@ -41,13 +51,18 @@ impl View for Autocorrelation {
             ui.weak("Nothing is measured.");
         }
         let filters: Vec<_> = context.diagnostics().collect();
+        let span = span(context);
+        ui.small(if span.is_some() { "From A to B." } else { "Of all samples; mark A and B for a part of them." });
         cells_ui(ui, sensors.len(), |ui, sensor, last_row| {
             let mut band = 0.0_f64;
             let (mut lowest, mut highest) = (0.0_f64, 0.0_f64);
             let mut charts = Vec::new();
             let width = 0.8 / filters.len().max(1) as f64;
             for (i, (_, estimates, diagnostics)) in filters.iter().enumerate() {
-                let Some(whiteness) = diagnostics.whiteness().get(sensor) else { continue };
+                let of_span = span.clone().map(|samples| Whiteness::over(estimates, sensor, samples));
+                let Some(whiteness) = of_span.or_else(|| diagnostics.whiteness().get(sensor).cloned()) else {
+                    continue;
+                };
                 let correlations = whiteness.autocorrelation();
                 for &r in correlations.iter().filter(|r| r.is_finite()) {
                     (lowest, highest) = (lowest.min(r), highest.max(r));

@@ -22,7 +22,7 @@ impl View for Gain {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "The change of each channel by an innovation of one standard deviation: K times √S, for one sensor.",
+            "What an innovation of one sensor changes: of the channel that it measures, the share of the innovation that is taken; of any other, K times √S, the change by an innovation of one standard deviation.",
             "Large at first, when the filter knows little; then constant, when measurements balance process noise and fading.",
             "With a gain near zero, measurements no longer change the estimate.",
         ]
@@ -62,13 +62,16 @@ fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
 fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, axis, .. } = *context;
     let k = axis.readout(session);
+    let quantity = session.sensors().get(sensor).copied();
+    let is_measured = quantity.and_then(Quantity::channel) == Some(channel);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak }];
     let mut readouts = Vec::new();
     for (_, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         let (n, m) = (estimates.channels().len(), estimates.sensors().len());
         let std = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
-        let value = move |k: usize| estimates.gain(k)[sensor * n + at] * std(k);
+        let scale = move |k: usize| if is_measured { 1.0 } else { std(k) };
+        let value = move |k: usize| estimates.gain(k)[sensor * n + at] * scale(k);
         layers.push(Layer::Line {
             series: Series::new(estimates.len(), move |samples| samples.map(value)),
             color: palette.shade(estimates.color()),
@@ -87,9 +90,9 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
     Chart {
         key: format!("gain of {} from {sensor}", channel.key()),
         title: format!("gain of the {}", channel.name()),
-        symbol: format!("K√S → {}", channel.symbol()),
-        name: channel.name().to_owned(),
-        unit: channel.unit(),
+        symbol: if is_measured { "K".to_owned() } else { format!("K√S → {}", channel.symbol()) },
+        name: if is_measured { "share of the innovation taken".to_owned() } else { channel.name().to_owned() },
+        unit: if is_measured { "" } else { channel.unit() },
         readouts,
         layers,
         handles: Vec::new(),

@@ -1,10 +1,10 @@
 //! Two parameters against each other, with the covariance between them.
 
-use egui::{Color32, Ui};
-use egui_plot::{Line, MarkerShape, Points};
+use egui::{Align2, Color32, RichText, Ui};
+use egui_plot::{Line, MarkerShape, Points, Text};
 use kalmanscope_core::{Channel, Estimates};
 
-use crate::plot::plane::{around, plane_ui};
+use crate::plot::plane::{aged_path, around, plane_ui};
 use crate::request::Request;
 use crate::view::{Proportions, View, ViewContext};
 
@@ -66,11 +66,17 @@ impl View for ParameterPlane {
             "" => format!("{} {}", c.name(), c.symbol()),
             unit => format!("{} {} [{unit}]", c.name(), c.symbol()),
         };
+        let mut labelled = false;
         plane_ui(ui, "parameter plane", [&label(x), &label(y)], palette, range, |plot| {
             for (path, ellipse, color) in paths {
                 let now = path.first().copied();
-                plot.line(Line::new("path", path).color(color.gamma_multiply(0.7)).width(1.4).allow_hover(false));
+                aged_path(plot, &path, color, 1.4);
                 if visible.bands {
+                    if let Some(top) = ellipse.iter().max_by(|a, b| a[1].total_cmp(&b[1])).filter(|_| !labelled) {
+                        labelled = true;
+                        let text = Text::new("ellipse's name", (*top).into(), RichText::new("95 %").size(11.5));
+                        plot.text(text.color(color).anchor(Align2::CENTER_BOTTOM).allow_hover(false));
+                    }
                     plot.line(Line::new("ellipse", ellipse).color(color).width(2.0).allow_hover(false));
                 }
                 if let Some(now) = now {
@@ -78,6 +84,8 @@ impl View for ParameterPlane {
                 }
             }
             if let Some(truth) = truth {
+                let text = Text::new("truth's name", truth.into(), RichText::new("  truth").size(11.5));
+                plot.text(text.color(palette.truth).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
                 let cross = Points::new("truth", vec![truth]).shape(MarkerShape::Plus).color(palette.truth).radius(8.0);
                 plot.points(cross.allow_hover(false));
             }

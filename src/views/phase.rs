@@ -1,10 +1,10 @@
 //! Velocity over displacement.
 
 use egui::Ui;
-use egui_plot::{Line, Points};
+use egui_plot::Points;
 use kalmanscope_core::Channel;
 
-use crate::plot::plane::{around, plane_ui};
+use crate::plot::plane::{aged_path, around, plane_ui};
 use crate::request::Request;
 use crate::view::{Proportions, View, ViewContext};
 
@@ -21,7 +21,7 @@ impl View for Phase {
 
     fn help(&self) -> [&'static str; 3] {
         [
-            "Velocity over displacement of the last five seconds: truth thick, each filter's estimate in its colour.",
+            "Velocity over displacement of the last five seconds, fading with age: truth thick, each filter's estimate in its colour.",
             "A free linear oscillator spirals inwards along ellipses; a hardening spring makes them taller than wide.",
             "The dots are where truth and estimates are now.",
         ]
@@ -52,8 +52,9 @@ impl View for Phase {
                 paths.push((path.collect(), palette.shade(estimates.color()), 1.4));
             }
         }
-        // All of the motion so far, so that the frame does not change with it.
-        let past = || (0..last + 1).step_by((last / 600).max(1));
+        // Some more of the motion than is drawn, so that the frame changes little.
+        let begin = last.saturating_sub(3 * (TAIL / record.dt()) as usize);
+        let past = || (begin..last + 1).step_by(((last - begin) / 600).max(1));
         let reach = |channel: Channel| match record.truth(channel) {
             Some(truth) => around(past().map(|k| truth[k])),
             None => {
@@ -64,7 +65,7 @@ impl View for Phase {
         plane_ui(ui, "phase portrait", ["displacement x [m]", "velocity v [m/s]"], palette, range, |plot| {
             for (path, color, width) in paths {
                 let now = path.first().copied();
-                plot.line(Line::new("path", path).color(color).width(width).allow_hover(false));
+                aged_path(plot, &path, color, width);
                 if let Some(now) = now {
                     plot.points(Points::new("now", vec![now]).color(color).radius(2.0 + width).allow_hover(false));
                 }

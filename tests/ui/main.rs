@@ -6,6 +6,7 @@ mod frequency_response;
 mod habits;
 mod hand;
 mod identity;
+mod keyboard;
 mod lessons;
 mod memory;
 mod playback;

@@ -1,6 +1,9 @@
 //! The whiteness of a sensor's innovations, a test of the filter's gain.
 
+use std::ops::Range;
+
 use super::chi_squared::{self, NORMAL_95};
+use crate::Estimates;
 
 /// The number of lags whose autocorrelation is kept.
 pub const LAGS: usize = 20;
@@ -37,6 +40,17 @@ pub struct LjungBox {
 impl Whiteness {
     pub(super) const NEW: Self =
         Self { samples: 0, square: 0.0, products: [0.0; LAGS], past: [0.0; 2 * LAGS], newest: 0 };
+
+    /// That of a filter's innovations of one sensor over some samples.
+    pub fn over(estimates: &Estimates, sensor: usize, samples: Range<usize>) -> Self {
+        let mut whiteness = Self::NEW;
+        let m = estimates.sensors().len();
+        for k in samples.start..samples.end.min(estimates.len()) {
+            let variance = estimates.innovation_cov(k)[sensor * (m + 1)];
+            whiteness.push(estimates.innovation(k)[sensor] / variance.sqrt());
+        }
+        whiteness
+    }
 
     /// Takes in a normalised innovation; NaN where nothing was measured.
     #[inline]

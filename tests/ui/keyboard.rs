@@ -1,0 +1,73 @@
+//! Everything by keyboard alone: a lesson, a tuning, a comparison.
+
+use super::*;
+
+/// Presses Tab until the control with a label has the focus.
+fn tab_to(screen: &mut Screen, label: &str) {
+    for _ in 0..250 {
+        screen.key_press(Key::Tab);
+        screen.run_steps(2);
+        if screen.query_all_by_label(label).any(|node| node.accesskit_node().is_focused()) {
+            return;
+        }
+    }
+    panic!("{label} cannot be reached by Tab");
+}
+
+fn press(screen: &mut Screen, key: Key) {
+    screen.key_press(key);
+    screen.run_steps(4);
+}
+
+#[test]
+fn a_lesson_is_taken_by_keyboard() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let lesson = kalmanscope_lessons::lessons().into_iter().map(Result::unwrap).nth(10).unwrap();
+    tab_to(&mut screen, "Lessons");
+    press(&mut screen, Key::Enter);
+    tab_to(&mut screen, &lesson.title);
+    press(&mut screen, Key::Enter);
+    for (number, step) in lesson.steps.iter().enumerate() {
+        assert!(screen.query_by_label(&step.look).is_some(), "step {}", number + 1);
+        if let Some(question) = &step.question {
+            tab_to(&mut screen, &question.choices[0]);
+            press(&mut screen, Key::Enter);
+        }
+        if let Some(change) = &step.change {
+            tab_to(&mut screen, &change.label);
+            press(&mut screen, Key::Enter);
+        }
+        assert!(screen.query_by_label(&step.why).is_some(), "step {}", number + 1);
+        tab_to(&mut screen, if number + 1 < lesson.steps.len() { "Next" } else { "Done" });
+        press(&mut screen, Key::Enter);
+    }
+    assert!(screen.query_by_label("Leave the lesson").is_none());
+}
+
+#[test]
+fn a_filter_is_tuned_and_compared_by_keyboard() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    press(&mut screen, Key::Space);
+    assert!(!screen.state().session().playing());
+    press(&mut screen, Key::L);
+    press(&mut screen, Key::X);
+    let fading = |screen: &Screen| scenario(screen).filters[0].fading;
+    let before = fading(&screen);
+    tab_to(&mut screen, "EKF fading factor");
+    for _ in 0..5 {
+        press(&mut screen, Key::ArrowRight);
+    }
+    assert!(fading(&screen) > before, "an arrow turns the number that has the focus");
+    assert_eq!(screen.state().session().mode(), Mode::Whole, "and does not step through the record");
+    let after = fading(&screen);
+    // Letters have their effect while a slider has the focus.
+    press(&mut screen, Key::X);
+    assert_eq!(fading(&screen), before);
+    press(&mut screen, Key::X);
+    assert_eq!(fading(&screen), after);
+    press(&mut screen, Key::Home);
+    press(&mut screen, Key::A);
+    screen.state_mut().session_mut().seek(30.0);
+    press(&mut screen, Key::B);
+    assert!(screen.query_by_label_contains("Δt 30.00").is_some());
+}
