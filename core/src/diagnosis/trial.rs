@@ -17,6 +17,14 @@ const CHUNK: usize = 100;
 /// Limits the gain in log likelihood, less what its numbers would gain by chance, below which no cause is named.
 const WORTH: f64 = 8.0;
 
+/// A cause explains a record better than noise where its log likelihood is larger by this.
+const BEYOND: f64 = 20.0;
+
+/// Whether a suspect is noise that the filter takes to be too small or too large.
+fn is_noise(suspect: &Suspect) -> bool {
+    matches!(suspect.cause.key, "sensor_noise" | "process_noise" | "felt_disturbance")
+}
+
 /// A cause, and what its knob does to the filter.
 #[derive(Clone, Debug)]
 pub struct Finding {
@@ -53,11 +61,13 @@ pub struct Trials {
 #[derive(Clone, Debug)]
 struct Outcome {
     log_likelihood: f64,
+    /// The same with all covariances scaled by what makes the log likelihood largest.
+    scaled: f64,
     verdict: Option<Verdict>,
 }
 
 impl Outcome {
-    const NOTHING: Self = Self { log_likelihood: f64::NEG_INFINITY, verdict: None };
+    const NOTHING: Self = Self { log_likelihood: f64::NEG_INFINITY, scaled: f64::NEG_INFINITY, verdict: None };
 }
 
 impl Trials {
@@ -142,8 +152,17 @@ impl Trials {
     pub fn findings(&self) -> Vec<Finding> {
         let Some(before) = &self.before else { return Vec::new() };
         let penalty = 0.5 * libm::log(self.record.len().max(2) as f64);
-        let mut all: Vec<Finding> = Vec::new();
-        for (suspect, outcome) in self.suspects.iter().zip(&self.outcomes) {
+        let tried = || self.suspects.iter().zip(&self.outcomes);
+        // A noise that is taken to be larger explains any misfit a little. Where another cause explains the record better than
+        // any noise does, were all noise left open, that one comes first.
+        let open = |suspect: &Suspect, outcome: &Outcome| {
+            outcome.scaled - before.log_likelihood - penalty * (suspect.fitted + 1.0)
+        };
+        let of_noise =
+            tried().filter(|(suspect, _)| is_noise(suspect)).map(|(suspect, outcome)| open(suspect, outcome));
+        let of_noise = of_noise.fold(before.scaled - before.log_likelihood - penalty, f64::max);
+        let mut all: Vec<(f64, Finding)> = Vec::new();
+        for (suspect, outcome) in tried() {
             let mut gain = outcome.log_likelihood - before.log_likelihood - penalty * suspect.fitted;
             if let Some(own) = self.own.filter(|_| suspect.cause.key == "collapsed_sample") {
                 gain = before.log_likelihood - own;
@@ -152,18 +171,21 @@ impl Trials {
             if !is_worth {
                 continue;
             }
+            let open = open(suspect, outcome);
+            let is_beyond = !is_noise(suspect) && open > of_noise + BEYOND;
+            let rank = if is_beyond { gain.max(open) } else { gain };
             let finding = Finding { suspect: suspect.clone(), gain, after: outcome.verdict.clone() };
-            match all.iter_mut().find(|other| other.suspect.cause.key == suspect.cause.key) {
-                Some(other) if other.gain >= gain => {}
-                Some(other) => *other = finding,
-                None => all.push(finding),
+            match all.iter_mut().find(|(_, other)| other.suspect.cause.key == suspect.cause.key) {
+                Some((other, _)) if *other >= rank => {}
+                Some(other) => *other = (rank, finding),
+                None => all.push((rank, finding)),
             }
         }
-        all.sort_by(|a, b| {
-            let key = |finding: &Finding| (finding.suspect.certain, finding.gain, finding.suspect.weight);
-            key(b).partial_cmp(&key(a)).unwrap_or(std::cmp::Ordering::Equal)
+        all.sort_by(|(a, one), (b, other)| {
+            let key = |rank: f64, finding: &Finding| (finding.suspect.certain, rank, finding.suspect.weight);
+            key(*b, other).partial_cmp(&key(*a, one)).unwrap_or(std::cmp::Ordering::Equal)
         });
-        all
+        all.into_iter().map(|(_, finding)| finding).collect()
     }
 
     /// The next trial at its first sample; none where its settings are not possible.
@@ -190,7 +212,8 @@ impl Trials {
         let anew = self.suspects.get(self.outcomes.len()).filter(|one| self.before.is_some() && one.begins_anew);
         let anew = anew.and_then(|suspect| self.begun_anew(suspect.samples.as_ref()?.start.checked_sub(self.first)?));
         let log_likelihood = anew.map_or(log_likelihood, |anew| anew.max(log_likelihood));
-        let outcome = Outcome { log_likelihood, verdict: diagnosis.and_then(|diagnosis| diagnosis.verdict) };
+        let scaled = if stopped { f64::NEG_INFINITY } else { scaled_log_likelihood(&diagnostics) };
+        let outcome = Outcome { log_likelihood, scaled, verdict: diagnosis.and_then(|diagnosis| diagnosis.verdict) };
         match &self.before {
             None => (self.before, self.unturned) = (Some(outcome), Some(estimates)),
             Some(_) => self.outcomes.push(outcome),
@@ -217,6 +240,23 @@ impl Trials {
         let before: f64 = (0..=at).map(|k| unturned.log_likelihood(k)).filter(|x| !x.is_nan()).sum();
         pass.stop().is_none().then(|| before + scores.log_likelihood())
     }
+}
+
+/// The log likelihood of a filter whose P, Q and R are all multiplied by one factor, at the best such factor s²: its gains, and
+/// so its innovations, are the same.
+///
+/// ```text
+/// s² = Σ NIS / n,  L(s²) = L + ½ Σ NIS - ½ n (1 + ln s²)
+/// ```
+///
+/// Source: Durbin and Koopman (2012), *Time Series Analysis by State Space Methods*, section 2.10.2.
+fn scaled_log_likelihood(diagnostics: &Diagnostics) -> f64 {
+    let total = diagnostics.nis_within(0..diagnostics.len());
+    let n = f64::from(total.degrees);
+    if n == 0.0 || total.sum <= 0.0 {
+        return diagnostics.log_likelihood();
+    }
+    diagnostics.log_likelihood() + 0.5 * total.sum - 0.5 * n * (1.0 + libm::log(total.sum / n))
 }
 
 /// Some samples of a record as a record of their own.
