@@ -94,6 +94,8 @@ mod web {
     extern "C" {
         #[wasm_bindgen(js_name = kalmanscopeFailed)]
         fn show_failure(message: &str);
+        #[wasm_bindgen(js_name = kalmanscopeStarted)]
+        fn show_first_frame();
     }
 
     thread_local! {
@@ -178,9 +180,7 @@ mod web {
             .start(canvas, options, creator)
             .await
             .map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
-        if let Some(loading) = document.get_element_by_id("loading") {
-            loading.remove();
-        }
+        show_first_frame();
         Ok(())
     }
 }
