@@ -9,6 +9,7 @@ use crate::plot::input::PlotInput;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
 use crate::session::{Session, Wanted};
+use crate::sheet::Sheet;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
 
@@ -80,6 +81,11 @@ pub trait View: Sync {
     /// The preferred shape.
     fn proportions(&self) -> Proportions {
         Proportions::Wide
+    }
+
+    /// The numbers of its plots; none where it has no numbers over time.
+    fn sheets<'a>(&self, _context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        Vec::new()
     }
 
     /// Draws it into all of `ui`. Returns the time that the user points at \[s\].
