@@ -22,6 +22,7 @@ pub mod theme;
 mod transport;
 mod trouble;
 pub mod tutor;
+pub mod twin;
 mod verdict;
 pub mod view;
 pub mod views;

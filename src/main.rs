@@ -85,10 +85,14 @@ mod native {
 
 #[cfg(target_arch = "wasm32")]
 mod web {
+    mod tables;
+
     use std::cell::RefCell;
 
     use wasm_bindgen::JsCast as _;
     use wasm_bindgen::prelude::*;
+
+    use tables::Tables;
 
     #[wasm_bindgen]
     extern "C" {
@@ -102,24 +106,30 @@ mod web {
         static RUNNER: RefCell<Option<(eframe::WebRunner, egui::Context)>> = const { RefCell::new(None) };
     }
 
-    /// The app, accessible from JavaScript.
-    struct Page(kalmanscope::App);
+    /// The app, accessible from JavaScript, and its tables in the page.
+    struct Page {
+        app: kalmanscope::App,
+        tables: Option<Tables>,
+    }
 
     impl eframe::App for Page {
         fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
-            self.0.logic(ctx, frame);
+            self.app.logic(ctx, frame);
         }
 
         fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
-            self.0.ui(ui, frame);
+            self.app.ui(ui, frame);
+            if let Some(tables) = &mut self.tables {
+                tables.follow(&self.app, ui.ctx());
+            }
         }
 
         fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
-            self.0.clear_color(visuals)
+            self.app.clear_color(visuals)
         }
 
         fn save(&mut self, storage: &mut dyn eframe::Storage) {
-            self.0.save(storage);
+            self.app.save(storage);
         }
 
         fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
@@ -134,7 +144,7 @@ mod web {
         let summary = RUNNER.with_borrow(|runner| {
             let (runner, ctx) = runner.as_ref()?;
             let page = runner.app_mut::<Page>()?;
-            serde_json::to_string(&page.0.screen_state(ctx)).ok()
+            serde_json::to_string(&page.app.screen_state(ctx)).ok()
         });
         summary.unwrap_or_else(|| "null".to_owned())
     }
@@ -161,6 +171,7 @@ mod web {
             .and_then(|element| element.dyn_into::<web_sys::HtmlCanvasElement>().ok())
             .ok_or("the page has no canvas")?;
         let runner = eframe::WebRunner::new();
+        let tables = Tables::new(&document);
         let creator: eframe::AppCreator<'static> = Box::new(|creation| {
             let mut app = kalmanscope::App::new(creation)?.on_cleared_window();
             if wants_reduced_motion() {
@@ -171,7 +182,7 @@ mod web {
                     *ctx = creation.egui_ctx.clone();
                 }
             });
-            Ok(Box::new(Page(app)))
+            Ok(Box::new(Page { app, tables }))
         });
         RUNNER.set(Some((runner.clone(), egui::Context::default())));
         // Dithering costs time for every pixel, and there are no gradients.
@@ -180,6 +191,10 @@ mod web {
             .start(canvas, options, creator)
             .await
             .map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
+        // The toolkit's own field, which gets what is typed into the picture.
+        if let Ok(Some(field)) = document.query_selector("#kalmanscope + input") {
+            field.set_attribute("aria-label", "Text for the field that is edited in the picture").ok();
+        }
         show_first_frame();
         Ok(())
     }

@@ -1,5 +1,7 @@
 //! The page in `dist/`, in a real headless browser.
 
+#[path = "browser/accessible.rs"]
+mod accessible;
 #[path = "browser/driver.rs"]
 mod driver;
 #[path = "browser/frames.rs"]
@@ -36,17 +38,23 @@ fn the_page_works_in_a_browser() {
     let driver = Driver::start();
     runtime().block_on(async {
         let page = driver.open().await;
+        accessible::prepare(&page).await;
         loading::prepare(&page).await;
         starts(&page, &address).await;
         loading::first_load(&page).await;
+        accessible::cover_can_be_read(&page).await;
         draws(&page, &pictures.join("desktop.png")).await;
         computes_the_same_bits_as_this_machine(&page).await;
+        accessible::tables_tell_what_the_canvas_shows(&page).await;
         a_slider_moves_the_estimates(&page).await;
         page.resize(390, 844).await;
         draws(&page, &pictures.join("phone.png")).await;
         reports_no_problems(&page, &address).await;
+        page.theme("dark").await;
         loading::opens_without_a_network(&page, &server).await;
+        accessible::cover_can_be_read(&page).await;
         failures_can_be_read(&page).await;
+        accessible::failure_can_be_read(&page).await;
     });
 }
 

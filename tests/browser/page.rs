@@ -152,6 +152,12 @@ impl Page {
         self.settle().await;
     }
 
+    /// Asks the page for its `light` or `dark` theme.
+    pub(crate) async fn theme(&self, theme: &str) {
+        let params = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });
+        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setEmulatedMedia", "params": params })).await;
+    }
+
     /// Makes the network as slow as this: bits per second, and the time to an answer.
     pub(crate) async fn network(&self, slow: Option<(f64, Duration)>) {
         let (bytes, latency) = slow.map_or((-1.0, 0), |(bits, latency)| (bits / 8.0, latency.as_millis()));

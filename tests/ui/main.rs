@@ -9,6 +9,7 @@ mod memory;
 mod playback;
 mod settings;
 mod sizes;
+mod twin;
 mod workbench;
 
 use std::collections::HashMap;
