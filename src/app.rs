@@ -19,6 +19,7 @@ use crate::saved::{self, Found, Saved};
 use crate::session::{Budget, Mode, Session};
 use crate::theme;
 use crate::tutor::{Catalogue, Tutor};
+use crate::twin::Twin;
 use crate::views;
 use crate::visibility::Visibility;
 
@@ -181,6 +182,12 @@ impl App {
         }
         let ids = self.session.run().estimates().iter().map(Estimates::id);
         ids.filter(|id| self.visible.filter(*id)).collect()
+    }
+
+    /// The screen in words and tables.
+    pub fn twin(&self) -> Twin {
+        let Self { session, visible, axis, layout, notice, .. } = self;
+        Twin::new(session, visible, axis, layout, notice.as_deref())
     }
 
     /// The state of the screen, as data.

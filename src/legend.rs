@@ -5,6 +5,7 @@ use egui::{Button, Color32, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
 use crate::request::{LegendEntry, Request, ViewKind};
 use crate::session::Session;
 use crate::theme::Palette;
+use crate::trouble::{Trouble, troubles};
 use crate::verdict::chip_ui;
 use crate::visibility::Visibility;
 
@@ -68,27 +69,13 @@ pub(crate) fn legend_ui(
     troubles_ui(ui, session, palette);
 }
 
-/// The reasons why a filter or the truth has stopped, remarks on the filters, and the reason why an edited scenario
-/// cannot be run.
 fn troubles_ui(ui: &mut Ui, session: &Session, palette: &Palette) {
-    let record = session.run().record();
-    if let Some(stop) = session.run().truth_stop() {
-        let time = record.time_of(stop.sample);
-        ui.colored_label(palette.warning, format!("The record ends before {time:.2} s: {}.", stop.reason));
-    }
-    for estimates in session.run().estimates() {
-        let name = estimates.name();
-        if let Some(stop) = estimates.stop() {
-            let time = record.time_of(stop.sample);
-            ui.colored_label(palette.warning, format!("{name} stopped at {time:.2} s: {}.", stop.reason));
+    for Trouble { sentence, is_failure } in troubles(session) {
+        if is_failure {
+            ui.colored_label(palette.warning, sentence);
+        } else {
+            ui.weak(sentence);
         }
-        if let Some(remark) = estimates.remarks().last() {
-            let time = record.time_of(remark.sample);
-            ui.weak(format!("{name} from {time:.2} s: {}.", remark.what));
-        }
-    }
-    if let Some(problem) = session.problem() {
-        ui.colored_label(palette.warning, problem);
     }
 }
 

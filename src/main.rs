@@ -85,6 +85,8 @@ mod native {
 
 #[cfg(target_arch = "wasm32")]
 mod web {
+    mod tables;
+
     use std::cell::RefCell;
     use std::rc::Rc;
 
@@ -93,10 +95,14 @@ mod web {
     use wasm_bindgen::JsCast as _;
     use wasm_bindgen::prelude::*;
 
+    use tables::Tables;
+
     #[wasm_bindgen]
     extern "C" {
         #[wasm_bindgen(js_name = kalmanscopeFailed)]
         fn show_failure(message: &str);
+        #[wasm_bindgen(js_name = kalmanscopeStarted)]
+        fn show_first_frame();
     }
 
     thread_local! {
@@ -106,9 +112,10 @@ mod web {
     /// A file's name, and its contents or the reason why it cannot be read.
     type ReadFile = (String, Result<Vec<u8>, String>);
 
-    /// The app, accessible from JavaScript.
+    /// The app, accessible from JavaScript, and its tables in the page.
     struct Page {
         app: kalmanscope::App,
+        tables: Option<Tables>,
         /// The dropped files that have been read and are to be opened.
         files: Rc<RefCell<Vec<ReadFile>>>,
     }
@@ -146,6 +153,9 @@ mod web {
 
         fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
             self.app.ui(ui, frame);
+            if let Some(tables) = &mut self.tables {
+                tables.follow(&self.app, ui.ctx());
+            }
         }
 
         fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
@@ -195,6 +205,7 @@ mod web {
             .and_then(|element| element.dyn_into::<web_sys::HtmlCanvasElement>().ok())
             .ok_or("the page has no canvas")?;
         let runner = eframe::WebRunner::new();
+        let tables = Tables::new(&document);
         let creator: eframe::AppCreator<'static> = Box::new(|creation| {
             let mut app = kalmanscope::App::new(creation)?.on_cleared_window();
             if wants_reduced_motion() {
@@ -205,7 +216,7 @@ mod web {
                     *ctx = creation.egui_ctx.clone();
                 }
             });
-            Ok(Box::new(Page { app, files: Rc::default() }))
+            Ok(Box::new(Page { app, tables, files: Rc::default() }))
         });
         RUNNER.set(Some((runner.clone(), egui::Context::default())));
         // Dithering costs time for every pixel, and there are no gradients.
@@ -214,9 +225,11 @@ mod web {
             .start(canvas, options, creator)
             .await
             .map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
-        if let Some(loading) = document.get_element_by_id("loading") {
-            loading.remove();
+        // The toolkit's own field, which gets what is typed into the picture.
+        if let Ok(Some(field)) = document.query_selector("#kalmanscope + input") {
+            field.set_attribute("aria-label", "Text for the field that is edited in the picture").ok();
         }
+        show_first_frame();
         Ok(())
     }
 }

@@ -10,6 +10,7 @@ use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
 use crate::ruler::Ruler;
 use crate::session::{Before, Session, Wanted};
+use crate::sheet::Sheet;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
 
@@ -96,6 +97,11 @@ pub trait View: Sync {
     /// The preferred shape.
     fn proportions(&self) -> Proportions {
         Proportions::Wide
+    }
+
+    /// The numbers of its plots; none where it has no numbers over time.
+    fn sheets<'a>(&self, _context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        Vec::new()
     }
 
     /// Draws it into all of `ui`. Returns the time that the user points at \[s\].

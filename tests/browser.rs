@@ -1,9 +1,13 @@
 //! The page in `dist/`, in a real headless browser.
 
+#[path = "browser/accessible.rs"]
+mod accessible;
 #[path = "browser/driver.rs"]
 mod driver;
 #[path = "browser/frames.rs"]
 mod frames;
+#[path = "browser/loading.rs"]
+mod loading;
 #[path = "browser/page.rs"]
 mod page;
 #[path = "browser/server.rs"]
@@ -18,6 +22,7 @@ use serde_json::Value;
 
 use driver::Driver;
 use page::{Page, colours};
+use server::Server;
 
 /// Limits the start of the page, on a slow machine without a graphics card.
 const START: Duration = Duration::from_secs(60);
@@ -28,18 +33,28 @@ const FAILURE: &str = "document.getElementById('failure').hidden ? '' : document
 fn the_page_works_in_a_browser() {
     let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");
     fs::create_dir_all(&pictures).unwrap();
-    let address = served();
+    let server = served();
+    let address = server.page();
     let driver = Driver::start();
     runtime().block_on(async {
         let page = driver.open().await;
+        accessible::prepare(&page).await;
+        loading::prepare(&page).await;
         starts(&page, &address).await;
+        loading::first_load(&page).await;
+        accessible::cover_can_be_read(&page).await;
         draws(&page, &pictures.join("desktop.png")).await;
         computes_the_same_bits_as_this_machine(&page).await;
+        accessible::tables_tell_what_the_canvas_shows(&page).await;
         a_slider_moves_the_estimates(&page).await;
         page.resize(390, 844).await;
         draws(&page, &pictures.join("phone.png")).await;
         reports_no_problems(&page, &address).await;
+        page.theme("dark").await;
+        loading::opens_without_a_network(&page, &server).await;
+        accessible::cover_can_be_read(&page).await;
         failures_can_be_read(&page).await;
+        accessible::failure_can_be_read(&page).await;
     });
 }
 
@@ -47,7 +62,7 @@ fn the_page_works_in_a_browser() {
 #[test]
 #[ignore = "a measurement, which wants the machine for itself"]
 fn frames_while_a_slider_is_dragged() {
-    let address = served();
+    let address = served().page();
     let driver = Driver::start();
     runtime().block_on(async {
         let page = driver.open().await;
@@ -77,11 +92,11 @@ async fn frames_of_each_slider(page: &Page, browser: u32, views: &str) {
     }
 }
 
-/// The address of the page that has been built.
-fn served() -> String {
+/// A server of the page that has been built.
+fn served() -> Server {
     let dist = Path::new(env!("CARGO_MANIFEST_DIR")).join("dist");
     assert!(dist.join("index.html").is_file(), "there is no page in {}: run ./check, which builds it", dist.display());
-    format!("http://{}/", server::serve(dist).unwrap())
+    Server::start(dist).unwrap()
 }
 
 fn runtime() -> tokio::runtime::Runtime {
@@ -132,8 +147,9 @@ async fn computes_the_same_bits_as_this_machine(page: &Page) {
     run.finish();
     // At the end of the record, the filters have processed all of it.
     page.click("Time", 1.0).await;
+    let samples = "JSON.parse(window.wasmBindings.kalmanscope_summary()).samples";
+    page.wait_until(&format!("{samples} === {}", run.len()), START).await.expect("the record is played to its end");
     let summary = page.summary().await;
-    assert_eq!(summary["samples"], run.len(), "the record has not been played to its end");
     assert_eq!(
         summary["checksum"].as_str().unwrap(),
         format!("{:016x}", run.checksum()),

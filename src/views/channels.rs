@@ -5,10 +5,10 @@ use kalmanscope_core::{Channel, Quantity};
 
 use crate::plot::chart::Chart;
 use crate::plot::charts::charts_ui;
-use crate::plot::heading::Readout;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::{Band, Series};
 use crate::request::Request;
+use crate::sheet::{Column, Sheet, readouts};
 use crate::text::{decimals, fixed};
 use crate::view::{View, ViewContext};
 use crate::views::handles;
@@ -47,13 +47,29 @@ impl View for Channels {
         }
     }
 
+    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        let sheet = |channel: Channel| Sheet {
+            title: channel.name().to_owned(),
+            unit: channel.unit(),
+            columns: columns(channel, context),
+        };
+        self.channels(context).into_iter().map(sheet).collect()
+    }
+
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let is_wanted = |channel: &Channel| channel.is_parameter() == matches!(self, Self::Parameters);
-        let channels: Vec<Channel> = context.session.run().channels().into_iter().filter(is_wanted).collect();
-        let channels = context.visible.channels(channels);
+        let channels = self.channels(context);
         charts_ui(ui, channels.len(), &context.plot_input(), requests, |i, last_row| {
             chart(channels[i], context, last_row)
         })
+    }
+}
+
+impl Channels {
+    /// The channels with a chart.
+    fn channels(&self, context: &ViewContext<'_>) -> Vec<Channel> {
+        let is_wanted = |channel: &Channel| channel.is_parameter() == matches!(self, Self::Parameters);
+        let channels: Vec<Channel> = context.session.run().channels().into_iter().filter(is_wanted).collect();
+        context.visible.channels(channels)
     }
 }
 
@@ -119,7 +135,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         symbol: channel.symbol().to_owned(),
         name: channel.name().to_owned(),
         unit: channel.unit(),
-        readouts: readouts(channel, context),
+        readouts: readouts(&columns(channel, context), context.axis.readout(session)),
         layers,
         handles: handles::of_channel(channel, context),
         last_row,
@@ -128,21 +144,23 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     }
 }
 
-/// Truth and estimates at the cursor, or at playback.
-fn readouts(channel: Channel, context: &ViewContext<'_>) -> Vec<Readout> {
-    let ViewContext { session, palette, axis, .. } = *context;
-    let k = axis.readout(session);
+/// Truth and estimates.
+fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
+    let ViewContext { session, palette, .. } = *context;
     let decimals = decimals(channel);
-    let truth = session.run().record().truth(channel).and_then(|truth| truth.get(k)).map(|truth| Readout {
-        text: fixed(*truth, decimals),
-        color: palette.truth,
-        hint: "truth".to_owned(),
-    });
+    let truth = session
+        .run()
+        .record()
+        .truth(channel)
+        .map(|truth| Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals))));
     let filters = context.filters().filter_map(|(_, estimates)| {
-        let at = estimates.place(channel).filter(|_| k < estimates.len())?;
-        let mean = fixed(estimates.canonical_mean(k, at), decimals);
-        let text = format!("{mean} ±{}", fixed(2.0 * estimates.std(k, at), decimals));
-        Some(Readout { text, color: palette.shade(estimates.color()), hint: estimates.name().to_owned() })
+        let at = estimates.place(channel)?;
+        let text = move |k: usize| {
+            let mean = fixed(estimates.canonical_mean(k, at), decimals);
+            format!("{mean} ±{}", fixed(2.0 * estimates.std(k, at), decimals))
+        };
+        let color = palette.shade(estimates.color());
+        Some(Column::new(estimates.name(), color, move |k| (k < estimates.len()).then(|| text(k))))
     });
     truth.into_iter().chain(filters).collect()
 }

@@ -1,15 +1,18 @@
 //! NIS and NEES over time: the consistency of a filter's covariances with its errors.
 
+use std::ops::Range;
+
 use egui::Ui;
+use kalmanscope_core::Estimates;
 use kalmanscope_core::diagnostics::{Depth, Diagnostics, Total, chi_squared};
 
 use crate::plot::chart::Chart;
 use crate::plot::charts::charts_ui;
-use crate::plot::heading::Readout;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::Series;
 use crate::request::Request;
 use crate::session::Wanted;
+use crate::sheet::{Column, Sheet, readouts};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
@@ -36,32 +39,62 @@ impl View for Consistency {
         Wanted::diagnostics(Depth::Consistency)
     }
 
+    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        let sheet = |square: &Square| Sheet {
+            title: format!("{}, {}, {}", square.symbol, square.name, remark()),
+            unit: "",
+            columns: columns(square, context),
+        };
+        [NIS, NEES].iter().map(sheet).collect()
+    }
+
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
         charts_ui(ui, 2, &context.plot_input(), requests, |i, last_row| {
-            if i == 0 {
-                chart("NIS", "normalised innovation squared", context, last_row, Diagnostics::nis_within)
-            } else {
-                chart("NEES", "normalised estimation error squared", context, last_row, Diagnostics::nees_within)
-            }
+            chart(if i == 0 { &NIS } else { &NEES }, context, last_row)
         })
     }
 }
 
-fn chart<'a>(
-    symbol: &str,
-    name: &str,
-    context: &ViewContext<'a>,
-    last_row: bool,
-    within: fn(&Diagnostics, std::ops::Range<usize>) -> Total,
-) -> Chart<'a> {
+/// One of the two normalised squares.
+struct Square {
+    symbol: &'static str,
+    name: &'static str,
+    within: fn(&Diagnostics, Range<usize>) -> Total,
+}
+
+const NIS: Square = Square { symbol: "NIS", name: "normalised innovation squared", within: Diagnostics::nis_within };
+const NEES: Square =
+    Square { symbol: "NEES", name: "normalised estimation error squared", within: Diagnostics::nees_within };
+
+/// The numbers of both, in words.
+fn remark() -> String {
+    format!("over expectation, mean of {WINDOW} s")
+}
+
+/// The number of samples of the moving mean.
+fn window(context: &ViewContext<'_>) -> usize {
+    (WINDOW / context.session.run().record().dt()).ceil().max(1.0) as usize
+}
+
+/// The moving means.
+fn columns<'a>(square: &Square, context: &ViewContext<'a>) -> Vec<Column<'a>> {
+    let (window, within) = (window(context), square.within);
+    let column = |(_, estimates, diagnostics): (usize, &'a Estimates, &'a Diagnostics)| {
+        let ratio = move |k: usize| within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree();
+        let text = move |k: usize| (k < diagnostics.len()).then(|| significant(ratio(k), 3));
+        Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
+    };
+    context.diagnostics().map(column).collect()
+}
+
+fn chart<'a>(square: &Square, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, axis, .. } = *context;
-    let window = (WINDOW / session.run().record().dt()).ceil().max(1.0) as usize;
+    let Square { symbol, name, within } = *square;
+    let window = window(context);
     let ratio = move |diagnostics: &Diagnostics, k: usize| {
         within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree()
     };
-    let k = axis.readout(session);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.truth }];
-    let mut readouts = Vec::new();
     // The samples of one window are independent for NIS; for NEES they count as one.
     let last = context
         .diagnostics()
@@ -84,21 +117,14 @@ fn chart<'a>(
             dashed: false,
             bounds: false,
         });
-        if k < diagnostics.len() {
-            readouts.push(Readout {
-                text: significant(ratio(diagnostics, k), 3),
-                color: palette.shade(estimates.color()),
-                hint: estimates.name().to_owned(),
-            });
-        }
     }
     Chart {
         key: symbol.to_owned(),
         title: name.to_owned(),
         symbol: symbol.to_owned(),
-        name: format!("over expectation, mean of {WINDOW} s"),
+        name: remark(),
         unit: "",
-        readouts,
+        readouts: readouts(&columns(square, context), axis.readout(session)),
         layers,
         handles: Vec::new(),
         last_row,

@@ -1,15 +1,15 @@
 //! Estimation errors over time within their ±2σ, and the Cramér-Rao bound.
 
 use egui::Ui;
-use kalmanscope_core::Channel;
+use kalmanscope_core::{Channel, Estimates};
 
 use crate::plot::chart::Chart;
 use crate::plot::charts::charts_ui;
-use crate::plot::heading::Readout;
 use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::{Band, Series};
 use crate::request::Request;
 use crate::session::{Bound, Wanted};
+use crate::sheet::{Column, Sheet, readouts};
 use crate::text::{decimals, fixed};
 use crate::view::{View, ViewContext};
 
@@ -33,14 +33,17 @@ impl View for Errors {
         Wanted::BOUNDS
     }
 
+    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        let sheet = |channel: Channel| Sheet {
+            title: title(channel),
+            unit: channel.unit(),
+            columns: columns(channel, context),
+        };
+        channels(context).into_iter().map(sheet).collect()
+    }
+
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let record = context.session.run().record();
-        let channels = context.session.run().channels();
-        let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels
-            .into_iter()
-            .filter(|c| record.truth(*c).is_some() && context.in_doubt(*c))
-            .partition(|c| c.is_parameter());
-        let channels = context.visible.channels([parameters, states].concat());
+        let channels = channels(context);
         if channels.is_empty() {
             ui.weak("The truth of this record is not known.");
         }
@@ -50,28 +53,49 @@ impl View for Errors {
     }
 }
 
+/// The channels with a chart.
+fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
+    let record = context.session.run().record();
+    let channels = context.session.run().channels();
+    let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels
+        .into_iter()
+        .filter(|c| record.truth(*c).is_some() && context.in_doubt(*c))
+        .partition(|c| c.is_parameter());
+    context.visible.channels([parameters, states].concat())
+}
+
+fn title(channel: Channel) -> String {
+    format!("error of the {}", channel.name())
+}
+
+/// The errors.
+fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
+    let ViewContext { session, palette, .. } = *context;
+    let truth = session.run().record().truth(channel).unwrap_or_default();
+    let decimals = decimals(channel);
+    let column = |(_, estimates): (usize, &'a Estimates)| {
+        let at = estimates.place(channel)?;
+        let text = move |k: usize| {
+            let error = estimates.canonical_mean(k, at) - truth[k];
+            format!("{} ±{}", fixed(error, decimals), fixed(2.0 * estimates.std(k, at), decimals))
+        };
+        let color = palette.shade(estimates.color());
+        Some(Column::new(estimates.name(), color, move |k| (k < estimates.len()).then(|| text(k))))
+    };
+    context.filters().filter_map(column).collect()
+}
+
 fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, visible, axis, .. } = *context;
     let run = session.run();
     let truth = run.record().truth(channel).unwrap_or_default();
-    let k = axis.readout(session);
-    let decimals = decimals(channel);
     let mut layers: Vec<Layer<'a>> = Vec::new();
-    let mut readouts = Vec::new();
     for (_, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         if visible.bands {
             let variances = estimates.variances(at);
             let band = Band::around_zero(variances.len(), |samples| variances[samples].iter().copied());
             layers.push(Layer::Band { band, color: palette.shade(estimates.color()), under: 0.0 });
-        }
-        if k < estimates.len() {
-            let error = estimates.canonical_mean(k, at) - truth[k];
-            readouts.push(Readout {
-                text: format!("{} ±{}", fixed(error, decimals), fixed(2.0 * estimates.std(k, at), decimals)),
-                color: palette.shade(estimates.color()),
-                hint: estimates.name().to_owned(),
-            });
         }
     }
     layers.push(Layer::Level { value: 0.0, color: palette.truth });
@@ -103,11 +127,11 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     }
     Chart {
         key: format!("error of {}", channel.key()),
-        title: format!("error of the {}", channel.name()),
+        title: title(channel),
         symbol: format!("{} error", channel.symbol()),
         name: channel.name().to_owned(),
         unit: channel.unit(),
-        readouts,
+        readouts: readouts(&columns(channel, context), axis.readout(session)),
         layers,
         handles: Vec::new(),
         last_row,

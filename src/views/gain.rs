@@ -1,14 +1,14 @@
 //! The Kalman gain over time.
 
 use egui::{Id, Ui};
-use kalmanscope_core::{Channel, Quantity};
+use kalmanscope_core::{Channel, Estimates, Quantity};
 
 use crate::plot::chart::Chart;
 use crate::plot::charts::charts_ui;
-use crate::plot::heading::Readout;
 use crate::plot::layers::Layer;
 use crate::plot::series::Series;
 use crate::request::Request;
+use crate::sheet::{Column, Sheet, readouts};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 
@@ -28,10 +28,20 @@ impl View for Gain {
         ]
     }
 
+    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        let sheets = |(sensor, quantity): (usize, Quantity)| {
+            let sheet = move |channel: Channel| Sheet {
+                title: format!("{} by the {} sensor", title(channel), quantity.key()),
+                unit: channel.unit(),
+                columns: columns(channel, sensor, context),
+            };
+            channels(context).into_iter().map(sheet)
+        };
+        context.session.sensors().into_iter().enumerate().flat_map(sheets).collect()
+    }
+
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let channels = context.session.run().channels().into_iter().filter(|c| context.in_doubt(*c));
-        let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels.partition(|c| c.is_parameter());
-        let channels = context.visible.channels([parameters, states].concat());
+        let channels = channels(context);
         if context.session.run().scenario().sensors.is_empty() {
             ui.weak("Nothing is measured.");
             return None;
@@ -59,19 +69,48 @@ fn sensor_ui(ui: &mut Ui, sensors: &[Quantity]) -> usize {
     chosen
 }
 
+/// The channels with a chart.
+fn channels(context: &ViewContext<'_>) -> Vec<Channel> {
+    let channels = context.session.run().channels().into_iter().filter(|c| context.in_doubt(*c));
+    let (parameters, states): (Vec<Channel>, Vec<Channel>) = channels.partition(|c| c.is_parameter());
+    context.visible.channels([parameters, states].concat())
+}
+
+fn title(channel: Channel) -> String {
+    format!("gain of the {}", channel.name())
+}
+
+/// Whether a sensor measures a channel: then a gain is the share of its innovation that is taken.
+fn is_measured(channel: Channel, sensor: usize, context: &ViewContext<'_>) -> bool {
+    context.session.sensors().get(sensor).copied().and_then(Quantity::channel) == Some(channel)
+}
+
+/// The share of an innovation that is taken, or the change of a channel by an innovation of one standard deviation.
+fn change(estimates: &Estimates, (sensor, at): (usize, usize), is_measured: bool, k: usize) -> f64 {
+    let (n, m) = (estimates.channels().len(), estimates.sensors().len());
+    let size = if is_measured { 1.0 } else { estimates.innovation_cov(k)[sensor * (m + 1)].sqrt() };
+    estimates.gain(k)[sensor * n + at] * size
+}
+
+/// The changes.
+fn columns<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Vec<Column<'a>> {
+    let is_measured = is_measured(channel, sensor, context);
+    let column = |(_, estimates): (usize, &'a Estimates)| {
+        let place = (sensor, estimates.place(channel)?);
+        let text =
+            move |k: usize| (k < estimates.len()).then(|| significant(change(estimates, place, is_measured, k), 3));
+        Some(Column::new(estimates.name(), context.palette.shade(estimates.color()), text))
+    };
+    context.filters().filter_map(column).collect()
+}
+
 fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, axis, .. } = *context;
-    let k = axis.readout(session);
-    let quantity = session.sensors().get(sensor).copied();
-    let is_measured = quantity.and_then(Quantity::channel) == Some(channel);
+    let is_measured = is_measured(channel, sensor, context);
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak }];
-    let mut readouts = Vec::new();
     for (_, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
-        let (n, m) = (estimates.channels().len(), estimates.sensors().len());
-        let std = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)].sqrt();
-        let scale = move |k: usize| if is_measured { 1.0 } else { std(k) };
-        let value = move |k: usize| estimates.gain(k)[sensor * n + at] * scale(k);
+        let value = move |k: usize| change(estimates, (sensor, at), is_measured, k);
         layers.push(Layer::Line {
             series: Series::new(estimates.len(), move |samples| samples.map(value)),
             color: palette.shade(estimates.color()),
@@ -79,21 +118,14 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
             dashed: false,
             bounds: false,
         });
-        if k < estimates.len() {
-            readouts.push(Readout {
-                text: significant(value(k), 3),
-                color: palette.shade(estimates.color()),
-                hint: estimates.name().to_owned(),
-            });
-        }
     }
     Chart {
         key: format!("gain of {} from {sensor}", channel.key()),
-        title: format!("gain of the {}", channel.name()),
+        title: title(channel),
         symbol: if is_measured { "K".to_owned() } else { format!("K√S → {}", channel.symbol()) },
         name: if is_measured { "share of the innovation taken".to_owned() } else { channel.name().to_owned() },
         unit: if is_measured { "" } else { channel.unit() },
-        readouts,
+        readouts: readouts(&columns(channel, sensor, context), axis.readout(session)),
         layers,
         handles: Vec::new(),
         last_row,

@@ -9,6 +9,7 @@ use crate::plot::heading::Readout;
 use crate::plot::layers::Layer;
 use crate::plot::series::{Band, Series};
 use crate::request::Request;
+use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::view::{View, ViewContext};
 use crate::views::handles;
@@ -32,6 +33,15 @@ impl View for Innovations {
         ]
     }
 
+    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        let sheet = |(sensor, quantity): (usize, Quantity)| Sheet {
+            title: title(quantity),
+            unit: quantity.unit(),
+            columns: columns(sensor, context),
+        };
+        context.session.sensors().into_iter().enumerate().map(sheet).collect()
+    }
+
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
         let sensors: Vec<Quantity> = context.session.sensors();
         if sensors.is_empty() {
@@ -48,6 +58,29 @@ impl View for Innovations {
     }
 }
 
+fn title(quantity: Quantity) -> String {
+    format!("innovations of the {} sensor", quantity.key())
+}
+
+/// The variance that a filter expects of a sensor's innovation.
+fn variance(estimates: &Estimates, sensor: usize, k: usize) -> f64 {
+    estimates.innovation_cov(k)[sensor * (estimates.sensors().len() + 1)]
+}
+
+/// The innovations with their ±2√S.
+fn columns<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Column<'a>> {
+    let column = |(_, estimates): (usize, &'a Estimates)| {
+        let text = move |k: usize| {
+            let innovation = (k < estimates.len()).then(|| estimates.innovation(k)[sensor])?;
+            let numbers = [innovation, 2.0 * variance(estimates, sensor, k).sqrt()];
+            let [innovation, band] = numbers.map(|x| significant(x, 3));
+            numbers[0].is_finite().then(|| format!("{innovation} ±{band}"))
+        };
+        Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
+    };
+    context.filters().map(column).collect()
+}
+
 fn chart<'a>(
     sensor: usize,
     quantity: Quantity,
@@ -60,8 +93,7 @@ fn chart<'a>(
     let mut layers: Vec<Layer<'a>> = Vec::new();
     let mut readouts = Vec::new();
     for &estimates in filters {
-        let m = estimates.sensors().len();
-        let variance = move |k: usize| estimates.innovation_cov(k)[sensor * (m + 1)];
+        let variance = move |k: usize| variance(estimates, sensor, k);
         if visible.bands {
             let band = Band::around_zero(estimates.len(), move |samples| samples.map(variance));
             layers.push(Layer::Band { band, color: palette.shade(estimates.color()), under: 0.0 });
@@ -91,7 +123,7 @@ fn chart<'a>(
     };
     Chart {
         key: format!("innovation of {}{of}", quantity.key()),
-        title: format!("innovations of the {} sensor{of}", quantity.key()),
+        title: format!("{}{of}", title(quantity)),
         symbol: format!("e({})", quantity.symbol()),
         name: format!("innovation of {}{of}", quantity.key()),
         unit: quantity.unit(),

@@ -152,6 +152,20 @@ impl Page {
         self.settle().await;
     }
 
+    /// Asks the page for its `light` or `dark` theme.
+    pub(crate) async fn theme(&self, theme: &str) {
+        let params = json!({ "features": [{ "name": "prefers-color-scheme", "value": theme }] });
+        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setEmulatedMedia", "params": params })).await;
+    }
+
+    /// Makes the network as slow as this: bits per second, and the time to an answer.
+    pub(crate) async fn network(&self, slow: Option<(f64, Duration)>) {
+        let (bytes, latency) = slow.map_or((-1.0, 0), |(bits, latency)| (bits / 8.0, latency.as_millis()));
+        let params = json!({ "offline": false, "latency": latency as u64, "downloadThroughput": bytes, "uploadThroughput": bytes });
+        self.post("goog/cdp/execute", json!({ "cmd": "Network.enable", "params": {} })).await;
+        self.post("goog/cdp/execute", json!({ "cmd": "Network.emulateNetworkConditions", "params": params })).await;
+    }
+
     /// Runs a script before any other, on every page opened from now on.
     pub(crate) async fn prepare(&self, script: &str) {
         let body = json!({ "cmd": "Page.addScriptToEvaluateOnNewDocument", "params": { "source": script } });

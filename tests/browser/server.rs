@@ -3,34 +3,72 @@
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::{fs, io, thread};
 
-/// Serves a folder until the process ends. Returns its address.
-pub(crate) fn serve(folder: PathBuf) -> io::Result<SocketAddr> {
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
-    let address = listener.local_addr()?;
-    thread::spawn(move || {
-        for stream in listener.incoming().flatten() {
-            let folder = folder.clone();
-            // A browser may disconnect in the middle of an answer.
-            thread::spawn(move || answer(&stream, &folder).ok());
-        }
-    });
-    Ok(address)
+/// A server that runs until it is stopped, or until the process ends.
+pub(crate) struct Server {
+    address: SocketAddr,
+    is_stopped: Arc<AtomicBool>,
 }
+
+impl Server {
+    /// Serves a folder, with the compressed files in it.
+    pub(crate) fn start(folder: PathBuf) -> io::Result<Self> {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
+        let server = Self { address: listener.local_addr()?, is_stopped: Arc::default() };
+        let is_stopped = Arc::clone(&server.is_stopped);
+        thread::spawn(move || {
+            for stream in listener.incoming().flatten() {
+                if is_stopped.load(Ordering::Relaxed) {
+                    break;
+                }
+                let folder = folder.clone();
+                // A browser may disconnect in the middle of an answer.
+                thread::spawn(move || answer(&stream, &folder).ok());
+            }
+        });
+        Ok(server)
+    }
+
+    /// The address of the page, in a subfolder.
+    pub(crate) fn page(&self) -> String {
+        format!("http://{}/{FOLDER}", self.address)
+    }
+
+    /// Refuses connections from now on.
+    pub(crate) fn stop(&self) {
+        self.is_stopped.store(true, Ordering::Relaxed);
+        // The listener waits for one more connection, and is closed after it.
+        while TcpStream::connect(self.address).is_ok() {
+            thread::yield_now();
+        }
+    }
+}
+
+/// The folder of the page on the server: its links must not begin at the root.
+const FOLDER: &str = "some/folder/";
 
 fn answer(mut stream: &TcpStream, folder: &Path) -> io::Result<()> {
     let mut request = String::new();
     let mut reader = BufReader::new(stream);
     reader.read_line(&mut request)?;
+    let mut takes_brotli = false;
     let mut header = String::new();
     while reader.read_line(&mut header)? > 2 {
+        let (name, value) = header.split_once(':').unwrap_or_default();
+        takes_brotli |= name.eq_ignore_ascii_case("accept-encoding") && value.contains("br");
         header.clear();
     }
     let path = request.split(' ').nth(1).and_then(|path| path.split('?').next()).unwrap_or_default();
-    let name = if path == "/" { "index.html" } else { path.trim_start_matches('/') };
+    let name =
+        path.trim_start_matches('/').strip_prefix(FOLDER).map(|name| if name.is_empty() { "index.html" } else { name });
     // The page has no subfolders, so a name with a slash is invalid.
-    let body = if name.contains('/') { None } else { fs::read(folder.join(name)).ok() };
+    let name = name.filter(|name| !name.contains('/')).unwrap_or_default();
+    let brotli = fs::read(folder.join(format!("{name}.br"))).ok().filter(|_| takes_brotli);
+    let encoding = if brotli.is_some() { "Content-Encoding: br\r\n" } else { "" };
+    let body = brotli.or_else(|| fs::read(folder.join(name)).ok());
     let (status, kind, body) = match body {
         Some(body) => ("200 OK", media_type(name), body),
         None => ("404 Not Found", "text/plain", b"There is no such file.".to_vec()),
@@ -38,7 +76,7 @@ fn answer(mut stream: &TcpStream, folder: &Path) -> io::Result<()> {
     let length = body.len();
     write!(
         stream,
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nConnection: close\r\n\r\n"
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\n{encoding}Content-Length: {length}\r\nConnection: close\r\n\r\n"
     )?;
     stream.write_all(&body)
 }

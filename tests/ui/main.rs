@@ -13,6 +13,7 @@ mod playback;
 mod progress;
 mod settings;
 mod sizes;
+mod twin;
 mod workbench;
 
 use std::collections::HashMap;

@@ -1,0 +1,44 @@
+//! The numbers of one plot over time, as text: for the heading of its chart, and for tables.
+
+use egui::Color32;
+
+use crate::plot::heading::Readout;
+
+/// The numbers of one plot.
+pub struct Sheet<'a> {
+    /// The plot's name.
+    pub title: String,
+    /// The unit of its numbers, or nothing.
+    pub unit: &'static str,
+    /// The truth and the filters.
+    pub columns: Vec<Column<'a>>,
+}
+
+/// The numbers of the truth, or of one filter.
+pub struct Column<'a> {
+    /// The filter's name, or `truth`.
+    pub owner: String,
+    color: Color32,
+    text: Box<dyn Fn(usize) -> Option<String> + 'a>,
+}
+
+impl<'a> Column<'a> {
+    /// `text` gives the text of a sample's number, if it has one.
+    pub(crate) fn new(owner: &str, color: Color32, text: impl Fn(usize) -> Option<String> + 'a) -> Self {
+        Self { owner: owner.to_owned(), color, text: Box::new(text) }
+    }
+
+    /// The text of the number at a sample, if it has one.
+    pub fn text(&self, k: usize) -> Option<String> {
+        (self.text)(k)
+    }
+}
+
+/// The numbers at a sample, for the heading of a chart.
+pub(crate) fn readouts(columns: &[Column<'_>], k: usize) -> Vec<Readout> {
+    let readout = |column: &Column<'_>| {
+        let (color, hint) = (column.color, column.owner.clone());
+        Some(Readout { text: column.text(k)?, color, hint })
+    };
+    columns.iter().filter_map(readout).collect()
+}

@@ -1,0 +1,142 @@
+//! The screen in words and tables, for readers who cannot see it.
+
+use egui::Theme;
+
+use crate::layout::Layout;
+use crate::plot::time_axis::TimeAxis;
+use crate::ruler::Ruler;
+use crate::session::Session;
+use crate::sheet::Sheet;
+use crate::text::significant;
+use crate::theme::Palette;
+use crate::trouble::{Trouble, troubles};
+use crate::view::ViewContext;
+use crate::views::view;
+use crate::visibility::Visibility;
+
+/// The number of equal parts of the record, at whose ends a table has a row.
+const PARTS: usize = 10;
+
+/// The text where there is no number.
+const NONE: &str = "–";
+
+/// The verdict before there is one.
+const UNKNOWN: &str = "not known yet";
+
+/// The screen in words and tables.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Twin {
+    /// The views in sight.
+    pub parts: Vec<Part>,
+    /// Failures and remarks, as sentences.
+    pub messages: Vec<String>,
+}
+
+/// The verdicts, or a view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Its name.
+    pub name: String,
+    /// A sentence about its contents.
+    pub about: String,
+    /// One table for each plot.
+    pub tables: Vec<Table>,
+}
+
+/// A table whose first column has the names of the rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Its title.
+    pub caption: String,
+    /// The names of the columns.
+    pub columns: Vec<String>,
+    /// The rows, each as long as `columns`.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Twin {
+    /// The name of the part with the verdicts.
+    pub const VERDICTS: &str = "Verdicts";
+
+    /// The present screen.
+    pub fn new(
+        session: &Session,
+        visible: &Visibility,
+        axis: &TimeAxis,
+        layout: &Layout,
+        notice: Option<&str>,
+    ) -> Self {
+        // Words have no colours.
+        let palette = Palette::of(Theme::Light);
+        // Marks are no part of a table.
+        let ruler = Ruler::default();
+        let context = ViewContext::new(session, &palette, visible, axis, &ruler);
+        let views = layout.enlarged().map_or_else(|| layout.in_order(), |view| vec![view]);
+        let views = views.into_iter().map(|kind| {
+            let view = view(kind);
+            let tables: Vec<Table> = view.sheets(&context).iter().map(|sheet| table(sheet, &context)).collect();
+            let [about, ..] = view.help();
+            let rest = if tables.is_empty() { " No numbers by time." } else { "" };
+            Part { name: view.name().to_owned(), about: format!("{about}{rest}"), tables }
+        });
+        let verdicts = visible.verdicts.then(|| verdicts(&context));
+        let troubles = troubles(session).into_iter().map(|Trouble { sentence, .. }| sentence);
+        Self {
+            parts: verdicts.into_iter().chain(views).collect(),
+            messages: notice.map(str::to_owned).into_iter().chain(troubles).collect(),
+        }
+    }
+
+    /// What is worth to be said aloud since an earlier screen: verdicts that have changed, and messages that are new.
+    pub fn news(&self, before: &Self) -> Vec<String> {
+        let is_new = |row: &&[String]| row[1] != UNKNOWN && !before.verdicts().any(|old| old[..2] == row[..2]);
+        let verdicts = self.verdicts().filter(is_new).map(|row| format!("{} is {}.", row[0], row[1]));
+        let messages = self.messages.iter().filter(|message| !before.messages.contains(message)).cloned();
+        verdicts.chain(messages).collect()
+    }
+
+    /// The rows of the verdicts: name, verdict, reason.
+    fn verdicts(&self) -> impl Iterator<Item = &[String]> {
+        let part = self.parts.iter().find(|part| part.name == Self::VERDICTS);
+        part.into_iter().flat_map(|part| &part.tables).flat_map(|table| &table.rows).map(Vec::as_slice)
+    }
+}
+
+/// The verdict on each filter, and its reason.
+fn verdicts(context: &ViewContext<'_>) -> Part {
+    let row = |(place, estimates): (usize, &kalmanscope_core::Estimates)| {
+        let verdict = context.session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
+        let (kind, reason) = verdict.map_or((UNKNOWN, NONE), |verdict| (verdict.kind.name(), verdict.reason.as_str()));
+        [estimates.name(), kind, reason].map(str::to_owned).to_vec()
+    };
+    let table = Table {
+        caption: "Verdicts on the filters".to_owned(),
+        columns: ["Filter", "Verdict", "Reason"].map(str::to_owned).to_vec(),
+        rows: context.filters().map(row).collect(),
+    };
+    Part {
+        name: Twin::VERDICTS.to_owned(),
+        about: "Whether each filter deserves to be believed, and why.".to_owned(),
+        tables: vec![table],
+    }
+}
+
+/// The numbers of a plot under the pointer or at playback, and at eleven times of the record so far.
+fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> Table {
+    let Sheet { title, unit, columns } = sheet;
+    let ViewContext { session, axis, .. } = *context;
+    let record = session.run().record();
+    let row = |name: &str, k: usize| {
+        let texts = columns.iter().map(|column| column.text(k).unwrap_or_else(|| NONE.to_owned()));
+        std::iter::once(format!("{name}{} s", significant(record.time(k), 7))).chain(texts).collect()
+    };
+    let last = session.run().len().saturating_sub(1);
+    let now = if axis.pointed.is_some() { "At the pointer, " } else { "At playback, " };
+    let parts = PARTS.min(last.max(1));
+    let tenths = (0..=parts).map(|part| row("", part * last / parts));
+    Table {
+        caption: if unit.is_empty() { title.clone() } else { format!("{title} [{unit}]") },
+        columns: std::iter::once("Time".to_owned()).chain(columns.iter().map(|column| column.owner.clone())).collect(),
+        rows: std::iter::once(row(now, axis.readout(session))).chain(tenths).collect(),
+    }
+}

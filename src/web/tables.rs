@@ -1,0 +1,128 @@
+//! Writes the tables of the screen into the page, beside the canvas, where screen readers find them.
+
+use kalmanscope::App;
+use kalmanscope::twin::{Part, Table, Twin};
+use wasm_bindgen::JsValue;
+use web_sys::{Document, Element};
+use web_time::{Duration, Instant};
+
+/// The least time between two updates.
+const EVERY: Duration = Duration::from_secs(1);
+
+/// The tables in the page.
+pub(super) struct Tables {
+    document: Document,
+    /// The element that holds them.
+    home: Element,
+    /// The element whose text is read aloud.
+    news: Element,
+    shown: Twin,
+    /// The elements with the texts of `shown`, in the order of [`texts`].
+    elements: Vec<Element>,
+    /// The time of the last update.
+    last: Option<Instant>,
+}
+
+impl Tables {
+    /// No tables yet; none at all where the page has no place for them.
+    pub(super) fn new(document: &Document) -> Option<Self> {
+        Some(Self {
+            home: document.get_element_by_id("tables")?,
+            news: document.get_element_by_id("news")?,
+            document: document.clone(),
+            shown: Twin::default(),
+            elements: Vec::new(),
+            last: None,
+        })
+    }
+
+    /// Follows the app, once a second at most, and asks for a frame where something may be left to write.
+    pub(super) fn follow(&mut self, app: &App, ctx: &egui::Context) {
+        let since = self.last.map_or(EVERY, |last| last.elapsed());
+        if since < EVERY {
+            // Every frame asks anew, because it replaces what the frame before has asked for.
+            ctx.request_repaint_after(EVERY - since);
+            return;
+        }
+        self.last = Some(Instant::now());
+        if let Err(error) = self.show(app.twin()) {
+            log::warn!("the tables cannot be written: {error:?}");
+        }
+    }
+
+    fn show(&mut self, twin: Twin) -> Result<(), JsValue> {
+        let news = twin.news(&self.shown);
+        if !news.is_empty() {
+            self.news.set_text_content(Some(&news.join(" ")));
+        }
+        if shape(&twin) == shape(&self.shown) {
+            let texts = texts(&self.shown).zip(texts(&twin)).zip(&self.elements);
+            for ((_, text), element) in texts.filter(|((before, text), _)| before != text) {
+                element.set_text_content(Some(text));
+            }
+        } else {
+            self.elements.clear();
+            self.home.set_text_content(None);
+            for part in &twin.parts {
+                self.add_part(part)?;
+            }
+        }
+        self.shown = twin;
+        Ok(())
+    }
+
+    fn add_part(&mut self, part: &Part) -> Result<(), JsValue> {
+        let section = self.add(&self.home.clone(), "section")?;
+        self.add_text(&section, "h2", &part.name)?;
+        self.add_text(&section, "p", &part.about)?;
+        for Table { caption, columns, rows } in &part.tables {
+            let table = self.add(&section, "table")?;
+            self.add_text(&table, "caption", caption)?;
+            let head = self.add(&self.add(&table, "thead")?, "tr")?;
+            for column in columns {
+                self.add_text(&head, "th", column)?.set_attribute("scope", "col")?;
+            }
+            let body = self.add(&table, "tbody")?;
+            for row in rows {
+                let line = self.add(&body, "tr")?;
+                for (place, text) in row.iter().enumerate() {
+                    if place == 0 {
+                        self.add_text(&line, "th", text)?.set_attribute("scope", "row")?;
+                    } else {
+                        self.add_text(&line, "td", text)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add_text(&mut self, parent: &Element, tag: &str, text: &str) -> Result<Element, JsValue> {
+        let element = self.add(parent, tag)?;
+        element.set_text_content(Some(text));
+        self.elements.push(element.clone());
+        Ok(element)
+    }
+
+    fn add(&self, parent: &Element, tag: &str) -> Result<Element, JsValue> {
+        let element = self.document.create_element(tag)?;
+        parent.append_child(&element)?;
+        Ok(element)
+    }
+}
+
+/// The columns and rows of each table; screens of the same shape differ in texts only.
+fn shape(twin: &Twin) -> Vec<Vec<(usize, usize)>> {
+    let size = |table: &Table| (table.columns.len(), table.rows.len());
+    twin.parts.iter().map(|part| part.tables.iter().map(size).collect()).collect()
+}
+
+/// All texts, in the order in which their elements are added.
+fn texts(twin: &Twin) -> impl Iterator<Item = &String> {
+    twin.parts.iter().flat_map(|part| [&part.name, &part.about].into_iter().chain(part.tables.iter().flat_map(cells)))
+}
+
+fn cells(table: &Table) -> impl Iterator<Item = &String> {
+    let Table { caption, columns, rows } = table;
+    std::iter::once(caption).chain(columns).chain(rows.iter().flatten())
+}

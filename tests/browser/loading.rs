@@ -1,0 +1,75 @@
+//! The way to the first frame: progress by bytes, and the page without a network.
+
+use std::time::Duration;
+
+use crate::page::Page;
+use crate::server::Server;
+
+/// The network on which the first load is timed: bits per second, and the time to an answer.
+const NETWORK: (f64, Duration) = (9e6, Duration::from_millis(20));
+
+/// Collects all texts about bytes, beginning before the page's first script.
+const WATCH: &str = "
+    window.texts = [];
+    new MutationObserver(() => {
+        const text = document.getElementById('loading-bytes')?.textContent.trim();
+        if (text && text !== window.texts.at(-1)) window.texts.push(text);
+    }).observe(document, { subtree: true, childList: true, characterData: true });";
+
+/// The version that the page shows while it loads and where it fails.
+const VERSION: &str = "document.querySelector('#failure .version').textContent";
+
+/// Makes the network slow, until [`first_load`] has been checked.
+pub(crate) async fn prepare(page: &Page) {
+    page.prepare(WATCH).await;
+    page.network(Some(NETWORK)).await;
+}
+
+/// The first load has shown how much has come.
+pub(crate) async fn first_load(page: &Page) {
+    page.network(None).await;
+    let (bits, latency) = NETWORK;
+    let loaded = "performance.getEntriesByType('resource').find(entry => entry.name.endsWith('.wasm')).responseEnd";
+    println!(
+        "at {} Mbit/s with {} ms: all bytes after {:.2} s, first frame after {:.2} s",
+        bits / 1e6,
+        latency.as_millis(),
+        page.value(loaded).await.as_f64().unwrap() / 1e3,
+        first_frame(page).await
+    );
+    let texts = page.value("window.texts").await;
+    let texts: Vec<&str> = texts.as_array().unwrap().iter().filter_map(|text| text.as_str()).collect();
+    println!("{} texts, such as {:?}", texts.len(), texts.get(texts.len() / 2));
+    let last = texts.last().unwrap();
+    assert!(texts.len() > 3, "progress is shown on the way: {texts:?}");
+    assert!(last.starts_with("100 %, ") && last.ends_with(" MB"), "progress ends with all bytes: {last}");
+}
+
+/// The time of the first frame \[s\].
+async fn first_frame(page: &Page) -> f64 {
+    page.value("performance.getEntriesByName('first frame')[0].startTime").await.as_f64().unwrap() / 1e3
+}
+
+/// The page is kept, replaces what is kept of older versions, and opens when the server is gone.
+pub(crate) async fn opens_without_a_network(page: &Page, server: &Server) {
+    let limit = Duration::from_secs(20);
+    let version = page.value(VERSION).await;
+    assert_eq!(version.as_str().unwrap().len(), 16, "the version is a hash: {version}");
+    page.wait_until("navigator.serviceWorker.controller !== null", limit).await.expect("the page is kept");
+    let names = "caches.keys().then(keys => keys.length === 1 && keys[0].endsWith(document.querySelector('.version').textContent))";
+    page.wait_until(names, limit).await.expect("one version is kept");
+
+    let old = format!("'kalmanscope {} 0123456789abcdef'", server.page());
+    page.value(&format!("caches.open({old}).then(() => true)")).await;
+    page.value("navigator.serviceWorker.ready.then(it => it.unregister())").await;
+    page.go(&server.page()).await;
+    page.wait_until("navigator.serviceWorker.controller !== null", limit).await.expect("the page is kept again");
+    page.wait_until(&format!("caches.has({old}).then(has => !has)"), limit).await.expect("older versions are removed");
+
+    server.stop();
+    page.go(&server.page()).await;
+    page.wait_until("performance.getEntriesByName('first frame').length > 0", limit).await.expect("it opens again");
+    println!("first frame after {:.2} s without a network", first_frame(page).await);
+    assert_eq!(page.value(VERSION).await, version);
+    assert!(page.summary().await["samples"].as_u64().unwrap() > 0);
+}

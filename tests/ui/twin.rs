@@ -1,0 +1,108 @@
+//! The screen in words and tables: the numbers of the plots, verdicts and news.
+
+use kalmanscope::twin::{Part, Table, Twin};
+
+use super::*;
+
+/// The whole default record, paused at its end.
+fn at_rest() -> Screen {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let session = screen.state_mut().session_mut();
+    session.toggle_play();
+    session.set_mode(Mode::Whole);
+    session.seek(session.end());
+    screen.run_steps(20);
+    screen
+}
+
+fn part<'a>(twin: &'a Twin, name: &str) -> &'a Part {
+    twin.parts.iter().find(|part| part.name == name).unwrap_or_else(|| panic!("there is no {name} in {twin:?}"))
+}
+
+fn cell<'a>(table: &'a Table, row: &str, column: &str) -> &'a str {
+    let column = table.columns.iter().position(|name| name == column).expect("the column exists");
+    &table.rows.iter().find(|cells| cells[0] == row).expect("the row exists")[column]
+}
+
+#[test]
+fn a_table_has_the_numbers_of_its_plot() {
+    let screen = at_rest();
+    let twin = screen.state().twin();
+    let parameters = part(&twin, "Parameters");
+    let table = &parameters.tables[0];
+    assert_eq!(table.caption, "natural frequency [rad/s]");
+    assert_eq!(table.columns, ["Time", "truth", "EKF", "UKF"]);
+    assert_eq!(table.rows.len(), 12);
+    assert!(table.rows.iter().all(|row| row.len() == 4));
+    let run = screen.state().session().run();
+    let frequency = run.channels().into_iter().find(|channel| channel.name() == "natural frequency").unwrap();
+    let at = run.estimates()[0].place(frequency).unwrap();
+    for (row, k) in [("At playback, 60 s", 6000), ("0 s", 0), ("6 s", 600), ("60 s", 6000)] {
+        let [mean, band] = [run.estimates()[0].canonical_mean(k, at), 2.0 * run.estimates()[0].std(k, at)];
+        assert_eq!(cell(table, row, "EKF"), format!("{mean:.3} ±{band:.3}"), "{row}");
+    }
+    assert_eq!([cell(table, "24 s", "truth"), cell(table, "30 s", "truth")], ["6.000", "4.800"], "the truth changes");
+    let oscillator = part(&twin, "Oscillator");
+    assert!(oscillator.tables.is_empty() && oscillator.about.ends_with("No numbers by time."), "{oscillator:?}");
+}
+
+#[test]
+fn every_view_over_time_has_tables() {
+    let mut screen = at_rest();
+    for (kind, caption) in [
+        (ViewKind::Parameters, "damping ratio"),
+        (ViewKind::States, "displacement [m]"),
+        (ViewKind::Errors, "error of the natural frequency [rad/s]"),
+        (ViewKind::Innovations, "innovations of the displacement sensor [m]"),
+        (ViewKind::Consistency, "NIS, normalised innovation squared, over expectation, mean of 2 s"),
+        (ViewKind::Gain, "gain of the displacement by the displacement sensor [m]"),
+    ] {
+        *screen.state_mut().layout_mut() = Layout::column(&[kind]);
+        screen.run_steps(20);
+        let twin = screen.state().twin();
+        let part = part(&twin, view(kind).name());
+        let captions: Vec<&str> = part.tables.iter().map(|table| table.caption.as_str()).collect();
+        assert!(captions.contains(&caption), "{captions:?}");
+        // The first sample has no innovation.
+        for row in part.tables.iter().flat_map(|table| &table.rows).filter(|row| row[0] != "0 s") {
+            assert!(row[1..].iter().all(|text| text.chars().any(|c| c.is_ascii_digit())), "{kind:?}: {row:?}");
+        }
+    }
+}
+
+#[test]
+fn hidden_filters_and_verdicts_are_hidden_here_too() {
+    let mut screen = at_rest();
+    let twin = screen.state().twin();
+    let verdicts = &part(&twin, Twin::VERDICTS).tables[0];
+    assert_eq!(verdicts.rows.len(), 2);
+    assert_eq!(cell(verdicts, "EKF", "Verdict"), "consistent but for a time");
+    assert!(cell(verdicts, "EKF", "Reason").len() > 20);
+    screen.get_by_label("Show UKF").click();
+    screen.run_steps(3);
+    let twin = screen.state().twin();
+    assert_eq!(part(&twin, "Parameters").tables[0].columns, ["Time", "truth", "EKF"]);
+    screen.get_by_label("Show verdicts").click();
+    screen.run_steps(3);
+    let twin = screen.state().twin();
+    assert!(twin.parts.iter().all(|part| part.name != Twin::VERDICTS));
+}
+
+#[test]
+fn news_are_verdicts_that_change_and_messages_that_are_new() {
+    let mut screen = at_rest();
+    let before = screen.state().twin();
+    assert!(before.news(&before).is_empty());
+    assert_eq!(before.news(&Twin::default()).len(), 2, "one verdict for each filter");
+    let mut scenario = scenario(&screen).clone();
+    scenario.filters[0].sensor_std = scenario.filters[0].sensor_std.iter().map(|std| 0.1 * std).collect();
+    screen.state_mut().session_mut().set_scenario(scenario.clone());
+    screen.run_steps(20);
+    let now = screen.state().twin();
+    assert_eq!(now.news(&before), ["EKF is overconfident."]);
+    scenario.dt = -1.0;
+    screen.state_mut().session_mut().set_scenario(scenario);
+    screen.run_steps(3);
+    let news = screen.state().twin().news(&now);
+    assert_eq!(news, [screen.state().session().problem().expect("a negative time step is impossible")]);
+}
