@@ -42,6 +42,8 @@ pub struct App {
     keys_open: bool,
     /// Width of the window in the last frame \[points\], and its theme.
     width: f32,
+    /// Whether the window is too low for settings beside plots, as that of a phone on its side.
+    low: bool,
     theme: ThemePreference,
     /// Whether the window is cleared in the ground's colour, so that panels need no fill.
     cleared: bool,
@@ -116,6 +118,7 @@ impl App {
             presenting: false,
             keys_open: false,
             width: window::WIDE,
+            low: false,
             theme: ThemePreference::System,
             cleared: false,
             inviting: false,
@@ -198,6 +201,7 @@ impl App {
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        theme::fit_targets(ctx);
         keys::keys(ctx, &self.session, &mut self.requests);
         drop::dropped(ctx, &mut self.requests);
         for request in std::mem::take(&mut self.requests) {

@@ -4,15 +4,21 @@ use egui::{Button, Color32, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, 
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
 
 use crate::layout::{Layout, simplification};
-use crate::request::{Request, ViewKind};
+use crate::request::{Arrangement, Request, ViewKind};
 use crate::view::{Proportions, ViewContext};
 use crate::views::view;
 
 /// Limits the height per view above which all views fit on screen; below it they scroll \[points\].
 const ENOUGH: f32 = 180.0;
 
+/// Limits the height below which views are in one column \[points\].
+const LOW: f32 = 340.0;
+
 /// Relative height of a flat view in a column of views.
 const FLAT: f32 = 0.3;
+
+/// The side of a button above a view, at least \[points\].
+const TARGET: f32 = 24.0;
 
 /// Limits the height of other views from below where views scroll \[points\].
 const LEAST_HEIGHT: f32 = 300.0;
@@ -33,10 +39,13 @@ pub(crate) fn panes_ui(
     if let Some(kind) = layout.enlarged() {
         panes.draggable = false;
         panes.show(ui, kind);
-    } else if narrow {
-        panes.show_column(ui, &layout.in_order());
+    } else if narrow || area.y < LOW {
+        // On a phone that lies on its side there is no room for a picture of the plant.
+        let is_shown = |kind: &ViewKind| narrow || view(*kind).proportions() != Proportions::Flat;
+        panes.draggable = false;
+        panes.show_column(ui, &layout.in_order().into_iter().filter(is_shown).collect::<Vec<_>>());
     } else if layout.tree().is_empty() {
-        ui.weak("No view is shown: choose some in the menu above.");
+        empty_ui(ui, panes.requests);
     } else {
         // Tiles are dragged in a copy; if its tree changes, the copy is requested as the new layout.
         let mut tree = layout.tree().clone();
@@ -49,6 +58,19 @@ pub(crate) fn panes_ui(
     if pointed != context.axis.pointed {
         requests.push(Request::PointAt(pointed));
     }
+}
+
+/// Offers the ready-made arrangements where no view is shown.
+fn empty_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
+    ui.vertical_centered(|ui| {
+        ui.add_space(0.3 * ui.available_height());
+        ui.weak("No view is shown.");
+        for arrangement in Arrangement::ALL {
+            if ui.add(Button::new(arrangement.name()).min_size(vec2(160.0, 40.0))).clicked() {
+                requests.push(Request::Arrange(arrangement));
+            }
+        }
+    });
 }
 
 /// Shows each view under its bar.
@@ -64,7 +86,7 @@ impl Panes<'_> {
     fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
         let height = ui.available_height();
         let scrolls = height <= ENOUGH * kinds.len() as f32;
-        let least = if scrolls { LEAST_HEIGHT } else { 1.0 };
+        let least = if scrolls { LEAST_HEIGHT.min(height) } else { 1.0 };
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             let share = |kind: ViewKind| if view(kind).proportions() == Proportions::Flat { FLAT } else { 1.0 };
             let all: f32 = kinds.iter().map(|kind| share(*kind)).sum();
@@ -92,13 +114,13 @@ impl Panes<'_> {
         let view = view(kind);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            ui.spacing_mut().interact_size.y = 16.0;
             let name = RichText::new(view.name()).small().weak();
             let sense = if self.draggable { Sense::click_and_drag() } else { Sense::click() };
             let title = ui.add(egui::Label::new(name).selectable(false).sense(sense));
             let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
             let [what, good, then] = view.help();
-            let small = |icon: &str| Button::new(RichText::new(icon).small().weak()).frame(false);
+            let side = ui.spacing().interact_size.y.max(TARGET);
+            let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
             let lines = |ui: &mut Ui| {
                 ui.set_max_width(380.0);
                 for line in [what, good, then] {

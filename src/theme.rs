@@ -27,6 +27,16 @@ pub fn readout() -> TextStyle {
     TextStyle::Name("readout".into())
 }
 
+/// Makes everything that is pressed large enough for a finger, once there is one.
+pub fn fit_targets(ctx: &egui::Context) {
+    if ctx.input(egui::InputState::has_touch_screen) && ctx.global_style().spacing.interact_size.y < FINGER {
+        ctx.all_styles_mut(|style| style.spacing.interact_size.y = FINGER);
+    }
+}
+
+/// The height of what a finger presses \[points\].
+const FINGER: f32 = 40.0;
+
 /// Makes the numbers above plots large, for a lecture hall, or as large as small text.
 pub fn enlarge_readouts(ctx: &egui::Context, large: bool) {
     let size = if large { READOUT.1 } else { READOUT.0 };

@@ -26,6 +26,7 @@ fn it_looks_as_it_did() {
         ("live-dark", DESKTOP, Theme::Dark, Mode::Live, 34.0, teach),
         ("whole-dark", DESKTOP, Theme::Dark, Mode::Whole, 40.0, teach),
         ("phone-light", PHONE, Theme::Light, Mode::Live, 8.0, teach),
+        ("landscape-light", Vec2::new(844.0, 390.0), Theme::Light, Mode::Live, 8.0, teach),
         ("tune-light", DESKTOP, Theme::Light, Mode::Whole, 40.0, Arrangement::Tune),
         ("compare-dark", DESKTOP, Theme::Dark, Mode::Whole, 40.0, Arrangement::Compare),
     ] {

@@ -30,6 +30,9 @@ fn is_bar_wanted(ctx: &Context) -> bool {
     near || egui::Popup::is_any_open(ctx) || ctx.memory(|memory| memory.focused().is_some())
 }
 
+/// Limits the height of a window that shows settings beside plots, unless the user opens them \[points\].
+const LOW: f32 = 480.0;
+
 /// The distance from the top at which a pointer is near the bar \[points\].
 const NEAR_BAR: f32 = 50.0;
 
@@ -38,6 +41,7 @@ impl App {
     pub(super) fn window_ui(&mut self, ui: &mut Ui) {
         let palette = Palette::of(ui.ctx().theme());
         self.width = ui.available_width();
+        self.low = ui.available_height() < LOW;
         let narrow = self.width < NARROW;
         self.theme = ui.ctx().options(|options| options.theme_preference);
         let open = self.controls_open();
@@ -65,7 +69,7 @@ impl App {
     /// Whether the settings are shown.
     pub(super) fn controls_open(&self) -> bool {
         let room = if self.tutor.is_some() { WIDE } else { NARROW };
-        self.controls_open.unwrap_or(self.width >= room && !self.presenting)
+        self.controls_open.unwrap_or(self.width >= room && !self.low && !self.presenting)
     }
 
     fn controls_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {

@@ -265,3 +265,43 @@ fn a_stranger_sees_something_happen_within_five_seconds() {
     let session = screen.state().session();
     assert!(!session.playing() && screen.state().axis().followed(session).0 < step.at);
 }
+
+#[test]
+fn a_phone_on_its_side_shows_plots() {
+    let screen = screen(Vec2::new(844.0, 390.0), Theme::Light);
+    assert!(screen.query_by_label("EKF fading factor").is_none(), "settings would leave no room");
+    let plot = screen.get_by_label("Plot of the natural frequency").rect();
+    assert!(plot.height() > 80.0 && plot.bottom() < 390.0, "{plot}");
+}
+
+#[test]
+fn where_no_view_is_shown_arrangements_are_offered() {
+    let mut screen = whole();
+    for kind in [ViewKind::Oscillator, ViewKind::Parameters, ViewKind::States] {
+        screen.state_mut().layout_mut().toggle(kind);
+    }
+    screen.run_steps(3);
+    screen.get_by_label("Compare").click();
+    screen.run_steps(3);
+    assert!(screen.query_by_label("About Scores").is_some());
+}
+
+#[test]
+fn a_finger_finds_targets_of_its_size() {
+    let mut screen = screen(PHONE, Theme::Light);
+    let touch = |phase| egui::Event::Touch {
+        device_id: egui::TouchDeviceId(1),
+        id: egui::TouchId(1),
+        phase,
+        pos: egui::pos2(200.0, 700.0),
+        force: None,
+    };
+    screen.event(touch(egui::TouchPhase::Start));
+    screen.run_steps(2);
+    screen.event(touch(egui::TouchPhase::End));
+    screen.run_steps(4);
+    for label in ["Restart", "Lessons", "About Parameters", "Hide Parameters"] {
+        let rect = screen.get_by_label(label).rect();
+        assert!(rect.height() >= 39.5, "{label}: {rect}");
+    }
+}
