@@ -17,7 +17,8 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use kalmanscope_core::{Run, Scenario};
+use kalmanscope_core::Run;
+use kalmanscope_lessons::BuiltIn;
 use serde_json::Value;
 
 use driver::Driver;
@@ -81,7 +82,9 @@ fn frames_while_a_slider_is_dragged() {
 }
 
 async fn frames_of_each_slider(page: &Page, browser: u32, views: &str) {
-    for (slider, between) in [("EKF fading factor", (0.05, 0.6)), ("Noise of the displacement sensor", (0.3, 0.7))] {
+    for (slider, between) in
+        [("fading EKF fading factor", (0.05, 0.6)), ("Noise of the displacement sensor", (0.3, 0.7))]
+    {
         let frames = frames::drag(page, browser, slider, between, Duration::from_secs(5)).await;
         let frames::Frames { per_second, page, longest, processes } = frames;
         print!("{:<50} {per_second:>6.1} {page:>9.1} {longest:>9.1} ", format!("{views}, {slider}"));
@@ -143,7 +146,7 @@ async fn draws(page: &Page, picture: &Path) {
 }
 
 async fn computes_the_same_bits_as_this_machine(page: &Page) {
-    let mut run = Run::new(&Scenario::default()).unwrap();
+    let mut run = Run::new(&BuiltIn::FIRST.scenario().unwrap()).unwrap();
     run.finish();
     // At the end of the record, the filters have processed all of it.
     page.click("Time", 1.0).await;
@@ -159,7 +162,7 @@ async fn computes_the_same_bits_as_this_machine(page: &Page) {
 
 async fn a_slider_moves_the_estimates(page: &Page) {
     let before = page.summary().await;
-    page.drag("EKF fading factor", 0.05, 0.6).await;
+    page.drag("fading EKF fading factor", 0.05, 0.6).await;
     let after = page.summary().await;
     assert_eq!(before["samples"], after["samples"], "only estimates of the same sample can be compared");
     let [before, after] = [before, after].map(|summary| std_of_natural_frequency(&summary));
@@ -172,7 +175,7 @@ fn std_of_natural_frequency(summary: &Value) -> f64 {
         let found = list.as_array().unwrap().iter().find(|entry| entry[key] == name).cloned();
         found.unwrap_or_else(|| panic!("there is no {name} in {list}"))
     };
-    let filter = named(&summary["filters"], "name", "EKF");
+    let filter = named(&summary["filters"], "name", "fading EKF");
     named(&filter["estimates"], "channel", "natural_frequency")["std"].as_f64().unwrap()
 }
 

@@ -15,9 +15,11 @@ SOURCE = Path(sys.argv[1] if len(sys.argv) > 1 else "/usr/share/fonts/truetype/n
 TEXT = [*range(0x20, 0x7F), *range(0xA0, 0x180), *range(0x370, 0x400), *range(0x400, 0x460), 0x1E8A, 0x1E8B, 0x1E8C, 0x1E8D,
         0x300, 0x301, 0x302, 0x303, 0x304, 0x307, 0x308, *range(0x2010, 0x2028), 0x2030, 0x2032, 0x2033, 0x2039, 0x203A,
         *range(0x2070, 0x209D), 0x20AC, 0x1D40, 0x2212, *[ord(c) for c in "ˣᵛᵃᵗᵈ"]]
+# Headings are English; other letters come from the regular font.
+BOLD = [c for c in TEXT if not (0x100 <= c < 0x180 or 0x400 <= c < 0x460)]
 SYMBOLS = ([ord(c) for c in "±×·−√∞≈≤≥≠→←↑↓↔∑∫∂∆∈∝∼⟂ᵀ⋅…∥∣≪≫"],
            [ord(c) for c in "▶◀⏵⏴⏶⏷⏸⏹⏺⏭⏮↺↻⟲⟳↶↷⇄☀☾🌙☰✕✖✔✓⚠●○◆◇■□◻▲▼▸▾▴◂⚙🔗⛶⌨➕➖"])
-FONTS = {"NotoSans-Regular": TEXT, "NotoSans-Bold": TEXT,
+FONTS = {"NotoSans-Regular": TEXT, "NotoSans-Bold": BOLD,
          "NotoSansMath-Regular": SYMBOLS[0] + SYMBOLS[1], "NotoSansSymbols2-Regular": SYMBOLS[1],
          "NotoSansSymbols-Regular": SYMBOLS[1]}
 
@@ -25,7 +27,7 @@ covered = set()
 for name, wanted in FONTS.items():
     font = TTFont(SOURCE / f"{name}.ttf")
     # Each symbol once; the text fonts are whole in themselves.
-    codepoints = [c for c in wanted if c in font.getBestCmap() and (wanted is TEXT or c not in covered)]
+    codepoints = [c for c in wanted if c in font.getBestCmap() and (wanted in (TEXT, BOLD) or c not in covered)]
     covered |= set(codepoints)
     options = subset.Options(hinting=False, layout_features=["kern", "mark", "mkmk", "ccmp"], notdef_outline=True,
                              name_IDs=[0, 1, 2, 4, 6, 13, 14], desubroutinize=True)

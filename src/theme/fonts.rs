@@ -25,11 +25,12 @@ pub(super) fn definitions() -> FontDefinitions {
         fonts.font_data.insert(name.to_owned(), Arc::new(FontData::from_static(data)));
     }
     for (family, first) in [
-        (FontFamily::Proportional, regular.0),
-        (FontFamily::Monospace, regular.0),
-        (FontFamily::Name(STRONG.into()), bold.0),
+        (FontFamily::Proportional, &[regular.0][..]),
+        (FontFamily::Monospace, &[regular.0]),
+        // The bold font has fewer letters.
+        (FontFamily::Name(STRONG.into()), &[bold.0, regular.0]),
     ] {
-        let names = std::iter::once(first).chain(SYMBOLS.map(|(name, _)| name)).map(str::to_owned).collect();
+        let names = first.iter().copied().chain(SYMBOLS.map(|(name, _)| name)).map(str::to_owned).collect();
         fonts.families.insert(family, names);
     }
     fonts
