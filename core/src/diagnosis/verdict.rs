@@ -120,7 +120,8 @@ impl Verdict {
             (b.speaks_for, b.effect).partial_cmp(&(a.speaks_for, a.effect)).unwrap_or(std::cmp::Ordering::Equal)
         });
         if kind == VerdictKind::Recovered || kind == VerdictKind::Consistent || kind == VerdictKind::NotIdentifiable {
-            reasons.push(fit(case, kind));
+            let said = grounds.iter().filter(|_| kind == VerdictKind::NotIdentifiable).map(|one| one.subject);
+            reasons.push(fit(case, &said.collect::<Vec<_>>()));
         }
         reasons.extend(besides.first().map(|one| format!("besides, {}", one.sentence)));
         let unknown = if case.knows_truth() { "" } else { " (the truth is not known: innovations only)" };
@@ -129,7 +130,7 @@ impl Verdict {
 }
 
 /// The fit of a consistent filter, and an explanation of numbers that seem to contradict the verdict.
-fn fit(case: &Case<'_>, kind: VerdictKind) -> String {
+fn fit(case: &Case<'_>, said: &[Subject]) -> String {
     let (level, _) = case.nis(&case.kept);
     let mut text = format!("innovations² are {level:.2} times what it expects");
     if let Some(share) = case.share_in_ellipsoid() {
@@ -151,7 +152,7 @@ fn fit(case: &Case<'_>, kind: VerdictKind) -> String {
         for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
             let share = case.estimates.std(last, place) / case.estimates.initial_std(place);
             // Of a parameter that is not identifiable it has been said.
-            if share > 0.5 && kind != VerdictKind::NotIdentifiable {
+            if share > 0.5 && !said.contains(&Subject::Channel(channel)) {
                 text += &format!("; σ of the {} is {} times that at first", channel.name(), short(share));
             }
         }
