@@ -14,6 +14,7 @@ mod notice;
 mod panes;
 pub mod plot;
 pub mod probe;
+mod reading;
 pub mod request;
 pub mod ruler;
 mod saved;

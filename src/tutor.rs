@@ -1,6 +1,7 @@
 //! A lesson in progress: something to look at, a question, a change, what happens, why.
 
 mod catalogue;
+mod heading;
 mod menu;
 mod panel;
 mod question;

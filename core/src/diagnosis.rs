@@ -21,6 +21,7 @@ mod periodogram;
 mod tests;
 mod trial;
 mod verdict;
+mod verdict_kind;
 mod words;
 
 use std::ops::Range;
@@ -37,7 +38,8 @@ pub use knob::Knob;
 pub use parts::PARTS;
 pub use tests::TESTS;
 pub use trial::{Finding, Trials};
-pub use verdict::{Verdict, VerdictKind};
+pub use verdict::Verdict;
+pub use verdict_kind::VerdictKind;
 
 /// The diagnosis of one filter: a verdict and its evidence.
 #[derive(Clone, Debug, Default)]

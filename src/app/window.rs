@@ -9,8 +9,8 @@ use crate::keys;
 use crate::legend::legend_ui;
 use crate::notice::notice_ui;
 use crate::panes::panes_ui;
+use crate::reading::{self, Reading};
 use crate::request::Request;
-use crate::ruler;
 use crate::theme::Palette;
 use crate::tutor::{self, Tutor};
 use crate::view::ViewContext;
@@ -111,8 +111,8 @@ impl App {
             }
         });
         panes_ui(ui, layout, &ViewContext::new(session, palette, visible, axis, ruler), requests, narrow);
-        if let Some(reading) = ruler.reading(session, visible, palette) {
-            ruler::table_ui(ui.ctx(), &reading, requests);
+        if let Some(reading) = Reading::of(ruler, session, visible, palette) {
+            reading::table_ui(ui.ctx(), &reading, requests);
         }
     }
 

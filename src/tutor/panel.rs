@@ -3,6 +3,7 @@
 use egui::{Align, Button, Frame, Id, Panel, RichText, ScrollArea, Sense, Ui};
 use kalmanscope_lessons::Change;
 
+use super::heading::heading_ui;
 use super::question::{feedback_ui, question_ui};
 use super::{Catalogue, Tutor};
 use crate::probe;
@@ -141,9 +142,4 @@ fn part_ui(ui: &mut Ui, heading: &str, text: &str) {
     heading_ui(ui, heading);
     ui.label(text);
     ui.add_space(6.0);
-}
-
-/// The small heading of a part of the text.
-pub(super) fn heading_ui(ui: &mut Ui, heading: &str) {
-    ui.label(RichText::new(heading).small().weak());
 }

@@ -3,7 +3,7 @@
 use egui::{Button, RadioButton, RichText, Ui};
 use kalmanscope_lessons::Question;
 
-use super::panel::heading_ui;
+use super::heading::heading_ui;
 use crate::request::{Answer, Request};
 use crate::theme;
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::case::{Case, Span};
-use super::verdict::VerdictKind;
+use super::verdict_kind::VerdictKind;
 use crate::{Channel, Quantity};
 
 /// A statistical test, or a rule where nothing random is asked for.

@@ -1,7 +1,7 @@
 //! Too few particles.
 
 use super::{Cause, Matter, Suspect};
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
 
 /// Limits the effective sample size of a sound sample from below.

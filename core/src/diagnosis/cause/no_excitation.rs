@@ -1,7 +1,7 @@
 //! Nothing in the record tells the parameters.
 
 use super::{Cause, Matter, Suspect};
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 
 /// Limits the correlation at lag 1 of readings that are noise.
 const WHITE: f64 = 0.3;

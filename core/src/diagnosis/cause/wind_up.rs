@@ -1,7 +1,7 @@
 //! The filter forgets faster than it is told.
 
 use super::{Cause, Matter, Suspect};
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 
 pub(super) static CAUSE: Cause = Cause {
     key: "wind_up",

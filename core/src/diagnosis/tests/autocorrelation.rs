@@ -3,7 +3,7 @@
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::innovations::LAGS;
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnostics::chi_squared;
 
 /// Limits the correlations that do no harm.

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
 
 /// Limits the fall of σ from one sample to the next.

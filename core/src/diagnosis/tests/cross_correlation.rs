@@ -4,7 +4,7 @@ use crate::diagnosis::case::Case;
 use crate::diagnosis::distributions::normal_p;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::innovations::{CROSS_LAGS, FIRST_CROSS_LAG};
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 
 /// Limits the correlations that do no harm.
 const TOLERANCE: f64 = 0.08;

@@ -5,7 +5,7 @@ use crate::diagnosis::case::Case;
 use crate::diagnosis::distributions::{chi_squared_p, normal_p};
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::parts::{Chosen, PARTS};
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::{percent, short};
 use crate::diagnostics::chi_squared;
 

@@ -3,7 +3,7 @@
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::parts::PARTS;
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
 
 /// Limits σ of a parameter, relative to the initial one, where it still grows or is as large as the parameter.

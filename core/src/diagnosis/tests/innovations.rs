@@ -3,7 +3,7 @@
 use crate::diagnosis::case::Case;
 use crate::diagnosis::distributions::chi_squared_p;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
 
 /// Limits the factor by which innovations² may differ from their expectation, however significant the difference is.

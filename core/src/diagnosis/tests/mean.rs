@@ -3,7 +3,7 @@
 use crate::diagnosis::case::Case;
 use crate::diagnosis::distributions::normal_p;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 
 /// Limits the mean innovation that does no harm, in standard deviations.
 const TOLERANCE: f64 = 0.1;

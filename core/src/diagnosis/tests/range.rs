@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::Channel;
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
-use crate::diagnosis::verdict::VerdictKind;
+use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
 
 /// Limits an estimate, relative to its initial mean and standard deviation.

@@ -8,22 +8,22 @@
 ///
 /// Source: Chopra (2012), *Dynamics of Structures*, section 2.2.4.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Decay {
+pub(crate) struct Decay {
     /// Whole periods between the peaks.
-    pub periods: usize,
+    pub(crate) periods: usize,
     /// Logarithmic decrement of one period.
-    pub decrement: f64,
+    pub(crate) decrement: f64,
     /// Damping ratio.
-    pub damping_ratio: f64,
+    pub(crate) damping_ratio: f64,
     /// Damped period \[s\].
-    pub period: f64,
+    pub(crate) period: f64,
     /// Natural frequency \[rad/s\].
-    pub natural_frequency: f64,
+    pub(crate) natural_frequency: f64,
 }
 
 /// Why two times tell no decay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoDecay {
+pub(crate) enum NoDecay {
     /// A force acts between them.
     Forced,
     /// There are no two peaks on the same side that fall.
@@ -32,7 +32,7 @@ pub enum NoDecay {
 
 impl NoDecay {
     /// The reason in words.
-    pub const fn words(self) -> &'static str {
+    pub(crate) const fn words(self) -> &'static str {
         match self {
             Self::Forced => "ζ by hand needs a free decay: no force between A and B",
             Self::NoPeaks => "ζ by hand needs two falling peaks: put A and B near them",

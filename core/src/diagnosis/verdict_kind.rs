@@ -1,0 +1,69 @@
+//! The verdicts that there are.
+
+/// The trust that a filter's estimates and standard deviations deserve, in order of gravity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum VerdictKind {
+    /// Its errors are as large as it says.
+    Consistent,
+    /// It is consistent but for a time from which it has recovered.
+    Recovered,
+    /// The record does not tell a parameter: its σ is as large as at first.
+    NotIdentifiable,
+    /// Its errors are smaller than it says.
+    Underconfident,
+    /// Its errors are larger than it says.
+    Overconfident,
+    /// It forgets a parameter faster than the sensors tell it anew.
+    WoundUp,
+    /// Its particles have become one, whose σ says nothing.
+    Collapsed,
+    /// Its estimates are not those of an oscillator: negative, beyond what the samples can show, or far from any start.
+    Lost,
+    /// It has lost the truth, or has stopped.
+    Diverged,
+}
+
+impl VerdictKind {
+    /// Every verdict, the gravest last.
+    pub const ALL: [Self; 9] = [
+        Self::Consistent,
+        Self::Recovered,
+        Self::NotIdentifiable,
+        Self::Underconfident,
+        Self::Overconfident,
+        Self::WoundUp,
+        Self::Collapsed,
+        Self::Lost,
+        Self::Diverged,
+    ];
+
+    /// The verdict in words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Consistent => "consistent",
+            Self::Recovered => "consistent but for a time",
+            Self::NotIdentifiable => "not identifiable",
+            Self::Underconfident => "underconfident",
+            Self::Overconfident => "overconfident",
+            Self::WoundUp => "wound up",
+            Self::Collapsed => "collapsed",
+            Self::Lost => "lost",
+            Self::Diverged => "diverged",
+        }
+    }
+
+    /// The verdict as an argument: its name with `-` in place of spaces.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Recovered => "consistent-but-for-a-time",
+            Self::NotIdentifiable => "not-identifiable",
+            Self::WoundUp => "wound-up",
+            _ => self.name(),
+        }
+    }
+
+    /// Whether the standard deviations may be believed, now.
+    pub const fn is_good(self) -> bool {
+        matches!(self, Self::Consistent | Self::Recovered)
+    }
+}
