@@ -32,7 +32,8 @@ pub(super) fn drawn_runs<'c>(
             runs
         }
         (Layer::Band { .. }, LayerColumns::Band(columns)) => {
-            let runs = runs(columns, |column| !bands.iter().any(|other| is_same_band(column, other, scale)));
+            let extent = |column: &BandColumn| (column.samples.0, column.low, column.high);
+            let runs = runs(columns, |column| !bands.iter().any(|other| coincides(column, other, extent, scale)));
             bands.push(columns);
             runs
         }
@@ -64,15 +65,8 @@ fn runs<C>(columns: &[C], is_drawn: impl FnMut(&C) -> bool) -> Vec<Range<usize>>
 
 /// Whether a line is drawn in a column: where it lies on earlier ones, every colour has its turn.
 fn is_its_turn(column: &Column, earlier: &[&[Column]], record: &Record, scale: Scale) -> bool {
-    let close = CLOSE / scale.y;
-    let coincides = |others: &&&[Column]| {
-        let at = others.binary_search_by_key(&column.samples.0, |other| other.samples.0);
-        at.is_ok_and(|at| {
-            let other = &others[at];
-            (other.low - column.low).abs() < close && (other.high - column.high).abs() < close
-        })
-    };
-    let below = earlier.iter().filter(coincides).count();
+    let extent = |column: &Column| (column.samples.0, column.low, column.high);
+    let below = earlier.iter().filter(|others| coincides(column, others, extent, scale)).count();
     if below == 0 {
         return true;
     }
@@ -80,12 +74,14 @@ fn is_its_turn(column: &Column, earlier: &[&[Column]], record: &Record, scale: S
     turn.rem_euclid(below as i64 + 1) == below as i64
 }
 
-fn is_same_band(column: &BandColumn, others: &[BandColumn], scale: Scale) -> bool {
+/// Whether a column looks like that of another series at the same samples. `extent` gives its first sample, and its lowest and
+/// highest value.
+fn coincides<C>(column: &C, others: &[C], extent: impl Fn(&C) -> (usize, f64, f64), scale: Scale) -> bool {
+    let (first, low, high) = extent(column);
     let close = CLOSE / scale.y;
-    let at = others.binary_search_by_key(&column.samples.0, |other| other.samples.0);
-    at.is_ok_and(|at| {
-        let other = &others[at];
-        (other.low - column.low).abs() < close && (other.high - column.high).abs() < close
+    others.binary_search_by_key(&first, |other| extent(other).0).is_ok_and(|at| {
+        let (_, other_low, other_high) = extent(&others[at]);
+        (other_low - low).abs() < close && (other_high - high).abs() < close
     })
 }
 

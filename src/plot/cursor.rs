@@ -52,8 +52,8 @@ impl Cursors {
         if session.mode() == Mode::Whole {
             add(session.time(), "", palette.weak, true);
         }
-        if let Some(time) = axis.pointed {
-            add(session.run().record().time(axis.readout(session)).min(time.max(0.0)), "", palette.weak, false);
+        if axis.pointed.is_some() {
+            add(axis.shown_time(session), "", palette.weak, false);
         }
         Self { lines, tagged, ground: palette.ground }
     }

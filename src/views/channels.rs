@@ -97,17 +97,18 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             bounds: true,
         });
     }
-    let before = session.before();
-    let lines_before = context.before().filter_map(|one| Some(one.canonical_means(one.place(channel)?)));
-    let truth_before = before.and_then(|before| before.truth(channel, session.scenario()));
-    for values in truth_before
-        .filter(|_| visible.truth)
-        .into_iter()
-        .map(|all| (all, true))
-        .chain(lines_before.map(|all| (all, false)))
-    {
-        let (series, dashed) = (Series::of(values.0), values.1);
+    let mut add_before = |values: &'a [f64], dashed| {
+        let series = Series::of(values);
         layers.push(Layer::Line { series, color: palette.weak, width: 1.2, dashed, bounds: false });
+    };
+    let truth_before = session.before().and_then(|before| before.truth(channel, session.scenario()));
+    if let Some(truth) = truth_before.filter(|_| visible.truth) {
+        add_before(truth, true);
+    }
+    for estimates in context.before() {
+        if let Some(at) = estimates.place(channel) {
+            add_before(estimates.canonical_means(at), false);
+        }
     }
     for (place, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
