@@ -1,4 +1,4 @@
-//! What lies between the marks A and B.
+//! Compares the values at the marks A and B.
 
 mod decay;
 mod table;
@@ -33,7 +33,7 @@ pub(crate) struct Reading {
 /// A series at both marks.
 pub(crate) struct Row {
     pub(crate) channel: Channel,
-    /// Whose value it is.
+    /// The name of the filter, or `truth`.
     pub(crate) name: String,
     pub(crate) color: egui::Color32,
     pub(crate) values: [f64; 2],

@@ -87,7 +87,7 @@ impl Twin {
         }
     }
 
-    /// What is worth to be said aloud since an earlier screen: verdicts that have changed, and messages that are new.
+    /// The sentences to be read aloud: verdicts that have changed since an earlier screen, and messages that are new.
     pub fn news(&self, before: &Self) -> Vec<String> {
         let is_new = |row: &&[String]| row[1] != UNKNOWN && !before.verdicts().any(|old| old[..2] == row[..2]);
         let verdicts = self.verdicts().filter(is_new).map(|row| format!("{} is {}.", row[0], row[1]));

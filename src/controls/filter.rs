@@ -26,7 +26,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             let filter = &mut scenario.filters[place];
             color_ui(ui, filter, palette);
             let name = RichText::new(&filter.name).family(theme::strong()).size(14.5);
-            // What is lit below the name cannot be seen if it is folded.
+            // A folded section hides its lit settings: its name is lit instead.
             if open {
                 ui.label(name);
             } else {

@@ -13,7 +13,7 @@ const GRASP: f32 = 10.0;
 
 /// A setting at its place in a plot.
 pub(crate) struct Handle<'a> {
-    /// What it sets, for the hint and for screen readers.
+    /// The name of the setting, for the hint and for screen readers.
     pub(crate) name: String,
     /// \[s\]; none for the right edge of the plot.
     pub(crate) time: Option<f64>,

@@ -1,6 +1,6 @@
 //! Frequency and damping by hand, from two peaks of a free oscillation.
 
-/// What two peaks of a free decay tell.
+/// Frequency and damping, computed from two peaks of a free decay.
 ///
 /// ```text
 /// δ = ln(x₁ / x₂) / n,  ζ = δ / √(4π² + δ²),  T = (t₂ - t₁) / n,  ωₙ = 2π / (T √(1 - ζ²))

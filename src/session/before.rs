@@ -1,4 +1,4 @@
-//! What was shown before a change: the filters that the change concerns, with their settings from before, on the record from
+//! The picture from before a change: the filters that the change concerns, with their settings from before, on the record from
 //! before.
 
 use kalmanscope_core::{Channel, Diagnostics, Estimates, FilterSettings, Scenario, Source, Study, Wanted};
@@ -17,14 +17,14 @@ pub struct Before {
     /// All settings as they were.
     scenario: Scenario,
     study: Study,
-    /// What was different, as it was.
+    /// The settings that differed, with their values before the change.
     words: String,
     /// Whether it is as far as the picture itself.
     is_complete: bool,
 }
 
 impl Before {
-    /// What was different, as it was: `EKF λ = 1`.
+    /// The settings that differed, with their values before the change: `EKF λ = 1`.
     pub fn words(&self) -> &str {
         &self.words
     }
@@ -109,7 +109,7 @@ impl Session {
         self.before.as_ref().filter(is_shown)
     }
 
-    /// Forgets it.
+    /// Forgets the picture from before.
     pub fn forget_before(&mut self) {
         self.before = None;
         self.generation += 1;

@@ -1,4 +1,4 @@
-//! What differs between two scenarios, in words.
+//! Names the settings in which two scenarios differ.
 
 use kalmanscope_core::{Channel, Scenario};
 use serde_json::Value;

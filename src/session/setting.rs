@@ -22,7 +22,7 @@ impl Setting {
         }
     }
 
-    /// The one that it is not.
+    /// The other one.
     pub(super) const fn other(self) -> Self {
         match self {
             Self::A => Self::B,

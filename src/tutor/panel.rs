@@ -113,7 +113,7 @@ impl Tutor {
         }
     }
 
-    /// What is to be done before the next step; `None` if nothing is.
+    /// The action that the next step waits for, if any.
     fn missing(&self) -> Option<String> {
         if self.open_question().is_some() {
             return Some("Answer the question first, or press “Show me”.".to_owned());

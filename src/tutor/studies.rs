@@ -1,4 +1,4 @@
-//! What is saved of the lessons: the place of the bookmark, and the finished ones.
+//! The saved state of the lessons: the place of the bookmark, and the finished ones.
 
 use std::collections::BTreeSet;
 

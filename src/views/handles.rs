@@ -97,7 +97,7 @@ fn edit(scenario: &mut Scenario, id: u32, change: impl FnOnce(&mut FilterSetting
     }
 }
 
-/// As many digits as a hand can set.
+/// Rounds to three digits: a hand sets no more.
 fn rounded(value: f64) -> f64 {
     crate::text::parse(&significant(value, 3)).unwrap_or(value)
 }

@@ -47,7 +47,7 @@ impl View for Scores {
         let mut summaries: Vec<(usize, Summary)> =
             session.diagnostics().iter().zip(estimates).enumerate().map(of).enumerate().collect();
         let sorting = Id::unique("scores are sorted by");
-        // What the last change has done.
+        // The scores before the last change.
         let was = |place: usize| {
             let (diagnostics, estimates) = session.before()?.diagnostics(estimates[place].id())?;
             Some(Summary::of(diagnostics, None, estimates, session.before()?.record()))

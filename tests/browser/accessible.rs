@@ -29,7 +29,7 @@ const MEASURE: &str = "
         window.loading ||= document.getElementById('loading-bytes')?.textContent.trim() && contrasts('#loading p');
     }).observe(document, { subtree: true, childList: true, characterData: true });";
 
-/// What must be true of any page, each with its name.
+/// The rules that every page must keep, each with its name.
 const RULES: [(&str, &str); 9] = [
     ("the document has a language", "document.documentElement.lang === 'en'"),
     ("the document has a title", "document.title === 'Kalmanscope'"),

@@ -1,4 +1,4 @@
-//! What a hand does: point at a time, mark two, hold a picture still and compare, undo by a button.
+//! Gestures of a user who points at a time, marks two, compares pictures, drags settings in plots, and undoes.
 
 use super::*;
 
