@@ -77,7 +77,8 @@ impl Number<'_> {
 pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, name: &str, unit: &str) {
     let id = Id::unique(("limited", name));
     let now = ui.input(|input| input.time);
-    let limited = value.clamp(least, most);
+    // Not `clamp`, which keeps NaN and panics where the limits are crossed.
+    let limited = value.max(least).min(most);
     if *value != limited {
         let which = if *value < least { "at least" } else { "at most" };
         ui.data_mut(|data| data.insert_temp(id, (now, format!("{which} {} {unit}", significant(limited, 5)))));
