@@ -305,3 +305,47 @@ fn a_finger_finds_targets_of_its_size() {
         assert!(rect.height() >= 39.5, "{label}: {rect}");
     }
 }
+
+#[test]
+fn a_filter_dropped_on_another_gives_it_its_numbers() {
+    let mut screen = whole();
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);
+    screen.run_steps(3);
+    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    let cell = screen.get_by_label("UKF: fading factor").rect();
+    let name = |screen: &Screen, filter: &str| {
+        let above =
+            |rect: &egui::Rect| rect.left() > 340.0 && rect.bottom() < cell.top() && rect.top() > cell.top() - 40.0;
+        let rects = screen.get_all_by_label(filter).map(|node| node.rect());
+        rects.filter(above).max_by(|a, b| a.top().total_cmp(&b.top())).expect("a name above the numbers").center()
+    };
+    let (from, to) = (name(&screen, "UKF"), name(&screen, "EKF"));
+    drag(&mut screen, from, to - from);
+    let [one, other] = &scenario(&screen).filters[..] else { panic!("two filters") };
+    assert_eq!(one.process_std[Channel::NATURAL_FREQUENCY], 0.003);
+    assert_eq!((one.id, &*one.name, one.kind), (1, "EKF", FilterKind::EKF), "its name and kind stay");
+    assert_eq!(one.sensor_std, other.sensor_std);
+}
+
+#[test]
+fn two_marks_in_a_free_decay_tell_frequency_and_damping_by_hand() {
+    let mut screen = whole();
+    let free = kalmanscope_lessons::BuiltIn::named("free-vibration").unwrap().scenario().unwrap();
+    let session = screen.state_mut().session_mut();
+    session.set_scenario(free);
+    for (time, key) in [(1.0, Key::A), (6.0, Key::B)] {
+        screen.state_mut().session_mut().seek(time);
+        screen.run_steps(2);
+        screen.key_press(key);
+        screen.run_steps(2);
+    }
+    let truth = |channel| scenario(&screen).plant.parameter(channel).unwrap().at(0.0);
+    let expected = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(truth);
+    let label = screen.query_all_by_label_contains("ωₙ ").filter_map(|node| node.accesskit_node().value());
+    let by_hand = label.into_iter().find(|text| text.contains("ζ ")).expect("the numbers by hand");
+    let numbers: Vec<f64> = by_hand.split([' ', ',']).filter_map(kalmanscope::text::parse).collect();
+    for (number, expected) in numbers.iter().zip(expected) {
+        assert!((number / expected - 1.0).abs() < 0.02, "{by_hand} instead of {expected}");
+    }
+    assert_eq!(numbers.len(), 2, "{by_hand}");
+}
