@@ -32,6 +32,7 @@ pub mod estimates;
 pub mod filter;
 pub mod force;
 pub mod frequency_response;
+pub mod import;
 pub mod integrate;
 pub mod job;
 pub mod kernel;

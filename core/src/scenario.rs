@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::filter::FilterKind;
+use crate::import::Mapping;
 use crate::model::{Hold, InputKind};
 use crate::{Force, PlantKind, Quantity};
 
@@ -50,6 +51,10 @@ pub struct Scenario {
     /// The filters.
     #[serde(default = "default_filters")]
     pub filters: Vec<FilterSettings>,
+    /// The measured record that takes the place of a simulated one. Whoever runs the scenario reads its file:
+    /// [`crate::import`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub record: Option<Mapping>,
 }
 
 /// A sensor and its true noise.
@@ -96,6 +101,7 @@ impl Default for Scenario {
                 Sensor { measures: Quantity::VELOCITY, noise_std: 0.06 },
             ],
             filters: default_filters(),
+            record: None,
         };
         scenario.fill_in();
         scenario

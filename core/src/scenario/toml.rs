@@ -2,7 +2,8 @@
 
 mod write;
 
-use super::{Scenario, ScenarioError};
+use super::{Scenario, ScenarioError, Sensor};
+use crate::Quantity;
 
 impl Scenario {
     /// Reads a scenario file and checks it.
@@ -17,9 +18,21 @@ impl Scenario {
             let (path, error) = (error.path().to_string(), error.into_inner());
             ScenarioError::Syntax(message(text, &path, &error))
         })?;
+        scenario.take_sensors_of_record(text);
         scenario.fill_in();
         scenario.validate()?;
         Ok(scenario)
+    }
+
+    /// A scenario that names a record and no sensors has those of the record.
+    fn take_sensors_of_record(&mut self, text: &str) {
+        let Some(record) = self.record.as_ref().filter(|record| !record.sensors.is_empty()) else { return };
+        let has_sensors = text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("sensors"));
+        if !has_sensors {
+            let usual = |quantity: Quantity| quantity.aspect().info().usual_noise;
+            let sensors = record.sensors.keys();
+            self.sensors = sensors.map(|&measures| Sensor { measures, noise_std: usual(measures) }).collect();
+        }
     }
 
     /// The scenario as a file that [`Self::from_toml`] reads back to an equal one.

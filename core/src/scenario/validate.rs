@@ -30,7 +30,10 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError::Value`] for the first impossible one, with its key and what is allowed.
     pub fn validate(&self) -> Result<(), ScenarioError> {
-        let Self { seed, dt, duration, plant, force, input: _, hold: _, sensors, filters } = self;
+        let Self { seed, dt, duration, plant, force, input: _, hold: _, sensors, filters, record } = self;
+        if let Some(record) = record {
+            record.validate().map_err(|error| ScenarioError::Syntax(error.to_string()))?;
+        }
         require(i64::try_from(*seed).is_ok(), "seed", seed, "a whole number from 0 to 2⁶³ - 1")?;
         positive("dt", *dt)?;
         positive("duration", *duration)?;

@@ -1,0 +1,64 @@
+//! Measured records from files: dialect, columns, meaning, conditioning.
+//!
+//! ```text
+//! bytes ──dialect──▶ Table ──mapping──▶ Record
+//! ```
+//!
+//! Each step says what it found and can be told otherwise: [`Dialect::sniff`](Dialect) by looking at the first lines,
+//! [`Mapping::guess`] by names, units and shapes.
+//!
+//! ```
+//! use kalmanscope_core::import::{Builder, Mapping, read};
+//! use kalmanscope_core::{Hold, Quantity};
+//! # fn main() -> Result<(), kalmanscope_core::import::ImportError> {
+//! let text = "Zeit [ms];Kraft;Weg [mm]\n0;1,5;2\n10;1;2,5\n20;0;3\n";
+//! let table = read(text.as_bytes(), None)?;
+//! let (mapping, kind) = Mapping::guess(&table);
+//! let imported = Builder::new(&table, &mapping, kind, Hold::First)?.finish()?;
+//! assert_eq!(imported.record.dt(), 0.01);
+//! assert_eq!(imported.record.measured_quantity(Quantity::DISPLACEMENT), Some(&[0.002, 0.0025, 0.003][..]));
+//! # Ok(())
+//! # }
+//! ```
+
+mod builder;
+mod butterworth;
+mod cell;
+mod dialect;
+mod encoding;
+mod error;
+mod guess;
+mod mapping;
+mod reader;
+mod resample;
+mod table;
+mod timing;
+mod unit;
+
+pub use builder::{Builder, Imported};
+pub use cell::{Cells, Decimal, Delimiter};
+pub use dialect::Dialect;
+pub use encoding::Encoding;
+pub use error::ImportError;
+pub use mapping::{MappedColumn, Mapping, MeanWord, Offset, Time};
+pub use reader::Reader;
+pub use table::{Column, Table, TextCell};
+pub use timing::MOST;
+pub use unit::{Dimension, STANDARD_GRAVITY, unit};
+
+/// The columns of a file, read in one go.
+///
+/// # Errors
+/// As [`Reader::new`] and [`Reader::advance`].
+pub fn read(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
+    let mut reader = Reader::new(bytes.to_vec(), dialect)?;
+    while !reader.advance(&mut || true)? {}
+    reader.finish()
+}
+
+/// A hash of a file's bytes (FNV-1a, 64 bits, in hexadecimal), to tell whether a file is the same one; it is no protection
+/// against forgery.
+pub fn hash(bytes: &[u8]) -> String {
+    let sum = bytes.iter().fold(0xCBF2_9CE4_8422_2325_u64, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3));
+    format!("{sum:016x}")
+}

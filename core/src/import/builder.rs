@@ -1,0 +1,378 @@
+//! A record from a file's columns.
+
+use super::butterworth::band_pass;
+use super::mapping::{MappedColumn, Offset};
+use super::timing::{FEWEST, MOST, Timing};
+use super::unit::unit;
+use super::{ImportError, Mapping, Table, resample};
+use crate::record::Input;
+use crate::{Channel, Hold, InputKind, Quantity, Record};
+
+/// A record from a file, with sentences about its making.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// The record.
+    pub record: Record,
+    /// Sentences about its making that a user should know.
+    pub remarks: Vec<String>,
+}
+
+/// A record in the making, column by column.
+#[derive(Debug)]
+pub struct Builder<'a> {
+    table: &'a Table,
+    mapping: &'a Mapping,
+    kind: InputKind,
+    hold: Hold,
+    timing: Timing,
+    input: Option<Vec<f64>>,
+    sensors: Vec<(Quantity, Vec<f64>)>,
+    remarks: Vec<String>,
+}
+
+impl<'a> Builder<'a> {
+    /// The record of a table's columns with the meaning that a mapping gives them.
+    ///
+    /// # Errors
+    /// [`ImportError`] where a setting is impossible, a column is missing or the times are not usable.
+    pub fn new(table: &'a Table, mapping: &'a Mapping, kind: InputKind, hold: Hold) -> Result<Self, ImportError> {
+        mapping.validate()?;
+        if mapping.sensors.is_empty() {
+            return Err(ImportError::NoSensor);
+        }
+        let timing = match (&mapping.time.column, mapping.time.rate) {
+            (Some(name), _) => {
+                let column = &table.columns[place(table, name)?];
+                if let Some(text) = &column.text {
+                    let (line, text) = (text.line, text.text.clone());
+                    return Err(ImportError::Text { line, column: name.clone(), text });
+                }
+                let size = unit(&mapping.time.unit).map_or(1.0, |(_, size)| size);
+                let scaled = if size == 1.0 { None } else { Some(column.values.iter().map(|t| t * size).collect::<Vec<_>>()) };
+                Timing::of_times(scaled.as_deref().unwrap_or(&column.values), name, |row| table.line(row))?
+            }
+            (None, Some(rate)) => Timing::of_rate(rate, table.rows())?,
+            (None, None) => return Err(ImportError::NoTime),
+        };
+        let mut remarks = table.remarks.clone();
+        remarks.extend(timing.remark.clone());
+        Ok(Self { table, mapping, kind, hold, timing, input: None, sensors: Vec::new(), remarks })
+    }
+
+    /// Makes the next columns until `while_time` returns false, which is called after each. Returns whether all are
+    /// made.
+    ///
+    /// # Errors
+    /// [`ImportError`] where a column is missing or has text or infinite numbers.
+    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Result<bool, ImportError> {
+        if self.input.is_none() {
+            self.input = Some(self.input()?);
+            if !while_time() {
+                return Ok(false);
+            }
+        }
+        while self.sensors.len() < self.mapping.sensors.len() {
+            let next = self.mapping.sensors.iter().nth(self.sensors.len());
+            let Some((quantity, mapped)) = next else { break };
+            let values = self.sensor(mapped)?;
+            self.sensors.push((*quantity, values));
+            if !while_time() {
+                break;
+            }
+        }
+        Ok(self.sensors.len() == self.mapping.sensors.len())
+    }
+
+    /// The record.
+    ///
+    /// # Errors
+    /// [`ImportError`] where too few samples or too many remain, or a column cannot be used.
+    pub fn finish(mut self) -> Result<Imported, ImportError> {
+        while !self.advance(&mut || true)? {}
+        let (start, dt) = (self.start(), self.dt());
+        let truth = self.truth()?;
+        let Self { kind, hold, input, sensors, remarks, .. } = self;
+        let input = Input { kind, hold, values: input.unwrap_or_default() };
+        let samples = input.values.len();
+        if samples < FEWEST {
+            return Err(ImportError::TooShort(samples));
+        }
+        if samples > MOST {
+            return Err(ImportError::TooLong { found: samples });
+        }
+        let record = Record::new(dt, input, sensors)?.with_truth(truth)?.starting_at(start);
+        Ok(Imported { record, remarks })
+    }
+
+    /// The samples before the part that is used, and the samples of that part.
+    fn part(&self) -> std::ops::Range<usize> {
+        let Timing { start, dt, samples, .. } = self.timing;
+        let place = |time: f64| libm::ceil((time - start) / dt - 1e-6).clamp(0.0, samples as f64) as usize;
+        let from = self.mapping.from.map_or(0, place);
+        let to = self.mapping.to.map_or(samples, |to| (libm::floor((to - start) / dt + 1e-6) + 1.0).clamp(0.0, samples as f64) as usize);
+        from..to.max(from)
+    }
+
+    fn start(&self) -> f64 {
+        self.timing.start + self.part().start as f64 * self.timing.dt
+    }
+
+    fn dt(&self) -> f64 {
+        let Mapping { every, interpolate, .. } = self.mapping;
+        let dt = self.timing.dt;
+        if *every == 1 && *interpolate == 1 { dt } else { dt * *every as f64 / *interpolate as f64 }
+    }
+
+    fn input(&mut self) -> Result<Vec<f64>, ImportError> {
+        let Some(mapped) = &self.mapping.input else {
+            self.remarks.push("there is no column for the input; it is taken for zero".to_owned());
+            let kept = self.part().len().div_ceil(self.mapping.every);
+            return Ok(vec![0.0; kept.saturating_sub(1) * self.mapping.interpolate + kept.min(1)]);
+        };
+        let mut values = self.mapped(mapped)?;
+        if let Some(missing) = fill(&mut values) {
+            self.remarks.push(format!(
+                "the input is missing in {} sample(s), the first at {} s; it is interpolated there",
+                missing.count,
+                self.timing.start + missing.first as f64 * self.timing.dt
+            ));
+        }
+        self.condition(&mut values);
+        Ok(resample::interpolate(&values, self.mapping.interpolate))
+    }
+
+    fn sensor(&mut self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
+        let mut values = self.mapped(mapped)?;
+        let mut missing: Vec<f64> = values.clone();
+        let changes = self.mapping.band.is_some() || self.mapping.every > 1;
+        if changes && fill(&mut values).is_some() {
+            self.condition(&mut values);
+            self.cut(&mut missing);
+            resample::keep_every(&mut missing, self.mapping.every);
+            for (value, missing) in values.iter_mut().zip(&missing) {
+                if missing.is_nan() {
+                    *value = f64::NAN;
+                }
+            }
+        } else {
+            self.condition(&mut values);
+        }
+        let steps = self.mapping.interpolate;
+        if steps > 1 {
+            let mut finer = vec![f64::NAN; values.len().saturating_sub(1) * steps + values.len().min(1)];
+            finer.iter_mut().step_by(steps).zip(&values).for_each(|(fine, value)| *fine = *value);
+            values = finer;
+        }
+        Ok(values)
+    }
+
+    /// Band-pass, cut and decimation.
+    fn condition(&self, values: &mut Vec<f64>) {
+        if let Some([low, high]) = self.mapping.band {
+            let dt = self.timing.dt;
+            band_pass(values, low * dt, high * dt);
+        }
+        self.cut(values);
+        resample::decimate(values, self.mapping.every);
+    }
+
+    fn cut(&self, values: &mut Vec<f64>) {
+        let part = self.part();
+        values.truncate(part.end);
+        values.drain(..part.start.min(values.len()));
+    }
+
+    /// A column at even times, with unit, gain, offset and delay.
+    fn mapped(&self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
+        let column = &self.table.columns[place(self.table, &mapped.column)?];
+        if let Some(text) = &column.text {
+            let (line, text) = (text.line, text.text.clone());
+            return Err(ImportError::Text { line, column: mapped.column.clone(), text });
+        }
+        if let Some(row) = column.values.iter().position(|value| value.is_infinite()) {
+            return Err(ImportError::Infinite { line: self.table.line(row), column: mapped.column.clone() });
+        }
+        let mut values = self.timing.spread(&column.values);
+        let offset = match mapped.offset {
+            Offset::Number(number) => number,
+            Offset::Mean(_) => mean(&values[self.part()]),
+            Offset::Part { mean: [from, to] } => {
+                let Timing { start, dt, .. } = self.timing;
+                let place = |time: f64| libm::round((time - start) / dt).clamp(0.0, values.len() as f64) as usize;
+                mean(&values[place(from)..place(to).max(place(from))])
+            }
+        };
+        let factor = mapped.gain * unit(&mapped.unit).map_or(1.0, |(_, size)| size);
+        if factor != 1.0 || offset != 0.0 {
+            values.iter_mut().for_each(|value| *value = factor * (*value - offset));
+        }
+        shift(&mut values, mapped.delay);
+        Ok(values)
+    }
+
+    /// The columns with the truth of a simulated record.
+    fn truth(&self) -> Result<Vec<(Channel, Vec<f64>)>, ImportError> {
+        let Mapping { every, interpolate, .. } = self.mapping;
+        if *every > 1 || *interpolate > 1 {
+            return Ok(Vec::new());
+        }
+        let mut truth = Vec::new();
+        for &channel in Channel::all() {
+            if let Some(place) = self.table.place(&format!("true_{}", channel.key())) {
+                let mut values = self.timing.spread(&self.table.columns[place].values);
+                self.cut(&mut values);
+                truth.push((channel, values));
+            }
+        }
+        Ok(truth)
+    }
+}
+
+fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
+    table.place(name).ok_or_else(|| ImportError::Column {
+        missing: name.to_owned(),
+        found: table.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", "),
+    })
+}
+
+/// Samples without a value.
+struct Missing {
+    first: usize,
+    count: usize,
+}
+
+/// Interpolates missing values linearly, or repeats the nearest at the ends.
+fn fill(values: &mut [f64]) -> Option<Missing> {
+    let first = values.iter().position(|value| value.is_nan())?;
+    let count = values.iter().filter(|value| value.is_nan()).count();
+    let mut before: Option<usize> = None;
+    for k in 0..=values.len() {
+        if k < values.len() && values[k].is_nan() {
+            continue;
+        }
+        let after = (k < values.len()).then_some(k);
+        let gap = before.map_or(0, |before| before + 1)..k;
+        let (from, to) = (before.map(|b| values[b]), after.map(|a| values[a]));
+        let length = gap.len() as f64 + 1.0;
+        for (i, place) in gap.enumerate() {
+            let share = (i + 1) as f64 / length;
+            values[place] = match (from, to) {
+                (Some(from), Some(to)) => from + share * (to - from),
+                (Some(known), None) | (None, Some(known)) => known,
+                (None, None) => 0.0,
+            };
+        }
+        before = after;
+    }
+    Some(Missing { first, count })
+}
+
+/// Moves values to earlier samples by `delay`, or to later ones where it is negative; the ends become missing.
+fn shift(values: &mut [f64], delay: i32) {
+    let by = (delay.unsigned_abs() as usize).min(values.len());
+    let n = values.len();
+    if delay > 0 {
+        values.rotate_left(by);
+        values[n - by..].fill(f64::NAN);
+    } else if delay < 0 {
+        values.rotate_right(by);
+        values[..by].fill(f64::NAN);
+    }
+}
+
+/// The mean of the values that are there.
+fn mean(values: &[f64]) -> f64 {
+    let (sum, count) =
+        values.iter().filter(|value| !value.is_nan()).fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read;
+    use super::*;
+
+    fn import(text: &str, change: impl Fn(&mut Mapping)) -> Result<Imported, ImportError> {
+        let table = read(text.as_bytes(), None)?;
+        let (mut mapping, kind) = Mapping::guess(&table);
+        change(&mut mapping);
+        Builder::new(&table, &mapping, kind, Hold::First)?.finish()
+    }
+
+    const TEXT: &str = "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n";
+
+    #[test]
+    fn units_gain_offset_and_delay_are_applied() {
+        let imported = import("t in ms;force;x (mm)\n0;1;5\n10;2;7\n20;3;9\n", |mapping| {
+            let input = mapping.input.as_mut().unwrap();
+            (input.gain, input.offset) = (-2.0, Offset::MEAN);
+            mapping.sensors.get_mut(&Quantity::DISPLACEMENT).unwrap().delay = 1;
+        });
+        let record = imported.unwrap().record;
+        assert_eq!((record.dt(), record.hold()), (0.01, Hold::First));
+        assert_eq!(record.input(), [2.0, 0.0, -2.0]);
+        assert!((record.measured(0)[0] - 0.007).abs() < 1e-15 && (record.measured(0)[1] - 0.009).abs() < 1e-15);
+        assert!(record.measured(0)[2].is_nan());
+    }
+
+    #[test]
+    fn gaps_in_the_input_are_filled_and_those_in_a_sensor_stay() {
+        let Imported { record, remarks } = import(TEXT, |_| {}).unwrap();
+        assert_eq!(record.input(), [1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert!(record.measured(0)[3].is_nan());
+        assert_eq!(remarks, ["the input is missing in 1 sample(s), the first at 0.2 s; it is interpolated there"]);
+        let mut ends = [f64::NAN, 1.0, f64::NAN, f64::NAN, 4.0, f64::NAN];
+        assert_eq!(fill(&mut ends).unwrap().count, 4);
+        assert_eq!(ends, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn a_part_is_cut_and_keeps_its_times() {
+        let record = import(TEXT, |mapping| (mapping.from, mapping.to) = (Some(0.1), Some(0.3))).unwrap().record;
+        assert_eq!((record.len(), record.time(0)), (3, 0.1));
+        assert_eq!(record.input(), [2.0, 3.0, 4.0]);
+    }
+
+    #[test]
+    fn interpolation_leaves_measurements_where_they_were() {
+        let record = import(TEXT, |mapping| mapping.interpolate = 2).unwrap().record;
+        assert_eq!((record.len(), record.dt()), (9, 0.05));
+        assert!(record.measured(0)[1].is_nan());
+        assert_eq!(record.measured(0)[2], 3.0);
+        assert_eq!((record.input()[0], record.input()[2]), (1.0, 2.0));
+    }
+
+    #[test]
+    fn decimation_keeps_missing_samples_missing() {
+        let mut text = "t,force,displacement\n".to_owned();
+        for k in 0..100 {
+            let x = if (40..44).contains(&k) { String::new() } else { "1".to_owned() };
+            text.push_str(&format!("{},0.5,{x}\n", f64::from(k) * 0.01));
+        }
+        let record = import(&text, |mapping| mapping.every = 4).unwrap().record;
+        assert_eq!((record.len(), record.dt()), (25, 0.04));
+        assert!(record.measured(0)[10].is_nan() && !record.measured(0)[11].is_nan());
+        assert!((record.measured(0)[20] - 1.0).abs() < 1e-9 && (record.input()[12] - 0.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_said_with_line_and_column() {
+        let message = |text: &str| import(text, |_| {}).unwrap_err().to_string();
+        assert_eq!(message("t,force,x\n0,1,2\n1,2,oops\n2,3,4\n"), "line 3, column `x`: `oops` is not a number");
+        assert_eq!(message("t,force,x\n0,1,2\n1,2,inf\n2,3,4\n"), "line 3, column `x`: the number is infinite");
+        assert!(message("t,x\n0,1\n").contains("state the sample rate"), "{}", message("t,x\n0,1\n"));
+        assert_eq!(message("force,x\n2,1\n1,3\n"), "the file has no column of times: state the sample rate");
+        let missing = import(TEXT, |mapping| mapping.input = Some(MappedColumn::new("load"))).unwrap_err().to_string();
+        assert_eq!(missing, "there is no column `load`; the columns are t, force, displacement");
+        let none = import(TEXT, |mapping| mapping.sensors.clear()).unwrap_err().to_string();
+        assert_eq!(none, "no column is chosen for a sensor");
+        assert!(import(TEXT, |m| m.from = Some(9.0)).unwrap_err().to_string().starts_with("0 row(s)"));
+    }
+
+    #[test]
+    fn the_truth_of_a_simulated_record_comes_along() {
+        let text = "t,force,displacement,true_velocity\n0,1,2,5\n1,2,3,6\n2,1,2,7\n";
+        let record = import(text, |_| {}).unwrap().record;
+        assert_eq!(record.truth(Channel::VELOCITY), Some(&[5.0, 6.0, 7.0][..]));
+    }
+}

@@ -1,0 +1,264 @@
+//! The form of a text file with columns of numbers.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::cell::{Decimal, Delimiter};
+use super::encoding::Encoding;
+use super::unit;
+
+/// The form of a text file with columns of numbers. [`Dialect::sniff`] finds it by looking at the first lines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
+pub struct Dialect {
+    /// The encoding.
+    pub encoding: Encoding,
+    /// The delimiter between cells.
+    pub delimiter: Delimiter,
+    /// The decimal character.
+    pub decimal: Decimal,
+    /// The line with the columns' names, counted from 1; 0 if there is none.
+    pub names: usize,
+    /// The line with the columns' units, counted from 1; 0 if there is none.
+    pub units: usize,
+    /// The first line with numbers, counted from 1.
+    pub data: usize,
+}
+
+/// Limits the lines that are looked at.
+const LOOK: usize = 300;
+
+/// Lines that begin with one of these are remarks.
+pub(super) const REMARKS: [char; 2] = ['#', '%'];
+
+impl Dialect {
+    /// The dialect of a file that begins with these lines, or `None` if no line has a number.
+    pub(super) fn sniff(encoding: Encoding, lines: &[&str]) -> Option<Self> {
+        let lines = &lines[..lines.len().min(LOOK)];
+        let mut best: Option<(i64, Form)> = None;
+        for delimiter in [Delimiter::Semicolon, Delimiter::Tab, Delimiter::Comma, Delimiter::Blanks] {
+            for decimal in [Decimal::Point, Decimal::Comma] {
+                let form = Form::new(delimiter, decimal, lines);
+                let score = form.score();
+                if score > 0 && best.as_ref().is_none_or(|(most, _)| score > *most) {
+                    best = Some((score, form));
+                }
+            }
+        }
+        let (_, form) = best?;
+        let data = form.data()?;
+        let (names, units) = form.header(lines, data);
+        let Form { delimiter, decimal, .. } = form;
+        Some(Self { encoding, delimiter, decimal, names, units, data: data + 1 })
+    }
+
+    /// The names and units in the header, for this many columns.
+    pub(super) fn header(&self, lines: &[&str], columns: usize) -> Vec<(String, Option<String>)> {
+        let line = |number: usize| number.checked_sub(1).and_then(|place| lines.get(place)).copied();
+        let cells = |number: usize| line(number).map(|line| header_cells(self.delimiter, line, columns));
+        let (names, units) = (cells(self.names).unwrap_or_default(), cells(self.units).unwrap_or_default());
+        let one = |place: usize| {
+            let header = names.get(place).filter(|name| !name.is_empty());
+            let (name, own) = match header {
+                Some(header) => unit::name_and_unit(header),
+                None => (format!("column {}", place + 1), None),
+            };
+            let below = units.get(place).map(|text| text.trim_matches(['(', ')', '[', ']', '<', '>']).trim());
+            (name, below.filter(|text| !text.is_empty()).map(str::to_owned).or(own))
+        };
+        (0..columns).map(one).collect()
+    }
+}
+
+impl fmt::Display for Dialect {
+    /// What was found, in one line.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { encoding, delimiter, decimal, names, units, data } = self;
+        write!(f, "{}, {} between cells, decimal ", encoding.name(), delimiter.name())?;
+        f.write_str(match decimal {
+            Decimal::Point => "points",
+            Decimal::Comma => "commas",
+        })?;
+        match names {
+            0 => f.write_str(", no names")?,
+            line => write!(f, ", names in line {line}")?,
+        }
+        if *units > 0 {
+            write!(f, ", units in line {units}")?;
+        }
+        write!(f, ", numbers from line {data} on")
+    }
+}
+
+/// The cells of a header. In a file with blanks between cells, a unit in brackets belongs to the name before it.
+fn header_cells(delimiter: Delimiter, line: &str, columns: usize) -> Vec<String> {
+    let line = line.trim_start_matches(['\u{FEFF}', ' ']).trim_start_matches(REMARKS);
+    let mut cells: Vec<String> = delimiter.cells(line).map(str::to_owned).collect();
+    if delimiter == Delimiter::Blanks && cells.len() > columns {
+        let mut merged: Vec<String> = Vec::new();
+        for cell in cells {
+            match merged.last_mut() {
+                Some(before) if cell.starts_with(['(', '[', '<']) => *before = format!("{before} {cell}"),
+                _ => merged.push(cell),
+            }
+        }
+        cells = merged;
+    }
+    while cells.len() > columns && cells.last().is_some_and(String::is_empty) {
+        cells.pop();
+    }
+    cells
+}
+
+/// The lines of a file, read with one delimiter and decimal character.
+struct Form {
+    delimiter: Delimiter,
+    decimal: Decimal,
+    lines: Vec<Counts>,
+    /// The number of cells of most lines.
+    columns: usize,
+}
+
+/// The cells of a line: how many there are, of them numbers, and texts.
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    cells: usize,
+    numbers: usize,
+    texts: usize,
+}
+
+impl Counts {
+    fn is_data(self, columns: usize) -> bool {
+        self.cells == columns && self.numbers > 0 && self.texts * 2 <= columns
+    }
+}
+
+impl Form {
+    fn new(delimiter: Delimiter, decimal: Decimal, lines: &[&str]) -> Self {
+        let count = |line: &&str| {
+            if line.trim_start().starts_with(REMARKS) || line.trim().is_empty() {
+                return Counts::default();
+            }
+            // A comma cannot be both, but for cells in quotes.
+            if delimiter == Delimiter::Comma && decimal == Decimal::Comma && !line.contains('"') {
+                return Counts::default();
+            }
+            let mut counts = Counts::default();
+            for cell in delimiter.cells(line) {
+                counts.cells += 1;
+                match decimal.number(cell) {
+                    Some(number) if !number.is_nan() => counts.numbers += 1,
+                    Some(_) => {}
+                    None => counts.texts += 1,
+                }
+            }
+            counts
+        };
+        let lines: Vec<Counts> = lines.iter().map(count).collect();
+        let with_numbers = || lines.iter().filter(|line| line.numbers > 0).map(|line| line.cells);
+        let columns = with_numbers().max_by_key(|&cells| (with_numbers().filter(|&c| c == cells).count(), cells));
+        Self { delimiter, decimal, columns: columns.unwrap_or(0), lines }
+    }
+
+    /// Numbers speak for the form, texts against it.
+    fn score(&self) -> i64 {
+        let data = self.lines.iter().filter(|line| line.is_data(self.columns));
+        data.map(|line| line.numbers as i64 - line.texts as i64).sum()
+    }
+
+    /// The place of the first line of numbers: most of the lines after it are such lines too.
+    fn data(&self) -> Option<usize> {
+        /// Limits the lines after the first that are looked at.
+        const NEXT: usize = 6;
+        let is_first = |place: &usize| {
+            let next: Vec<&Counts> = self.lines[*place..].iter().filter(|line| line.cells > 0).take(NEXT).collect();
+            let data = next.iter().filter(|line| line.is_data(self.columns)).count();
+            self.lines[*place].is_data(self.columns) && 2 * data >= next.len()
+        };
+        (0..self.lines.len()).find(is_first)
+    }
+
+    /// The lines of names and units above the numbers, counted from 1.
+    fn header(&self, lines: &[&str], data: usize) -> (usize, usize) {
+        let columns = self.columns;
+        let is_header = |place: &usize| {
+            let cells = header_cells(self.delimiter, lines[*place], columns);
+            let texts = cells.iter().filter(|c| self.decimal.number(c).is_none_or(f64::is_nan)).count();
+            cells.len() == columns && texts * 2 > columns && cells.iter().any(|cell| !cell.is_empty())
+        };
+        let mut above = (0..data).rev().filter(|&place| !lines[place].trim().is_empty());
+        let Some(last) = above.next().filter(is_header) else { return (0, 0) };
+        let cells = header_cells(self.delimiter, lines[last], columns);
+        let is_unit = |cell: &&String| cell.is_empty() || unit::unit(cell.trim_matches(['(', ')', '[', ']'])).is_some();
+        let are_units = cells.iter().filter(is_unit).count() * 2 > columns;
+        match above.next().filter(is_header) {
+            Some(names) if are_units => (names + 1, last + 1),
+            _ => (last + 1, 0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sniff(text: &str) -> Dialect {
+        let lines: Vec<&str> = text.lines().collect();
+        Dialect::sniff(Encoding::Utf8, &lines).unwrap()
+    }
+
+    #[track_caller]
+    fn check(text: &str, delimiter: Delimiter, decimal: Decimal, [names, units, data]: [usize; 3]) {
+        let dialect = Dialect { encoding: Encoding::Utf8, delimiter, decimal, names, units, data };
+        assert_eq!(sniff(text), dialect, "{text}");
+    }
+
+    #[test]
+    fn usual_dialects_are_found() {
+        use Decimal::{Comma as DecimalComma, Point};
+        check("t,force,x\n0,1,2\n1,2,3\n", Delimiter::Comma, Point, [1, 0, 2]);
+        check("\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n", Delimiter::Comma, Point, [1, 0, 2]);
+        check("Zeit;Kraft;Weg\n0,00;1,5;2\n0,01;1;2,5\n", Delimiter::Semicolon, DecimalComma, [1, 0, 2]);
+        check("0.0 1.5 2\n0.1 2.5 3\n", Delimiter::Blanks, Point, [0, 0, 1]);
+        check("0,0 1,5 2\n0,1 2,5 3\n", Delimiter::Blanks, DecimalComma, [0, 0, 1]);
+        check("t\tx\ns\tmm\n0\t1.5\n1\t2\n", Delimiter::Tab, Point, [1, 2, 3]);
+        check("# a remark\n# t x\n0 1\n1 2\n", Delimiter::Blanks, Point, [2, 0, 3]);
+        check("Time (s) acc (g)\n0 1\n1 2\n", Delimiter::Blanks, Point, [1, 0, 2]);
+        check("\"t\",\"x\"\n\"0,1\",\"2,5\"\n\"0,2\",\"3\"\n", Delimiter::Comma, DecimalComma, [1, 0, 2]);
+        check("1.5\n2.5\n", Delimiter::Semicolon, Point, [0, 0, 1]);
+    }
+
+    #[test]
+    fn leading_text_is_no_header_and_text_columns_are_no_obstacle() {
+        let text = "Logger 3000\nStart: 12.05.2024; rate 100\n\nZeit;Weg;Status\ns;mm;\n0,00;1,2;ok\n0,01;1,3;ok\n";
+        check(text, Delimiter::Semicolon, Decimal::Comma, [4, 5, 6]);
+        check("NPTS= 4, DT= .02 SEC\n.1 .2 .3\n.4 .5 .6\n", Delimiter::Blanks, Decimal::Point, [0, 0, 2]);
+        let clock = "when,x\n2024-05-01 12:00:00.00,1\n2024-05-01 12:00:00.01,2\n";
+        check(clock, Delimiter::Comma, Decimal::Point, [1, 0, 2]);
+    }
+
+    #[test]
+    fn names_and_units_come_from_one_line_or_two() {
+        let header = |text: &str, columns| sniff(text).header(&text.lines().collect::<Vec<_>>(), columns);
+        let units = header("t\tx\n[ms]\t[mm]\n0\t1.5\n1\t2\n", 2);
+        assert_eq!(units, [("t".to_owned(), Some("ms".to_owned())), ("x".to_owned(), Some("mm".to_owned()))]);
+        let blanks = header("Time (s) acc (g)\n0 1\n1 2\n", 2);
+        assert_eq!(blanks, [("Time".to_owned(), Some("s".to_owned())), ("acc".to_owned(), Some("g".to_owned()))]);
+        assert_eq!(header("1 2\n3 4\n", 2)[1], ("column 2".to_owned(), None));
+    }
+
+    #[test]
+    fn a_file_without_numbers_has_no_dialect() {
+        assert_eq!(Dialect::sniff(Encoding::Utf8, &["a,b", "c,d"]), None);
+        assert_eq!(Dialect::sniff(Encoding::Utf8, &[]), None);
+    }
+
+    #[test]
+    fn it_says_what_it_found() {
+        let said = sniff("Zeit;Weg\ns;mm\n0,0;1,5\n0,1;2\n").to_string();
+        let expected = "UTF-8, semicolons between cells, decimal commas, names in line 1, units in line 2, numbers from \
+                        line 3 on";
+        assert_eq!(said, expected);
+    }
+}

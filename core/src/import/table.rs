@@ -1,0 +1,95 @@
+//! Columns of numbers, as a file has them.
+
+use super::Dialect;
+
+/// The columns of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// The file's form.
+    pub dialect: Dialect,
+    /// The columns, all of the same length.
+    pub columns: Vec<Column>,
+    /// Sentences about rows that were not as expected.
+    pub remarks: Vec<String>,
+    pub(super) lines: Lines,
+}
+
+/// A column of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Column {
+    /// The name in the header, or `column 1` and so on.
+    pub name: String,
+    /// The unit in the header.
+    pub unit: Option<String>,
+    /// The numbers, in the file's unit; NaN where a cell is empty or has other text.
+    pub values: Vec<f64>,
+    /// The first cell with text that is not a number.
+    pub text: Option<TextCell>,
+}
+
+/// A cell with text that is not a number.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextCell {
+    /// Line of the file, counted from 1.
+    pub line: usize,
+    /// The text.
+    pub text: String,
+}
+
+impl Table {
+    /// The number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.values.len())
+    }
+
+    /// The line of a row in the file, counted from 1.
+    pub fn line(&self, row: usize) -> usize {
+        self.lines.of(row)
+    }
+
+    /// The place of a column, by its name as it is, or without regard to case.
+    pub fn place(&self, name: &str) -> Option<usize> {
+        let exact = self.columns.iter().position(|column| column.name == name);
+        exact.or_else(|| self.columns.iter().position(|column| column.name.eq_ignore_ascii_case(name)))
+    }
+
+    /// Whether every cell of a column is empty or text.
+    pub fn is_without_numbers(&self, place: usize) -> bool {
+        self.columns[place].values.iter().all(|value| value.is_nan())
+    }
+}
+
+/// The lines of rows: blocks of rows without a line between them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Lines {
+    /// The first row of each block, and its line.
+    blocks: Vec<(usize, usize)>,
+}
+
+impl Lines {
+    pub(super) fn push(&mut self, row: usize, line: usize) {
+        if self.blocks.last().is_none_or(|&(first, start)| start + (row - first) != line) {
+            self.blocks.push((row, line));
+        }
+    }
+
+    fn of(&self, row: usize) -> usize {
+        let block = self.blocks.partition_point(|&(first, _)| first <= row).checked_sub(1);
+        block.map_or(0, |block| self.blocks[block].1 + (row - self.blocks[block].0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_known_for_each_row() {
+        let mut lines = Lines::default();
+        for (row, line) in [2, 3, 4, 7, 8, 20].into_iter().enumerate() {
+            lines.push(row, line);
+        }
+        assert_eq!(lines.blocks.len(), 3);
+        assert_eq!((0..6).map(|row| lines.of(row)).collect::<Vec<_>>(), [2, 3, 4, 7, 8, 20]);
+    }
+}

@@ -1,0 +1,208 @@
+//! Even times from a file's times.
+
+use super::ImportError;
+
+/// The fewest samples of a record.
+pub(super) const FEWEST: usize = 2;
+/// Limits the samples of a record.
+pub const MOST: usize = 2_000_000;
+
+/// Times may be off by at most this share of the step before anything is said.
+const EXACT: f64 = 0.01;
+/// Times belong to a sample if they are off by at most this share of the step.
+const CLOSE: f64 = 0.5;
+
+/// Equally spaced times, and the rows that they come from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Timing {
+    /// The first time \[s\].
+    pub(super) start: f64,
+    /// Time between samples \[s\].
+    pub(super) dt: f64,
+    /// The number of samples.
+    pub(super) samples: usize,
+    pub(super) places: Places,
+    /// A sentence about times that are not as even as they should be.
+    pub(super) remark: Option<String>,
+}
+
+/// The rows of the samples.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Places {
+    /// Row k is sample k.
+    Rows,
+    /// The sample of each row; samples between have none.
+    Gaps(Vec<usize>),
+    /// The times of the rows in steps after the first; values are interpolated linearly.
+    Times(Vec<f64>),
+}
+
+impl Timing {
+    /// `rows` samples at a rate \[Hz\].
+    pub(super) fn of_rate(rate: f64, rows: usize) -> Result<Self, ImportError> {
+        if rows < FEWEST {
+            return Err(ImportError::TooShort(rows));
+        }
+        Ok(Self { start: 0.0, dt: 1.0 / rate, samples: rows, places: Places::Rows, remark: None })
+    }
+
+    /// The timing of rows with these times \[s\]; `line` is the line of a row.
+    pub(super) fn of_times(times: &[f64], column: &str, line: impl Fn(usize) -> usize) -> Result<Self, ImportError> {
+        if times.len() < FEWEST {
+            return Err(ImportError::TooShort(times.len()));
+        }
+        if let Some(row) = times.iter().position(|time| !time.is_finite()) {
+            return Err(ImportError::MissingTime { line: line(row), column: column.to_owned() });
+        }
+        if let Some(row) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+            let (before, found) = (times[row], times[row + 1]);
+            return Err(ImportError::NotRising { line: line(row + 1), before, found });
+        }
+        let (start, last) = (times[0], times[times.len() - 1]);
+        let even = (last - start) / (times.len() - 1) as f64;
+        let step = times[1] - start;
+        // A mean step is rounded, but that of a file with exact times must be exact.
+        let exact = times.iter().enumerate().all(|(k, &time)| time == start + k as f64 * step);
+        let dt = if exact { step } else { even };
+        let off = |k: usize, place: f64, dt: f64| ((times[k] - start) / dt - place).abs();
+        let worst = (0..times.len()).map(|k| off(k, k as f64, dt)).fold(0.0, f64::max);
+        if worst <= CLOSE {
+            let remark = (worst > EXACT).then(|| {
+                format!("the times are off by up to {:.0} % of a step, as rounded ones are; even steps of {dt} s are used", 100.0 * worst)
+            });
+            return Ok(Self { start, dt, samples: times.len(), places: Places::Rows, remark });
+        }
+        let median = median_step(times);
+        let mut places = Vec::with_capacity(times.len());
+        places.push(0);
+        let mut longest = (0, 0);
+        for row in 1..times.len() {
+            let steps = libm::round((times[row] - times[row - 1]) / median).max(1.0);
+            let place = places[row - 1] as f64 + steps;
+            if place >= MOST as f64 {
+                return Err(ImportError::TooLong { found: (place + 1.0).min(1e15) as usize });
+            }
+            longest = longest.max((steps as usize - 1, row));
+            places.push(place as usize);
+        }
+        let samples = places[places.len() - 1] + 1;
+        let dt = (last - start) / (samples - 1) as f64;
+        let worst = (0..times.len()).map(|k| off(k, places[k] as f64, dt)).fold(0.0, f64::max);
+        if worst <= CLOSE {
+            let missing = samples - times.len();
+            let (most, row) = longest;
+            let remark = Some(format!(
+                "{missing} samples are missing; the longest gap has {most} and ends in line {}",
+                line(row)
+            ));
+            return Ok(Self { start, dt, samples, places: Places::Gaps(places), remark });
+        }
+        let samples = libm::floor((last - start) / median + 1e-9) as usize + 1;
+        if samples > MOST {
+            return Err(ImportError::TooLong { found: samples });
+        }
+        let times = times.iter().map(|time| (time - start) / median).collect();
+        let remark = Some(format!("the times are irregular; values are interpolated at even steps of {median} s"));
+        Ok(Self { start, dt: median, samples, places: Places::Times(times), remark })
+    }
+
+    /// The values of the samples from those of the rows; NaN where there is none.
+    pub(super) fn spread(&self, rows: &[f64]) -> Vec<f64> {
+        match &self.places {
+            Places::Rows => rows.to_vec(),
+            Places::Gaps(places) => {
+                let mut values = vec![f64::NAN; self.samples];
+                places.iter().zip(rows).for_each(|(&place, &value)| values[place] = value);
+                values
+            }
+            Places::Times(times) => {
+                let mut row = 0;
+                let at = |k: usize| {
+                    let time = k as f64;
+                    while row + 2 < times.len() && times[row + 1] <= time {
+                        row += 1;
+                    }
+                    let share = (time - times[row]) / (times[row + 1] - times[row]);
+                    // Between values that are far apart nothing is known.
+                    let is_gap = times[row + 1] - times[row] > MOST_APART;
+                    match share {
+                        share if share <= 0.0 => rows[row],
+                        share if share >= 1.0 => rows[row + 1],
+                        _ if is_gap => f64::NAN,
+                        share => rows[row] + share * (rows[row + 1] - rows[row]),
+                    }
+                };
+                (0..self.samples).map(at).collect()
+            }
+        }
+    }
+}
+
+/// Values further apart than this many steps are not interpolated.
+const MOST_APART: f64 = 3.0;
+
+fn median_step(times: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn timing(times: &[f64]) -> Result<Timing, ImportError> {
+        Timing::of_times(times, "t", |row| row + 2)
+    }
+
+    #[test]
+    fn even_times_are_taken_as_they_are() {
+        let times: Vec<f64> = (0..100).map(|k| 0.5 + f64::from(k) * 0.01).collect();
+        let found = timing(&times).unwrap();
+        assert_eq!((found.start, found.dt, found.samples), (0.5, 0.01, 100));
+        assert_eq!((found.places, found.remark), (Places::Rows, None));
+    }
+
+    #[test]
+    fn rounded_times_are_even_within_half_a_step() {
+        let times: Vec<f64> = (0..1000).map(|k| (f64::from(k) * 1.6384).round() * 1e-3).collect();
+        let found = timing(&times).unwrap();
+        assert!((found.dt / 1.6384e-3 - 1.0).abs() < 1e-3, "{}", found.dt);
+        assert_eq!(found.places, Places::Rows);
+        assert!(found.remark.unwrap().contains("rounded"));
+    }
+
+    #[test]
+    fn gaps_are_missing_samples_and_the_right_line_is_named() {
+        let found = timing(&[0.0, 0.1, 0.2, 0.3, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1]).unwrap();
+        assert_eq!(found.samples, 12);
+        assert!((found.dt - 0.1).abs() < 1e-12);
+        let values = found.spread(&[0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0]);
+        assert!(values[4].is_nan() && values[5].is_nan());
+        assert_eq!(values[6], 6.0);
+        let remark = found.remark.unwrap();
+        assert_eq!(remark, "2 samples are missing; the longest gap has 2 and ends in line 6");
+    }
+
+    #[test]
+    fn irregular_times_are_resampled() {
+        let times = [0.0, 0.13, 0.2, 0.36, 0.38, 0.55, 0.61, 0.68, 0.81, 0.95, 1.02, 1.38, 1.44, 1.6, 1.69];
+        let found = timing(&times).unwrap();
+        let values = found.spread(&times.map(|t| 3.0 * t));
+        assert!(found.remark.unwrap().contains("irregular"));
+        for (k, value) in values.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
+            assert!((value - 3.0 * k as f64 * found.dt).abs() < 1e-12, "{k}");
+        }
+        assert!(values.iter().filter(|value| value.is_nan()).count() < 6);
+    }
+
+    #[test]
+    fn times_that_do_not_rise_are_refused_with_their_line() {
+        assert_eq!(timing(&[0.0, 0.1, 0.1]).unwrap_err().to_string(), "line 4: the time stands still from 0.1 s to 0.1 s");
+        assert_eq!(timing(&[0.0, 0.1, 0.05]).unwrap_err().to_string(), "line 4: the time goes back from 0.1 s to 0.05 s");
+        assert!(timing(&[0.0, f64::NAN, 1.0]).unwrap_err().to_string().contains("line 3, column `t`"));
+        assert!(timing(&[0.0]).unwrap_err().to_string().starts_with("1 row"));
+        let endless = timing(&[0.0, 1e-9, 2e-9, 1e9]).unwrap_err().to_string();
+        assert!(endless.contains("at most 2000000"), "{endless}");
+    }
+}
