@@ -25,8 +25,18 @@ pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette, lit:
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         // The floating scroll bar must not cover the units.
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
-        let Scenario { seed: _, dt: _, duration: _, plant: _, force: _, input: _, hold: _, sensors: _, filters } =
-            scenario;
+        let Scenario {
+            seed: _,
+            dt: _,
+            duration: _,
+            plant: _,
+            force: _,
+            input: _,
+            hold: _,
+            sensors: _,
+            filters,
+            record: _,
+        } = scenario;
         let filters = filters.len();
         // First what one tunes.
         for place in 0..filters {

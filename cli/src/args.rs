@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use kalmanscope_core::VerdictKind;
+use kalmanscope_core::{PlantKind, Quantity, VerdictKind};
 
 /// System identification with Kalman filters on the command line
 #[derive(Debug, Parser)]
@@ -17,6 +17,8 @@ pub(crate) struct CommandLine {
 pub(crate) enum Command {
     /// Run a scenario to its end and print the results of each filter
     Run(RunArgs),
+    /// Look at a measured record and write a scenario for it: its columns, and start values from its data
+    Import(ImportArgs),
     /// Read a lesson and try each of its claims on several records
     Lesson(LessonArgs),
 }
@@ -34,9 +36,16 @@ pub(crate) struct LessonArgs {
 pub(crate) struct RunArgs {
     /// The scenario, a TOML file; `-` for standard input
     pub(crate) scenario: PathBuf,
-    /// Filter this record instead of simulating one: a CSV file with the columns t, force and one for each sensor
+    /// Filter this record instead of simulating one: a file with columns of numbers, whose meaning is that of `[record]` in
+    /// the scenario or of --map, or else guessed from the names
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record: Option<PathBuf>,
+    /// The meaning of the record's columns, as `[record]` in a scenario has it
+    #[arg(long, value_name = "MAP.toml", requires = "record")]
+    pub(crate) map: Option<PathBuf>,
+    /// Run the identified models freely over this record too, which the filters do not see; its columns mean the same
+    #[arg(long, value_name = "RECORD.csv")]
+    pub(crate) holdout: Vec<PathBuf>,
     /// Seed of the random numbers, instead of the scenario's; has no effect with --record
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
@@ -53,6 +62,45 @@ pub(crate) struct RunArgs {
     /// not-identifiable, underconfident, overconfident, wound-up, collapsed, lost, diverged
     #[arg(long, value_name = "VERDICTS", value_delimiter = ',', value_parser = verdict)]
     pub(crate) fail_on: Vec<VerdictKind>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ImportArgs {
+    /// The record, a file with columns of numbers
+    pub(crate) file: PathBuf,
+    /// The scenario to write; standard output if left out
+    #[arg(long, value_name = "SCENARIO.toml")]
+    pub(crate) out: Option<PathBuf>,
+    /// Samples in a second, for a file without times
+    #[arg(long, value_name = "HZ")]
+    pub(crate) rate: Option<f64>,
+    /// The column of the times
+    #[arg(long, value_name = "COLUMN")]
+    pub(crate) time: Option<String>,
+    /// The column of the input
+    #[arg(long, value_name = "COLUMN")]
+    pub(crate) input: Option<String>,
+    /// The input is the acceleration of the ground, not a force
+    #[arg(long)]
+    pub(crate) ground: bool,
+    /// The column of a sensor, such as displacement=V2; may be given for several
+    #[arg(long, value_name = "QUANTITY=COLUMN", value_parser = sensor)]
+    pub(crate) sensor: Vec<(Quantity, String)>,
+    /// The kind of plant that the filters assume
+    #[arg(long, value_name = "KIND", default_value = "sdof", value_parser = plant)]
+    pub(crate) plant: PlantKind,
+}
+
+fn sensor(text: &str) -> Result<(Quantity, String), String> {
+    let (key, column) = text.split_once('=').ok_or("expected QUANTITY=COLUMN, such as displacement=V2")?;
+    let quantity = Quantity::from_key(key.trim()).ok_or_else(|| format!("there is no quantity `{key}`"))?;
+    Ok((quantity, column.trim().to_owned()))
+}
+
+fn plant(key: &str) -> Result<PlantKind, String> {
+    let all = || PlantKind::ALL.into_iter();
+    let keys = || all().map(|kind| kind.info().key).collect::<Vec<_>>().join(", ");
+    all().find(|kind| kind.info().key == key).ok_or_else(|| format!("expected one of {}", keys()))
 }
 
 fn verdict(word: &str) -> Result<VerdictKind, String> {

@@ -4,9 +4,13 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
+use kalmanscope_core::import::ImportError;
 use kalmanscope_core::{RecordError, RunError, ScenarioError};
 use kalmanscope_lessons::LessonError;
 use thiserror::Error;
+
+/// Limits the size of a record's file \[bytes\].
+pub(crate) const LARGEST: u64 = 1_000_000_000;
 
 /// Errors of the input.
 #[derive(Debug, Error)]
@@ -19,6 +23,10 @@ pub(crate) enum InputError {
     Lesson { file: PathBuf, error: LessonError },
     #[error("{}: {error}", shown(.file))]
     Record { file: PathBuf, error: RecordError },
+    #[error("{}: {error}", shown(.file))]
+    Import { file: PathBuf, error: ImportError },
+    #[error("{}: it has {megabytes} MB, but at most {} MB are read; cut it before", shown(.file), LARGEST / 1_000_000)]
+    TooLarge { file: PathBuf, megabytes: u64 },
     #[error("{}: {error}", shown(.file))]
     Run { file: PathBuf, error: RunError },
     #[error("{}: `duration` is {most} times dt or more, but every sample is kept here", shown(.file))]

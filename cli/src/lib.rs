@@ -12,6 +12,7 @@
 
 mod causes;
 mod estimates_csv;
+mod free_run;
 mod number;
 mod plot;
 mod table;
@@ -23,6 +24,7 @@ use kalmanscope_core::{Record, Run, RunError, Scenario};
 
 pub use causes::causes;
 pub use estimates_csv::write_estimates;
+pub use free_run::free_runs;
 pub use plot::{PlotError, plot_svg, svg};
 pub use table::table;
 pub use timing::step_times;

@@ -4,8 +4,10 @@
 //! 3 a filter has a verdict that `--fail-on` names.
 
 mod args;
+mod import;
 mod input;
 mod lesson;
+mod record;
 mod run;
 
 use std::io::{self, Write as _};
@@ -23,6 +25,7 @@ fn main() -> ExitCode {
             Ending::Stopped => ExitCode::FAILURE,
             Ending::Verdict => ExitCode::from(3),
         }),
+        Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
         Command::Lesson(args) => {
             lesson::lesson(&args).map(|holds| if holds { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }

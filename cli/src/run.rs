@@ -1,15 +1,17 @@
 //! The command `kalmanscope-cli run`.
 
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Write as _};
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use kalmanscope_cli::{PlotError, causes, plot_svg, run_scenario, step_times, table, write_estimates};
-use kalmanscope_core::{Analysis, Record, RecordError, Scenario, Wanted};
+use kalmanscope_cli::{PlotError, causes, free_runs, plot_svg, run_scenario, step_times, table, write_estimates};
+use kalmanscope_core::import::Imported;
+use kalmanscope_core::{Analysis, RecordError, Scenario, Wanted};
 use thiserror::Error;
 
 use crate::args::RunArgs;
 use crate::input::{InputError, read_text};
+use crate::record::{measured, read};
 use crate::report_error;
 
 /// Limits the samples of a run, because all are kept: at 100 Hz more than five hours, about a gigabyte of estimates per
@@ -42,17 +44,24 @@ pub(crate) enum Ending {
 
 /// Runs the scenario, writes what was asked for and prints the table. What could not be written is told on standard error.
 pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
-    let RunArgs { scenario: file, record, seed, out, record_out, svg, fail_on } = args;
+    let RunArgs { scenario: file, record: _, map: _, holdout, seed, out, record_out, svg, fail_on } = args;
     let mut scenario = read_scenario(file)?;
     if let Some(seed) = seed {
         scenario.seed = *seed;
     }
-    if record.is_none() && scenario.samples() > MOST {
+    let imported = measured(args, &mut scenario)?;
+    if imported.is_none() && scenario.samples() > MOST {
         return Err(InputError::TooLong { file: file.clone(), most: MOST });
     }
-    let measured = record.as_deref().map(|path| read_record(path, &scenario)).transpose()?;
+    let is_measured = imported.is_some();
+    let (record, remarks) = imported.map_or((None, Vec::new()), |Imported { record, remarks }| (Some(record), remarks));
+    remarks.iter().for_each(|remark| {
+        let _ = writeln!(io::stderr(), "{remark}");
+    });
+    let held_out = holdout.iter().map(|path| Ok((path, read(path, &mut scenario.clone())?.record)));
+    let held_out = held_out.collect::<Result<Vec<_>, InputError>>()?;
     let bad_run = |error| InputError::Run { file: file.clone(), error };
-    let run = run_scenario(&scenario, measured).map_err(bad_run)?;
+    let run = run_scenario(&scenario, record).map_err(bad_run)?;
 
     let mut well = true;
     let mut write = |path: &Option<PathBuf>, writer: &dyn Fn(&Path) -> Result<(), OutputError>| {
@@ -69,8 +78,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
 
     let times = step_times(&scenario, &run).map_err(bad_run)?;
     let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
+    let mut text = table(&run, &analysis, &causes(&run, &analysis), &times);
+    if is_measured {
+        text.push_str(&free_runs(&run, run.record(), "its own record"));
+    }
+    for (path, record) in &held_out {
+        text.push_str(&free_runs(&run, record, &path.display().to_string()));
+    }
     // A closed pipe needs no message; the exit code reports the rest.
-    if let Err(error) = io::stdout().write_all(table(&run, &analysis, &causes(&run, &analysis), &times).as_bytes())
+    if let Err(error) = io::stdout().write_all(text.as_bytes())
         && error.kind() != io::ErrorKind::BrokenPipe
     {
         well = false;
@@ -91,11 +107,4 @@ fn create(path: &Path) -> io::Result<BufWriter<File>> {
 
 fn read_scenario(file: &Path) -> Result<Scenario, InputError> {
     Scenario::from_toml(&read_text(file)?).map_err(|error| InputError::Scenario { file: file.to_owned(), error })
-}
-
-fn read_record(path: &Path, scenario: &Scenario) -> Result<Record, InputError> {
-    let file = File::open(path).map_err(|error| InputError::Read { file: path.to_owned(), error })?;
-    let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
-    Record::read_csv(BufReader::new(file), &sensors)
-        .map_err(|error| InputError::Record { file: path.to_owned(), error })
 }

@@ -14,12 +14,13 @@ pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
     let n = settings.model(truth, InputKind::Force).size() as f64;
     // A matrix product takes n³ multiplications; the rest of a step takes about n².
     let local = 60.0 + 6.0 * n * n + n * n * n;
-    match settings.kind {
+    let one = match settings.kind {
         kind if kind == FilterKind::IEKF => local * settings.iterations.max(1) as f64,
         kind if kind == FilterKind::UKF || kind == FilterKind::SR_UKF || kind == FilterKind::CKF => 4.0 * local,
         kind if kind.is_sampled() => settings.ensemble_size.max(1) as f64 * 25.0 * n,
         _ => local,
-    }
+    };
+    one * settings.substeps.max(1) as f64
 }
 
 /// The number of samples that a filter computes between two checks of the clock.

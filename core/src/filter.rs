@@ -177,6 +177,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     noise: Noise,
     observation: Observation,
     adaptation: Adaptation,
+    substeps: usize,
     belief: Box<B>,
 }
 
@@ -193,7 +194,14 @@ impl<B: Belief + ?Sized> Filter<B> {
         adaptation: Adaptation,
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
-        Self { model, belief, dt, hold, noise, observation: Observation::of(readings), adaptation }
+        Self { model, belief, dt, hold, noise, observation: Observation::of(readings), adaptation, substeps: 1 }
+    }
+
+    /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
+    /// noise is added in the last.
+    #[must_use]
+    pub fn with_substeps(self, substeps: usize) -> Self {
+        Self { substeps: substeps.max(1), ..self }
     }
 
     /// The belief after the last predict or update.
@@ -237,11 +245,36 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn,
     /// [`FilterError::UndefinedForce`]. Any other prediction that overflows is found by the update.
     pub fn predict(&mut self, forces: [f64; 2]) -> Result<(), FilterError> {
-        let step = self.step(forces);
-        if !step.forces.iter().all(|force| force.is_finite()) {
+        self.predict_by(forces, |_, _, _| Ok(()))
+    }
+
+    /// [`Self::predict`], which calls `before` with model, belief and step before each of its steps.
+    pub(crate) fn predict_by(
+        &mut self,
+        forces: [f64; 2],
+        mut before: impl FnMut(&Model, &B, Step) -> Result<(), FilterError>,
+    ) -> Result<(), FilterError> {
+        let whole = self.step(forces);
+        if !whole.forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        self.belief.predict(&self.model, step, &self.noise)
+        let Self { model, noise, substeps, belief, .. } = self;
+        if *substeps > 1 {
+            let share = |i: usize| i as f64 / *substeps as f64;
+            let part = |i| Step {
+                forces: [whole.force(share(i)), whole.force(share(i + 1))],
+                dt: whole.dt / *substeps as f64,
+            };
+            let silent = Noise { process: Matrix::zeros(model.size(), model.size()), sensors: Vec::new(), fading: 1.0 };
+            for i in 0..*substeps - 1 {
+                before(model, belief, part(i))?;
+                belief.predict(model, part(i), &silent)?;
+            }
+            before(model, belief, part(*substeps - 1))?;
+            return belief.predict(model, part(*substeps - 1), noise);
+        }
+        before(model, belief, whole)?;
+        belief.predict(model, whole, noise)
     }
 
     /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A

@@ -50,8 +50,8 @@ pub use unit::{Dimension, STANDARD_GRAVITY, unit};
 ///
 /// # Errors
 /// As [`Reader::new`] and [`Reader::advance`].
-pub fn read(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError> {
-    let mut reader = Reader::new(bytes.to_vec(), dialect)?;
+pub fn read(bytes: impl Into<Vec<u8>>, dialect: Option<Dialect>) -> Result<Table, ImportError> {
+    let mut reader = Reader::new(bytes.into(), dialect)?;
     while !reader.advance(&mut || true)? {}
     reader.finish()
 }
@@ -59,6 +59,8 @@ pub fn read(bytes: &[u8], dialect: Option<Dialect>) -> Result<Table, ImportError
 /// A hash of a file's bytes (FNV-1a, 64 bits, in hexadecimal), to tell whether a file is the same one; it is no protection
 /// against forgery.
 pub fn hash(bytes: &[u8]) -> String {
-    let sum = bytes.iter().fold(0xCBF2_9CE4_8422_2325_u64, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3));
+    let sum = bytes
+        .iter()
+        .fold(0xCBF2_9CE4_8422_2325_u64, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3));
     format!("{sum:016x}")
 }

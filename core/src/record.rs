@@ -84,6 +84,33 @@ impl Record {
         Self { start, ..self }
     }
 
+    /// Changes every value of the input.
+    pub(crate) fn change_input(&mut self, change: impl Fn(f64) -> f64) {
+        self.input.iter_mut().for_each(|value| *value = change(*value));
+    }
+
+    /// Changes every measurement of a sensor.
+    pub(crate) fn change_measured(&mut self, sensor: usize, change: impl Fn(f64) -> f64) {
+        self.measured[sensor].iter_mut().for_each(|value| *value = change(*value));
+    }
+
+    /// Some samples of those that are kept, as a record of their own.
+    #[must_use]
+    pub fn part(&self, samples: std::ops::Range<usize>) -> Self {
+        let start = self.time(samples.start);
+        let cut = |column: &Vec<f64>| column[samples.clone()].to_vec();
+        Self {
+            start,
+            forgotten: 0,
+            input: cut(&self.input),
+            measured: self.measured.iter().map(cut).collect(),
+            truth: self.truth.iter().map(cut).collect(),
+            sensors: self.sensors.clone(),
+            truth_channels: self.truth_channels.clone(),
+            ..*self
+        }
+    }
+
     pub(crate) fn empty(
         dt: f64,
         kind: InputKind,

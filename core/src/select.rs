@@ -6,7 +6,8 @@ use crate::{FilterSettings, filter, kernel};
 
 /// Builds the filter of some settings: a tuned kernel where there is one, else the reference filter.
 pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
-    kernel::estimator::estimator(settings, context).unwrap_or_else(|| filter::estimator::estimator(settings, &context))
+    let kernel = if settings.substeps == 1 { kernel::estimator::estimator(settings, context) } else { None };
+    kernel.unwrap_or_else(|| filter::estimator::estimator(settings, &context))
 }
 
 /// The smoother of a filter, if its kind has one.

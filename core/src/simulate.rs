@@ -1,7 +1,7 @@
 //! The simulation of the truth: the plant's response and the sensors' measurements.
 
 mod inputs;
-mod response;
+pub(crate) mod response;
 
 use thiserror::Error;
 

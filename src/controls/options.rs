@@ -16,7 +16,11 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         if [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF].contains(&filter.kind) {
             lit(ui, &format!("filters.{}.propagation", filter.name), |ui| propagation_ui(ui, filter));
         }
-        let FilterSettings { name, kind, log_parameters, iterations, ensemble_size, adaptation, smoother, .. } = filter;
+        let FilterSettings {
+            name, kind, log_parameters, substeps, iterations, ensemble_size, adaptation, smoother, ..
+        } = filter;
+        let hint = "Divide each prediction into so many steps: for plants that are not linear, and few samples a period";
+        whole_ui(ui, "steps a sample", &format!("{name} steps a sample"), substeps, (1, 20), hint);
         if *kind == FilterKind::IEKF {
             let hint = "Limit of the linearisations of the sensors in one update";
             whole_ui(ui, "iterations", &format!("{name} iterations"), iterations, (1, 20), hint);

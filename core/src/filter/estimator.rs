@@ -152,7 +152,8 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
         sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
         fading: settings.fading,
     };
-    Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation)
+    let filter = Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation);
+    filter.with_substeps(settings.substeps)
 }
 
 /// The initial mean as a state, and what a unit of each channel is in the state's. For a logarithm that is one over the

@@ -133,8 +133,12 @@ impl Beliefs for Smoothed {
             filtered.reserve(record.len());
             steps.reserve(record.len());
         } else {
-            let transition = filter.belief().transition(filter.model(), filter.step(forces))?;
-            filter.predict(forces)?;
+            let n = filter.model().size();
+            let mut transition = Matrix::identity(n, n);
+            filter.predict_by(forces, |model, belief, step| {
+                transition = belief.transition(model, step)? * &transition;
+                Ok(())
+            })?;
             let predicted = filter.belief().gaussian().into_owned();
             filter.update(forces[1], &record.sample(k, sensors), correction)?;
             let is_updated = correction.innovation.iter().any(|e| !e.is_nan());

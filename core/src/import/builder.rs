@@ -48,7 +48,8 @@ impl<'a> Builder<'a> {
                     return Err(ImportError::Text { line, column: name.clone(), text });
                 }
                 let size = unit(&mapping.time.unit).map_or(1.0, |(_, size)| size);
-                let scaled = if size == 1.0 { None } else { Some(column.values.iter().map(|t| t * size).collect::<Vec<_>>()) };
+                let scaled =
+                    if size == 1.0 { None } else { Some(column.values.iter().map(|t| t * size).collect::<Vec<_>>()) };
                 Timing::of_times(scaled.as_deref().unwrap_or(&column.values), name, |row| table.line(row))?
             }
             (None, Some(rate)) => Timing::of_rate(rate, table.rows())?,
@@ -109,7 +110,10 @@ impl<'a> Builder<'a> {
         let Timing { start, dt, samples, .. } = self.timing;
         let place = |time: f64| libm::ceil((time - start) / dt - 1e-6).clamp(0.0, samples as f64) as usize;
         let from = self.mapping.from.map_or(0, place);
-        let to = self.mapping.to.map_or(samples, |to| (libm::floor((to - start) / dt + 1e-6) + 1.0).clamp(0.0, samples as f64) as usize);
+        let to = self
+            .mapping
+            .to
+            .map_or(samples, |to| (libm::floor((to - start) / dt + 1e-6) + 1.0).clamp(0.0, samples as f64) as usize);
         from..to.max(from)
     }
 
@@ -282,8 +286,10 @@ fn shift(values: &mut [f64], delay: i32) {
 
 /// The mean of the values that are there.
 fn mean(values: &[f64]) -> f64 {
-    let (sum, count) =
-        values.iter().filter(|value| !value.is_nan()).fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    let (sum, count) = values
+        .iter()
+        .filter(|value| !value.is_nan())
+        .fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     if count > 0.0 { sum / count } else { 0.0 }
 }
 

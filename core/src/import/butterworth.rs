@@ -99,7 +99,8 @@ mod tests {
             }
             denominator = product;
         }
-        let expected = [1.0, -2.369_513_007_182_037, 2.313_988_414_415_879_7, -1.054_665_405_878_567_4, 0.187_379_492_368_185];
+        let expected =
+            [1.0, -2.369_513_007_182_037, 2.313_988_414_415_879_7, -1.054_665_405_878_567_4, 0.187_379_492_368_185];
         for (found, expected) in denominator.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }

@@ -16,10 +16,7 @@ enum Role {
 const WORDS: [(&[&str], Role); 7] = [
     (&["ground_acceleration", "ground", "base", "boden"], Role::Input(InputKind::GroundAcceleration)),
     (&["total_acceleration"], Role::Sensor(Quantity::TOTAL_ACCELERATION)),
-    (
-        &["force", "input", "load", "kraft", "excitation", "drive", "f", "u", "in", "v1"],
-        Role::Input(InputKind::Force),
-    ),
+    (&["force", "input", "load", "kraft", "excitation", "drive", "f", "u", "in", "v1"], Role::Input(InputKind::Force)),
     (&["time", "zeit", "seconds", "stamp", "temps", "t", "s"], Role::Time),
     (&["acceleration", "accel", "acc", "beschl", "a", "ax", "az"], Role::Sensor(Quantity::ACCELERATION)),
     (&["velocity", "speed", "geschw", "vel", "v"], Role::Sensor(Quantity::VELOCITY)),
@@ -70,7 +67,8 @@ impl Mapping {
         let columns = &table.columns;
         let numeric = |place: &usize| !table.is_without_numbers(*place) && !is_truth(&columns[*place]);
         let places: Vec<usize> = (0..columns.len()).filter(numeric).collect();
-        let mut roles: Vec<(usize, Option<Role>)> = places.iter().map(|&place| (place, role_of(&columns[place]))).collect();
+        let mut roles: Vec<(usize, Option<Role>)> =
+            places.iter().map(|&place| (place, role_of(&columns[place]))).collect();
         // The first column of each role has it.
         for i in 0..roles.len() {
             let is_taken = |role: Role| match role {
@@ -153,7 +151,10 @@ mod tests {
         check(angle, Some("Time"), None, &[(x, "Angle, Ch 1+2 Run #13")]);
         let ground = "time,ground acc (g),total_acceleration\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
         let total = Quantity::TOTAL_ACCELERATION;
-        assert_eq!(check(ground, Some("time"), Some("ground acc"), &[(total, "total_acceleration")]), InputKind::GroundAcceleration);
+        assert_eq!(
+            check(ground, Some("time"), Some("ground acc"), &[(total, "total_acceleration")]),
+            InputKind::GroundAcceleration
+        );
         check("time,acc (g)\n0,1\n1,-1\n2,0\n", Some("time"), None, &[(Quantity::ACCELERATION, "acc")]);
         check("Zeit;Kraft;Weg\n0,0;1;2\n0,1;0;3\n0,2;1;1\n", Some("Zeit"), Some("Kraft"), &[(x, "Weg")]);
         check("1\n3\n2\n", None, None, &[(x, "column 1")]);

@@ -254,7 +254,8 @@ mod tests {
         assert_eq!(mapping.sensors[&Quantity::DISPLACEMENT].gain, 1.0);
         let again = toml::to_string(&mapping).unwrap();
         assert_eq!(Mapping::from_toml(&again).unwrap(), mapping);
-        let within = format!("[record]\n{}", text.replace("[time]", "[record.time]").replace("[input]", "[record.input]"));
+        let within =
+            format!("[record]\n{}", text.replace("[time]", "[record.time]").replace("[input]", "[record.input]"));
         let within = within.replace("[sensors.", "[record.sensors.");
         assert_eq!(Mapping::from_toml(&within).unwrap(), mapping);
     }

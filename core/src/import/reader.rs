@@ -98,10 +98,12 @@ impl Reader {
         let mut text = String::new();
         encoding.decode(&head[start..], &mut text);
         // The last line may be cut.
-        let whole = if head.len() < bytes.len() { text.rfind('\n').map_or(text.len(), |end| end + 1) } else { text.len() };
+        let whole =
+            if head.len() < bytes.len() { text.rfind('\n').map_or(text.len(), |end| end + 1) } else { text.len() };
         let lines: Vec<&str> = text[..whole].lines().collect();
-        let dialect =
-            dialect.or_else(|| Dialect::sniff(encoding, &lines)).ok_or(ImportError::NoNumbers { lines: lines.len() })?;
+        let dialect = dialect
+            .or_else(|| Dialect::sniff(encoding, &lines))
+            .ok_or(ImportError::NoNumbers { lines: lines.len() })?;
         let first = lines.get(dialect.data.saturating_sub(1)).copied().unwrap_or_default();
         let mut width = dialect.delimiter.cells(first).count();
         // A delimiter that ends each line begins no column.

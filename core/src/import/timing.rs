@@ -68,7 +68,10 @@ impl Timing {
         let worst = (0..times.len()).map(|k| off(k, k as f64, dt)).fold(0.0, f64::max);
         if worst <= CLOSE {
             let remark = (worst > EXACT).then(|| {
-                format!("the times are off by up to {:.0} % of a step, as rounded ones are; even steps of {dt} s are used", 100.0 * worst)
+                format!(
+                    "the times are off by up to {:.0} % of a step, as rounded ones are; even steps of {dt} s are used",
+                    100.0 * worst
+                )
             });
             return Ok(Self { start, dt, samples: times.len(), places: Places::Rows, remark });
         }
@@ -198,8 +201,14 @@ mod tests {
 
     #[test]
     fn times_that_do_not_rise_are_refused_with_their_line() {
-        assert_eq!(timing(&[0.0, 0.1, 0.1]).unwrap_err().to_string(), "line 4: the time stands still from 0.1 s to 0.1 s");
-        assert_eq!(timing(&[0.0, 0.1, 0.05]).unwrap_err().to_string(), "line 4: the time goes back from 0.1 s to 0.05 s");
+        assert_eq!(
+            timing(&[0.0, 0.1, 0.1]).unwrap_err().to_string(),
+            "line 4: the time stands still from 0.1 s to 0.1 s"
+        );
+        assert_eq!(
+            timing(&[0.0, 0.1, 0.05]).unwrap_err().to_string(),
+            "line 4: the time goes back from 0.1 s to 0.05 s"
+        );
         assert!(timing(&[0.0, f64::NAN, 1.0]).unwrap_err().to_string().contains("line 3, column `t`"));
         assert!(timing(&[0.0]).unwrap_err().to_string().starts_with("1 row"));
         let endless = timing(&[0.0, 1e-9, 2e-9, 1e9]).unwrap_err().to_string();

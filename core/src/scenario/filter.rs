@@ -39,6 +39,9 @@ pub struct FilterSettings {
     pub log_parameters: bool,
     /// The propagation of the mean of a KF, EKF or IEKF.
     pub propagation: Propagation,
+    /// The number of steps into which a prediction is divided, for plants that are not linear over one sample.
+    #[serde(skip_serializing_if = "is_one")]
+    pub substeps: usize,
     /// Limits the linearisations of the sensors in one update of an IEKF, which stops earlier once it has converged.
     pub iterations: usize,
     /// The number of members of an EnKF, or of particles of a PF.
@@ -77,6 +80,7 @@ impl Default for FilterSettings {
             input_delay: 0,
             log_parameters: false,
             propagation: Propagation::LocalLinearisation,
+            substeps: 1,
             iterations: 5,
             ensemble_size: 500,
             adaptation: Adaptation::default(),
@@ -110,6 +114,11 @@ impl FilterSettings {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
 fn is_zero(id: &u32) -> bool {
     *id == 0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
+fn is_one(substeps: &usize) -> bool {
+    *substeps == 1
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]

@@ -18,6 +18,9 @@ pub(super) const MAX_FILTERS: usize = 16;
 /// Limits the linearisations in one update of an IEKF.
 const MAX_ITERATIONS: usize = 100;
 
+/// Limits the steps into which a prediction is divided.
+const MAX_SUBSTEPS: usize = 100;
+
 /// Limits the samples by which the plant can feel the input after or before it is recorded.
 const MAX_DELAY: u32 = 100;
 
@@ -115,6 +118,7 @@ impl FilterSettings {
             input_delay,
             log_parameters,
             propagation: _,
+            substeps,
             iterations,
             ensemble_size,
             adaptation: Adaptation { sensor_noise: _, process_noise: _, forgetting },
@@ -126,6 +130,12 @@ impl FilterSettings {
             initial_std,
             process_std,
         } = self;
+        require(
+            (1..=MAX_SUBSTEPS).contains(substeps),
+            format_args!("{path}.substeps"),
+            substeps,
+            format_args!("from 1 to {MAX_SUBSTEPS}"),
+        )?;
         require(
             (1..=MAX_ITERATIONS).contains(iterations),
             format_args!("{path}.iterations"),

@@ -17,7 +17,7 @@ const RUNAWAY: f64 = 100.0;
 const MAX_STEPS: u32 = 4096;
 
 /// The state of a plant, as it moves.
-pub(super) struct Response {
+pub(crate) struct Response {
     state: Vector,
     /// The largest absolute value of each component so far.
     size: Vector,
@@ -33,24 +33,24 @@ struct Exact {
 
 impl Response {
     /// At rest, except for the components in `initial`.
-    pub(super) fn new(initial: impl Iterator<Item = f64>) -> Self {
+    pub(crate) fn new(initial: impl Iterator<Item = f64>) -> Self {
         let state = Vector::from_iterator(initial.size_hint().0, initial);
         Self { size: Vector::zeros(state.len()), state, exact: None }
     }
 
     /// The state.
-    pub(super) fn state(&self) -> &[f64] {
+    pub(crate) fn state(&self) -> &[f64] {
         self.state.as_slice()
     }
 
     /// Sets the present value of a component that does not move.
-    pub(super) fn set(&mut self, place: usize, value: f64) {
+    pub(crate) fn set(&mut self, place: usize, value: f64) {
         self.state[place] = value;
     }
 
     /// Moves on by a step of `dt` \[s\]. The recorded force over mass goes linearly from the first to the second of
     /// `forces`, an unrecorded one is held \[m/s²\].
-    pub(super) fn advance(
+    pub(crate) fn advance(
         &mut self,
         model: &Model,
         forces: [f64; 2],

@@ -1,0 +1,102 @@
+//! Measured records from files.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use kalmanscope_core::import::{self, Builder, Imported, Mapping, Table};
+use kalmanscope_core::{Record, RunError, Scenario};
+
+use crate::args::RunArgs;
+use crate::input::{InputError, LARGEST, read_text};
+
+/// The measured record of a run, if it has one, with sentences about its making. The scenario gets the mapping.
+pub(crate) fn measured(args: &RunArgs, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
+    let RunArgs { scenario: file, record, map, .. } = args;
+    if let Some(map) = map {
+        let bad = |error| InputError::Scenario { file: map.clone(), error };
+        scenario.record = Some(Mapping::from_toml(&read_text(map)?).map_err(bad)?);
+    }
+    let path = match (record, &scenario.record) {
+        (Some(path), _) => path.clone(),
+        (None, Some(mapping)) if !mapping.file.is_empty() => beside(file, &mapping.file),
+        _ => return Ok(None),
+    };
+    read(&path, scenario).map(Some)
+}
+
+/// The record in a file, with the meaning that the scenario gives its columns.
+pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, InputError> {
+    if scenario.record.is_none() && has_canonical_names(path)? {
+        let file = open(path)?;
+        let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let record = Record::read_csv(BufReader::new(file), &sensors);
+        let record = record.map_err(|error| InputError::Record { file: path.to_owned(), error })?;
+        return Ok(Imported { record, remarks: Vec::new() });
+    }
+    let bad = |error| InputError::Import { file: path.to_owned(), error };
+    let mapping = scenario.record.clone().unwrap_or_default();
+    let table = table(path, &mapping)?;
+    let mut remarks = vec![format!("{}", table.dialect)];
+    let mapping = if mapping.sensors.is_empty() {
+        let (guess, kind) = Mapping::guess(&table);
+        scenario.input = kind;
+        let time = if mapping.time == Default::default() { guess.time } else { mapping.time };
+        Mapping { time, input: guess.input, sensors: guess.sensors, ..mapping }
+    } else {
+        mapping
+    };
+    remarks.push(meaning(&mapping));
+    let imported = Builder::new(&table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+    let mut imported = imported.map_err(bad)?;
+    scenario.record = Some(mapping);
+    imported.remarks.splice(0..0, remarks);
+    if let Some(missing) = scenario.sensors.iter().find(|s| !imported.record.sensors().contains(&s.measures)) {
+        return Err(InputError::Run { file: path.to_owned(), error: RunError::MissingSensor(missing.measures) });
+    }
+    Ok(imported)
+}
+
+/// The columns of a file.
+pub(crate) fn table(path: &Path, mapping: &Mapping) -> Result<Table, InputError> {
+    let unread = |error| InputError::Read { file: path.to_owned(), error };
+    let size = std::fs::metadata(path).map_err(unread)?.len();
+    if size > LARGEST {
+        return Err(InputError::TooLarge { file: path.to_owned(), megabytes: size / 1_000_000 });
+    }
+    let bytes = std::fs::read(path).map_err(unread)?;
+    import::read(bytes, mapping.dialect).map_err(|error| InputError::Import { file: path.to_owned(), error })
+}
+
+/// The meaning of the columns in one line.
+fn meaning(mapping: &Mapping) -> String {
+    let time = match (&mapping.time.column, mapping.time.rate) {
+        (Some(column), _) => format!("time in `{column}`"),
+        (None, Some(rate)) => format!("{rate} samples a second"),
+        (None, None) => "no time".to_owned(),
+    };
+    let input = mapping.input.iter().map(|input| format!("input in `{}`", input.column));
+    let sensors = mapping.sensors.iter().map(|(q, column)| format!("{} in `{}`", q.name(), column.column));
+    std::iter::once(time).chain(input).chain(sensors).collect::<Vec<_>>().join(", ")
+}
+
+/// Whether a file has the columns that the command line writes itself: every bit of such a file is kept.
+fn has_canonical_names(path: &Path) -> Result<bool, InputError> {
+    use std::io::Read as _;
+    let mut head = Vec::new();
+    let read = open(path)?.take(4096).read_to_end(&mut head);
+    read.map_err(|error| InputError::Read { file: path.to_owned(), error })?;
+    let text = String::from_utf8_lossy(&head);
+    let first = text.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
+    let names: Vec<&str> = first.split(',').map(str::trim).collect();
+    Ok(names.contains(&"t") && (names.contains(&"force") || names.contains(&"ground_acceleration")))
+}
+
+fn open(path: &Path) -> Result<File, InputError> {
+    File::open(path).map_err(|error| InputError::Read { file: path.to_owned(), error })
+}
+
+/// A file named in another file, from whose folder its path is counted.
+fn beside(file: &Path, name: &str) -> PathBuf {
+    file.parent().unwrap_or(Path::new("")).join(name)
+}

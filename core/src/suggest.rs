@@ -1,0 +1,354 @@
+//! Start values of filters from a record's data.
+//!
+//! ```text
+//! spectra ──▶ R of each sensor, ωₙ, ζ and gain ──▶ initial belief ──likelihood──▶ Q
+//! ```
+
+mod response;
+mod spectra;
+
+use crate::import::Offset;
+use crate::{Channel, FilterKind, FilterSettings, Identified, Quantity, Record, Run, Scenario, Sensor};
+
+use response::{Response, free_response, order, response};
+use spectra::Spectra;
+
+/// Settings for a record, with the reason of each.
+#[derive(Clone, Debug)]
+pub struct Suggestion {
+    /// The scenario with the suggested settings in every filter.
+    pub scenario: Scenario,
+    /// The reasons, one sentence each.
+    pub reasons: Vec<String>,
+}
+
+/// A new scenario for a measured record: an EKF and a UKF that forget nothing, with a sensor for each of the record's.
+pub fn scenario_for(record: &Record) -> Scenario {
+    let sensors =
+        record.sensors().iter().map(|&measures| Sensor { measures, noise_std: measures.aspect().info().usual_noise });
+    let filter = |kind: FilterKind| FilterSettings {
+        kind,
+        name: kind.name().to_owned(),
+        sensor_std: record.sensors().iter().map(|quantity| quantity.aspect().info().usual_noise).collect(),
+        ..FilterSettings::default()
+    };
+    let mut scenario = Scenario {
+        dt: record.dt(),
+        duration: record.dt() * record.len().saturating_sub(1).max(1) as f64,
+        input: record.input_kind(),
+        hold: record.hold(),
+        sensors: sensors.collect(),
+        filters: vec![filter(FilterKind::EKF), filter(FilterKind::UKF)],
+        ..Scenario::default()
+    };
+    scenario.number_filters();
+    scenario
+}
+
+/// The samples of which the likelihood is taken.
+const LIKELY: usize = 4096;
+
+/// The samples of which the free run is taken.
+const FREE: usize = 16_384;
+
+/// A free run is better if its error is at most this share of the other's.
+const BETTER: f64 = 0.8;
+
+/// Parts of the motion's size that are tried for its process noise per step.
+const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
+
+/// Suggests settings for a scenario's filters on a measured record: R from the high frequencies that the input does
+/// not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief from these,
+/// and Q by the likelihood of the innovations. Where the scenario has a mapping, means are removed and a large gain goes
+/// into the mapping; `record` is then to be read again.
+///
+/// Settings of plants without a natural frequency are left as they are, but for R and Q.
+pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
+    let mut suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new() };
+    let mut record = record.clone();
+    suggestion.remove_means(&mut record);
+    suggestion.sensor_noise(&record);
+    suggestion.motion(&mut record);
+    suggestion.substeps(&record);
+    suggestion.process_noise(&record);
+    suggestion.model_error(&record);
+    suggestion
+}
+
+impl Suggestion {
+    fn filters(&mut self) -> impl Iterator<Item = &mut FilterSettings> {
+        self.scenario.filters.iter_mut()
+    }
+
+    /// A constant part of input and displacement says nothing about the motion, but bends every estimate.
+    fn remove_means(&mut self, record: &mut Record) {
+        let Some(mapping) = &mut self.scenario.record else { return };
+        let mut removed = Vec::new();
+        let (mean, std) = moments(record.input());
+        if let Some(input) = mapping.input.as_mut().filter(|input| input.offset == Offset::default())
+            && mean.abs() > 1e-3 * std
+            && std > 0.0
+        {
+            input.offset = Offset::MEAN;
+            record.change_input(|value| value - mean);
+            removed.push("the input".to_owned());
+        }
+        for sensor in 0..record.sensors().len() {
+            let quantity = record.sensors()[sensor];
+            let (mean, std) = moments(record.measured(sensor));
+            let Some(column) = mapping.sensors.get_mut(&quantity) else { continue };
+            if column.offset == Offset::default() && mean.abs() > 1e-3 * std {
+                column.offset = Offset::MEAN;
+                record.change_measured(sensor, |value| value - mean);
+                removed.push(format!("the {}", quantity.name()));
+            }
+        }
+        if !removed.is_empty() {
+            let what = removed.join(" and ");
+            self.reasons.push(format!("the mean of {what} is removed: a constant part is no motion"));
+        }
+    }
+
+    /// R from the part of the spectrum at high frequencies that the input does not explain.
+    fn sensor_noise(&mut self, record: &Record) {
+        for (place, sensor) in self.scenario.sensors.clone().into_iter().enumerate() {
+            let Some(measured) = record.measured_quantity(sensor.measures) else { continue };
+            let Some(noise) = Spectra::new(record, measured, spectra::SHORT).and_then(|spectra| spectra.noise()) else {
+                continue;
+            };
+            let (_, std) = moments(measured);
+            let noise = rounded(noise.max(1e-6 * std));
+            if noise <= 0.0 {
+                continue;
+            }
+            self.scenario.sensors[place].noise_std = noise;
+            for filter in self.scenario.filters.iter_mut().filter(|filter| place < filter.sensor_std.len()) {
+                filter.sensor_std[place] = noise;
+            }
+            let (name, unit) = (sensor.measures.name(), sensor.measures.unit());
+            self.reasons.push(format!(
+                "R of the {name}: {noise} {unit}, the noise at the highest frequencies, where the input explains nothing"
+            ));
+        }
+    }
+
+    /// Guess and spread of ωₙ, ζ and gain.
+    fn motion(&mut self, record: &mut Record) {
+        let has = |filter: &FilterSettings| {
+            filter.model(self.scenario.plant.kind, self.scenario.input).place(Channel::NATURAL_FREQUENCY).is_some()
+        };
+        if !self.scenario.filters.iter().any(has) {
+            return;
+        }
+        let wanted = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION, Quantity::TOTAL_ACCELERATION];
+        let Some((quantity, measured)) = wanted.iter().find_map(|&q| Some((q, record.measured_quantity(q)?))) else {
+            return;
+        };
+        let driven = response(record, quantity, measured);
+        let found = driven.clone().or_else(|| free_response(record, measured));
+        let Some(Response { natural_frequency, damping_ratio, gain }) = found else { return };
+        let (wn, zeta) = (rounded(natural_frequency), rounded(damping_ratio));
+        let reason = if driven.is_some() {
+            "fitted to the response to the input over frequency"
+        } else {
+            "the peak of the spectrum and its width at half the power"
+        };
+        let hertz = rounded(wn / std::f64::consts::TAU);
+        self.reasons.push(format!("guess of ωₙ: {wn} rad/s ({hertz} Hz) and of ζ: {zeta}, {reason}"));
+        self.gain(record, gain);
+        let measured = record.measured_quantity(quantity).unwrap_or_default();
+        let (_, size) = moments(measured);
+        let order = order(quantity);
+        let displacement = size / libm::pow(natural_frequency, f64::from(order));
+        let first = measured.iter().copied().find(|value| !value.is_nan()).filter(|_| order == 0).unwrap_or(0.0);
+        for filter in self.filters() {
+            let std = |value: f64| rounded(value.max(f64::MIN_POSITIVE));
+            let mean = [
+                (Channel::DISPLACEMENT, rounded(first)),
+                (Channel::VELOCITY, 0.0),
+                (Channel::NATURAL_FREQUENCY, wn),
+                (Channel::DAMPING_RATIO, zeta),
+                (Channel::CUBIC_STIFFNESS, 0.0),
+            ];
+            let spread = [
+                (Channel::DISPLACEMENT, std(displacement)),
+                (Channel::VELOCITY, std(displacement * natural_frequency)),
+                (Channel::NATURAL_FREQUENCY, std(0.1 * natural_frequency)),
+                (Channel::DAMPING_RATIO, std((0.5 * damping_ratio).max(0.01))),
+                (Channel::CUBIC_STIFFNESS, std(cubic_scale(natural_frequency, measured, order))),
+            ];
+            for (channel, value) in mean {
+                filter.initial_mean[channel] = value;
+            }
+            for (channel, value) in spread {
+                filter.initial_std[channel] = value;
+            }
+            for (channel, _) in spread.iter().skip(2) {
+                filter.process_std[*channel] = 0.0;
+            }
+        }
+        self.reasons.push("initial spread: a tenth of ωₙ, half of ζ, and the size of the motion itself".to_owned());
+    }
+
+    /// A gain that is far from 1 goes into the mapping; the filters estimate what is left of it.
+    fn gain(&mut self, record: &mut Record, gain: Option<f64>) {
+        let Some(gain) = gain.filter(|gain| gain.is_finite() && *gain != 0.0) else { return };
+        if (gain - 1.0).abs() < 0.02 {
+            return;
+        }
+        let gain = rounded(gain);
+        if let Some(input) = self.scenario.record.as_mut().and_then(|mapping| mapping.input.as_mut()) {
+            input.gain *= gain;
+            record.change_input(|value| value * gain);
+            self.reasons.push(format!(
+                "gain of the input: {} m/s² for one unit of its column, from the same fit; the filters estimate the rest",
+                input.gain
+            ));
+        } else {
+            self.reasons.push(format!("gain of the input: {gain}, from the same fit"));
+        }
+        let is_mapped = self.scenario.record.is_some();
+        for filter in self.filters() {
+            if !filter.augment.contains(&Channel::INPUT_GAIN) {
+                filter.augment.push(Channel::INPUT_GAIN);
+            }
+            let mean = if is_mapped { 1.0 } else { gain };
+            filter.initial_mean[Channel::INPUT_GAIN] = mean;
+            filter.initial_std[Channel::INPUT_GAIN] = rounded(0.2 * mean.abs());
+            filter.process_std[Channel::INPUT_GAIN] = 0.0;
+        }
+    }
+
+    /// A prediction over a large part of a period is divided, unless it is exact.
+    fn substeps(&mut self, record: &Record) {
+        /// The angle by which an oscillator should turn at most in one step \[rad\].
+        const MOST: f64 = 0.2;
+        let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
+        let mut most = 1;
+        for filter in self.filters() {
+            let model = filter.model(kind, input);
+            if model.place(Channel::NATURAL_FREQUENCY).is_none() {
+                continue;
+            }
+            let is_exact =
+                model.is_linear() && [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF].contains(&filter.kind);
+            let turn = filter.initial_mean[Channel::NATURAL_FREQUENCY].abs() * record.dt();
+            filter.substeps = if is_exact { 1 } else { libm::ceil(turn / MOST).clamp(1.0, 20.0) as usize };
+            most = most.max(filter.substeps);
+        }
+        if most > 1 {
+            self.reasons.push(format!("{most} steps a sample, because there are few samples in a period"));
+        }
+    }
+
+    /// Q of the motion by the likelihood over one factor.
+    fn process_noise(&mut self, record: &Record) {
+        let Some(first) = self.scenario.filters.first().cloned() else { return };
+        let model = first.model(self.scenario.plant.kind, self.scenario.input);
+        let part = record.part(0..record.len().min(LIKELY));
+        let sizes: Vec<(Channel, f64)> = model.channels()[..model.motion()]
+            .iter()
+            .map(|&channel| (channel, first.initial_std[channel].abs()))
+            .collect();
+        let with = |share: f64| {
+            let mut filter = first.clone();
+            if filter.kind.is_sampled() {
+                filter.kind = FilterKind::EKF;
+            }
+            for &(channel, size) in &sizes {
+                filter.process_std[channel] = rounded(share * size);
+            }
+            filter
+        };
+        let likelihood = |share: f64| {
+            let scenario = Scenario { filters: vec![with(share)], ..self.scenario.clone() };
+            let mut run = Run::on_record(&scenario, part.clone().into()).ok()?;
+            run.finish();
+            let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
+            let sum: f64 = (1..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|l| !l.is_nan()).sum();
+            sum.is_finite().then_some((share, sum))
+        };
+        let best = SHARES.into_iter().filter_map(likelihood).max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((share, _)) = best else { return };
+        let chosen = with(share);
+        for filter in self.filters() {
+            for &(channel, _) in &sizes {
+                filter.process_std[channel] = chosen.process_std[channel];
+            }
+        }
+        self.reasons.push(format!(
+            "Q of the motion: {} of its size a step, the most likely of {} that were tried",
+            if share == 0.0 { "nothing".to_owned() } else { format!("{share:e}") },
+            SHARES.len()
+        ));
+    }
+}
+
+impl Suggestion {
+    /// A model that is not quite right errs in ways that no noise does. If the free run is better for it, R takes the size of
+    /// that error, and no single sample counts too much.
+    fn model_error(&mut self, record: &Record) {
+        let part = record.part(0..record.len().min(FREE));
+        let Some(before) = free_error(&self.scenario, &part) else { return };
+        let mut other = self.scenario.clone();
+        for filter in &mut other.filters {
+            for (std, error) in filter.sensor_std.iter_mut().zip(&before) {
+                *std = rounded(error.max(*std));
+            }
+            let model = filter.model(other.plant.kind, other.input);
+            for &channel in &model.channels()[..model.motion()] {
+                filter.process_std[channel] = 0.0;
+            }
+        }
+        let Some(after) = free_error(&other, &part) else { return };
+        let ratio = |(after, before): (&f64, &f64)| if *before > 0.0 { after / before } else { 1.0 };
+        let mean = after.iter().zip(&before).map(ratio).sum::<f64>() / after.len().max(1) as f64;
+        if mean > BETTER {
+            return;
+        }
+        self.scenario = other;
+        self.reasons.push(format!(
+            "R as large as the error of the model's free run, and no Q of the motion: the model is not quite right, and its free \
+             run then errs {:.0} % less",
+            100.0 * (1.0 - mean)
+        ));
+    }
+}
+
+/// The error of the free run of the first filter's final model, for each of the scenario's sensors.
+fn free_error(scenario: &Scenario, record: &Record) -> Option<Vec<f64>> {
+    let scenario = Scenario { filters: vec![scenario.filters.first()?.clone()], ..scenario.clone() };
+    let mut run = Run::on_record(&scenario, record.clone().into()).ok()?;
+    run.finish();
+    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
+    let model = Identified::at(&scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?);
+    let free = model.run(record, 0..record.len());
+    let errors = scenario.sensors.iter().map(|sensor| free.fit(record, sensor.measures).map(|fit| fit.rms));
+    errors.collect::<Option<Vec<f64>>>().filter(|errors| errors.iter().all(|error| error.is_finite()))
+}
+
+/// A cubic stiffness that carries half of the load at the largest displacement.
+fn cubic_scale(natural_frequency: f64, measured: &[f64], order: i32) -> f64 {
+    let most = measured.iter().filter(|value| !value.is_nan()).fold(0.0_f64, |most, value| most.max(value.abs()));
+    let displacement = most / libm::pow(natural_frequency, f64::from(order));
+    if displacement > 0.0 { 0.5 * natural_frequency * natural_frequency / (displacement * displacement) } else { 1.0 }
+}
+
+/// Mean and standard deviation of the values that are there.
+fn moments(values: &[f64]) -> (f64, f64) {
+    let there = || values.iter().filter(|value| !value.is_nan());
+    let count = there().count().max(1) as f64;
+    let mean = there().sum::<f64>() / count;
+    let variance = there().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count;
+    (mean, libm::sqrt(variance))
+}
+
+/// Rounded to three digits, as one would write it.
+fn rounded(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let digits = libm::floor(libm::log10(value.abs())) - 3.0;
+    let unit = libm::pow(10.0, digits.abs());
+    if digits < 0.0 { libm::round(value * unit) / unit } else { libm::round(value / unit) * unit }
+}

@@ -1,0 +1,156 @@
+//! Natural frequency, damping ratio and gain from spectra.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::spectra::{LONG, Spectra};
+use crate::{Aspect, Hold, Quantity, Record};
+
+/// An oscillator as its response over frequency shows it.
+#[derive(Clone, Debug)]
+pub(super) struct Response {
+    /// ωₙ \[rad/s\]
+    pub(super) natural_frequency: f64,
+    /// ζ \[-\]
+    pub(super) damping_ratio: f64,
+    /// The true input over the recorded one, where the input is known.
+    pub(super) gain: Option<f64>,
+}
+
+/// Frequencies count up to this share of the Nyquist frequency.
+const HIGHEST: f64 = 0.8;
+/// The rounds of the fit.
+const ROUNDS: usize = 8;
+/// The least mean coherence around the peak for which a response to the input is believed.
+const COHERENT: f64 = 0.3;
+
+/// The number of times that a displacement is differentiated to give the quantity.
+pub(super) fn order(quantity: Quantity) -> i32 {
+    let orders = [(Aspect::DISPLACEMENT, 0), (Aspect::DRIFT, 0), (Aspect::VELOCITY, 1)];
+    orders.into_iter().find(|(aspect, _)| *aspect == quantity.aspect()).map_or(2, |(_, order)| order)
+}
+
+/// The response of a quantity to the input, fitted by
+///
+/// ```text
+/// H(ω) = g w(ω) / (ωₙ² - ω² + 2iζωₙω)
+/// ```
+///
+/// as a displacement, with w of the hold: `exp(-iωΔt/2) sinc(ωΔt/2)`, or `sinc²(ωΔt/2)` of a linear input. `None` where
+/// the input does not explain the measurements.
+///
+/// Source: Levy (1959), Complex-curve fitting; Sanathanan and Koerner (1963), Transfer function synthesis as a ratio of two
+/// complex polynomials.
+pub(super) fn response(record: &Record, quantity: Quantity, measured: &[f64]) -> Option<Response> {
+    let relative;
+    let measured = if quantity == Quantity::TOTAL_ACCELERATION {
+        // ẍ is what is measured less the ground's acceleration, which is minus the force.
+        relative = measured.iter().enumerate().map(|(k, value)| value + record.force(k)).collect::<Vec<_>>();
+        &relative
+    } else {
+        measured
+    };
+    let spectra = Spectra::new(record, measured, LONG)?;
+    let dt = record.dt();
+    let last = (HIGHEST * spectra.len() as f64) as usize;
+    // The response as that of a displacement, the hold taken out.
+    let point = |place: usize| {
+        let power = spectra.input[place];
+        if power <= 0.0 {
+            return None;
+        }
+        let w = spectra.frequency(place);
+        let (re, im) = spectra.cross[place];
+        let h = (re / power, im / power);
+        let h = match order(quantity) {
+            0 => h,
+            1 => (h.1 / w, -h.0 / w),
+            _ => (-h.0 / (w * w), -h.1 / (w * w)),
+        };
+        let x = 0.5 * w * dt;
+        let sinc = if x > 0.0 { libm::sin(x) / x } else { 1.0 };
+        let h = match record.hold() {
+            Hold::Zero => {
+                let (sin, cos) = libm::sincos(x);
+                ((h.0 * cos - h.1 * sin) / sinc, (h.0 * sin + h.1 * cos) / sinc)
+            }
+            Hold::First => (h.0 / (sinc * sinc), h.1 / (sinc * sinc)),
+        };
+        let coherence = spectra.coherence(place);
+        // The variance of an estimated response is that share of its square.
+        let weight = coherence / (1.0 - coherence).max(1e-3);
+        Some((w, h, weight))
+    };
+    let points: Vec<(f64, (f64, f64), f64)> = (2..last).filter_map(point).collect();
+    let power = |h: (f64, f64)| h.0 * h.0 + h.1 * h.1;
+    let peak = (2..last).filter(|&place| spectra.coherence(place) > COHERENT).max_by(|&a, &b| {
+        let of = |place| point(place).map_or(0.0, |(_, h, _)| power(h));
+        of(a).total_cmp(&of(b))
+    })?;
+    let peak = spectra.frequency(peak);
+    let near: Vec<_> = points.into_iter().filter(|(w, ..)| (0.4 * peak..2.0 * peak).contains(w)).collect();
+    if near.len() < 4 {
+        return None;
+    }
+    let mut denominator: Vec<f64> = near.iter().map(|(_, h, _)| 1.0 / power(*h).max(f64::MIN_POSITIVE)).collect();
+    let mut found = None;
+    for _ in 0..ROUNDS {
+        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+        for ((w, h, weight), d) in near.iter().zip(&denominator) {
+            // H (b + iωa - ω²) = g, with b = ωₙ² and a = 2ζωₙ, in units of the peak.
+            let scaled = w / peak;
+            let weight = weight / (power(*h) * d).max(f64::MIN_POSITIVE);
+            let rows = [
+                (Vector3::new(h.0, -scaled * h.1, -1.0), scaled * scaled * h.0),
+                (Vector3::new(h.1, scaled * h.0, 0.0), scaled * scaled * h.1),
+            ];
+            for (row, value) in rows {
+                normal += row * row.transpose() * weight;
+                right += row * value * weight;
+            }
+        }
+        // Columns differ in size by the response itself.
+        let size = normal.diagonal().map(|x| 1.0 / libm::sqrt(x.max(f64::MIN_POSITIVE)));
+        let scaled = Matrix3::from_diagonal(&size) * normal * Matrix3::from_diagonal(&size);
+        let solved = scaled.lu().solve(&right.component_mul(&size))?.component_mul(&size);
+        let (b, a, g) = (solved[0], solved[1], solved[2]);
+        if !(b > 0.0 && a.is_finite() && g.is_finite()) {
+            break;
+        }
+        for ((w, ..), d) in near.iter().zip(&mut denominator) {
+            let scaled = w / peak;
+            let (re, im) = (b - scaled * scaled, a * scaled);
+            *d = (re * re + im * im).max(f64::MIN_POSITIVE);
+        }
+        found = Some((b, a, g));
+    }
+    let (b, a, g) = found?;
+    let natural_frequency = peak * libm::sqrt(b);
+    let damping_ratio = a / (2.0 * libm::sqrt(b));
+    let is_sound = (0.2 * peak..5.0 * peak).contains(&natural_frequency) && damping_ratio < 1.0;
+    let damping_ratio = damping_ratio.max(1e-3);
+    is_sound.then_some(Response { natural_frequency, damping_ratio, gain: Some(g * peak * peak) })
+}
+
+/// The highest peak of a measurement's spectrum, and its width at half the power.
+///
+/// Source: Bendat and Piersol (2010), *Random Data*, section 5.2 (half-power bandwidth).
+pub(super) fn free_response(record: &Record, measured: &[f64]) -> Option<Response> {
+    let spectra = Spectra::new(record, measured, LONG)?;
+    let power = |place: usize| spectra.output[place];
+    let peak = (2..spectra.len()).max_by(|&a, &b| power(a).total_cmp(&power(b)))?;
+    let half = 0.5 * power(peak);
+    let edge = |mut places: Box<dyn Iterator<Item = usize>>| {
+        let beyond = places.find(|&place| power(place) < half)?;
+        let within = if beyond > peak { beyond - 1 } else { beyond + 1 };
+        let share = (power(within) - half) / (power(within) - power(beyond));
+        Some(within as f64 + share * (beyond as f64 - within as f64))
+    };
+    let upper = edge(Box::new(peak + 1..spectra.len()))?;
+    let lower = edge(Box::new((1..peak).rev()))?;
+    let step = spectra.frequency(1);
+    let natural_frequency = 0.5 * (lower + upper) * step;
+    // A window's own line is about one and a half steps wide.
+    let width = libm::sqrt(((upper - lower) * (upper - lower) - 2.0).max(0.05)) * step;
+    let damping_ratio = (0.5 * width / natural_frequency).clamp(1e-3, 0.5);
+    Some(Response { natural_frequency, damping_ratio, gain: None })
+}

@@ -1,0 +1,151 @@
+//! Spectra of input and measurements over overlapping windows.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::Record;
+use crate::fourier::Transform;
+
+/// Limits the length of a window for a noise floor.
+pub(super) const SHORT: usize = 256;
+/// Limits the length of a window for a resonance.
+pub(super) const LONG: usize = 8192;
+/// Limits the length of a window from below.
+const SHORTEST: usize = 32;
+/// The number of windows at least, which overlap by half.
+const WINDOWS: usize = 7;
+/// The frequencies of the noise floor, as shares of the Nyquist frequency.
+const FLOOR: [f64; 2] = [0.75, 0.96];
+
+/// Power of the input and of a measurement, and their product, at the frequencies `j / (L dt)`.
+#[derive(Clone, Debug)]
+pub(super) struct Spectra {
+    length: usize,
+    windows: usize,
+    dt: f64,
+    pub(super) input: Vec<f64>,
+    pub(super) output: Vec<f64>,
+    /// Output times the conjugate of the input, real and imaginary.
+    pub(super) cross: Vec<(f64, f64)>,
+}
+
+impl Spectra {
+    /// Spectra of a record's force and of one of its measurements over windows of at most `longest` samples; `None` where
+    /// there are too few samples without a gap. Measurements between which samples are empty by an interpolation are taken
+    /// at their own rate.
+    ///
+    /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Bendat and Piersol
+    /// (2010), *Random Data*, chapter 6.
+    pub(super) fn new(record: &Record, measured: &[f64], longest: usize) -> Option<Self> {
+        let every = stride(measured);
+        let input: Vec<f64> = (0..measured.len()).step_by(every).map(|k| record.force(k)).collect();
+        let output: Vec<f64> = measured.iter().copied().step_by(every).collect();
+        let length = (0..)
+            .map(|i| longest >> i)
+            .take_while(|l| *l >= SHORTEST)
+            .find(|l| l * (WINDOWS + 1) / 2 <= output.len())?;
+        let weights: Vec<f64> =
+            (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).map(|w| w * w).collect();
+        let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
+        let transform = Transform::new(length);
+        let half = length / 2;
+        let mut spectra = Self {
+            length,
+            windows: 0,
+            dt: record.dt() * every as f64,
+            input: vec![0.0; half],
+            output: vec![0.0; half],
+            cross: vec![(0.0, 0.0); half],
+        };
+        let mut buffer = vec![(0.0, 0.0); length];
+        for begin in (0..=output.len() - length).step_by(half) {
+            let window = begin..begin + length;
+            if output[window.clone()].iter().any(|value| value.is_nan()) {
+                continue;
+            }
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / length as f64;
+            let (input_mean, output_mean) = (mean(&input[window.clone()]), mean(&output[window]));
+            for (k, (slot, weight)) in buffer.iter_mut().zip(&weights).enumerate() {
+                *slot = (weight * (input[begin + k] - input_mean), weight * (output[begin + k] - output_mean));
+            }
+            transform.apply(&mut buffer);
+            spectra.add(&buffer, scale);
+        }
+        if spectra.windows < WINDOWS / 2 {
+            return None;
+        }
+        let share = 1.0 / spectra.windows as f64;
+        spectra.input.iter_mut().chain(&mut spectra.output).for_each(|power| *power *= share);
+        spectra.cross.iter_mut().for_each(|(re, im)| (*re, *im) = (*re * share, *im * share));
+        Some(spectra)
+    }
+
+    /// Adds the transform of a window, whose real part is the input's and whose imaginary part the output's.
+    fn add(&mut self, buffer: &[(f64, f64)], scale: f64) {
+        self.windows += 1;
+        for j in 1..self.length / 2 {
+            let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[self.length - j]);
+            let input = (0.5 * (re + mirrored_re), 0.5 * (im - mirrored_im));
+            let output = (0.5 * (im + mirrored_im), 0.5 * (mirrored_re - re));
+            self.input[j] += scale * (input.0 * input.0 + input.1 * input.1);
+            self.output[j] += scale * (output.0 * output.0 + output.1 * output.1);
+            self.cross[j].0 += scale * (output.0 * input.0 + output.1 * input.1);
+            self.cross[j].1 += scale * (output.1 * input.0 - output.0 * input.1);
+        }
+    }
+
+    /// The frequency at a place \[rad/s\].
+    pub(super) fn frequency(&self, place: usize) -> f64 {
+        TAU * place as f64 / (self.length as f64 * self.dt)
+    }
+
+    /// The number of frequencies.
+    pub(super) fn len(&self) -> usize {
+        self.output.len()
+    }
+
+    /// The share of the output's power that the input explains, from 0 to 1.
+    pub(super) fn coherence(&self, place: usize) -> f64 {
+        let (re, im) = self.cross[place];
+        let product = self.input[place] * self.output[place];
+        if product > 0.0 { ((re * re + im * im) / product).min(1.0) } else { 0.0 }
+    }
+
+    /// Standard deviation of the white noise that the input does not explain at the highest frequencies.
+    pub(super) fn noise(&self) -> Option<f64> {
+        let [low, high] = FLOOR.map(|share| (share * self.len() as f64) as usize);
+        let left = self.windows as f64 / (self.windows as f64 - 1.0).max(1.0);
+        let mut powers: Vec<f64> =
+            (low..high).map(|place| self.output[place] * (1.0 - self.coherence(place)).max(0.0) * left).collect();
+        powers.sort_by(f64::total_cmp);
+        let median = *powers.get(powers.len() / 2)?;
+        (median > 0.0).then(|| libm::sqrt(median))
+    }
+}
+
+/// The distance between measurements: one, but for the empty samples that an interpolation puts between them.
+fn stride(measured: &[f64]) -> usize {
+    let mut there = measured.iter().enumerate().filter(|(_, value)| !value.is_nan()).map(|(k, _)| k);
+    let Some(first) = there.next().filter(|&first| first == 0) else { return 1 };
+    let stride = there.next().map_or(1, |second| second - first);
+    let is_even = measured.iter().enumerate().take(64 * stride).all(|(k, value)| value.is_nan() == (k % stride != 0));
+    if is_even { stride.max(1) } else { 1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Normal;
+    use crate::record::Input;
+    use crate::{Hold, InputKind, Quantity};
+
+    #[test]
+    fn noise_is_what_the_input_does_not_explain() {
+        let mut normal = Normal::from_seed(5);
+        let input: Vec<f64> = (0..8192).map(|_| normal.sample()).collect();
+        let measured: Vec<f64> = input.iter().map(|u| 3.0 * u + 0.2 * normal.sample()).collect();
+        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: input };
+        let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
+        let noise = Spectra::new(&record, &measured, SHORT).unwrap().noise().unwrap();
+        assert!((noise / 0.2 - 1.0).abs() < 0.1, "{noise}");
+    }
+}
