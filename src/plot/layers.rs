@@ -15,8 +15,8 @@ pub(crate) enum Layer<'a> {
     Dots { series: Series<'a>, color: Color32 },
     /// A line. `bounds` says whether the vertical axis includes all of it, also outliers.
     Line { series: Series<'a>, color: Color32, width: f32, dashed: bool, bounds: bool },
-    /// The same value at all times.
-    Level { value: f64, color: Color32 },
+    /// The same value at all times, with a label if it is not empty.
+    Level { value: f64, color: Color32, label: &'static str },
 }
 
 /// The width of the line of the filter at this place; the first has the width `first`. Each line is a little thinner

@@ -84,7 +84,7 @@ impl Mark {
                 let dense = is_dense(&points, &kept, scale);
                 Self::Line { points: if dense { points } else { kept }, color, width, dashed, dense }
             }
-            (&Layer::Level { value, color }, LayerColumns::Level) => Self::Level { value, color },
+            (&Layer::Level { value, color, .. }, LayerColumns::Level) => Self::Level { value, color },
             _ => return None,
         })
     }
