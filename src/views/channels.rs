@@ -138,7 +138,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         unit: channel.unit(),
         readouts: readouts(&columns(channel, context), context.axis.readout(session)),
         layers,
-        handles: handles::of_channel(channel, context),
+        handles: handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect(),
         last_row,
         least: None,
         logarithmic: false,
