@@ -15,6 +15,8 @@ pub(crate) enum Layer<'a> {
     Dots { series: Series<'a>, color: Color32 },
     /// A line. `bounds` says whether the vertical axis includes all of it, also outliers.
     Line { series: Series<'a>, color: Color32, width: f32, dashed: bool, bounds: bool },
+    /// A thin line from before a change. Where it coincides with a line of now, only that one is drawn.
+    Before { series: Series<'a>, color: Color32 },
     /// The same value at all times, with a label if it is not empty.
     Level { value: f64, color: Color32, label: &'static str },
 }
@@ -40,7 +42,9 @@ impl LayerColumns {
             // Half of the columns are enough for the smooth edges of a band, and for dots of two points.
             Layer::Band { band, .. } => Self::Band(band.columns(record, times, columns / 2)),
             Layer::Dots { series, .. } => Self::Series(series.columns(record, times, columns / 2)),
-            Layer::Line { series, .. } => Self::Series(series.columns(record, times, columns)),
+            Layer::Line { series, .. } | Layer::Before { series, .. } => {
+                Self::Series(series.columns(record, times, columns))
+            }
             Layer::Level { .. } => Self::Level,
         }
     }

@@ -97,17 +97,14 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             bounds: true,
         });
     }
-    let mut add_before = |values: &'a [f64], dashed| {
-        let series = Series::of(values);
-        layers.push(Layer::Line { series, color: palette.weak, width: 1.2, dashed, bounds: false });
-    };
     let truth_before = session.before().and_then(|before| before.truth(channel, session.scenario()));
     if let Some(truth) = truth_before.filter(|_| visible.truth) {
-        add_before(truth, true);
+        let series = Series::of(truth);
+        layers.push(Layer::Line { series, color: palette.weak, width: 1.2, dashed: true, bounds: false });
     }
     for estimates in context.before() {
         if let Some(at) = estimates.place(channel) {
-            add_before(estimates.canonical_means(at), false);
+            layers.push(Layer::Before { series: Series::of(estimates.canonical_means(at)), color: palette.weak });
         }
     }
     for (place, estimates) in context.filters() {
