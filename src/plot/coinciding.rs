@@ -1,5 +1,6 @@
 //! Lines and bands that coincide: lines take turns, so that each colour is seen, and bands are filled once.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use kalmanscope_core::Record;
@@ -23,16 +24,19 @@ pub(super) fn drawn_runs<'c>(
 ) -> Vec<Vec<Range<usize>>> {
     let now: Vec<&[Column]> =
         layers.iter().zip(columns).filter_map(|(layer, columns)| of_now(layer, columns)).collect();
-    let mut lines: Vec<&[Column]> = Vec::new();
+    let mut lines: Vec<Cow<'_, [Column]>> = Vec::new();
     let mut bands: Vec<&[BandColumn]> = Vec::new();
     let of_layer = |(layer, columns): (&Layer<'_>, &'c LayerColumns)| match (layer, columns) {
         (Layer::Line { dashed: false, bounds: false, .. }, LayerColumns::Series(columns)) => {
             let runs = joined(runs(columns, |column| is_its_turn(column, &lines, record, scale)));
-            lines.push(columns);
+            lines.push(Cow::Borrowed(columns));
             runs
         }
-        (Layer::Before { .. }, LayerColumns::Series(columns)) => {
-            joined(runs(columns, |column| !now.iter().any(|other| coincides(column, other, extent_of_line, scale))))
+        (&Layer::Before { now: own, .. }, LayerColumns::Series(columns)) => {
+            let own = now.get(own).copied().unwrap_or_default();
+            let differs = |column: &Column| !coincides(column, own, extent_of_line, scale);
+            lines.push(columns.iter().filter(|column| differs(column)).copied().collect());
+            joined(runs(columns, differs))
         }
         (Layer::Band { .. }, LayerColumns::Band(columns)) => {
             let extent = |column: &BandColumn| (column.samples.0, column.low, column.high);
@@ -84,7 +88,7 @@ fn runs<C>(columns: &[C], is_drawn: impl FnMut(&C) -> bool) -> Vec<Range<usize>>
 }
 
 /// Whether a line is drawn in a column: where it lies on earlier ones, every colour has its turn.
-fn is_its_turn(column: &Column, earlier: &[&[Column]], record: &Record, scale: Scale) -> bool {
+fn is_its_turn(column: &Column, earlier: &[Cow<'_, [Column]>], record: &Record, scale: Scale) -> bool {
     let below = earlier.iter().filter(|others| coincides(column, others, extent_of_line, scale)).count();
     if below == 0 {
         return true;
@@ -144,17 +148,17 @@ mod tests {
     }
 
     #[test]
-    fn a_line_from_before_is_drawn_where_it_differs_from_all_of_now() {
-        let now = vec![0.0; N];
+    fn a_line_from_before_is_drawn_where_it_differs_from_that_of_now() {
+        let (low, high) = (vec![0.0; N], vec![0.5; N]);
         let half: Vec<f64> = (0..N).map(|k| if k < N / 2 { 0.0 } else { 0.5 }).collect();
-        let before = |values| Layer::Before { series: Series::of(values), color: Color32::GRAY };
-        let runs = runs_of(&[before(&now), before(&half), line(&now), line(&now)]);
-        // The line of now is one run.
-        let of = runs[2][0].len();
+        let before = |values, now| Layer::Before { series: Series::of(values), color: Color32::GRAY, now };
+        let runs = runs_of(&[before(&low, 0), before(&half, 0), line(&low), line(&high)]);
+        let of = runs_of(&[line(&low)])[0][0].len();
         assert!(runs[0].is_empty(), "{:?}", runs[0]);
         assert!((covered(&runs[1], of) - 0.5).abs() < 0.02, "{:?}", runs[1]);
-        assert_eq!((runs[2].len(), of), (1, runs_of(&[line(&now)])[0][0].len()), "a line of now is whole");
-        assert!((0.3..0.7).contains(&covered(&runs[3], of)), "{:?}", runs[3]);
+        assert_eq!((runs[2].len(), covered(&runs[2], of)), (1, 1.0), "its own line of now is whole");
+        let other = covered(&runs[3], of);
+        assert!((0.65..0.85).contains(&other), "the other filter's takes turns with it in one half: {other}");
     }
 
     #[test]

@@ -15,8 +15,9 @@ pub(crate) enum Layer<'a> {
     Dots { series: Series<'a>, color: Color32 },
     /// A line. `bounds` says whether the vertical axis includes all of it, also outliers.
     Line { series: Series<'a>, color: Color32, width: f32, dashed: bool, bounds: bool },
-    /// A thin line from before a change. Where it coincides with a line of now, only that one is drawn.
-    Before { series: Series<'a>, color: Color32 },
+    /// A thin line from before a change. `now` is the number of the same filter's line among the chart's solid lines; where
+    /// both coincide, only that one is drawn.
+    Before { series: Series<'a>, color: Color32, now: usize },
     /// The same value at all times, with a label if it is not empty.
     Level { value: f64, color: Color32, label: &'static str },
 }

@@ -102,9 +102,13 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         let series = Series::of(truth);
         layers.push(Layer::Line { series, color: palette.weak, width: 1.2, dashed: true, bounds: false });
     }
+    let lines: Vec<u32> =
+        context.filters().filter(|(_, of)| of.place(channel).is_some()).map(|(_, of)| of.id()).collect();
     for estimates in context.before() {
-        if let Some(at) = estimates.place(channel) {
-            layers.push(Layer::Before { series: Series::of(estimates.canonical_means(at)), color: palette.weak });
+        let now = lines.iter().position(|id| *id == estimates.id());
+        if let (Some(at), Some(now)) = (estimates.place(channel), now) {
+            let series = Series::of(estimates.canonical_means(at));
+            layers.push(Layer::Before { series, color: palette.weak, now });
         }
     }
     for (place, estimates) in context.filters() {
