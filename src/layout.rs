@@ -16,9 +16,11 @@ pub struct Layout {
     enlarged: Option<ViewKind>,
 }
 
+/// The first screen: few and large, so that a stranger sees the mass and what the filters learn.
 impl Default for Layout {
     fn default() -> Self {
-        Self::of(Arrangement::default())
+        let rows: Rows<'_> = &[(0.34, &[ViewKind::Oscillator]), (0.66, &[ViewKind::Parameters])];
+        Self { tree: tree(rows), enlarged: None }
     }
 }
 

@@ -15,6 +15,7 @@ pub(crate) mod handles;
 pub(crate) mod heading;
 pub(crate) mod input;
 mod item;
+mod labels;
 pub(crate) mod layers;
 mod marks;
 pub(crate) mod plane;

@@ -179,10 +179,9 @@ impl ViewKind {
 }
 
 /// A ready-made choice of views.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrangement {
     /// The story: the moving mass, parameters and states.
-    #[default]
     Teach,
     /// For tuning Q and R: parameters, NIS and NEES, innovations and their autocorrelation.
     Tune,

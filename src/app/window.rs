@@ -77,7 +77,7 @@ impl App {
         let panel = if narrow {
             Panel::bottom("drawer").default_size(0.46 * ui.available_height()).size_range(120.0..=600.0).resizable(true)
         } else {
-            Panel::left("controls").default_size(340.0).size_range(300.0..=460.0)
+            Panel::left("controls").default_size((0.29 * self.width).clamp(340.0, 420.0)).size_range(300.0..=460.0)
         };
         let Self { session, tutor, requests, .. } = self;
         let lit = tutor.as_ref().map_or(vec![], Tutor::lit);
@@ -92,7 +92,7 @@ impl App {
     fn lesson_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {
         let Self { tutor: Some(tutor), catalogue, requests, .. } = self else { return };
         let panel = if narrow {
-            Panel::bottom("lesson").default_size(0.4 * ui.available_height()).size_range(160.0..=600.0).resizable(true)
+            Panel::bottom("lesson").default_size(0.46 * ui.available_height()).size_range(160.0..=600.0).resizable(true)
         } else {
             Panel::right("lesson").default_size(290.0).size_range(240.0..=420.0)
         };

@@ -7,7 +7,7 @@ use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 use super::belief::belief_ui;
 use super::color::{color_ui, free_color};
 use super::lit::lit;
-use super::number::Number;
+use super::number::{Number, REMARK};
 use super::options::options_ui;
 use crate::text::significant;
 use crate::theme::{self, Palette};
@@ -151,7 +151,7 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
         "remembers everything".to_owned()
     };
     ui.horizontal(|ui| {
-        ui.add_space(119.0);
+        ui.add_space(REMARK);
         let hint = "Memory half-life: the time after which a measurement counts half";
         ui.add(egui::Label::new(RichText::new(memory).small()).truncate()).on_hover_text(hint);
     });

@@ -4,7 +4,7 @@ use egui::{DragValue, Ui};
 use kalmanscope_core::Scenario;
 
 use super::lit::lit;
-use super::number::{Number, limit};
+use super::number::{Number, REMARK, limit};
 
 /// Limits the length of a record: a day \[s\].
 const LONGEST: f64 = 86_400.0;
@@ -26,7 +26,7 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     };
     lit(ui, "duration", |ui| length.show(ui, duration));
     ui.horizontal(|ui| {
-        ui.add_space(119.0);
+        ui.add_space(REMARK);
         for (name, length) in LENGTHS {
             if ui.small_button(name).on_hover_text(hint).clicked() {
                 *duration = length;

@@ -6,9 +6,11 @@ use crate::probe::remember;
 use crate::text::{parse, significant};
 
 /// Width of the labels, so that all sliders are aligned \[points\].
-const LABEL_WIDTH: f32 = 112.0;
+const LABEL_WIDTH: f32 = 100.0;
+/// The distance of a remark below a number from the left, that of the slider \[points\].
+pub(super) const REMARK: f32 = LABEL_WIDTH + 7.0;
 /// Width of the field with the value \[points\].
-const FIELD_WIDTH: f32 = 62.0;
+const FIELD_WIDTH: f32 = 58.0;
 /// Width of the units \[points\].
 const UNIT_WIDTH: f32 = 36.0;
 
@@ -88,7 +90,7 @@ pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, name: &
         ui.data(|data| data.get_temp::<(f64, String)>(id)).filter(|(since, _)| now - since < SAID)
     {
         ui.horizontal(|ui| {
-            ui.add_space(LABEL_WIDTH + 7.0);
+            ui.add_space(REMARK);
             ui.colored_label(ui.visuals().warn_fg_color, egui::RichText::new(text.trim_end()).small());
         });
         ui.ctx().request_repaint_after_secs((since + SAID - now) as f32);

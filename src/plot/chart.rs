@@ -15,6 +15,7 @@ use super::grid::Grid;
 use super::handles::{Handle, handles_ui};
 use super::heading::{Readout, heading_ui};
 use super::input::PlotInput;
+use super::labels::Labels;
 use super::layers::Layer;
 use super::strips::Strips;
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
@@ -130,6 +131,7 @@ impl Chart<'_> {
             }
             plot.add(Decoration::new("bad parts", strips));
             drawn.show(grid, plot);
+            plot.add(Decoration::new("labels", Labels::of(&self.layers)));
             plot.add(Decoration::new("cursors", Cursors::of(input, self.last_row)));
             plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
         });

@@ -1,5 +1,6 @@
 //! Lines and bands that coincide: lines take turns, so that each colour is seen, and bands are filled once.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use kalmanscope_core::Record;
@@ -21,15 +22,21 @@ pub(super) fn drawn_runs<'c>(
     record: &Record,
     scale: Scale,
 ) -> Vec<Vec<Range<usize>>> {
-    let mut lines: Vec<&[Column]> = Vec::new();
+    let now: Vec<&[Column]> =
+        layers.iter().zip(columns).filter_map(|(layer, columns)| of_now(layer, columns)).collect();
+    let mut lines: Vec<Cow<'_, [Column]>> = Vec::new();
     let mut bands: Vec<&[BandColumn]> = Vec::new();
     let of_layer = |(layer, columns): (&Layer<'_>, &'c LayerColumns)| match (layer, columns) {
         (Layer::Line { dashed: false, bounds: false, .. }, LayerColumns::Series(columns)) => {
-            let is_drawn = |column: &Column| is_its_turn(column, &lines, record, scale);
-            // A run shares an end with the gap beside it, so that nothing is missing between two colours.
-            let runs = runs(columns, is_drawn).into_iter().map(|run| run.start.saturating_sub(1)..run.end).collect();
-            lines.push(columns);
+            let runs = joined(runs(columns, |column| is_its_turn(column, &lines, record, scale)));
+            lines.push(Cow::Borrowed(columns));
             runs
+        }
+        (&Layer::Before { now: own, .. }, LayerColumns::Series(columns)) => {
+            let own = now.get(own).copied().unwrap_or_default();
+            let differs = |column: &Column| !coincides(column, own, extent_of_line, scale);
+            lines.push(columns.iter().filter(|column| differs(column)).copied().collect());
+            joined(runs(columns, differs))
         }
         (Layer::Band { .. }, LayerColumns::Band(columns)) => {
             let extent = |column: &BandColumn| (column.samples.0, column.low, column.high);
@@ -42,6 +49,23 @@ pub(super) fn drawn_runs<'c>(
         (_, LayerColumns::Level) => whole::<Column>(&[]),
     };
     layers.iter().zip(columns).map(of_layer).collect()
+}
+
+/// The columns of a line that may coincide with others.
+fn of_now<'c>(layer: &Layer<'_>, columns: &'c LayerColumns) -> Option<&'c [Column]> {
+    match (layer, columns) {
+        (Layer::Line { dashed: false, bounds: false, .. }, LayerColumns::Series(columns)) => Some(columns),
+        _ => None,
+    }
+}
+
+/// Runs that share an end with the gap before them, so that nothing is missing between two colours.
+fn joined(runs: Vec<Range<usize>>) -> Vec<Range<usize>> {
+    runs.into_iter().map(|run| run.start.saturating_sub(1)..run.end).collect()
+}
+
+fn extent_of_line(column: &Column) -> (usize, f64, f64) {
+    (column.samples.0, column.low, column.high)
 }
 
 fn whole<C>(columns: &[C]) -> Vec<Range<usize>> {
@@ -64,9 +88,8 @@ fn runs<C>(columns: &[C], is_drawn: impl FnMut(&C) -> bool) -> Vec<Range<usize>>
 }
 
 /// Whether a line is drawn in a column: where it lies on earlier ones, every colour has its turn.
-fn is_its_turn(column: &Column, earlier: &[&[Column]], record: &Record, scale: Scale) -> bool {
-    let extent = |column: &Column| (column.samples.0, column.low, column.high);
-    let below = earlier.iter().filter(|others| coincides(column, others, extent, scale)).count();
+fn is_its_turn(column: &Column, earlier: &[Cow<'_, [Column]>], record: &Record, scale: Scale) -> bool {
+    let below = earlier.iter().filter(|others| coincides(column, others, extent_of_line, scale)).count();
     if below == 0 {
         return true;
     }
@@ -122,6 +145,20 @@ mod tests {
         assert_eq!((runs[0].len(), runs[3].len(), covered(&runs[3], of)), (1, 1, 1.0));
         assert!(runs[1].len() > 10 && (0.3..0.7).contains(&covered(&runs[1], of)), "{:?}", runs[1]);
         assert!(runs[2].len() > 10 && (0.2..0.5).contains(&covered(&runs[2], of)), "{:?}", runs[2]);
+    }
+
+    #[test]
+    fn a_line_from_before_is_drawn_where_it_differs_from_that_of_now() {
+        let (low, high) = (vec![0.0; N], vec![0.5; N]);
+        let half: Vec<f64> = (0..N).map(|k| if k < N / 2 { 0.0 } else { 0.5 }).collect();
+        let before = |values, now| Layer::Before { series: Series::of(values), color: Color32::GRAY, now };
+        let runs = runs_of(&[before(&low, 0), before(&half, 0), line(&low), line(&high)]);
+        let of = runs_of(&[line(&low)])[0][0].len();
+        assert!(runs[0].is_empty(), "{:?}", runs[0]);
+        assert!((covered(&runs[1], of) - 0.5).abs() < 0.02, "{:?}", runs[1]);
+        assert_eq!((runs[2].len(), covered(&runs[2], of)), (1, 1.0), "its own line of now is whole");
+        let other = covered(&runs[3], of);
+        assert!((0.65..0.85).contains(&other), "the other filter's takes turns with it in one half: {other}");
     }
 
     #[test]

@@ -15,8 +15,11 @@ pub(crate) enum Layer<'a> {
     Dots { series: Series<'a>, color: Color32 },
     /// A line. `bounds` says whether the vertical axis includes all of it, also outliers.
     Line { series: Series<'a>, color: Color32, width: f32, dashed: bool, bounds: bool },
-    /// The same value at all times.
-    Level { value: f64, color: Color32 },
+    /// A thin line from before a change. `now` is the number of the same filter's line among the chart's solid lines; where
+    /// both coincide, only that one is drawn.
+    Before { series: Series<'a>, color: Color32, now: usize },
+    /// The same value at all times, with a label if it is not empty.
+    Level { value: f64, color: Color32, label: &'static str },
 }
 
 /// The width of the line of the filter at this place; the first has the width `first`. Each line is a little thinner
@@ -40,7 +43,9 @@ impl LayerColumns {
             // Half of the columns are enough for the smooth edges of a band, and for dots of two points.
             Layer::Band { band, .. } => Self::Band(band.columns(record, times, columns / 2)),
             Layer::Dots { series, .. } => Self::Series(series.columns(record, times, columns / 2)),
-            Layer::Line { series, .. } => Self::Series(series.columns(record, times, columns)),
+            Layer::Line { series, .. } | Layer::Before { series, .. } => {
+                Self::Series(series.columns(record, times, columns))
+            }
             Layer::Level { .. } => Self::Level,
         }
     }

@@ -21,6 +21,9 @@ const ALIKE: f64 = 0.2;
 /// is noise.
 const DENSE: (f64, f64) = (16.0, 1.0);
 
+/// The width of a line from before a change \[points\].
+const BEFORE: f32 = 1.2;
+
 /// A band at one time.
 #[derive(Clone, Copy)]
 pub(crate) struct Rung {
@@ -77,16 +80,24 @@ impl Mark {
                 let both = |c: &Column| [c.low, c.high].map(|value| PlotPoint::new(record.time(c.samples.0), value));
                 Self::Dots { points: columns.get(run)?.iter().flat_map(both).collect(), color }
             }
-            (&Layer::Line { color, width, dashed, .. }, LayerColumns::Series(columns)) => {
-                let points = line(record, columns.get(run)?, scale);
-                let kept = simplify(points.iter().map(|p| (scale.x * p.x, scale.y * p.y)));
-                let kept: Vec<PlotPoint> = kept.into_iter().map(|i| points[i]).collect();
-                let dense = is_dense(&points, &kept, scale);
-                Self::Line { points: if dense { points } else { kept }, color, width, dashed, dense }
+            (&Layer::Before { color, .. }, LayerColumns::Series(columns)) => {
+                Self::line(record, columns.get(run)?, scale, (color, BEFORE, false))
             }
-            (&Layer::Level { value, color }, LayerColumns::Level) => Self::Level { value, color },
+            (&Layer::Line { color, width, dashed, .. }, LayerColumns::Series(columns)) => {
+                Self::line(record, columns.get(run)?, scale, (color, width, dashed))
+            }
+            (&Layer::Level { value, color, .. }, LayerColumns::Level) => Self::Level { value, color },
             _ => return None,
         })
+    }
+
+    /// A line through columns, with its colour, its width, and whether it is dashed.
+    fn line(record: &Record, columns: &[Column], scale: Scale, (color, width, dashed): (Color32, f32, bool)) -> Self {
+        let points = line(record, columns, scale);
+        let kept = simplify(points.iter().map(|p| (scale.x * p.x, scale.y * p.y)));
+        let kept: Vec<PlotPoint> = kept.into_iter().map(|i| points[i]).collect();
+        let dense = is_dense(&points, &kept, scale);
+        Self::Line { points: if dense { points } else { kept }, color, width, dashed, dense }
     }
 }
 

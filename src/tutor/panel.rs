@@ -10,6 +10,9 @@ use crate::probe;
 use crate::request::Request;
 use crate::theme::{self, Palette};
 
+/// Limits the height of a panel that leaves out the lesson's summary, which the menu has too \[points\].
+const SHORT: f32 = 450.0;
+
 impl Tutor {
     /// The panel's contents.
     pub(crate) fn ui(&self, ui: &mut Ui, catalogue: &Catalogue, palette: &Palette, requests: &mut Vec<Request>) {
@@ -42,15 +45,20 @@ impl Tutor {
     fn text_ui(&self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) {
         let Self { lesson, place: _, step, changed, answer } = self;
         let Some(current) = self.current() else { return };
-        if *step == 0 {
+        let is_short = ui.clip_rect().height() < SHORT;
+        if *step == 0 && !is_short {
             ui.weak(&lesson.summary);
             ui.add_space(6.0);
         }
         part_ui(ui, "Look", &current.look);
         let revealed = self.is_revealed();
-        let grown = self.has_grown(ui);
+        let (opened, grown) = self.news(ui);
         if let Some(question) = &current.question {
-            question_ui(ui, question, *answer, revealed, requests);
+            let question = ui.scope(|ui| question_ui(ui, question, *answer, revealed, requests)).response;
+            if opened && self.open_question().is_some() {
+                // On a phone the choices may be below the part in sight.
+                ui.scroll_to_rect(question.rect, None);
+            }
         }
         if let Some(change) = current.change.as_ref().filter(|_| self.open_question().is_none()) {
             change_ui(ui, change, *changed, palette, requests);
@@ -67,14 +75,17 @@ impl Tutor {
         }
     }
 
-    /// Whether the step shows more than in the last frame, which may be below the part in sight.
-    fn has_grown(&self, ui: &Ui) -> bool {
+    /// Whether the step is another one than in the last frame, and whether the same step shows more.
+    fn news(&self, ui: &Ui) -> (bool, bool) {
         let state = (self.step, self.open_question().is_some(), self.is_revealed());
+        let id = Id::unique(("state of the lesson's step", &self.lesson.title));
         let before = ui.data_mut(|data| {
-            let last = data.get_temp_mut_or_insert_with(Id::unique("state of the lesson's step"), || state);
-            std::mem::replace(last, state)
+            let before = data.get_temp(id);
+            data.insert_temp(id, state);
+            before
         });
-        before != state && before.0 == state.0
+        let opened = before.is_none_or(|(step, ..): (usize, bool, bool)| step != state.0);
+        (opened, !opened && before != Some(state))
     }
 
     /// The buttons that go from step to step, and from lesson to lesson.

@@ -97,17 +97,18 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             bounds: true,
         });
     }
-    let mut add_before = |values: &'a [f64], dashed| {
-        let series = Series::of(values);
-        layers.push(Layer::Line { series, color: palette.weak, width: 1.2, dashed, bounds: false });
-    };
     let truth_before = session.before().and_then(|before| before.truth(channel, session.scenario()));
     if let Some(truth) = truth_before.filter(|_| visible.truth) {
-        add_before(truth, true);
+        let series = Series::of(truth);
+        layers.push(Layer::Line { series, color: palette.weak, width: 1.2, dashed: true, bounds: false });
     }
+    let lines: Vec<u32> =
+        context.filters().filter(|(_, of)| of.place(channel).is_some()).map(|(_, of)| of.id()).collect();
     for estimates in context.before() {
-        if let Some(at) = estimates.place(channel) {
-            add_before(estimates.canonical_means(at), false);
+        let now = lines.iter().position(|id| *id == estimates.id());
+        if let (Some(at), Some(now)) = (estimates.place(channel), now) {
+            let series = Series::of(estimates.canonical_means(at));
+            layers.push(Layer::Before { series, color: palette.weak, now });
         }
     }
     for (place, estimates) in context.filters() {
@@ -138,7 +139,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         unit: channel.unit(),
         readouts: readouts(&columns(channel, context), context.axis.readout(session)),
         layers,
-        handles: handles::of_channel(channel, context),
+        handles: handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect(),
         last_row,
         least: None,
         logarithmic: false,

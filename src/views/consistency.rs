@@ -30,7 +30,7 @@ impl View for Consistency {
     fn help(&self) -> [&'static str; 3] {
         [
             "Squares of innovations (NIS) and errors (NEES) over their expectation, as a moving mean, on a logarithmic axis.",
-            "At 1 the filter is consistent. Above: overconfident. Below: underconfident. Between the dashed lines chance explains the difference.",
+            "At 1 the filter is consistent. Above: overconfident. Below: underconfident. Between the dashed lines lie 95 % of the means of a consistent filter, by the χ² distribution.",
             "NIS needs only measurements; NEES needs the truth. Errors change slowly, so NEES strays further than NIS by chance.",
         ]
     }
@@ -94,7 +94,7 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>, last_row: bool) -> Char
     let ratio = move |diagnostics: &Diagnostics, k: usize| {
         within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree()
     };
-    let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.truth }];
+    let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.truth, label: "" }];
     // The samples of one window are independent for NIS; for NEES they count as one.
     let last = context
         .diagnostics()
@@ -103,8 +103,8 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>, last_row: bool) -> Char
     if let Some(total) = last {
         let degrees = if symbol == "NIS" { total.degrees } else { total.degrees / total.samples.max(1) };
         if let Some(interval) = chi_squared::quick_interval(degrees, degrees) {
-            for edge in [interval.start(), interval.end()] {
-                layers.push(Layer::Level { value: edge.log10(), color: palette.weak });
+            for (edge, label) in [(interval.start(), "χ² 2.5 %"), (interval.end(), "χ² 97.5 %")] {
+                layers.push(Layer::Level { value: edge.log10(), color: palette.weak, label });
             }
         }
     }

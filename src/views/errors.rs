@@ -98,7 +98,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
             layers.push(Layer::Band { band, color: palette.shade(estimates.color()), under: 0.0 });
         }
     }
-    layers.push(Layer::Level { value: 0.0, color: palette.truth });
+    layers.push(Layer::Level { value: 0.0, color: palette.truth, label: "" });
     for (place, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         let means = estimates.canonical_means(at);

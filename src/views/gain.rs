@@ -107,7 +107,7 @@ fn columns<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>) -> Ve
 fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, axis, .. } = *context;
     let is_measured = is_measured(channel, sensor, context);
-    let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak }];
+    let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak, label: "" }];
     for (_, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         let value = move |k: usize| change(estimates, (sensor, at), is_measured, k);

@@ -1,7 +1,7 @@
 //! The settings that can be dragged in plots over time.
 
 use kalmanscope_core::signal::Step;
-use kalmanscope_core::{Channel, Estimates, FilterSettings, Quantity, Scenario, Signal};
+use kalmanscope_core::{Channel, Estimates, FilterSettings, Quantity, Scenario, Sensor, Signal, Source};
 
 use crate::plot::handles::{Handle, Set};
 use crate::text::significant;
@@ -63,6 +63,28 @@ pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec
         });
     }
     handles
+}
+
+/// In a chart of a measured state: 2σ of the sensor's true noise above the truth, at the beginning, where the truth stays
+/// while the record grows.
+pub(super) fn of_noise<'a>(channel: Channel, context: &ViewContext<'a>) -> Option<Handle<'a>> {
+    let ViewContext { session, visible, palette, .. } = *context;
+    let record = session.run().record();
+    let is_simulated = matches!(session.run().source(), Source::Simulated);
+    let is_sensor = move |sensor: &Sensor| sensor.measures.channel() == Some(channel);
+    let sensor = session.scenario().sensors.iter().find(|sensor| is_sensor(sensor)).filter(|_| is_simulated)?;
+    let first = *record.truth(channel)?.first().filter(|_| visible.measured && record.forgotten() == 0)?;
+    Some(Handle {
+        name: format!("2σ of the noise of the {} sensor", sensor.measures.key()),
+        time: Some(record.time_of(0)),
+        value: first + 2.0 * sensor.noise_std,
+        color: palette.weak,
+        set: Box::new(move |scenario, _, value| {
+            if let Some(sensor) = scenario.sensors.iter_mut().find(|sensor| is_sensor(sensor)) {
+                sensor.noise_std = rounded(0.5 * (value - first)).max(LEAST);
+            }
+        }),
+    })
 }
 
 /// In a chart of innovations: 2√R of each filter, at the right edge.

@@ -107,7 +107,7 @@ fn chart<'a>(
             });
         }
     }
-    layers.push(Layer::Level { value: 0.0, color: palette.weak });
+    layers.push(Layer::Level { value: 0.0, color: palette.weak, label: "" });
     for &estimates in filters {
         layers.push(Layer::Line {
             series: Series::new(estimates.len(), move |samples| samples.map(move |k| estimates.innovation(k)[sensor])),

@@ -20,6 +20,7 @@ use self::peaks::Peaks;
 use self::scene::Scene;
 use self::stage::Stage;
 use crate::request::Request;
+use crate::session::Mode;
 use crate::view::{Proportions, View, ViewContext};
 
 /// The moving masses.
@@ -54,6 +55,9 @@ impl View for Oscillator {
     }
 }
 
+/// The time in which the scale changes \[s\].
+const EASE: f32 = 0.8;
+
 /// Limits the height of the trails below the masses: with less spare height none are drawn \[points\].
 const LEAST_TRAIL: f32 = 60.0;
 
@@ -86,9 +90,15 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
     let run = session.run();
     let k = session.index();
     let masses = masses(run);
-    let peak = ui.data_mut(|data| data.get_temp_mut_or_default::<Peaks>(response.id).up_to(run.record(), masses, k));
-    let zoom = stage::span(masses, peak, first_span(run, k)).log2() as f32;
-    let zoom = ui.ctx().animate_value_with_time(response.id, zoom, ui.style().animation_time);
+    // A whole record has one scale; that of a growing one follows the largest motion so far, and eases.
+    let (last, first) = match session.mode() {
+        Mode::Whole => (run.len().saturating_sub(1), 0.0),
+        Mode::Live => (k, first_span(run, k)),
+    };
+    let peak = ui.data_mut(|data| data.get_temp_mut_or_default::<Peaks>(response.id).up_to(run.record(), masses, last));
+    let zoom = stage::span(masses, peak, first).log2() as f32;
+    let time = if ui.style().animation_time > 0.0 { EASE } else { 0.0 };
+    let zoom = ui.ctx().animate_value_with_time(response.id, zoom, time);
 
     let trail = rect.height() > 0.3 * rect.width() + 1.0;
     let height = if trail { (0.22 * rect.width()).clamp(96.0, 280.0) } else { rect.height() };

@@ -1,21 +1,24 @@
 //! Filters side by side: verdict and scores.
 
 use egui::{Grid, Id, Label, RichText, ScrollArea, Ui};
-use kalmanscope_core::Verdict;
-use kalmanscope_core::diagnostics::{Depth, Summary};
+use kalmanscope_core::diagnostics::{Depth, MeanSquare, Summary};
+use kalmanscope_core::{Channel, Signal, Source, Verdict};
 
 use crate::request::Request;
-use crate::session::Wanted;
+use crate::session::{Session, Wanted};
 use crate::text::significant;
 use crate::theme::{self, Palette};
 use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
 
 /// Limits the width of a verdict's reason from below and above \[points\].
-const REASON: (f32, f32) = (110.0, 210.0);
+const REASON: (f32, f32) = (90.0, 210.0);
 
 /// The width of the names of the rows \[points\].
-const NAMES: f32 = 125.0;
+const NAMES: f32 = 205.0;
+
+/// The best value is marked if the others are further from the ideal by this share of it.
+const ALIKE: f64 = 0.1;
 
 /// The distance between columns \[points\].
 const SPACING: f32 = 18.0;
@@ -53,13 +56,14 @@ impl View for Scores {
             Some(Summary::of(diagnostics, None, estimates, session.before()?.record()))
         };
         let mut sorted_by = ui.data(|data| data.get_temp::<Option<String>>(sorting)).flatten();
-        if let Some(row) = rows(&summaries, &[]).into_iter().find(|row| Some(&row.name) == sorted_by.as_ref()) {
+        if let Some(row) = rows(&summaries, &[], session).into_iter().find(|row| Some(&row.name) == sorted_by.as_ref())
+        {
             let distances: Vec<f64> =
                 row.values.iter().map(|value| value.map_or(f64::INFINITY, |x| row.distance(x))).collect();
             summaries.sort_by(|(a, _), (b, _)| distances[*a].total_cmp(&distances[*b]));
         }
         let before: Vec<Option<Summary>> = summaries.iter().map(|(place, _)| was(*place)).collect();
-        let rows = rows(&summaries, &before);
+        let rows = rows(&summaries, &before, session);
         let column = (ui.available_width() - NAMES) / summaries.len().max(1) as f32 - SPACING;
         let reason_width = column.clamp(REASON.0, REASON.1);
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
@@ -87,12 +91,11 @@ impl View for Scores {
                     if row_name_ui(ui, row, sorts) {
                         sorted_by = (!sorts).then(|| row.name.clone());
                     }
-                    // Scores that are equal as printed are equally good.
-                    let best = row.best().map(|best| significant(best, 3));
-                    for (value, before) in row.values.iter().zip(&row.before) {
+                    let best = row.best();
+                    for (place, (value, before)) in row.values.iter().zip(&row.before).enumerate() {
                         let value = value.map_or("–".to_owned(), |x| significant(x, 3));
                         let text = RichText::new(&value).monospace();
-                        let text = if best.as_ref() == Some(&value) { text.strong().underline() } else { text };
+                        let text = if best == Some(place) { text.strong().underline() } else { text };
                         let before = before.map(|x| significant(x, 3)).filter(|before| *before != value);
                         ui.horizontal(|ui| {
                             ui.label(text);
@@ -145,6 +148,8 @@ struct Row {
     before: Vec<Option<f64>>,
     /// The best value: the nearest to this, or the largest where this is infinite.
     ideal: f64,
+    /// Limits a difference that says nothing: a share of the worse distance, or a number where the ideal is infinite.
+    alike: f64,
 }
 
 impl Row {
@@ -153,9 +158,15 @@ impl Row {
         if self.ideal == f64::INFINITY { -value } else { (value - self.ideal).abs() }
     }
 
-    fn best(&self) -> Option<f64> {
-        let values = self.values.iter().flatten().copied().filter(|x| x.is_finite());
-        values.min_by(|a, b| self.distance(*a).total_cmp(&self.distance(*b))).filter(|_| self.values.len() > 1)
+    /// The place of the best value, if it is clearly better than the others.
+    fn best(&self) -> Option<usize> {
+        let values = self.values.iter().enumerate().filter_map(|(place, value)| Some((place, (*value)?)));
+        let mut distances: Vec<(usize, f64)> =
+            values.filter(|(_, x)| x.is_finite()).map(|(place, x)| (place, self.distance(x))).collect();
+        distances.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let [(place, best), (_, second), ..] = distances[..] else { return None };
+        let alike = if self.ideal == f64::INFINITY { self.alike } else { self.alike * second };
+        (second - best > alike).then_some(place)
     }
 }
 
@@ -167,43 +178,73 @@ fn row_name_ui(ui: &mut Ui, row: &Row, sorts: bool) -> bool {
     name.on_hover_text(format!("{}. Click to put the best first", row.hint)).clicked()
 }
 
-fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>]) -> Vec<Row> {
-    let row = |name: &str, hint, ideal, of: &dyn Fn(&Summary) -> Option<f64>| Row {
-        name: name.to_owned(),
+fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Session) -> Vec<Row> {
+    let row = |name: String, hint, ideal, alike, of: &dyn Fn(&Summary) -> Option<f64>| Row {
+        name,
         hint,
         ideal,
+        alike,
         values: summaries.iter().map(|(_, summary)| of(summary)).collect(),
         before: before.iter().map(|summary| of(summary.as_ref()?)).collect(),
     };
-    let mut channels: Vec<kalmanscope_core::Channel> = Vec::new();
+    let mut channels: Vec<Channel> = Vec::new();
     for channel in summaries.iter().flat_map(|(_, s)| s.finals.iter().map(|f| f.channel)) {
         if !channels.contains(&channel) {
             channels.push(channel);
         }
     }
     channels.sort_by_key(|c| !c.is_parameter());
+    let change = last_change(session);
     let mut rows = Vec::new();
     for channel in channels {
         let score = |s: &Summary| s.finals.iter().find(|f| f.channel == channel)?.score;
         let symbol = channel.symbol();
-        let name = format!("RMSE {symbol}, last third");
-        rows.push(row(&name, "Root mean square error, last third", 0.0, &|s| Some(score(s)?.rmse_last_third)));
-        let name = format!("in ±2σ {symbol} [%]");
-        rows.push(row(&name, "Share of samples with the truth inside ±2σ: 95 % is right", 95.0, &|s| {
+        let name = with_unit(&format!("{symbol} RMSE, last third"), channel.unit());
+        rows.push(row(name, "Root mean square of estimate minus truth, last third", 0.0, ALIKE, &|s| {
+            Some(score(s)?.rmse_last_third)
+        }));
+        let name = format!("{symbol} in ±2σ, 95 is right [%]");
+        rows.push(row(name, "Share of samples with the truth inside ±2σ", 95.0, ALIKE, &|s| {
             Some(100.0 * score(s)?.share_inside)
         }));
         if channel.is_parameter() {
-            let name = format!("settled {symbol} [s]");
-            rows.push(row(&name, "The time since which it stays within 5 % of the truth", 0.0, &|s| score(s)?.settled));
+            let since = if change.is_some() { "after the change" } else { "from the start" };
+            let from = change.unwrap_or_else(|| session.run().record().time_of(0));
+            rows.push(row(
+                format!("{symbol} settled {since} [s]"),
+                "Until it stays within 5 % of the truth",
+                0.0,
+                ALIKE,
+                &|s| Some((score(s)?.settled? - from).max(0.0)),
+            ));
         }
     }
-    let per_number = |square: &Option<kalmanscope_core::diagnostics::MeanSquare>| {
-        square.as_ref().map(|square| square.mean / square.expected)
-    };
-    rows.push(row("NIS / expected", "Mean over all samples; 1 is right", 1.0, &|s| per_number(&s.nis)));
-    rows.push(row("NEES / expected", "Mean over all samples; 1 is right", 1.0, &|s| per_number(&s.nees)));
-    rows.push(row("log likelihood", "Of all measurements; more is better", f64::INFINITY, &|s| Some(s.log_likelihood)));
+    let over_expected = |square: &Option<MeanSquare>| square.as_ref().map(|square| square.mean / square.expected);
+    let hint = "Mean over all samples, over its expectation";
+    rows.push(row("NIS, 1 is right".to_owned(), hint, 1.0, ALIKE, &|s| over_expected(&s.nis)));
+    rows.push(row("NEES, 1 is right".to_owned(), hint, 1.0, ALIKE, &|s| over_expected(&s.nees)));
+    // A difference of two is a likelihood ratio of seven.
+    let hint = "Of all measurements; the larger, the better the filter has predicted them";
+    rows.push(row("log likelihood".to_owned(), hint, f64::INFINITY, 2.0, &|s| Some(s.log_likelihood)));
     rows
+}
+
+fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
+}
+
+/// The time of the last sudden change of any parameter that the filters have met \[s\]: it disturbs all estimates.
+fn last_change(session: &Session) -> Option<f64> {
+    let (run, record, plant) = (session.run(), session.run().record(), &session.scenario().plant);
+    if !matches!(run.source(), Source::Simulated) {
+        return None;
+    }
+    let end = record.time(run.len().checked_sub(1)?);
+    let at = |channel: &Channel| match plant.parameter(*channel) {
+        Some(Signal::Step(step)) => Some(record.time_of(0) + step.at),
+        _ => None,
+    };
+    plant.kind.channels().iter().filter_map(at).filter(|at| *at < end).reduce(f64::max)
 }
 
 fn as_text(summaries: &[(usize, Summary)], rows: &[Row]) -> String {

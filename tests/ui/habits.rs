@@ -182,6 +182,26 @@ fn filters_keep_their_colours_when_others_go() {
 }
 
 #[test]
+fn scores_name_their_units_and_what_they_are_measured_from() {
+    let mut screen = workbench();
+    screen.state_mut().session_mut().set_mode(Mode::Live);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Scores]);
+    screen.state_mut().session_mut().seek(20.0);
+    screen.run_steps(3);
+    assert!(screen.query_by_label("ωₙ RMSE, last third [rad/s]").is_some());
+    assert!(screen.query_by_label("ωₙ settled from the start [s]").is_some());
+    screen.state_mut().session_mut().set_mode(Mode::Whole);
+    screen.run_steps(3);
+    assert!(screen.query_by_label("ωₙ settled after the change [s]").is_some());
+    assert!(screen.query_by_label("ζ settled after the change [s]").is_some(), "the loss disturbs ζ too");
+    let session = screen.state().session();
+    let settled = session.diagnostics()[0].settled(Channel::NATURAL_FREQUENCY).expect("the EKF follows the loss");
+    let delay = session.run().record().time_of(settled) - 30.0;
+    assert!((1.0..10.0).contains(&delay), "{delay}");
+    assert!(screen.query_all_by_label(&kalmanscope::text::significant(delay, 3)).next().is_some(), "{delay}");
+}
+
+#[test]
 fn scores_are_sorted_by_the_row_that_is_clicked() {
     let mut screen = workbench();
     let mut bad = Scenario::default();
@@ -196,10 +216,10 @@ fn scores_are_sorted_by_the_row_that_is_clicked() {
         nodes.filter(|rect| rect.left() > 360.0 && rect.top() > 70.0).map(|r| r.left()).fold(f32::NAN, f32::max)
     };
     assert!(place(&screen, "EKF") < place(&screen, "UKF"));
-    screen.get_by_label("NIS / expected").click();
+    screen.get_by_label("NIS, 1 is right").click();
     screen.run_steps(3);
     assert!(place(&screen, "EKF") > place(&screen, "UKF"), "the UKF is the better one");
-    screen.get_by_label("NIS / expected ▸").click();
+    screen.get_by_label("NIS, 1 is right ▸").click();
     screen.run_steps(3);
     assert!(place(&screen, "EKF") < place(&screen, "UKF"));
 }

@@ -206,6 +206,18 @@ fn the_assumed_noise_is_dragged_at_the_height_of_a_band() {
 }
 
 #[test]
+fn the_true_noise_is_dragged_at_the_beginning_of_a_state() {
+    let mut screen = whole();
+    let noise = |screen: &Screen| scenario(screen).sensors.iter().map(|sensor| sensor.noise_std).collect::<Vec<_>>();
+    let before = noise(&screen);
+    let handle = screen.get_by_label("2σ of the noise of the displacement sensor").rect().center();
+    drag(&mut screen, handle, egui::vec2(0.0, -20.0));
+    let after = noise(&screen);
+    assert!(after[0] > 1.5 * before[0], "{before:?} {after:?}");
+    assert_eq!(after[1], before[1], "the velocity sensor keeps its noise");
+}
+
+#[test]
 fn filters_stand_side_by_side_with_their_numbers() {
     let mut screen = whole();
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);

@@ -45,6 +45,25 @@ fn a_step_shows_the_channels_that_it_is_about_until_all_are_wanted() {
 }
 
 #[test]
+fn a_question_and_its_choices_are_in_sight_on_a_phone() {
+    let mut questions = 0;
+    for lesson in kalmanscope_lessons::lessons() {
+        let lesson = lesson.expect("a built-in lesson can be read");
+        let Some(question) = &lesson.steps[0].question else { continue };
+        questions += 1;
+        let mut screen = self::lesson(PHONE, &lesson.title);
+        screen.run_steps(4);
+        let steps = screen.get_by_label("Next").rect();
+        for text in question.choices.iter().chain([&question.ask]) {
+            let rect = screen.get_by_label(text).rect();
+            assert!(rect.bottom() <= steps.top() + 1.0, "{}: “{text}” is hidden at {rect}", lesson.title);
+            assert!(rect.top() > 0.5 * PHONE.y, "{}: “{text}” is above the panel at {rect}", lesson.title);
+        }
+    }
+    assert!(questions >= 6, "{questions} lessons begin with a question");
+}
+
+#[test]
 fn a_frame_without_an_end_reaches_as_far_as_the_record() {
     let mut screen = lesson(DESKTOP, "Recursive estimation");
     click(&mut screen, "Next");

@@ -44,6 +44,7 @@ fn screen(size: Vec2, theme: Theme) -> Screen {
         .with_theme(theme)
         .with_step_dt(1.0 / 60.0)
         .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     let session = screen.state_mut().session_mut();
     session.set_budget(Budget::Unlimited);
     session.set_scenario(Scenario::default());
