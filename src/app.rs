@@ -1,6 +1,7 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
+mod import;
 mod lesson;
 mod window;
 
@@ -9,14 +10,15 @@ use egui::{ThemePreference, Ui};
 use kalmanscope_core::{Estimates, RunError, Scenario};
 
 use crate::drop;
+use crate::import::Import;
 use crate::keys;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
-use crate::ruler::Ruler;
+use crate::ruler::{End, Ruler};
 use crate::saved::{self, Found, Saved};
-use crate::session::{Budget, Mode, Session};
+use crate::session::{Budget, Mode, ModelTime, Session};
 use crate::theme;
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
@@ -51,6 +53,8 @@ pub struct App {
     inviting: bool,
     /// A message about a failure, until it is dismissed.
     notice: Option<String>,
+    /// The import of a measured record.
+    importing: Option<Import>,
     /// A saved session that could not be read in full; the next save keeps it.
     unreadable: Option<String>,
     requests: Vec<Request>,
@@ -123,6 +127,7 @@ impl App {
             cleared: false,
             inviting: false,
             notice: None,
+            importing: None,
             unreadable: None,
             requests: Vec::new(),
         })
@@ -187,6 +192,16 @@ impl App {
         ids.filter(|id| self.visible.filter(*id)).collect()
     }
 
+    /// The model of the free runs, if a view shows them.
+    fn model_time(&self) -> Option<ModelTime> {
+        let wanted = self.layout.in_sight().iter().any(|kind| views::view(*kind).wants_free_runs());
+        wanted.then(|| match (self.ruler.time(End::A), self.ruler.time(End::B)) {
+            (Some(a), Some(b)) => ModelTime::Over(a, b),
+            (Some(time), None) | (None, Some(time)) => ModelTime::At(time),
+            (None, None) => ModelTime::Last,
+        })
+    }
+
     /// The screen in words and tables.
     pub fn twin(&self) -> Twin {
         let Self { session, visible, axis, layout, notice, .. } = self;
@@ -212,13 +227,16 @@ impl eframe::App for App {
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
         self.session.want(views::wanted(&self.layout.shown()).and(self.visible.wanted()));
         self.session.want_trials(self.tried());
+        self.session.want_free_runs(self.model_time());
         // A slow frame (a hidden tab, a breakpoint) must not skip part of the record.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         // A number that is held is still being changed.
         self.session.rest(if ctx.input(|input| input.pointer.any_down()) { 0.0 } else { elapsed });
         self.session.advance(elapsed);
+        self.follow_import();
         let Self { session, .. } = self;
-        if session.playing() || session.behind() || session.is_before_behind() || session.is_trying() {
+        if session.playing() || session.behind() || session.is_before_behind() || session.is_trying() || session.is_free_run_behind() || self.importing.as_ref().is_some_and(Import::is_busy)
+        {
             ctx.request_repaint();
         }
     }

@@ -1,4 +1,4 @@
-//! Files dropped on the window: lessons and scenarios.
+//! Files dropped on the window: lessons, scenarios and measured records.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -6,10 +6,14 @@ use std::io::Read as _;
 use egui::{Context, DroppedFile};
 use kalmanscope_lessons::File as Contents;
 
-use crate::request::Request;
+use crate::import;
+use crate::request::{RawFile, Request};
 
 /// Limits the size of a dropped file \[bytes\].
-pub const LARGEST: usize = 1_000_000;
+pub const LARGEST: usize = import::LARGEST;
+
+/// Limits the size of a lesson or a scenario \[bytes\].
+const LARGEST_TEXT: usize = 1_000_000;
 
 /// Pushes the request to open the file that was dropped in this frame. Of several files it is the last, which would hide
 /// the others.
@@ -21,6 +25,11 @@ pub(crate) fn dropped(ctx: &Context, requests: &mut Vec<Request>) {
 
 /// The request to open a file of this name, or to say why it cannot be opened.
 pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
+    let bytes = match bytes {
+        Ok(bytes) if bytes.len() > LARGEST => Err(TOO_LARGE.to_owned()),
+        Ok(bytes) if !is_toml(name) => return Request::ImportFile(Box::new(RawFile { name: name.to_owned(), bytes })),
+        bytes => bytes,
+    };
     let opened = bytes.and_then(text).and_then(|text| Contents::from_toml(&text).map_err(|error| error.to_string()));
     match opened {
         Ok(Contents::Lesson(lesson)) => Request::StudyLesson(Box::new(lesson)),
@@ -44,11 +53,16 @@ fn read(file: &dyn DroppedFile) -> Result<Vec<u8>, String> {
 }
 
 fn text(bytes: Vec<u8>) -> Result<String, String> {
-    if bytes.len() > LARGEST {
-        return Err(TOO_LARGE.to_owned());
+    if bytes.len() > LARGEST_TEXT {
+        return Err("it is larger than 1 MB".to_owned());
     }
     String::from_utf8(bytes).map_err(|_| "it is not text".to_owned())
 }
 
 /// The reason why a file above [`LARGEST`] is not opened.
-pub const TOO_LARGE: &str = "it is larger than 1 MB";
+pub const TOO_LARGE: &str = "it is larger than 500 MB";
+
+/// Whether a file is one of the program's own, by its name. Any other is taken for a record.
+fn is_toml(name: &str) -> bool {
+    name.rsplit('.').next().is_some_and(|end| end.eq_ignore_ascii_case("toml"))
+}

@@ -7,6 +7,7 @@ pub mod app;
 mod bar;
 pub mod controls;
 pub mod drop;
+pub mod import;
 mod keys;
 pub mod layout;
 mod legend;

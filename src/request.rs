@@ -1,5 +1,7 @@
 //! Requests of the views, the controls and the keys, as data.
 
+use std::fmt;
+
 use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
 use kalmanscope_lessons::{BuiltIn, Lesson};
@@ -29,6 +31,12 @@ pub enum Request {
     Open(BuiltIn),
     /// Play a scenario from its start.
     OpenScenario(Box<Scenario>),
+    /// Import a measured record from a file.
+    ImportFile(Box<RawFile>),
+    /// Choose another meaning of the columns of the record on screen.
+    ChangeColumns,
+    /// Give up the import.
+    CancelImport,
     /// Use an edited scenario.
     Edit(Box<Scenario>),
     /// Undo the last change of the scenario.
@@ -97,6 +105,21 @@ pub enum Request {
     ClearMarks,
 }
 
+/// A file as it is.
+#[derive(Clone, PartialEq)]
+pub struct RawFile {
+    /// Its name.
+    pub name: String,
+    /// Its contents.
+    pub bytes: Vec<u8>,
+}
+
+impl fmt::Debug for RawFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({} bytes)", self.name, self.bytes.len())
+    }
+}
+
 /// An answer to the question of a lesson's step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -133,6 +156,8 @@ pub enum ViewKind {
     States,
     /// Errors within ±2σ and the Cramér-Rao bound.
     Errors,
+    /// Measurements against predictions and free runs.
+    Measured,
     /// Innovations within ±2√S.
     Innovations,
     /// NIS and NEES.
@@ -159,11 +184,12 @@ pub enum ViewKind {
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
         Self::Errors,
+        Self::Measured,
         Self::Innovations,
         Self::Consistency,
         Self::Autocorrelation,

@@ -42,7 +42,7 @@ impl<'a> ViewContext<'a> {
     ) -> Self {
         let mut hasher = DefaultHasher::new();
         session.before().map_or(0, Before::len).hash(&mut hasher);
-        (session.generation(), session.run().len(), session.bounds().len(), visible, palette).hash(&mut hasher);
+        (session.generation(), session.drawn(), session.run().len(), session.bounds().len(), visible, palette).hash(&mut hasher);
         session.run().estimates().iter().for_each(|estimates| estimates.color().hash(&mut hasher));
         Self { session, palette, visible, axis, ruler, version: hasher.finish() }
     }
@@ -92,6 +92,11 @@ pub trait View: Sync {
     /// The results besides the estimates that it needs.
     fn wanted(&self) -> Wanted {
         Wanted::NOTHING
+    }
+
+    /// Whether it shows the free runs of the identified models.
+    fn wants_free_runs(&self) -> bool {
+        false
     }
 
     /// The preferred shape.

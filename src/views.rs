@@ -11,6 +11,7 @@ mod gain;
 mod handles;
 mod innovations;
 mod matrices;
+mod measured;
 mod oscillator;
 mod parameter_plane;
 mod phase;
@@ -27,6 +28,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Parameters => &channels::Channels::Parameters,
         ViewKind::States => &channels::Channels::States,
         ViewKind::Errors => &errors::Errors,
+        ViewKind::Measured => &measured::Measured,
         ViewKind::Innovations => &innovations::Innovations,
         ViewKind::Consistency => &consistency::Consistency,
         ViewKind::Autocorrelation => &autocorrelation::Autocorrelation,

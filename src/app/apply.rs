@@ -34,6 +34,9 @@ impl App {
                 Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title)),
             },
             Request::OpenScenario(scenario) => self.open(*scenario, ctx),
+            Request::ImportFile(file) => self.import(*file, ctx),
+            Request::ChangeColumns => self.change_columns(),
+            Request::CancelImport => self.importing = None,
             Request::Edit(scenario) => session.edit(*scenario),
             Request::SwapSettings => session.swap_settings(),
             Request::ForgetBefore => session.forget_before(),
@@ -98,7 +101,7 @@ impl App {
     }
 
     /// Plays a scenario from its start.
-    fn open(&mut self, scenario: Scenario, ctx: &egui::Context) {
+    pub(super) fn open(&mut self, scenario: Scenario, ctx: &egui::Context) {
         self.session.set_scenario(scenario);
         self.session.begin_anew();
         self.session.play_from_start();

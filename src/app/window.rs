@@ -4,7 +4,7 @@ use egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, Ui};
 
 use super::App;
 use crate::bar::Bar;
-use crate::controls::controls_ui;
+use crate::controls::{Asked, controls_ui};
 use crate::keys;
 use crate::legend::legend_ui;
 use crate::notice::notice_ui;
@@ -61,6 +61,7 @@ impl App {
         }
         CentralPanel::default().frame(frame).show(ui, |ui| self.centre_ui(ui, &palette, narrow));
         self.keys_ui(ui.ctx());
+        self.import_ui(ui.ctx(), &palette);
         if !self.requests.is_empty() {
             ui.ctx().request_repaint();
         }
@@ -83,9 +84,11 @@ impl App {
         let lit = tutor.as_ref().map_or(vec![], Tutor::lit);
         panel.frame(frame).show(ui, |ui| {
             let mut scenario = session.scenario().clone();
-            if controls_ui(ui, &mut scenario, palette, lit) {
+            let (changed, asked) = controls_ui(ui, &mut scenario, session.library(), palette, lit);
+            if changed {
                 requests.push(Request::Edit(Box::new(scenario)));
             }
+            requests.extend(asked.into_iter().map(|Asked::Columns| Request::ChangeColumns));
         });
     }
 
