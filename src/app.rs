@@ -1,7 +1,9 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
+mod embed;
 mod lesson;
+pub mod link;
 mod window;
 
 use egui::util::undoer::Undoer;
@@ -11,6 +13,7 @@ use kalmanscope_core::{Estimates, RunError, Scenario};
 use crate::drop;
 use crate::keys;
 use crate::layout::Layout;
+use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
@@ -49,8 +52,12 @@ pub struct App {
     cleared: bool,
     /// Whether the invitation to the first lesson is shown.
     inviting: bool,
-    /// A message about a failure, until it is dismissed.
-    notice: Option<String>,
+    /// A message, until it is dismissed.
+    notice: Option<Notice>,
+    /// The address at which links begin; empty where no page is known.
+    page: String,
+    /// Whether another page embeds this one, which shows plots and transport only.
+    embedded: bool,
     /// A saved session that could not be read in full; the next save keeps it.
     unreadable: Option<String>,
     requests: Vec<Request>,
@@ -94,7 +101,7 @@ impl App {
         app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
             app.notice =
-                Some(format!("The last session could not be restored in full, but its text is kept: {reason}."));
+                Some(format!("The last session could not be restored in full, but its text is kept: {reason}.").into());
             app.unreadable = Some(text);
         }
         Ok(app)
@@ -123,6 +130,8 @@ impl App {
             cleared: false,
             inviting: false,
             notice: None,
+            page: link::PAGE.unwrap_or_default().to_owned(),
+            embedded: false,
             unreadable: None,
             requests: Vec::new(),
         })
@@ -168,9 +177,9 @@ impl App {
         &self.ruler
     }
 
-    /// The message about a failure on screen, until it is dismissed.
+    /// The message on screen, until it is dismissed.
     pub fn notice(&self) -> Option<&str> {
-        self.notice.as_deref()
+        self.notice.as_ref().map(|notice| notice.sentence.as_str())
     }
 
     /// Opens a file with a lesson or a scenario, or says why it cannot be read.
@@ -189,13 +198,14 @@ impl App {
 
     /// The screen in words and tables.
     pub fn twin(&self) -> Twin {
-        let Self { session, visible, axis, layout, notice, .. } = self;
-        Twin::new(session, visible, axis, layout, notice.as_deref())
+        let Self { session, visible, axis, layout, .. } = self;
+        Twin::new(session, visible, axis, layout, self.notice())
     }
 
     /// The state of the screen, as data.
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
-        ScreenState::new(&self.session, ctx)
+        let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step() + 1));
+        ScreenState::new(&self.session, lesson, ctx)
     }
 }
 
@@ -204,6 +214,7 @@ impl eframe::App for App {
         theme::fit_targets(ctx);
         keys::keys(ctx, &self.session, &mut self.requests);
         drop::dropped(ctx, &mut self.requests);
+        link::pasted(ctx, &mut self.requests);
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);
         }
@@ -232,6 +243,10 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        // The session of the whole explorer stays as it is.
+        if self.embedded {
+            return;
+        }
         let studies = self.studies();
         let Self { session, layout, presenting, theme, unreadable, .. } = self;
         saved::save(storage, session, layout, &studies, *presenting, *theme, unreadable.as_deref());

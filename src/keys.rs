@@ -40,6 +40,7 @@ const SHORTCUTS: &[Shortcut] = &[
     plain("A", "mark the time that is shown as A, or take A away", &[Key::A], |_| Request::ToggleMark(End::A)),
     plain("B", "the same for B", &[Key::B], |_| Request::ToggleMark(End::B)),
     plain("X", "the other of two settings, A and B", &[Key::X], |_| Request::SwapSettings),
+    plain("C", "copy a link to this picture", &[Key::C], |_| Request::CopyLink),
     plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
     plain("P", "presenter mode: large type", &[Key::P], |_| Request::TogglePresenter),
     plain("Page down", "the next view alone, then all", &[Key::PageDown], |_| Request::TurnView(true)),

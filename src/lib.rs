@@ -19,6 +19,7 @@ pub mod request;
 pub mod ruler;
 mod saved;
 pub mod session;
+pub mod share;
 pub mod sheet;
 pub mod text;
 pub mod theme;

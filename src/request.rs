@@ -13,6 +13,8 @@ use crate::session::Mode;
 pub enum Request {
     /// Play if paused, pause if playing; from the start if at the end.
     TogglePlay,
+    /// Play or pause.
+    Play(bool),
     /// One sample forward, paused.
     Step,
     /// One sample back, paused.
@@ -29,6 +31,12 @@ pub enum Request {
     Open(BuiltIn),
     /// Play a scenario from its start.
     OpenScenario(Box<Scenario>),
+    /// Open the link, the lesson or the scenario of an address.
+    OpenAddress(String),
+    /// Copy a link to this picture.
+    CopyLink,
+    /// Open this picture in the whole explorer, beside the page that embeds this one.
+    OpenOutside,
     /// Use an edited scenario.
     Edit(Box<Scenario>),
     /// Undo the last change of the scenario.

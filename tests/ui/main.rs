@@ -12,6 +12,7 @@ mod memory;
 mod playback;
 mod progress;
 mod settings;
+mod share;
 mod sizes;
 mod twin;
 mod workbench;
