@@ -104,6 +104,7 @@ impl Picture {
     /// long.
     pub fn fragment(&self) -> Result<String, LinkError> {
         let Self { scenario, views, enlarged, mode, time } = self;
+        // A scenario with a measured record names its file here.
         let screen = Screen { views: views.clone(), enlarged: *enlarged, mode: *mode, time: *time, file: None };
         let screen = serde_json::to_string(&screen).map_err(|error| LinkError::Screen(error.to_string()))?;
         let text = format!("{screen}\n{}", scenario.to_toml()?);

@@ -21,6 +21,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
+use kalmanscope::share::address;
 use kalmanscope_core::Run;
 use kalmanscope_lessons::BuiltIn;
 use serde_json::Value;
@@ -146,7 +147,7 @@ async fn reports_no_problems(page: &Page, address: &str) {
     }
     let resources = page.value("performance.getEntriesByType('resource').map(entry => entry.name)").await;
     for name in resources.as_array().unwrap().iter().map(|name| name.as_str().unwrap()) {
-        assert!(name.starts_with(address), "{name} is of another origin");
+        assert!(name.starts_with(address::page(address)), "{name} is of another origin");
     }
 }
 

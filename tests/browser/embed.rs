@@ -16,8 +16,15 @@ pub(crate) const WATCH: &str = "
         window.forbidden.push(`${event.effectiveDirective}: ${event.blockedURI} ${event.sourceFile}:${event.lineNumber}`);
     });";
 
-/// A page that embeds the explorer, with what the frame has said in `answers`.
-const HOST: &str = "<!doctype html><title>Lecture notes</title><iframe width=900 height=600></iframe>
+/// A page that embeds the explorer, with what the frame has said in `answers`, and another frame that asks it too.
+const HOST: &str = r#"<!doctype html><title>Lecture notes</title><link rel=icon href="data:,">
+<iframe width=900 height=600></iframe>
+<iframe hidden srcdoc="<script>
+    onmessage = ({ data }) => {
+        if (data === 'ask') parent.frames[0].postMessage({ kalmanscope: 1, get: 'state' }, '*');
+        else parent.answers.push('to another frame');
+    };
+</script>"></iframe>
 <script>
     window.answers = [];
     addEventListener('message', event => {
@@ -27,7 +34,7 @@ const HOST: &str = "<!doctype html><title>Lecture notes</title><iframe width=900
         frames[0].postMessage(message, document.querySelector('iframe').src);
         return true;
     };
-</script>";
+</script>"#;
 
 /// The page starts under its policy, which allows no other script: neither from an attribute, nor from a text.
 pub(crate) async fn policy_is_strict(page: &Page, address: &str) {
@@ -95,13 +102,15 @@ pub(crate) async fn messages(page: &Page, address: &str) {
     for hostile in ["42", "null", "{ a: 1 }", "'x'.repeat(70000)", "{ kalmanscope: 1, x: 'x'.repeat(70000) }", "10n"] {
         page.value(&format!("say({hostile})")).await;
     }
+    page.value("frames[1].postMessage('ask')").await;
+    page.settle().await;
     say(page, &json!({ "id": 901, "get": "state" })).await;
     assert_eq!(answer_to(page, 901).await["state"]["checksum"].as_str(), Some(checksum.as_str()));
     let after = page.value("answers.length").await;
     assert_eq!(after.as_u64(), before.as_u64().map(|count| count + 1), "what is not ours gets no answer");
     let console = page.console().await;
     let ignored = console.iter().filter(|(_, message)| message.contains("A message is ignored")).count();
-    assert_eq!(ignored, 7, "each has a sentence: {console:?}");
+    assert_eq!(ignored, 8, "each has a sentence: {console:?}");
     assert!(console.iter().all(|(level, _)| level != "SEVERE"), "{console:?}");
 }
 

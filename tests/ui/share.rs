@@ -1,6 +1,7 @@
 //! Links: what one screen shows, another shows too.
 
 use std::collections::BTreeMap;
+use std::process::Command;
 
 use egui::{Event, OutputCommand};
 use kalmanscope::share::MARK;
@@ -255,4 +256,18 @@ fn an_embedded_screen_has_plots_and_transport_only_and_leaves_the_saved_session(
     let mut memory = Memory::default();
     screen.state_mut().save(&mut memory);
     assert_eq!(memory.get_string("kalmanscope"), None);
+}
+
+#[test]
+fn the_program_says_why_its_argument_cannot_be_opened() {
+    for (argument, sentence) in [
+        ("https://example.org/#link=1.AAAA", "error: The link cannot be opened: it is damaged"),
+        ("?scenario=none", "error: There is no scenario “none”"),
+        ("file.toml", "usage: kalmanscope [LINK]"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_kalmanscope")).arg(argument).output().expect("it can be started");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(message.starts_with(sentence), "{message}");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{argument}");
+    }
 }
