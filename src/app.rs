@@ -1,8 +1,10 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
+mod embed;
 mod import;
 mod lesson;
+pub mod link;
 mod window;
 
 use egui::util::undoer::Undoer;
@@ -13,6 +15,7 @@ use crate::drop;
 use crate::import::Import;
 use crate::keys;
 use crate::layout::Layout;
+use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
@@ -51,10 +54,14 @@ pub struct App {
     cleared: bool,
     /// Whether the invitation to the first lesson is shown.
     inviting: bool,
-    /// A message about a failure, until it is dismissed.
-    notice: Option<String>,
     /// The import of a measured record.
     importing: Option<Import>,
+    /// A message, until it is dismissed.
+    notice: Option<Notice>,
+    /// The address at which links begin; empty where no page is known.
+    page: String,
+    /// Whether another page embeds this one, which shows plots and transport only.
+    embedded: bool,
     /// A saved session that could not be read in full; the next save keeps it.
     unreadable: Option<String>,
     requests: Vec<Request>,
@@ -98,7 +105,7 @@ impl App {
         app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
             app.notice =
-                Some(format!("The last session could not be restored in full, but its text is kept: {reason}."));
+                Some(format!("The last session could not be restored in full, but its text is kept: {reason}.").into());
             app.unreadable = Some(text);
         }
         Ok(app)
@@ -128,6 +135,8 @@ impl App {
             inviting: false,
             notice: None,
             importing: None,
+            page: link::PAGE.unwrap_or_default().to_owned(),
+            embedded: false,
             unreadable: None,
             requests: Vec::new(),
         })
@@ -173,9 +182,9 @@ impl App {
         &self.ruler
     }
 
-    /// The message about a failure on screen, until it is dismissed.
+    /// The message on screen, until it is dismissed.
     pub fn notice(&self) -> Option<&str> {
-        self.notice.as_deref()
+        self.notice.as_ref().map(|notice| notice.sentence.as_str())
     }
 
     /// Opens a file with a lesson or a scenario, or says why it cannot be read.
@@ -204,13 +213,14 @@ impl App {
 
     /// The screen in words and tables.
     pub fn twin(&self) -> Twin {
-        let Self { session, visible, axis, layout, notice, .. } = self;
-        Twin::new(session, visible, axis, layout, notice.as_deref())
+        let Self { session, visible, axis, layout, .. } = self;
+        Twin::new(session, visible, axis, layout, self.notice())
     }
 
     /// The state of the screen, as data.
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
-        ScreenState::new(&self.session, ctx)
+        let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step() + 1));
+        ScreenState::new(&self.session, lesson, ctx)
     }
 }
 
@@ -219,6 +229,7 @@ impl eframe::App for App {
         theme::fit_targets(ctx);
         keys::keys(ctx, &self.session, &mut self.requests);
         drop::dropped(ctx, &mut self.requests);
+        link::pasted(ctx, &mut self.requests);
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);
         }
@@ -235,7 +246,12 @@ impl eframe::App for App {
         self.session.advance(elapsed);
         self.follow_import();
         let Self { session, .. } = self;
-        if session.playing() || session.behind() || session.is_before_behind() || session.is_trying() || session.is_free_run_behind() || self.importing.as_ref().is_some_and(Import::is_busy)
+        if session.playing()
+            || session.behind()
+            || session.is_before_behind()
+            || session.is_trying()
+            || session.is_free_run_behind()
+            || self.importing.as_ref().is_some_and(Import::is_busy)
         {
             ctx.request_repaint();
         }
@@ -250,6 +266,10 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        // The session of the whole explorer stays as it is.
+        if self.embedded {
+            return;
+        }
         let studies = self.studies();
         let Self { session, layout, presenting, theme, unreadable, .. } = self;
         saved::save(storage, session, layout, &studies, *presenting, *theme, unreadable.as_deref());

@@ -115,7 +115,9 @@ impl Import {
 
     /// Takes the choices: makes start values, or opens the record at once.
     fn accept(&mut self, record: Record, scenario: Scenario) -> Option<Opened> {
-        let Stage::Asking(draft) = std::mem::replace(&mut self.stage, Stage::Failed(String::new())) else { return None };
+        let Stage::Asking(draft) = std::mem::replace(&mut self.stage, Stage::Failed(String::new())) else {
+            return None;
+        };
         if draft.suggest {
             let suggest = Suggest::new(&scenario, record);
             self.stage = Stage::Suggesting(draft, Box::new(suggest));

@@ -5,6 +5,7 @@
 
 pub mod app;
 mod bar;
+mod comparison;
 pub mod controls;
 pub mod drop;
 pub mod import;
@@ -20,6 +21,7 @@ pub mod request;
 pub mod ruler;
 mod saved;
 pub mod session;
+pub mod share;
 pub mod sheet;
 pub mod text;
 pub mod theme;

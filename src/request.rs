@@ -15,6 +15,8 @@ use crate::session::Mode;
 pub enum Request {
     /// Play if paused, pause if playing; from the start if at the end.
     TogglePlay,
+    /// Play or pause.
+    Play(bool),
     /// One sample forward, paused.
     Step,
     /// One sample back, paused.
@@ -37,6 +39,12 @@ pub enum Request {
     ChangeColumns,
     /// Give up the import.
     CancelImport,
+    /// Open the link, the lesson or the scenario of an address.
+    OpenAddress(String),
+    /// Copy a link to this picture.
+    CopyLink,
+    /// Open this picture in the whole explorer, beside the page that embeds this one.
+    OpenOutside,
     /// Use an edited scenario.
     Edit(Box<Scenario>),
     /// Undo the last change of the scenario.

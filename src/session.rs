@@ -23,10 +23,10 @@ use judging::Judged;
 use trying::Trying;
 
 pub use before::Before;
-pub use free_runs::ModelTime;
-pub use library::{Library, RecordFile, name_of};
 pub use budget::Budget;
+pub use free_runs::ModelTime;
 pub use kalmanscope_core::{Bound, Wanted};
+pub use library::{Library, RecordFile, name_of};
 pub use setting::Setting;
 pub use trying::Attempt;
 

@@ -42,7 +42,8 @@ impl<'a> ViewContext<'a> {
     ) -> Self {
         let mut hasher = DefaultHasher::new();
         session.before().map_or(0, Before::len).hash(&mut hasher);
-        (session.generation(), session.drawn(), session.run().len(), session.bounds().len(), visible, palette).hash(&mut hasher);
+        (session.generation(), session.drawn(), session.run().len(), session.bounds().len(), visible, palette)
+            .hash(&mut hasher);
         session.run().estimates().iter().for_each(|estimates| estimates.color().hash(&mut hasher));
         Self { session, palette, visible, axis, ruler, version: hasher.finish() }
     }

@@ -49,6 +49,12 @@ pub fn scenario_for(record: &Record) -> Scenario {
     scenario
 }
 
+/// A mean of the input is an offset if it is this many times what chance makes of it.
+const CERTAIN: f64 = 4.0;
+
+/// A mean of a sensor's readings is an offset if it is larger than this share of their spread.
+const OFFSET: f64 = 0.5;
+
 /// A free run is better if its error is at most this share of the other's.
 const BETTER: f64 = 0.8;
 
@@ -69,9 +75,10 @@ impl Suggestion {
         let Some(mapping) = &mut self.scenario.record else { return };
         let mut removed = Vec::new();
         let (mean, std) = moments(record.input());
+        // The mean of a random force is not zero either, and what it does to the displacement is motion.
+        let chance = std / libm::sqrt(record.len().max(1) as f64);
         if let Some(input) = mapping.input.as_mut().filter(|input| input.offset == Offset::default())
-            && mean.abs() > 1e-3 * std
-            && std > 0.0
+            && mean.abs() > CERTAIN * chance
         {
             input.offset = Offset::MEAN;
             record.change_input(|value| value - mean);
@@ -81,7 +88,7 @@ impl Suggestion {
             let quantity = record.sensors()[sensor];
             let (mean, std) = moments(record.measured(sensor));
             let Some(column) = mapping.sensors.get_mut(&quantity) else { continue };
-            if column.offset == Offset::default() && mean.abs() > 1e-3 * std {
+            if column.offset == Offset::default() && (!removed.is_empty() || mean.abs() > OFFSET * std) {
                 column.offset = Offset::MEAN;
                 record.change_measured(sensor, |value| value - mean);
                 removed.push(format!("the {}", quantity.name()));

@@ -1,6 +1,5 @@
 //! Measured records: their import, and the scenarios that name them.
 
-
 use egui::Context;
 
 use super::App;
@@ -32,7 +31,8 @@ impl App {
         let Some(import) = &mut self.importing else { return };
         let mut while_time = self.session.budget().slice();
         let opened = import.advance(&mut while_time);
-        if let Some(file) = import.file().filter(|file| self.is_awaited(file)).cloned() {
+        let file = import.file().cloned();
+        if let Some(file) = file.filter(|file| self.is_awaited(file)) {
             self.importing = None;
             self.session.keep_file(file);
             self.notice = None;

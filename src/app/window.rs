@@ -47,10 +47,11 @@ impl App {
         let open = self.controls_open();
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
-        let Self { session, layout, catalogue, presenting, requests, history, .. } = self;
+        let Self { session, layout, catalogue, presenting, embedded, requests, history, .. } = self;
         let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
-        let bar = Bar { session, layout, catalogue, controls: open, presenting: *presenting, narrow, history };
-        if !*presenting || is_bar_wanted(ui.ctx()) {
+        let (presenting, embedded) = (*presenting, *embedded);
+        let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, embedded, history };
+        if !presenting || is_bar_wanted(ui.ctx()) {
             Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         }
         if open {
@@ -69,6 +70,9 @@ impl App {
 
     /// Whether the settings are shown.
     pub(super) fn controls_open(&self) -> bool {
+        if self.embedded {
+            return false;
+        }
         let room = if self.tutor.is_some() { WIDE } else { NARROW };
         self.controls_open.unwrap_or(self.width >= room && !self.low && !self.presenting)
     }

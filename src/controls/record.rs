@@ -24,7 +24,8 @@ pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library,
         ui.selectable_value(hold, Hold::Zero, "held");
     });
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Columns…").on_hover_text("Another meaning of the columns, another part, band or rate").clicked() {
+        if ui.button("Columns…").on_hover_text("Another meaning of the columns, another part, band or rate").clicked()
+        {
             asked.push(Asked::Columns);
         }
         if ui.button("Simulate instead").on_hover_text("Leave the record and simulate the truth").clicked() {

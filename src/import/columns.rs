@@ -78,7 +78,8 @@ fn roles(draft: &Draft) -> Vec<(Role, String)> {
         InputKind::GroundAcceleration => "the ground's acceleration",
     };
     let quantities = draft.plant.quantities().map(|quantity: Quantity| (Role::Sensor(quantity), quantity.name()));
-    let first = [(Role::Unused, "left out".to_owned()), (Role::Time, "the time".to_owned()), (Role::Input, input.to_owned())];
+    let first =
+        [(Role::Unused, "left out".to_owned()), (Role::Time, "the time".to_owned()), (Role::Input, input.to_owned())];
     first.into_iter().chain(quantities).collect()
 }
 

@@ -19,9 +19,13 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
             ui.separator();
         }
         ui.label("the input is");
-        let kinds = [(InputKind::Force, "a force over mass".to_owned()), (InputKind::GroundAcceleration, "the ground's acceleration".to_owned())];
+        let kinds = [
+            (InputKind::Force, "a force over mass".to_owned()),
+            (InputKind::GroundAcceleration, "the ground's acceleration".to_owned()),
+        ];
         choice_ui(ui, "Kind of input", &mut draft.input, &kinds);
-        let holds = [(Hold::First, "linear between samples".to_owned()), (Hold::Zero, "held between samples".to_owned())];
+        let holds =
+            [(Hold::First, "linear between samples".to_owned()), (Hold::Zero, "held between samples".to_owned())];
         choice_ui(ui, "Hold of the input", &mut draft.hold, &holds);
         ui.separator();
         ui.label("the filters assume");

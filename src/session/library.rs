@@ -66,7 +66,9 @@ impl Library {
             return Ok(Source::Measured(record));
         }
         let name = name_of(mapping);
-        let file = self.file(mapping).ok_or_else(|| format!("the record “{name}” is not here: drop the file on the window"))?;
+        let file = self
+            .file(mapping)
+            .ok_or_else(|| format!("the record “{name}” is not here: drop the file on the window"))?;
         let built = Builder::new(&file.table, mapping, scenario.input, scenario.hold).and_then(Builder::finish);
         let built = built.map_err(|error| format!("“{name}”: {error}"))?;
         let samples = built.record.len();

@@ -52,7 +52,11 @@ impl View for Measured {
         }
         charts_ui(ui, 2 * sensors.len(), &context.plot_input(), requests, |i, last_row| {
             let (sensor, quantity) = (i / 2, sensors[i / 2]);
-            if i % 2 == 0 { signals(sensor, quantity, context, last_row) } else { errors(sensor, quantity, context, last_row) }
+            if i % 2 == 0 {
+                signals(sensor, quantity, context, last_row)
+            } else {
+                errors(sensor, quantity, context, last_row)
+            }
         })
     }
 }
@@ -73,7 +77,8 @@ fn columns<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Column<'a>> {
     let number = |value: f64| (!value.is_nan()).then(|| significant(value, 4));
     let measured = Column::new("measured", context.palette.measured, move |k| number(*all.get(k)?));
     let one_step = context.filters().map(move |(_, estimates)| {
-        let text = move |k: usize| number((k < estimates.len().min(all.len())).then(|| predicted(estimates, all, sensor, k))?);
+        let text =
+            move |k: usize| number((k < estimates.len().min(all.len())).then(|| predicted(estimates, all, sensor, k))?);
         Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
     });
     std::iter::once(measured).chain(one_step).collect()
@@ -110,11 +115,8 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
     }
     let k = axis.readout(session);
     let now = all.get(k).filter(|value| !value.is_nan());
-    let readouts = now.map(|value| Readout {
-        text: significant(*value, 4),
-        color: palette.measured,
-        hint: "measured".to_owned(),
-    });
+    let readouts =
+        now.map(|value| Readout { text: significant(*value, 4), color: palette.measured, hint: "measured".to_owned() });
     Chart {
         key: format!("measured {}", quantity.key()),
         title: format!("{} measured and predicted", quantity.name()),
