@@ -114,7 +114,8 @@ fn the_meaning_of_a_column_can_be_changed_before_and_after() {
     choose(&mut screen, "Meaning of V2", "velocity");
     screen.run_steps(10);
     screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    // A change that lasts for a second is one that can be taken back.
+    screen.run_steps(90);
     assert_eq!(screen.state().session().problem(), None);
     assert_eq!(screen.state().session().sensors(), [Quantity::VELOCITY]);
     screen.get_by_label("Columns…").click();
@@ -122,7 +123,7 @@ fn the_meaning_of_a_column_can_be_changed_before_and_after() {
     choose(&mut screen, "Meaning of V2", "displacement");
     screen.run_steps(10);
     screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    screen.run_steps(90);
     assert_eq!(screen.state().session().sensors(), [Quantity::DISPLACEMENT]);
     // Each change can be taken back.
     screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
