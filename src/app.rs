@@ -244,7 +244,7 @@ impl eframe::App for App {
         // A number that is held is still being changed.
         self.session.rest(if ctx.input(|input| input.pointer.any_down()) { 0.0 } else { elapsed });
         self.session.advance(elapsed);
-        self.follow_import();
+        self.follow_import(ctx);
         let Self { session, .. } = self;
         if session.playing()
             || session.behind()

@@ -180,6 +180,8 @@ pub enum ViewKind {
     ParameterPlane,
     /// Frequency response over the force's spectrum.
     FrequencyResponse,
+    /// Power over time and frequency.
+    Spectrogram,
     /// Predict and update in numbers.
     Matrices,
     /// Filters side by side.
@@ -192,7 +194,7 @@ pub enum ViewKind {
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -205,6 +207,7 @@ impl ViewKind {
         Self::Phase,
         Self::ParameterPlane,
         Self::FrequencyResponse,
+        Self::Spectrogram,
         Self::Matrices,
         Self::Scores,
         Self::Filters,

@@ -39,7 +39,7 @@ impl App {
                 Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title).into()),
             },
             Request::OpenScenario(scenario) => self.open(*scenario, ctx),
-            Request::ImportFile(file) => self.import(*file, ctx),
+            Request::ImportFile(file) => self.import(*file),
             Request::ChangeColumns => self.change_columns(),
             Request::CancelImport => self.importing = None,
             Request::OpenAddress(address) => self.go_to_address(&address, ctx),

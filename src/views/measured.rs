@@ -39,7 +39,7 @@ impl View for Measured {
     fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
         let sheet = |(sensor, quantity): (usize, Quantity)| Sheet {
             title: format!("{} measured and predicted", quantity.name()),
-            unit: quantity.unit(),
+            unit: context.unit(quantity.unit()),
             columns: columns(sensor, context),
         };
         context.session.sensors().into_iter().enumerate().map(sheet).collect()
@@ -122,7 +122,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
         title: format!("{} measured and predicted", quantity.name()),
         symbol: quantity.symbol().to_owned(),
         name: format!("{}: measured, predicted, free run", quantity.name()),
-        unit: quantity.unit(),
+        unit: context.unit(quantity.unit()),
         readouts: readouts.into_iter().collect(),
         layers,
         handles: Vec::new(),
@@ -159,7 +159,7 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last
         title: format!("error of the free run, {}", quantity.name()),
         symbol: format!("Δ{}", quantity.symbol()),
         name: "error of the free run".to_owned(),
-        unit: quantity.unit(),
+        unit: context.unit(quantity.unit()),
         readouts,
         layers,
         handles: Vec::new(),
