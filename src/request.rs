@@ -37,6 +37,8 @@ pub enum Request {
     ImportFile(Box<RawFile>),
     /// Choose another meaning of the columns of the record on screen.
     ChangeColumns,
+    /// Test the identified models on the record that is being imported.
+    HoldOut,
     /// Give up the import.
     CancelImport,
     /// Open the link, the lesson or the scenario of an address.

@@ -41,6 +41,7 @@ impl App {
             Request::OpenScenario(scenario) => self.open(*scenario, ctx),
             Request::ImportFile(file) => self.import(*file),
             Request::ChangeColumns => self.change_columns(),
+            Request::HoldOut => self.hold_out(),
             Request::CancelImport => self.importing = None,
             Request::OpenAddress(address) => self.go_to_address(&address, ctx),
             Request::CopyLink => self.copy_link(ctx),

@@ -43,6 +43,16 @@ impl App {
         }
     }
 
+    /// Tests the models on screen on the file that is being imported.
+    pub(super) fn hold_out(&mut self) {
+        let Some(file) = self.importing.take().and_then(|import| import.file().cloned()) else { return };
+        self.notice = match self.session.hold_out(&file) {
+            Ok(()) => None,
+            Err(reason) => Some(format!("The models cannot be tested: {reason}.").into()),
+        };
+        self.layout.show(ViewKind::Measured);
+    }
+
     /// Whether the scenario names this file and waits for it.
     fn is_awaited(&self, file: &RecordFile) -> bool {
         let Some(mapping) = &self.session.scenario().record else { return false };
@@ -53,7 +63,8 @@ impl App {
     /// Shows the window of an import.
     pub(super) fn import_ui(&mut self, ctx: &Context, palette: &Palette) {
         let Some(import) = &mut self.importing else { return };
-        if let Some(opened) = import.ui(ctx, palette, &mut self.requests) {
+        let can_hold_out = self.session.is_measured();
+        if let Some(opened) = import.ui(ctx, palette, can_hold_out, &mut self.requests) {
             self.open_record(opened, ctx);
         }
     }

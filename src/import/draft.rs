@@ -63,6 +63,11 @@ impl Draft {
         Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), ..draft }
     }
 
+    /// Whether the file is the one on screen, and its columns are given another meaning.
+    pub(super) fn is_of_scenario(&self) -> bool {
+        self.base.is_some()
+    }
+
     /// The file.
     pub fn file(&self) -> &Arc<RecordFile> {
         &self.file

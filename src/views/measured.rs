@@ -153,6 +153,12 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last
             let text = format!("{} rms, fit {:.1} %", significant(fit.rms, 3), fit.percent);
             readouts.push(Readout { text, color, hint: format!("free run of {}", estimates.name()) });
         }
+        let held_out = session.library().held_out().zip(session.held_out_fit(place, sensor));
+        if let Some(((name, _), fit)) = held_out {
+            let text = format!("held out {:.1} %", fit.percent);
+            let hint = format!("fit of {} on “{name}”: {} rms", estimates.name(), significant(fit.rms, 3));
+            readouts.push(Readout { text, color, hint });
+        }
     }
     Chart {
         key: format!("free run of {}", quantity.key()),

@@ -177,3 +177,30 @@ fn a_scenario_waits_for_its_file_and_goes_on_when_it_comes() {
     assert_eq!(second.state().session().problem(), None);
     assert_eq!(second.state().session().run().checksum(), checksum);
 }
+
+#[test]
+fn models_are_tested_on_a_record_that_they_have_not_seen() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let (name, bytes) = &dialects()[0];
+    drop_file(&mut screen, name, bytes);
+    assert!(screen.query_by_label("Test the models on it").is_none(), "there is nothing to test yet");
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    // The second half of the same record, as another file.
+    let text = String::from_utf8(bytes.clone()).expect("text");
+    let lines: Vec<&str> = text.lines().collect();
+    let half = [&lines[..1], &lines[401..]].concat().join("\n");
+    drop_file(&mut screen, "other.csv", half.as_bytes());
+    screen.get_by_label("Test the models on it").click();
+    screen.run_steps(6);
+    assert!(screen.query_by_label("Open a measured record").is_none());
+    let session = screen.state().session();
+    let fit = session.held_out_fit(0, 0).expect("a fit");
+    assert!(fit.percent > 80.0 && fit.readings < 401, "{fit:?}");
+    assert_eq!(session.library().held_out().map(|(name, _)| name), Some("other.csv"));
+    // A file of another kind is refused in a sentence.
+    drop_file(&mut screen, "strange.csv", b"a,b\n1,2\n2,1\n3,3\n");
+    screen.get_by_label("Test the models on it").click();
+    screen.run_steps(6);
+    assert!(screen.state().notice().is_some_and(|notice| notice.contains("there is no column")));
+}
