@@ -98,7 +98,7 @@ impl Draft {
         columns_ui(ui, self, palette);
         ui.add_space(6.0);
         meaning_ui(ui, self);
-        conditioning_ui(ui, self);
+        conditioning_ui(ui, self, palette);
         ui.checkbox(&mut self.suggest, "make start values from the data: R, guess, gain, Q")
             .on_hover_text("From spectra and from the likelihood; every number can be changed afterwards");
         ui.add_space(4.0);

@@ -204,3 +204,21 @@ fn models_are_tested_on_a_record_that_they_have_not_seen() {
     screen.run_steps(6);
     assert!(screen.state().notice().is_some_and(|notice| notice.contains("there is no column")));
 }
+
+#[test]
+fn band_pass_and_decimation_show_what_they_do() {
+    let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
+    drop_file(&mut screen, "trailing.csv", &dialects()[0].1);
+    screen.get_by_label("Part, band and rate").click();
+    screen.run_steps(30);
+    assert!(screen.query_by_label("Plot of the spectrum before and after").is_none());
+    set(&mut screen, "Keep one of every", 2.0);
+    screen.get_by_label("band-pass").click();
+    screen.run_steps(3);
+    set(&mut screen, "Band to [Hz]", 3.0);
+    screen.get_by_label("Plot of the spectrum before and after");
+    screen.get_by_label("401 samples from 0 s to 40 s, 0.1 s apart (10 Hz)");
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    check_result(&screen, "decimated");
+}
