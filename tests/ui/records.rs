@@ -222,3 +222,29 @@ fn band_pass_and_decimation_show_what_they_do() {
     screen.run_steps(6);
     check_result(&screen, "decimated");
 }
+
+#[test]
+fn a_link_and_a_saved_session_wait_for_their_file() {
+    let (name, bytes) = &dialects()[0];
+    let mut first = screen(DESKTOP, Theme::Light);
+    drop_file(&mut first, name, bytes);
+    first.get_by_label("Open the record").click();
+    first.run_steps(6);
+    let checksum = first.state().session().run().checksum();
+    let link = super::share::copy(&mut first);
+    let mut second = screen(DESKTOP, Theme::Light);
+    second.state_mut().open_address(&link);
+    second.run_steps(4);
+    let problem = second.state().session().problem().expect("the file is missing");
+    assert!(problem.contains(name), "{problem}");
+    drop_file(&mut second, name, bytes);
+    second.run_steps(6);
+    assert_eq!(second.state().session().run().checksum(), checksum);
+
+    let mut memory = Memory::default();
+    first.state_mut().save(&mut memory);
+    let restored = App::restored(Some(&memory)).expect("it can be restored");
+    assert!(!restored.session().is_measured(), "another picture is shown until the file is here");
+    assert!(restored.session().problem().is_some_and(|problem| problem.contains(name)));
+    assert_eq!(restored.session().scenario(), first.state().session().scenario());
+}
