@@ -70,7 +70,7 @@ fn unit_of(table: &kalmanscope_core::import::Table, column: &str) -> String {
 fn path_from(out: Option<&Path>, file: &Path) -> String {
     let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
     let name = match out {
-        Some(out) if folder(out) == folder(file) => file.file_name().map(Path::new).unwrap_or(file).to_owned(),
+        Some(out) if folder(out) == folder(file) => file.file_name().map_or(file, Path::new).to_owned(),
         Some(_) => fs::canonicalize(file).unwrap_or_else(|_| file.to_owned()),
         None => file.to_owned(),
     };
