@@ -14,7 +14,7 @@ fn main() {
 mod native {
     use std::error::Error;
     use std::io::{self, Write as _};
-    use std::path::Path;
+    use std::path::{Path, PathBuf};
     use std::process::ExitCode;
 
     use eframe::NativeOptions;
@@ -32,11 +32,14 @@ mod native {
 
     pub(super) fn main() -> ExitCode {
         env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
-        let address = std::env::args().nth(1);
+        let argument = std::env::args().nth(1);
+        let file = argument.as_deref().map(Path::new).filter(|path| path.is_file()).map(Path::to_owned);
+        let address = argument.filter(|_| file.is_none());
         let target = match address.as_deref().map(address::target).transpose() {
             Ok(Some(None)) => {
                 eprintln!(
-                    "usage: kalmanscope [LINK]\n\nLINK is an address with #link=…, ?lesson=NAME or ?scenario=NAME."
+                    "usage: kalmanscope [LINK or FILE]\n\nLINK is an address with #link=…, ?lesson=NAME or ?scenario=NAME; FILE is a measured record, a scenario \
+                     or a lesson."
                 );
                 return ExitCode::from(INVALID);
             }
@@ -46,7 +49,7 @@ mod native {
             }
             Ok(target) => target.flatten(),
         };
-        let Err(error) = window(address) else {
+        let Err(error) = window(address, file) else {
             return ExitCode::SUCCESS;
         };
         // The message is what follows the last colon; before it is a place in the toolkit's source.
@@ -63,7 +66,7 @@ mod native {
         }
     }
 
-    fn window(address: Option<String>) -> eframe::Result {
+    fn window(address: Option<String>, file: Option<PathBuf>) -> eframe::Result {
         let viewport = ViewportBuilder::default()
             .with_title("Kalmanscope")
             .with_app_id("kalmanscope")
@@ -75,6 +78,10 @@ mod native {
             let mut app = App::new(creation)?;
             if let Some(address) = address {
                 app.open_address(&address);
+            }
+            if let Some(path) = file {
+                let name = path.file_name().map_or_else(Default::default, |name| name.to_string_lossy().into_owned());
+                app.open_file(&name, std::fs::read(&path).map_err(|error| error.to_string()));
             }
             Ok(Box::new(app))
         });

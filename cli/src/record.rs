@@ -8,6 +8,10 @@ use kalmanscope_core::{RunError, Scenario};
 use crate::args::RunArgs;
 use crate::input::{InputError, LARGEST, read_text};
 
+/// What a measured record takes the place of.
+const OVERRIDDEN: &str =
+    "dt, duration, force and the truth's numbers of the scenario have no effect on a measured record";
+
 /// The measured record of a run, if it has one, with sentences about its making. The scenario gets the mapping.
 pub(crate) fn measured(args: &RunArgs, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
     let RunArgs { scenario: file, record, map, .. } = args;
@@ -36,8 +40,11 @@ pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, Inp
     } else {
         mapping
     };
-    let remarks =
-        if is_own_form(&table, &mapping) { Vec::new() } else { vec![table.dialect.to_string(), meaning(&mapping)] };
+    let remarks = if is_own_form(&table, &mapping) {
+        Vec::new()
+    } else {
+        vec![table.dialect.to_string(), meaning(&mapping), OVERRIDDEN.to_owned()]
+    };
     let imported = Builder::new(&table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
     let mut imported = imported.map_err(bad)?;
     scenario.record = Some(mapping);

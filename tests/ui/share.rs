@@ -263,7 +263,7 @@ fn the_program_says_why_its_argument_cannot_be_opened() {
     for (argument, sentence) in [
         ("https://example.org/#link=1.AAAA", "error: The link cannot be opened: it is damaged"),
         ("?scenario=none", "error: There is no scenario “none”"),
-        ("file.toml", "usage: kalmanscope [LINK]"),
+        ("file.toml", "usage: kalmanscope [LINK or FILE]"),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_kalmanscope")).arg(argument).output().expect("it can be started");
         let message = String::from_utf8_lossy(&output.stderr);
