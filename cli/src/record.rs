@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use kalmanscope_core::import::{self, Builder, Imported, Mapping, Table};
 use kalmanscope_core::{Record, RunError, Scenario};
 
-use crate::args::RunArgs;
+use crate::args::SourceArgs;
 use crate::input::{InputError, LARGEST, read_text};
 
 /// The measured record of a run, if it has one, with sentences about its making. The scenario gets the mapping.
-pub(crate) fn measured(args: &RunArgs, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
-    let RunArgs { scenario: file, record, map, .. } = args;
+pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
+    let SourceArgs { scenario: file, record, map, .. } = source;
     if let Some(map) = map {
         let bad = |error| InputError::Scenario { file: map.clone(), error };
         scenario.record = Some(Mapping::from_toml(&read_text(map)?).map_err(bad)?);
