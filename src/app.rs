@@ -1,6 +1,7 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
+mod export;
 mod lesson;
 mod window;
 
@@ -9,6 +10,7 @@ use egui::{ThemePreference, Ui};
 use kalmanscope_core::{Estimates, RunError, Scenario};
 
 use crate::drop;
+use crate::export::Deliver;
 use crate::keys;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
@@ -51,6 +53,10 @@ pub struct App {
     inviting: bool,
     /// A message about a failure, until it is dismissed.
     notice: Option<String>,
+    /// A sentence about the last file that was written, until it is dismissed.
+    written: Option<String>,
+    /// The way to the user's files; none where there is none.
+    deliver: Option<Deliver>,
     /// A saved session that could not be read in full; the next save keeps it.
     unreadable: Option<String>,
     requests: Vec<Request>,
@@ -123,6 +129,8 @@ impl App {
             cleared: false,
             inviting: false,
             notice: None,
+            written: None,
+            deliver: None,
             unreadable: None,
             requests: Vec::new(),
         })

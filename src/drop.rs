@@ -1,4 +1,4 @@
-//! Files dropped on the window: lessons and scenarios.
+//! Files dropped on the window: lessons, scenarios and sessions.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -7,6 +7,7 @@ use egui::{Context, DroppedFile};
 use kalmanscope_lessons::File as Contents;
 
 use crate::request::Request;
+use crate::session_file;
 
 /// Limits the size of a dropped file \[bytes\].
 pub const LARGEST: usize = 1_000_000;
@@ -21,14 +22,21 @@ pub(crate) fn dropped(ctx: &Context, requests: &mut Vec<Request>) {
 
 /// The request to open a file of this name, or to say why it cannot be opened.
 pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
+    if let Some(session) = bytes.as_ref().ok().and_then(|bytes| session_file::read(bytes)) {
+        return session.map_or_else(|error| refused(name, &error), |saved| Request::OpenSession(Box::new(saved)));
+    }
     let opened = bytes.and_then(text).and_then(|text| Contents::from_toml(&text).map_err(|error| error.to_string()));
     match opened {
         Ok(Contents::Lesson(lesson)) => Request::StudyLesson(Box::new(lesson)),
         Ok(Contents::Scenario(scenario)) => Request::OpenScenario(Box::new(scenario)),
-        Err(reason) => {
-            Request::Report(format!("“{name}” cannot be opened: {}.", reason.trim_end_matches(['.', '\n', ' '])))
-        }
+        Err(reason) => refused(name, &reason),
     }
+}
+
+/// The request to say why a file cannot be opened.
+fn refused(name: &str, reason: &impl ToString) -> Request {
+    let reason = reason.to_string();
+    Request::Report(format!("“{name}” cannot be opened: {}.", reason.trim_end_matches(['.', '\n', ' '])))
 }
 
 /// The file's name without its folder.

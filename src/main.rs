@@ -20,6 +20,7 @@ mod native {
     use eframe::NativeOptions;
     use egui::{IconData, ViewportBuilder};
     use kalmanscope::App;
+    use kalmanscope::export::folder;
     use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
     use kalmanscope_core::{Analysis, Scenario, Wanted};
 
@@ -53,7 +54,11 @@ mod native {
             .with_min_inner_size([360.0, 420.0])
             .with_icon(icon());
         let options = NativeOptions { viewport, ..NativeOptions::default() };
-        eframe::run_native("kalmanscope", options, Box::new(|creation| Ok(Box::new(App::new(creation)?))))
+        eframe::run_native(
+            "kalmanscope",
+            options,
+            Box::new(|creation| Ok(Box::new(App::new(creation)?.delivering(Box::new(folder::write))))),
+        )
     }
 
     /// The window's icon, or the toolkit's own where the picture cannot be read.
@@ -85,6 +90,7 @@ mod native {
 
 #[cfg(target_arch = "wasm32")]
 mod web {
+    mod download;
     mod tables;
 
     use std::cell::RefCell;
@@ -207,7 +213,7 @@ mod web {
         let runner = eframe::WebRunner::new();
         let tables = Tables::new(&document);
         let creator: eframe::AppCreator<'static> = Box::new(|creation| {
-            let mut app = kalmanscope::App::new(creation)?.on_cleared_window();
+            let mut app = kalmanscope::App::new(creation)?.on_cleared_window().delivering(Box::new(download::download));
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }

@@ -5,6 +5,7 @@ use kalmanscope_core::Scenario;
 use super::window::NARROW;
 use super::{App, LARGE};
 use crate::controls::number;
+use crate::export_menu;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
@@ -68,7 +69,10 @@ impl App {
             }
             Request::ToggleKeys => self.keys_open = !self.keys_open,
             Request::Report(sentence) => self.notice = Some(sentence),
-            Request::DismissNotice => self.notice = None,
+            Request::DismissNotice => {
+                self.notice = None;
+                self.written = None;
+            }
             Request::Leave => {
                 if !std::mem::take(&mut self.keys_open) && !session.cancel() {
                     layout.leave_enlarged();
@@ -94,11 +98,14 @@ impl App {
             Request::PlaceMark(end, time) => self.ruler.place(end, time),
             Request::ToggleMark(end) => self.ruler.toggle(end, axis.shown_time(session)),
             Request::ClearMarks => self.ruler.clear(),
+            Request::Export(export) => self.export(export),
+            Request::ToggleExports => export_menu::toggle(ctx),
+            Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }
     }
 
     /// Plays a scenario from its start.
-    fn open(&mut self, scenario: Scenario, ctx: &egui::Context) {
+    pub(super) fn open(&mut self, scenario: Scenario, ctx: &egui::Context) {
         self.session.set_scenario(scenario);
         self.session.begin_anew();
         self.session.play_from_start();

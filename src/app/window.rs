@@ -101,9 +101,12 @@ impl App {
 
     /// Legend and views.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, ruler, visible, layout, requests, inviting, notice, .. } = self;
+        let Self { session, axis, ruler, visible, layout, requests, inviting, notice, written, .. } = self;
         if let Some(notice) = notice {
-            notice_ui(ui, notice, palette, requests);
+            notice_ui(ui, notice, palette.warning, requests);
+        }
+        if let Some(written) = written {
+            notice_ui(ui, written, palette.text, requests);
         }
         legend_ui(ui, session, visible, palette, requests, |ui, requests| {
             if *inviting {

@@ -24,7 +24,7 @@ impl egui::DroppedFile for Dropped {
 }
 
 /// Drops a file with these contents on the window.
-fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
+pub(super) fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
     let folder = std::env::temp_dir().join(format!("kalmanscope-{}-{name}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder can be made");
     let path = folder.join(name);
