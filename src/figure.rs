@@ -7,6 +7,7 @@ mod arrange;
 mod canvas;
 mod format;
 mod legend;
+mod pen;
 mod pixels;
 mod svg;
 mod svg_text;

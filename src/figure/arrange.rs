@@ -8,6 +8,7 @@ use super::Figure;
 use super::canvas::{Canvas, Part, extent};
 use super::format::{Geometry, TYPE};
 use super::legend::legend_ui;
+use super::pen::Pen;
 use crate::plot::medium::Medium;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{FigureFormat, ViewKind};
@@ -51,7 +52,7 @@ pub(super) fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format:
     loop {
         let scale = geometry.type_size / TYPE / growth;
         let density = geometry.pixels * scale;
-        let canvas = Canvas::new(density, geometry.pen);
+        let canvas = Canvas::new(density, Pen::new(geometry.curves.map(|width| width / scale)));
         let width = geometry.width / scale;
         let sheet = Sheet { canvas: &canvas, context, width: width - 2.0 * MARGIN, is_alone: rows.concat().len() == 1 };
         let legend = sheet.legend();

@@ -5,6 +5,7 @@ use egui::epaint::ClippedShape;
 use egui::{Context, Pos2, RawInput, Rect, Shape, Theme, Ui, Vec2, ViewportId};
 
 use super::format::TYPE;
+use super::pen::Pen;
 use crate::plot::medium::Medium;
 use crate::theme;
 
@@ -16,8 +17,7 @@ pub(super) struct Canvas {
     ctx: Context,
     /// Pixels per point.
     density: f32,
-    /// The width of lines relative to that on a screen.
-    pen: f32,
+    pen: Pen,
 }
 
 /// A part of a figure.
@@ -29,7 +29,7 @@ pub(super) struct Part {
 }
 
 impl Canvas {
-    pub(super) fn new(density: f32, pen: f32) -> Self {
+    pub(super) fn new(density: f32, pen: Pen) -> Self {
         let ctx = Context::default();
         theme::install(&ctx);
         theme::level_text(&ctx, TYPE);
@@ -58,7 +58,7 @@ impl Canvas {
             output.textures_delta.clear();
             shapes = output.shapes;
         }
-        shapes.iter_mut().for_each(|clipped| thin(&mut clipped.shape, self.pen));
+        shapes.iter_mut().for_each(|clipped| self.pen.redraw(&mut clipped.shape));
         shapes
     }
 }
@@ -90,20 +90,5 @@ fn extend(shape: &Shape, extent: &mut Vec2) {
         Shape::Vec(shapes) => shapes.iter().for_each(|shape| extend(shape, extent)),
         Shape::Text(text) => *extent = extent.max(text.visual_bounding_rect().max.to_vec2()),
         _ => {}
-    }
-}
-
-/// Makes all lines of a shape thinner.
-fn thin(shape: &mut Shape, by: f32) {
-    match shape {
-        Shape::Vec(shapes) => shapes.iter_mut().for_each(|shape| thin(shape, by)),
-        Shape::Circle(circle) => circle.stroke.width *= by,
-        Shape::Ellipse(ellipse) => ellipse.stroke.width *= by,
-        Shape::LineSegment { stroke, .. } => stroke.width *= by,
-        Shape::Path(path) => path.stroke.width *= by,
-        Shape::Rect(rect) => rect.stroke.width *= by,
-        Shape::QuadraticBezier(curve) => curve.stroke.width *= by,
-        Shape::CubicBezier(curve) => curve.stroke.width *= by,
-        Shape::Noop | Shape::Text(_) | Shape::Mesh(_) | Shape::Band(_) | Shape::Callback(_) => {}
     }
 }

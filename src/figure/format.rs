@@ -18,21 +18,21 @@ pub(super) struct Geometry {
     pub(super) type_size: f32,
     /// Pixels per point in a picture of pixels.
     pub(super) pixels: f32,
-    /// The width of lines relative to that on a screen with type of the same size.
-    pub(super) pen: f32,
+    /// The width of the finest and of the boldest curve \[points\].
+    pub(super) curves: [f32; 2],
     /// Whether views stand one below the other, because there is no room for two.
     pub(super) is_narrow: bool,
 }
 
 impl Geometry {
-    /// The geometry of a format. Lines on paper are 0.5 to 0.75 points wide.
+    /// The geometry of a format.
     pub(super) fn of(format: FigureFormat) -> Self {
         let paper = |millimetres: f32, is_narrow| Self {
             width: millimetres / MILLIMETRES_PER_POINT,
             aspect: None,
             type_size: 8.0,
             pixels: 300.0 / 72.0,
-            pen: 0.47,
+            curves: [0.5, 0.75],
             is_narrow,
         };
         match format {
@@ -43,7 +43,7 @@ impl Geometry {
                 aspect: Some(9.0 / 16.0),
                 type_size: 18.0,
                 pixels: 2.0,
-                pen: 0.85,
+                curves: [2.0, 4.0],
                 is_narrow: false,
             },
         }

@@ -97,16 +97,19 @@ impl Pixels {
         let last = |high: f32, most: usize| ((high - 0.5).floor().max(-1.0) + 1.0).min(most as f32) as usize;
         let edges = [(at[1], at[2]), (at[2], at[0]), (at[0], at[1])];
         let owns = edges.map(|(from, to)| to.y < from.y || (to.y == from.y && to.x > from.x));
+        // Most triangles have one colour and no texture.
+        let is_plain = corners.iter().all(|c| (c.color, c.uv) == (corners[0].color, corners[0].uv));
+        let plain = is_plain.then(|| self.shade(corners, [1.0, 0.0, 0.0]));
+        let whole = (first(bounds.left(), columns.start), last(bounds.right(), columns.end));
         for y in first(bounds.top(), rows.start)..last(bounds.bottom(), rows.end) {
-            for x in first(bounds.left(), columns.start)..last(bounds.right(), columns.end) {
+            let (from, to) = span(edges, y, whole);
+            for x in from..to {
                 let middle = Pos2::new(x as f32 + 0.5, y as f32 + 0.5);
                 let weights = edges.map(|(from, to)| cross(from, to, middle));
-                if weights.iter().any(|weight| *weight < 0.0) {
-                    continue;
-                }
                 let inside = weights.iter().zip(owns).all(|(weight, owns)| *weight > 0.0 || (*weight == 0.0 && owns));
                 if inside {
-                    self.blend(x, y, self.shade(corners, weights.map(|weight| weight / area)));
+                    let color = plain.unwrap_or_else(|| self.shade(corners, weights.map(|weight| weight / area)));
+                    self.blend(x, y, color);
                 }
             }
         }
@@ -149,6 +152,22 @@ impl Pixels {
             *color = [r + color[0] * below, g + color[1] * below, b + color[2] * below];
         }
     }
+}
+
+/// The columns of a row that may be inside three edges, with one to spare at either end.
+fn span(edges: [(Pos2, Pos2); 3], y: usize, (mut first, mut last): (usize, usize)) -> (usize, usize) {
+    let begin = Pos2::new(first as f32 + 0.5, y as f32 + 0.5);
+    let start = first as f32;
+    for (from, to) in edges {
+        let (weight, per_column) = (cross(from, to, begin), from.y - to.y);
+        let crossing = start - weight / per_column;
+        if per_column > 0.0 {
+            first = first.max((crossing - 1.0).max(0.0) as usize);
+        } else if per_column < 0.0 {
+            last = last.min((crossing + 2.0).max(0.0) as usize);
+        }
+    }
+    (first, last)
 }
 
 /// Twice the area of a triangle, positive if it goes round clockwise on screen.
