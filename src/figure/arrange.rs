@@ -111,12 +111,13 @@ impl Sheet<'_> {
         if let Some(natural) = self.text_size(kind, width) {
             return natural.y * (width / natural.x).min(1.0);
         }
-        let view = view(kind);
-        let plots = view.sheets(self.context).len();
-        match view.proportions() {
+        match view(kind).proportions() {
             Proportions::Flat => (0.26 * width).clamp(70.0, 120.0),
             Proportions::Square => (0.72 * width).clamp(150.0, 270.0),
             Proportions::Wide => {
+                Medium::take_plots(self.canvas.ctx());
+                self.canvas.draw(vec2(width, AMPLE), |ui| self.view_ui(ui, kind));
+                let plots = Medium::take_plots(self.canvas.ctx()).unwrap_or(1);
                 let columns = if width < TWO_COLUMNS { 1 } else { 2.min(plots.max(1)) };
                 plots.div_ceil(columns).max(1) as f32 * PLOT + Medium::Figure.axis_height()
             }

@@ -58,7 +58,10 @@ impl Canvas {
             output.textures_delta.clear();
             shapes = output.shapes;
         }
-        shapes.iter_mut().for_each(|clipped| self.pen.redraw(&mut clipped.shape));
+        for clipped in &mut shapes {
+            self.pen.redraw(&mut clipped.shape);
+            clipped.clip_rect = beyond(clipped.clip_rect, screen);
+        }
         shapes
     }
 }
@@ -76,6 +79,20 @@ impl Part {
             clipped
         })
     }
+}
+
+/// Limits that reach beyond the ground where they end with it: letters of an axis may stand over a little.
+fn beyond(limits: Rect, ground: Rect) -> Rect {
+    let mut limits = limits;
+    for axis in 0..2 {
+        if limits.min[axis] <= ground.min[axis] {
+            limits.min[axis] -= TYPE;
+        }
+        if limits.max[axis] >= ground.max[axis] {
+            limits.max[axis] += TYPE;
+        }
+    }
+    limits
 }
 
 /// The right lower corner of all text, also of what is cut off.

@@ -20,6 +20,7 @@ const LOW: f32 = 120.0;
 pub(crate) fn cells_ui(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut Ui, usize, bool)) {
     let area = ui.available_size();
     let medium = Medium::of(ui.ctx());
+    medium.note_plots(ui.ctx(), count);
     let axis_height = medium.axis_height();
     if area.x < 1.0 || area.y < 1.0 || count == 0 {
         return;
@@ -31,7 +32,7 @@ pub(crate) fn cells_ui(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut U
     let scrolls = rows > 2 && medium == Medium::Screen;
     let least = if !scrolls { 1.0 } else { LEAST_HEIGHT };
     let height = ((area.y - gaps - axis_height) / rows as f32).max(least);
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    let mut all_ui = |ui: &mut Ui| {
         let top = ui.max_rect().min;
         let bar = if scrolls && height == least { ui.spacing().scroll.bar_width } else { 0.0 };
         let width = ((ui.available_width() - bar - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
@@ -45,5 +46,9 @@ pub(crate) fn cells_ui(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut U
         }
         let all = vec2(ui.available_width(), rows as f32 * height + gaps + axis_height);
         ui.allocate_rect(Rect::from_min_size(top, all), Sense::hover());
-    });
+    };
+    match medium {
+        Medium::Screen => _ = ScrollArea::vertical().auto_shrink(false).show(ui, all_ui),
+        Medium::Figure => all_ui(ui),
+    }
 }

@@ -23,6 +23,18 @@ impl Medium {
         ctx.data_mut(|data| data.insert_temp(id(), self));
     }
 
+    /// Notes how many plots a view has, for who makes room for it.
+    pub(super) fn note_plots(self, ctx: &Context, count: usize) {
+        if self == Self::Figure {
+            ctx.data_mut(|data| data.insert_temp(plots(), count));
+        }
+    }
+
+    /// The number of plots of the view that was drawn last in a context for figures; none where it has no rows of plots.
+    pub(crate) fn take_plots(ctx: &Context) -> Option<usize> {
+        ctx.data_mut(|data| data.remove_temp(plots()))
+    }
+
     /// The height of the time axis in the last row of plots \[points\]; that of a figure always says what is on it.
     pub(crate) const fn axis_height(self) -> f32 {
         match self {
@@ -46,6 +58,10 @@ impl Medium {
             Self::Figure => 2.0,
         }
     }
+}
+
+fn plots() -> Id {
+    Id::unique("number of plots of a view")
 }
 
 fn id() -> Id {

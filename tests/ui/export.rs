@@ -199,6 +199,7 @@ fn figures_have_the_size_type_and_lines_of_a_paper() {
 fn nothing_of_a_figure_is_cut_off_at_its_edges() {
     for views in [
         vec![ViewKind::States, ViewKind::Innovations],
+        vec![ViewKind::Autocorrelation, ViewKind::Phase, ViewKind::Consistency],
         vec![ViewKind::Scores, ViewKind::Matrices],
         vec![ViewKind::Diagnosis],
     ] {
