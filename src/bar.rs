@@ -49,7 +49,7 @@ impl Bar<'_> {
             scenario_menu_ui(ui, session, requests);
             views_menu_ui(ui, layout, requests);
             tutor::menu_ui(ui, catalogue, requests);
-            export_menu::menu_ui(ui, requests);
+            export_menu::menu_ui(ui, narrow, requests);
             more_menu_ui(ui, presenting, requests);
             if !narrow {
                 history_ui(ui, history, requests);

@@ -6,8 +6,8 @@ use crate::probe;
 use crate::request::{Export, FigureFormat, Picture, Request};
 
 /// Shows the menu's button, and the menu while it is open.
-pub(crate) fn menu_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
-    let response = ui.menu_button("Export", |ui| {
+pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
+    let response = ui.menu_button(if narrow { "↓" } else { "Export" }, |ui| {
         let mut entry = |ui: &mut Ui, export: Export| {
             let button = ui.button(export.name()).on_hover_text(export.hint());
             probe::remember(ui.ctx(), &export.name(), button.rect);
@@ -29,6 +29,7 @@ pub(crate) fn menu_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
         }
     });
     let button = response.response;
+    button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Export"));
     probe::remember(ui.ctx(), "Export", button.rect);
     let popup = Popup::default_response_id(&button);
     ui.data_mut(|data| data.insert_temp(popup_key(), popup));

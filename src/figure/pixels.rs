@@ -1,10 +1,11 @@
 //! The shapes of a figure as pixels, without a graphics card.
 
-use egui::epaint::{ClippedPrimitive, ClippedShape, Primitive, Vertex};
+use egui::epaint::{ClippedPrimitive, ClippedShape, FontsView, Primitive, Vertex};
 use egui::{Color32, ColorImage, Mesh, Pos2, Rect};
 use thiserror::Error;
 
 use super::Figure;
+use super::canvas::Part;
 use super::format::MILLIMETRES_PER_POINT;
 
 /// The reason why a picture could not be encoded.
@@ -14,10 +15,10 @@ pub struct PngError(#[from] png::EncodingError);
 
 /// A PNG file of the figure on white.
 pub(super) fn png(figure: &Figure) -> Result<Vec<u8>, PngError> {
-    let shapes: Vec<ClippedShape> = figure.parts.iter().flat_map(|part| part.placed()).collect();
+    let shapes: Vec<ClippedShape> = figure.parts.iter().flat_map(Part::placed).collect();
     let ctx = figure.canvas.ctx();
     let primitives = ctx.tessellate(shapes, figure.density);
-    let glyphs = ctx.fonts(|fonts| fonts.image());
+    let glyphs = ctx.fonts(FontsView::image);
     let [width, height] = [figure.size.x, figure.size.y].map(|length| (length * figure.density).round() as usize);
     let mut pixels = Pixels::new(width, height, glyphs);
     for ClippedPrimitive { clip_rect, primitive } in &primitives {

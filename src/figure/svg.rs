@@ -10,7 +10,7 @@ use super::svg_text::text;
 
 /// The text of an SVG file: as large as the figure, with a white ground.
 pub(super) fn svg(figure: &Figure) -> String {
-    let [width, height] = figure.millimetres().map(|length| number(length));
+    let [width, height] = figure.millimetres().map(number);
     let [x, y] = [figure.size.x, figure.size.y].map(number);
     let mut writer = Writer { body: String::new(), clips: Vec::new() };
     for part in &figure.parts {
