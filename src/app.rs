@@ -1,8 +1,11 @@
 //! The app: one session, its controls and its views.
 
 mod apply;
+mod embed;
 mod export;
+mod import;
 mod lesson;
+pub mod link;
 mod window;
 
 use egui::util::undoer::Undoer;
@@ -11,14 +14,16 @@ use kalmanscope_core::{Estimates, RunError, Scenario};
 
 use crate::drop;
 use crate::export::Deliver;
+use crate::import::Import;
 use crate::keys;
 use crate::layout::Layout;
+use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
-use crate::ruler::Ruler;
+use crate::ruler::{End, Ruler};
 use crate::saved::{self, Found, Saved};
-use crate::session::{Budget, Mode, Session};
+use crate::session::{Budget, Mode, ModelTime, Session};
 use crate::theme;
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
@@ -51,12 +56,16 @@ pub struct App {
     cleared: bool,
     /// Whether the invitation to the first lesson is shown.
     inviting: bool,
-    /// A message about a failure, until it is dismissed.
-    notice: Option<String>,
-    /// A sentence about the last file that was written, until it is dismissed.
-    written: Option<String>,
+    /// The import of a measured record.
+    importing: Option<Import>,
+    /// A message, until it is dismissed.
+    notice: Option<Notice>,
     /// The way to the user's files; none where there is none.
     deliver: Option<Deliver>,
+    /// The address at which links begin; empty where no page is known.
+    page: String,
+    /// Whether another page embeds this one, which shows plots and transport only.
+    embedded: bool,
     /// A saved session that could not be read in full; the next save keeps it.
     unreadable: Option<String>,
     requests: Vec<Request>,
@@ -100,7 +109,7 @@ impl App {
         app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
             app.notice =
-                Some(format!("The last session could not be restored in full, but its text is kept: {reason}."));
+                Some(format!("The last session could not be restored in full, but its text is kept: {reason}.").into());
             app.unreadable = Some(text);
         }
         Ok(app)
@@ -129,8 +138,10 @@ impl App {
             cleared: false,
             inviting: false,
             notice: None,
-            written: None,
+            importing: None,
             deliver: None,
+            page: link::PAGE.unwrap_or_default().to_owned(),
+            embedded: false,
             unreadable: None,
             requests: Vec::new(),
         })
@@ -176,9 +187,9 @@ impl App {
         &self.ruler
     }
 
-    /// The message about a failure on screen, until it is dismissed.
+    /// The message on screen, until it is dismissed.
     pub fn notice(&self) -> Option<&str> {
-        self.notice.as_deref()
+        self.notice.as_ref().map(|notice| notice.sentence.as_str())
     }
 
     /// Opens a file with a lesson or a scenario, or says why it cannot be read.
@@ -195,15 +206,26 @@ impl App {
         ids.filter(|id| self.visible.filter(*id)).collect()
     }
 
+    /// The model of the free runs, if a view shows them.
+    fn model_time(&self) -> Option<ModelTime> {
+        let wanted = self.layout.in_sight().iter().any(|kind| views::view(*kind).wants_free_runs());
+        wanted.then(|| match (self.ruler.time(End::A), self.ruler.time(End::B)) {
+            (Some(a), Some(b)) => ModelTime::Over(a, b),
+            (Some(time), None) | (None, Some(time)) => ModelTime::At(time),
+            (None, None) => ModelTime::Last,
+        })
+    }
+
     /// The screen in words and tables.
     pub fn twin(&self) -> Twin {
-        let Self { session, visible, axis, layout, notice, .. } = self;
-        Twin::new(session, visible, axis, layout, notice.as_deref())
+        let Self { session, visible, axis, layout, .. } = self;
+        Twin::new(session, visible, axis, layout, self.notice())
     }
 
     /// The state of the screen, as data.
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
-        ScreenState::new(&self.session, ctx)
+        let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step() + 1));
+        ScreenState::new(&self.session, lesson, ctx)
     }
 }
 
@@ -212,6 +234,7 @@ impl eframe::App for App {
         theme::fit_targets(ctx);
         keys::keys(ctx, &self.session, &mut self.requests);
         drop::dropped(ctx, &mut self.requests);
+        link::pasted(ctx, &mut self.requests);
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);
         }
@@ -220,13 +243,21 @@ impl eframe::App for App {
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
         self.session.want(views::wanted(&self.layout.shown()).and(self.visible.wanted()));
         self.session.want_trials(self.tried());
+        self.session.want_free_runs(self.model_time());
         // A slow frame (a hidden tab, a breakpoint) must not skip part of the record.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         // A number that is held is still being changed.
         self.session.rest(if ctx.input(|input| input.pointer.any_down()) { 0.0 } else { elapsed });
         self.session.advance(elapsed);
+        self.follow_import(ctx);
         let Self { session, .. } = self;
-        if session.playing() || session.behind() || session.is_before_behind() || session.is_trying() {
+        if session.playing()
+            || session.behind()
+            || session.is_before_behind()
+            || session.is_trying()
+            || session.is_free_run_behind()
+            || self.importing.as_ref().is_some_and(Import::is_busy)
+        {
             ctx.request_repaint();
         }
     }
@@ -240,6 +271,10 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        // The session of the whole explorer stays as it is.
+        if self.embedded {
+            return;
+        }
         let studies = self.studies();
         let Self { session, layout, presenting, theme, unreadable, .. } = self;
         saved::save(storage, session, layout, &studies, *presenting, *theme, unreadable.as_deref());

@@ -29,14 +29,20 @@ pub(crate) struct Bar<'a> {
     pub(crate) controls: bool,
     pub(crate) presenting: bool,
     pub(crate) narrow: bool,
+    /// Whether another page embeds this one: transport only.
+    pub(crate) embedded: bool,
     /// Whether there is a change to take back, and one to make again.
     pub(crate) history: (bool, bool),
 }
 
 impl Bar<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
-        let Self { session, layout, catalogue, controls, presenting, narrow, history } = *self;
+        let Self { session, layout, catalogue, controls, presenting, narrow, embedded, history } = *self;
         ui.horizontal_wrapped(|ui| {
+            if embedded {
+                open_outside_ui(ui, requests);
+                return transport::transport_ui(ui, session, narrow, requests, |_, _| {});
+            }
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
             toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
             probe::remember(ui.ctx(), "Settings", toggle.rect);
@@ -86,6 +92,10 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>)
             }
             ui.close();
         }
+        if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
+            requests.push(Request::CopyLink);
+            ui.close();
+        }
     });
 }
 
@@ -126,6 +136,15 @@ fn more_menu_ui(ui: &mut Ui, presenting: bool, requests: &mut Vec<Request>) {
     keys.ctx.accesskit_node_builder(keys.id, |node| node.set_label("List of keys"));
     if keys.clicked() {
         requests.push(Request::ToggleKeys);
+    }
+}
+
+/// The way from an embedded picture to the whole explorer.
+fn open_outside_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
+    let button = ui.button("Explore").on_hover_text("This picture in the whole explorer, in a page of its own");
+    probe::remember(ui.ctx(), "Explore", button.rect);
+    if button.clicked() {
+        requests.push(Request::OpenOutside);
     }
 }
 

@@ -9,19 +9,35 @@ mod lit;
 pub mod number;
 mod options;
 mod plant;
+mod record;
 mod sensors;
 mod signal;
 
 use egui::{RichText, ScrollArea, Ui};
 use kalmanscope_core::Scenario;
 
+use crate::session::Library;
 use crate::theme::{self, Palette};
+
+/// What the controls ask for besides a change of the scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asked {
+    /// Another meaning of the measured record's columns.
+    Columns,
+}
 
 /// Shows every control, those of the settings under the paths `lit` on a lit ground. Returns whether the scenario has
 /// changed.
-pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette, lit: Vec<String>) -> bool {
+pub fn controls_ui(
+    ui: &mut Ui,
+    scenario: &mut Scenario,
+    library: &Library,
+    palette: &Palette,
+    lit: Vec<String>,
+) -> (bool, Vec<Asked>) {
     lit::light(ui, lit);
     let before = scenario.clone();
+    let mut asked = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         // The floating scroll bar must not cover the units.
         ui.set_max_width(ui.available_width() - ui.spacing().scroll.bar_width);
@@ -47,13 +63,18 @@ pub fn controls_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette, lit:
         }
         filter::add_filter_ui(ui, scenario);
         ui.add_space(6.0);
+        if scenario.record.is_some() {
+            section(ui, "Measured record", true, |ui| record::record_ui(ui, scenario, library, &mut asked));
+            ui.add_space(12.0);
+            return;
+        }
         section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario));
         section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| force::force_ui(ui, scenario)));
         section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
         section(ui, "Record", false, |ui| general::general_ui(ui, scenario));
         ui.add_space(12.0);
     });
-    *scenario != before
+    (*scenario != before, asked)
 }
 
 /// A section of the controls that can be collapsed.

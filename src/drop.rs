@@ -1,4 +1,4 @@
-//! Files dropped on the window: lessons, scenarios and sessions.
+//! Files dropped on the window: lessons, scenarios, sessions and measured records.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -6,11 +6,15 @@ use std::io::Read as _;
 use egui::{Context, DroppedFile};
 use kalmanscope_lessons::File as Contents;
 
-use crate::request::Request;
+use crate::import;
+use crate::request::{RawFile, Request};
 use crate::session_file;
 
 /// Limits the size of a dropped file \[bytes\].
-pub const LARGEST: usize = 1_000_000;
+pub const LARGEST: usize = import::LARGEST;
+
+/// Limits the size of a lesson or a scenario \[bytes\].
+const LARGEST_TEXT: usize = 1_000_000;
 
 /// Pushes the request to open the file that was dropped in this frame. Of several files it is the last, which would hide
 /// the others.
@@ -25,6 +29,11 @@ pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
     if let Some(session) = bytes.as_ref().ok().and_then(|bytes| session_file::read(bytes)) {
         return session.map_or_else(|error| refused(name, &error), |saved| Request::OpenSession(Box::new(saved)));
     }
+    let bytes = match bytes {
+        Ok(bytes) if bytes.len() > LARGEST => Err(TOO_LARGE.to_owned()),
+        Ok(bytes) if !is_toml(name) => return Request::ImportFile(Box::new(RawFile { name: name.to_owned(), bytes })),
+        bytes => bytes,
+    };
     let opened = bytes.and_then(text).and_then(|text| Contents::from_toml(&text).map_err(|error| error.to_string()));
     match opened {
         Ok(Contents::Lesson(lesson)) => Request::StudyLesson(Box::new(lesson)),
@@ -52,11 +61,16 @@ fn read(file: &dyn DroppedFile) -> Result<Vec<u8>, String> {
 }
 
 fn text(bytes: Vec<u8>) -> Result<String, String> {
-    if bytes.len() > LARGEST {
-        return Err(TOO_LARGE.to_owned());
+    if bytes.len() > LARGEST_TEXT {
+        return Err("it is larger than 1 MB".to_owned());
     }
     String::from_utf8(bytes).map_err(|_| "it is not text".to_owned())
 }
 
 /// The reason why a file above [`LARGEST`] is not opened.
-pub const TOO_LARGE: &str = "it is larger than 1 MB";
+pub const TOO_LARGE: &str = "it is larger than 500 MB";
+
+/// Whether a file is one of the program's own, by its name. Any other is taken for a record.
+fn is_toml(name: &str) -> bool {
+    name.rsplit('.').next().is_some_and(|end| end.eq_ignore_ascii_case("toml"))
+}

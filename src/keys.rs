@@ -2,6 +2,7 @@
 
 use egui::{Grid, Key, Modifiers, RichText, Ui};
 
+use crate::comparison;
 use crate::request::{LegendEntry, Request};
 use crate::ruler::End;
 use crate::session::{Mode, Session};
@@ -40,6 +41,13 @@ const SHORTCUTS: &[Shortcut] = &[
     plain("A", "mark the time that is shown as A, or take A away", &[Key::A], |_| Request::ToggleMark(End::A)),
     plain("B", "the same for B", &[Key::B], |_| Request::ToggleMark(End::B)),
     plain("X", "the other of two settings, A and B", &[Key::X], |_| Request::SwapSettings),
+    plain("H", "the input held, or linear between samples", &[Key::H], |session| {
+        Request::Edit(Box::new(comparison::with_other_hold(session.scenario())))
+    }),
+    plain("G", "the gain of the input estimated, or known", &[Key::G], |session| {
+        Request::Edit(Box::new(comparison::with_other_gain(session.scenario())))
+    }),
+    plain("C", "copy a link to this picture", &[Key::C], |_| Request::CopyLink),
     plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
     plain("P", "presenter mode: large type", &[Key::P], |_| Request::TogglePresenter),
     plain("Page down", "the next view alone, then all", &[Key::PageDown], |_| Request::TurnView(true)),

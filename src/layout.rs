@@ -52,6 +52,16 @@ impl Layout {
         Self { tree: tree(&rows), enlarged: None }
     }
 
+    /// Tiles from elsewhere; `insert` adds them, and returns that which holds the others.
+    pub(crate) fn of_tiles(insert: impl FnOnce(&mut Tiles<ViewKind>) -> Option<TileId>) -> Self {
+        let mut tiles = Tiles::default();
+        let tree = match insert(&mut tiles) {
+            Some(root) => Tree::new(Id::unique("views"), root, tiles),
+            None => Tree::empty(Id::unique("views")),
+        };
+        Self { tree, enlarged: None }
+    }
+
     /// The views that are shown.
     pub fn shown(&self) -> Vec<ViewKind> {
         shown(&self.tree)

@@ -34,7 +34,10 @@ pub(crate) fn legend_ui(
                 requests.push(Request::ToggleEntry(entry));
             }
         };
-        entry(ui, LegendEntry::Truth, "truth", Mark::Line, palette.truth, visible.truth, requests);
+        let run = session.run();
+        if run.channels().iter().any(|channel| run.record().truth(*channel).is_some()) {
+            entry(ui, LegendEntry::Truth, "truth", Mark::Line, palette.truth, visible.truth, requests);
+        }
         entry(ui, LegendEntry::Measured, "measured", Mark::Dots, palette.weak, visible.measured, requests);
         for (place, estimates) in session.run().estimates().iter().enumerate() {
             let (color, on) = (palette.shade(estimates.color()), visible.filter(estimates.id()));

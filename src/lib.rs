@@ -5,11 +5,13 @@
 
 pub mod app;
 mod bar;
+mod comparison;
 pub mod controls;
 pub mod drop;
 pub mod export;
 mod export_menu;
 pub mod figure;
+pub mod import;
 mod keys;
 pub mod layout;
 mod legend;
@@ -23,6 +25,7 @@ pub mod ruler;
 mod saved;
 pub mod session;
 mod session_file;
+pub mod share;
 pub mod sheet;
 pub mod text;
 pub mod theme;

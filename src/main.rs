@@ -21,21 +21,39 @@ mod native {
     use egui::{IconData, ViewportBuilder};
     use kalmanscope::App;
     use kalmanscope::export::folder;
+    use kalmanscope::share::address::{self, Target};
     use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
     use kalmanscope_core::{Analysis, Scenario, Wanted};
 
     /// The file of the plots if there is no display.
     const REPORT: &str = "kalmanscope-report.svg";
 
+    /// The exit code for an argument that cannot be used.
+    const INVALID: u8 = 2;
+
     pub(super) fn main() -> ExitCode {
         env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
-        let Err(error) = window() else {
+        let address = std::env::args().nth(1);
+        let target = match address.as_deref().map(address::target).transpose() {
+            Ok(Some(None)) => {
+                eprintln!(
+                    "usage: kalmanscope [LINK]\n\nLINK is an address with #link=…, ?lesson=NAME or ?scenario=NAME."
+                );
+                return ExitCode::from(INVALID);
+            }
+            Err(error) => {
+                eprintln!("error: {error}");
+                return ExitCode::from(INVALID);
+            }
+            Ok(target) => target.flatten(),
+        };
+        let Err(error) = window(address) else {
             return ExitCode::SUCCESS;
         };
         // The message is what follows the last colon; before it is a place in the toolkit's source.
         let error = error.to_string();
         let reason = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
-        match report(reason) {
+        match report(reason, target) {
             Ok(()) => ExitCode::SUCCESS,
             // A closed pipe is not an error.
             Err(error) if is_broken_pipe(error.as_ref()) => ExitCode::SUCCESS,
@@ -46,7 +64,7 @@ mod native {
         }
     }
 
-    fn window() -> eframe::Result {
+    fn window(address: Option<String>) -> eframe::Result {
         let viewport = ViewportBuilder::default()
             .with_title("Kalmanscope")
             .with_app_id("kalmanscope")
@@ -54,11 +72,14 @@ mod native {
             .with_min_inner_size([360.0, 420.0])
             .with_icon(icon());
         let options = NativeOptions { viewport, ..NativeOptions::default() };
-        eframe::run_native(
-            "kalmanscope",
-            options,
-            Box::new(|creation| Ok(Box::new(App::new(creation)?.delivering(Box::new(folder::write))))),
-        )
+        let creator: eframe::AppCreator<'_> = Box::new(|creation| {
+            let mut app = App::new(creation)?.delivering(Box::new(folder::write));
+            if let Some(address) = address {
+                app.open_address(&address);
+            }
+            Ok(Box::new(app))
+        });
+        eframe::run_native("kalmanscope", options, creator)
     }
 
     /// The window's icon, or the toolkit's own where the picture cannot be read.
@@ -67,10 +88,14 @@ mod native {
     }
 
     /// The report for a machine without a display: a table, and the plots as a file.
-    fn report(reason: &str) -> Result<(), Box<dyn Error>> {
+    fn report(reason: &str, target: Option<Target>) -> Result<(), Box<dyn Error>> {
         let mut out = io::stdout();
-        writeln!(out, "No window can be opened ({reason}). Results of the default scenario:\n")?;
-        let scenario = Scenario::default();
+        let (which, scenario) = match target {
+            Some(Target::Picture(picture)) => ("the link's scenario", picture.scenario),
+            Some(Target::Scenario(built_in)) => (built_in.title, built_in.scenario()?),
+            Some(Target::Lesson(..)) | None => ("the default scenario", Scenario::default()),
+        };
+        writeln!(out, "No window can be opened ({reason}). Results of {which}:\n")?;
         let run = run_scenario(&scenario, None)?;
         plot_svg(&run, Path::new(REPORT))?;
         let analysis = Analysis::new(&run, Wanted { bounds: true, ..Wanted::default() });
@@ -91,6 +116,7 @@ mod native {
 #[cfg(target_arch = "wasm32")]
 mod web {
     mod download;
+    mod messages;
     mod tables;
 
     use std::cell::RefCell;
@@ -98,9 +124,11 @@ mod web {
 
     use egui::DroppedFileHandle;
     use kalmanscope::drop;
+    use kalmanscope::share::address;
     use wasm_bindgen::JsCast as _;
     use wasm_bindgen::prelude::*;
 
+    use messages::{Message, Messages};
     use tables::Tables;
 
     #[wasm_bindgen]
@@ -122,6 +150,10 @@ mod web {
     struct Page {
         app: kalmanscope::App,
         tables: Option<Tables>,
+        /// The fragment of the page's address.
+        fragment: String,
+        /// The messages of the page that embeds this one.
+        messages: Option<Messages>,
         /// The dropped files that have been read and are to be opened.
         files: Rc<RefCell<Vec<ReadFile>>>,
     }
@@ -154,7 +186,22 @@ mod web {
     impl eframe::App for Page {
         fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
             self.open_dropped_files(ctx);
+            let fragment = &frame.info().web_info.location.hash;
+            if *fragment != self.fragment {
+                self.fragment.clone_from(fragment);
+                self.app.open_address(fragment);
+            }
+            // One message a frame: its answer tells what follows from it.
+            let message = self.messages.as_ref().and_then(Messages::next);
+            let taken = message.as_ref().map(|Message { text, .. }| self.app.take_message(text));
             self.app.logic(ctx, frame);
+            if let (Some(message), Some(taken)) = (message, taken) {
+                match taken {
+                    Ok(taken) => message.answer(&self.app.answer_message(&taken)),
+                    Err(refusal) => message.refuse(&refusal),
+                }
+                ctx.request_repaint();
+            }
         }
 
         fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
@@ -212,17 +259,24 @@ mod web {
             .ok_or("the page has no canvas")?;
         let runner = eframe::WebRunner::new();
         let tables = Tables::new(&document);
-        let creator: eframe::AppCreator<'static> = Box::new(|creation| {
-            let mut app = kalmanscope::App::new(creation)?.on_cleared_window().delivering(Box::new(download::download));
+        let address = web_sys::window().and_then(|window| window.location().href().ok()).unwrap_or_default();
+        let creator: eframe::AppCreator<'static> = Box::new(move |creation| {
+            let embedded = address::is_embedded(&address);
+            let app = if embedded { kalmanscope::App::embedded(creation)? } else { kalmanscope::App::new(creation)? };
+            let mut app =
+                app.on_cleared_window().delivering(Box::new(download::download)).at_page(address::page(&address));
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }
+            app.open_address(&address);
+            let messages = embedded.then(|| Messages::listen(&creation.egui_ctx)).flatten();
+            let fragment = creation.integration_info.web_info.location.hash.clone();
             RUNNER.with_borrow_mut(|runner| {
                 if let Some((_, ctx)) = runner {
                     *ctx = creation.egui_ctx.clone();
                 }
             });
-            Ok(Box::new(Page { app, tables, files: Rc::default() }))
+            Ok(Box::new(Page { app, tables, fragment, messages, files: Rc::default() }))
         });
         RUNNER.set(Some((runner.clone(), egui::Context::default())));
         // Dithering costs time for every pixel, and there are no gradients.

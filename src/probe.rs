@@ -4,4 +4,4 @@ mod places;
 mod screen;
 
 pub(crate) use places::remember;
-pub use screen::ScreenState;
+pub use screen::{Latest, ScreenState};

@@ -1,5 +1,7 @@
 //! Requests of the views, the controls and the keys, as data.
 
+use std::fmt;
+
 use egui_tiles::Tree;
 use kalmanscope_core::Scenario;
 use kalmanscope_lessons::{BuiltIn, Lesson};
@@ -13,6 +15,8 @@ use crate::session::Mode;
 pub enum Request {
     /// Play if paused, pause if playing; from the start if at the end.
     TogglePlay,
+    /// Play or pause.
+    Play(bool),
     /// One sample forward, paused.
     Step,
     /// One sample back, paused.
@@ -29,6 +33,20 @@ pub enum Request {
     Open(BuiltIn),
     /// Play a scenario from its start.
     OpenScenario(Box<Scenario>),
+    /// Import a measured record from a file.
+    ImportFile(Box<RawFile>),
+    /// Choose another meaning of the columns of the record on screen.
+    ChangeColumns,
+    /// Test the identified models on the record that is being imported.
+    HoldOut,
+    /// Give up the import.
+    CancelImport,
+    /// Open the link, the lesson or the scenario of an address.
+    OpenAddress(String),
+    /// Copy a link to this picture.
+    CopyLink,
+    /// Open this picture in the whole explorer, beside the page that embeds this one.
+    OpenOutside,
     /// Use an edited scenario.
     Edit(Box<Scenario>),
     /// Undo the last change of the scenario.
@@ -155,6 +173,21 @@ pub enum Picture {
     Png,
 }
 
+/// A file as it is.
+#[derive(Clone, PartialEq)]
+pub struct RawFile {
+    /// Its name.
+    pub name: String,
+    /// Its contents.
+    pub bytes: Vec<u8>,
+}
+
+impl fmt::Debug for RawFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} ({} bytes)", self.name, self.bytes.len())
+    }
+}
+
 /// An answer to the question of a lesson's step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -191,6 +224,8 @@ pub enum ViewKind {
     States,
     /// Errors within ±2σ and the Cramér-Rao bound.
     Errors,
+    /// Measurements against predictions and free runs.
+    Measured,
     /// Innovations within ±2√S.
     Innovations,
     /// NIS and NEES.
@@ -205,6 +240,8 @@ pub enum ViewKind {
     ParameterPlane,
     /// Frequency response over the force's spectrum.
     FrequencyResponse,
+    /// Power over time and frequency.
+    Spectrogram,
     /// Predict and update in numbers.
     Matrices,
     /// Filters side by side.
@@ -217,11 +254,12 @@ pub enum ViewKind {
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
         Self::Errors,
+        Self::Measured,
         Self::Innovations,
         Self::Consistency,
         Self::Autocorrelation,
@@ -229,6 +267,7 @@ impl ViewKind {
         Self::Phase,
         Self::ParameterPlane,
         Self::FrequencyResponse,
+        Self::Spectrogram,
         Self::Matrices,
         Self::Scores,
         Self::Filters,

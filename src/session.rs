@@ -4,22 +4,29 @@ mod before;
 mod budget;
 mod computing;
 mod difference;
+mod free_runs;
 mod judging;
+mod library;
 mod playback;
 mod setting;
 #[cfg(test)]
 mod tests;
 mod trying;
 
+use std::sync::Arc;
+
 use kalmanscope_core::{Diagnostics, Estimates, Job, Quantity, Run, RunError, Scenario, Source, Study};
 use serde::{Deserialize, Serialize};
 
+use free_runs::FreeRuns;
 use judging::Judged;
 use trying::Trying;
 
 pub use before::Before;
 pub use budget::Budget;
+pub use free_runs::ModelTime;
 pub use kalmanscope_core::{Bound, Wanted};
+pub use library::{Library, RecordFile, name_of};
 pub use setting::Setting;
 pub use trying::Attempt;
 
@@ -70,6 +77,10 @@ pub struct Session {
     /// Real time since the last edit \[s\].
     since_edit: f64,
     trying: Trying,
+    library: Library,
+    free: FreeRuns,
+    /// Counts changes of what is drawn besides the run.
+    drawn: u64,
 }
 
 impl Session {
@@ -123,6 +134,9 @@ impl Session {
             other: None,
             since_edit: f64::INFINITY,
             trying: Trying::default(),
+            library: Library::default(),
+            free: FreeRuns::default(),
+            drawn: 0,
         };
         session.want_of_study();
         session.compute();
@@ -153,6 +167,11 @@ impl Session {
     /// forgotten. What has been computed from samples before is worth nothing then.
     pub fn generation(&self) -> u64 {
         self.generation
+    }
+
+    /// A number that changes with what is drawn besides the run.
+    pub fn drawn(&self) -> u64 {
+        self.drawn
     }
 
     /// The diagnostics of the estimates that are kept, one a filter, if they are wanted.
@@ -209,6 +228,41 @@ impl Session {
     /// Why the scenario as edited cannot be run, if so; the last one that could stays on screen.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
+    }
+
+    /// The files that scenarios name.
+    pub fn library(&self) -> &Library {
+        &self.library
+    }
+
+    /// Keeps a file for scenarios that name it, and takes it into use if the present one does.
+    pub fn keep_file(&mut self, file: Arc<RecordFile>) {
+        self.library.insert(file);
+        if self.scenario.record.is_some() && self.problem.is_some() {
+            self.edited();
+            self.compute();
+        }
+    }
+
+    /// Keeps a file as the record on which the identified models are tested.
+    ///
+    /// # Errors
+    /// A sentence where there is no measured record on screen, or the columns do not mean the same.
+    pub fn hold_out(&mut self, file: &RecordFile) -> Result<(), String> {
+        self.library.hold_out(file, &self.scenario)?;
+        self.drawn += 1;
+        self.free.forget();
+        Ok(())
+    }
+
+    /// Keeps the reasons of start values that were made from a record.
+    pub fn explain(&mut self, reasons: Vec<String>) {
+        self.library.set_reasons(reasons);
+    }
+
+    /// Whether the samples are measured, not simulated.
+    pub fn is_measured(&self) -> bool {
+        matches!(self.run().source(), Source::Measured(_))
     }
 
     /// Shows the record as it grows, or all of it, as soon as it is short enough for that.

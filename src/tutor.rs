@@ -55,6 +55,11 @@ impl Tutor {
         self.place
     }
 
+    /// The lesson's title.
+    pub fn title(&self) -> &str {
+        &self.lesson.title
+    }
+
     /// The number of the step, from 0 on.
     pub fn step(&self) -> usize {
         self.step

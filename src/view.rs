@@ -3,6 +3,7 @@
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use egui::Ui;
+use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::plot::input::PlotInput;
@@ -42,9 +43,15 @@ impl<'a> ViewContext<'a> {
     ) -> Self {
         let mut hasher = DefaultHasher::new();
         session.before().map_or(0, Before::len).hash(&mut hasher);
-        (session.generation(), session.run().len(), session.bounds().len(), visible, palette).hash(&mut hasher);
+        (session.generation(), session.drawn(), session.run().len(), session.bounds().len(), visible, palette)
+            .hash(&mut hasher);
         session.run().estimates().iter().for_each(|estimates| estimates.color().hash(&mut hasher));
         Self { session, palette, visible, axis, ruler, version: hasher.finish() }
+    }
+
+    /// A unit, with that of the record's motion in place of metres.
+    pub(crate) fn unit(&self, unit: &'static str) -> &'static str {
+        Length::of(self.session.run().scenario().record.as_ref()).in_place_of(unit)
     }
 
     /// The part for charts.
@@ -92,6 +99,11 @@ pub trait View: Sync {
     /// The results besides the estimates that it needs.
     fn wanted(&self) -> Wanted {
         Wanted::NOTHING
+    }
+
+    /// Whether it shows the free runs of the identified models.
+    fn wants_free_runs(&self) -> bool {
+        false
     }
 
     /// The preferred shape.

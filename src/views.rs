@@ -11,10 +11,12 @@ mod gain;
 mod handles;
 mod innovations;
 mod matrices;
+mod measured;
 mod oscillator;
 mod parameter_plane;
 mod phase;
 mod scores;
+mod spectrogram;
 
 use crate::request::ViewKind;
 use crate::session::Wanted;
@@ -27,6 +29,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Parameters => &channels::Channels::Parameters,
         ViewKind::States => &channels::Channels::States,
         ViewKind::Errors => &errors::Errors,
+        ViewKind::Measured => &measured::Measured,
         ViewKind::Innovations => &innovations::Innovations,
         ViewKind::Consistency => &consistency::Consistency,
         ViewKind::Autocorrelation => &autocorrelation::Autocorrelation,
@@ -34,6 +37,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Phase => &phase::Phase,
         ViewKind::ParameterPlane => &parameter_plane::ParameterPlane,
         ViewKind::FrequencyResponse => &frequency_response::FrequencyResponse,
+        ViewKind::Spectrogram => &spectrogram::SpectrogramView,
         ViewKind::Matrices => &matrices::Matrices,
         ViewKind::Scores => &scores::Scores,
         ViewKind::Filters => &filters::Filters,

@@ -4,6 +4,8 @@
 mod accessible;
 #[path = "browser/driver.rs"]
 mod driver;
+#[path = "browser/embed.rs"]
+mod embed;
 #[path = "browser/export.rs"]
 mod export;
 #[path = "browser/frames.rs"]
@@ -14,11 +16,14 @@ mod loading;
 mod page;
 #[path = "browser/server.rs"]
 mod server;
+#[path = "browser/share.rs"]
+mod share;
 
 use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
+use kalmanscope::share::address;
 use kalmanscope_core::Run;
 use kalmanscope_lessons::BuiltIn;
 use serde_json::Value;
@@ -59,6 +64,21 @@ fn the_page_works_in_a_browser() {
         accessible::cover_can_be_read(&page).await;
         failures_can_be_read(&page).await;
         accessible::failure_can_be_read(&page).await;
+    });
+}
+
+#[test]
+fn links_and_frames_work_in_a_browser() {
+    let server = served();
+    let address = server.page();
+    let driver = Driver::start();
+    runtime().block_on(async {
+        let page = driver.open().await;
+        page.prepare(embed::WATCH).await;
+        embed::policy_is_strict(&page, &address).await;
+        share::links(&page, &address).await;
+        share::names(&page, &address).await;
+        embed::messages(&page, &address).await;
     });
 }
 
@@ -130,7 +150,7 @@ async fn reports_no_problems(page: &Page, address: &str) {
     }
     let resources = page.value("performance.getEntriesByType('resource').map(entry => entry.name)").await;
     for name in resources.as_array().unwrap().iter().map(|name| name.as_str().unwrap()) {
-        assert!(name.starts_with(address), "{name} is of another origin");
+        assert!(name.starts_with(address::page(address)), "{name} is of another origin");
     }
 }
 

@@ -30,7 +30,7 @@ pub(crate) struct Prepared {
 impl Prepared {
     /// Reads scenario and records and runs the filters. Remarks on a record are printed on standard error.
     pub(crate) fn new(source: &SourceArgs) -> Result<Self, InputError> {
-        let SourceArgs { scenario: file, record: _, map: _, holdout, seed } = source;
+        let SourceArgs { scenario: file, record: _, map: _, holdout, then, seed } = source;
         let mut scenario = read_scenario(file)?;
         if let Some(seed) = seed {
             scenario.seed = *seed;
@@ -39,7 +39,7 @@ impl Prepared {
         if imported.is_none() && scenario.samples() > MOST {
             return Err(InputError::TooLong { file: file.clone(), most: MOST });
         }
-        let is_measured = imported.is_some();
+        let is_measured = imported.is_some() || !then.is_empty();
         let (record, remarks) =
             imported.map_or((None, Vec::new()), |Imported { record, remarks }| (Some(record), remarks));
         remarks.iter().for_each(|remark| {
@@ -47,7 +47,13 @@ impl Prepared {
         });
         let held_out = holdout.iter().map(|path| Ok((path.clone(), read(path, &mut scenario.clone())?.record)));
         let held_out = held_out.collect::<Result<Vec<_>, InputError>>()?;
-        let run = run_scenario(&scenario, record).map_err(|error| InputError::Run { file: file.clone(), error })?;
+        let bad_run = |error| InputError::Run { file: file.clone(), error };
+        let mut run = run_scenario(&scenario, record).map_err(bad_run)?;
+        for path in then {
+            continue_from(&run, &mut scenario);
+            let next = read(path, &mut scenario)?.record;
+            run = run_scenario(&scenario, Some(next)).map_err(bad_run)?;
+        }
         Ok(Self { file: file.clone(), scenario, run, is_measured, held_out })
     }
 
@@ -59,4 +65,18 @@ impl Prepared {
 
 fn read_scenario(file: &Path) -> Result<Scenario, InputError> {
     Scenario::from_toml(&read_text(file)?).map_err(|error| InputError::Scenario { file: file.to_owned(), error })
+}
+
+/// Lets each filter begin with the parameters that it has found: their means and standard deviations, without the correlations
+/// between them. The motion begins anew.
+fn continue_from(run: &Run, scenario: &mut Scenario) {
+    for (filter, estimates) in scenario.filters.iter_mut().zip(run.estimates()) {
+        let Some(last) = estimates.len().checked_sub(1) else { continue };
+        for (place, &channel) in estimates.channels().iter().enumerate() {
+            if channel.is_parameter() || channel.is_augmentation() {
+                filter.initial_mean[channel] = estimates.canonical_mean(last, place);
+                filter.initial_std[channel] = estimates.std(last, place);
+            }
+        }
+    }
 }

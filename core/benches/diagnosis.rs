@@ -21,7 +21,7 @@ use situations::{Fault, Situation, largest_error, without_truth};
 const FIRST: u64 = 1_000_000;
 
 /// Runs of a table.
-const NUMBER: u64 = 2_400;
+const NUMBER: u64 = 2_880;
 
 fn main() {
     let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
@@ -166,6 +166,16 @@ fn print_mistakes(outcomes: &[Outcome]) {
         "\nfalse alarms: {alarms} of {} well-tuned runs (besides, {untold} in which the record does not tell a parameter); \
          contrary verdicts: {contrary}",
         count(&tuned)
+    );
+    let sampled = |o: &Outcome| matches!(o.fault, Fault::CollapsedSample | Fault::LargeSample);
+    let collapsed = |o: &Outcome| has(o, |kind| kind == VerdictKind::Collapsed);
+    println!(
+        "called collapsed, of {} particle filters that are less than 2σ off in the last fifth: {}; of {} that are more than \
+         20σ off: {}",
+        count(&|o| sampled(o) && o.off < 2.0),
+        count(&|o| sampled(o) && o.off < 2.0 && collapsed(o)),
+        count(&|o| sampled(o) && o.off > 20.0),
+        count(&|o| sampled(o) && o.off > 20.0 && collapsed(o)),
     );
     println!(
         "called consistent or recovered, truth known, of {far} that are more than 5σ off in the last fifth: {passed}"

@@ -22,6 +22,7 @@ mod tests;
 mod trial;
 mod verdict;
 mod verdict_kind;
+mod window;
 mod words;
 
 use std::ops::Range;

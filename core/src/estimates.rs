@@ -58,6 +58,8 @@ pub struct Estimates {
     /// Recorded for a particle filter only.
     log_likelihood: Vec<f64>,
     effective_samples: Vec<f64>,
+    /// The particles of a particle filter; 0 for any other filter.
+    particles: usize,
     monitor: Monitor,
     stop: Option<Stop>,
 }
@@ -91,6 +93,7 @@ impl Estimates {
             determinant: Vec::new(),
             log_likelihood: Vec::new(),
             effective_samples: Vec::new(),
+            particles: if settings.kind.has_own_likelihood() { settings.ensemble_size } else { 0 },
             stop: None,
         }
     }
@@ -372,6 +375,11 @@ impl Estimates {
     /// The effective sample size of a particle filter at every sample, before it resampled; empty for any other filter.
     pub fn effective_samples(&self) -> &[f64] {
         &self.effective_samples
+    }
+
+    /// The number of particles of a particle filter; 0 for any other filter.
+    pub fn particles(&self) -> usize {
+        self.particles
     }
 
     /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.

@@ -6,12 +6,16 @@
 
 mod response;
 mod spectra;
+mod trials;
 
 use crate::import::Offset;
-use crate::{Channel, FilterKind, FilterSettings, Identified, Quantity, Record, Run, Scenario, Sensor};
+use crate::{Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Scenario, Sensor};
 
 use response::{Response, free_response, order, response};
 use spectra::Spectra;
+use trials::{SHARES, first_alone};
+
+pub use trials::Suggest;
 
 /// Settings for a record, with the reason of each.
 #[derive(Clone, Debug)]
@@ -45,34 +49,20 @@ pub fn scenario_for(record: &Record) -> Scenario {
     scenario
 }
 
-/// The samples of which the likelihood is taken.
-const LIKELY: usize = 4096;
+/// A mean of the input is an offset if it is this many times what chance makes of it.
+const CERTAIN: f64 = 4.0;
 
-/// The samples of which the free run is taken.
-const FREE: usize = 16_384;
+/// A mean of a sensor's readings is an offset if it is larger than this share of their spread.
+const OFFSET: f64 = 0.5;
 
 /// A free run is better if its error is at most this share of the other's.
 const BETTER: f64 = 0.8;
 
-/// Parts of the motion's size that are tried for its process noise per step.
-const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
-
-/// Suggests settings for a scenario's filters on a measured record: R from the high frequencies that the input does
-/// not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief from these,
-/// and Q by the likelihood of the innovations. Where the scenario has a mapping, means are removed and a large gain goes
-/// into the mapping; `record` is then to be read again.
-///
-/// Settings of plants without a natural frequency are left as they are, but for R and Q.
+/// Suggests settings for a scenario's filters on a measured record, in one go: see [`Suggest`].
 pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
-    let mut suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new() };
-    let mut record = record.clone();
-    suggestion.remove_means(&mut record);
-    suggestion.sensor_noise(&record);
-    suggestion.motion(&mut record);
-    suggestion.substeps(&record);
-    suggestion.process_noise(&record);
-    suggestion.model_error(&record);
-    suggestion
+    let mut suggest = Suggest::new(scenario, record.clone());
+    while !suggest.advance(&mut || true) {}
+    suggest.finish()
 }
 
 impl Suggestion {
@@ -85,9 +75,10 @@ impl Suggestion {
         let Some(mapping) = &mut self.scenario.record else { return };
         let mut removed = Vec::new();
         let (mean, std) = moments(record.input());
+        // The mean of a random force is not zero either, and what it does to the displacement is motion.
+        let chance = std / libm::sqrt(record.len().max(1) as f64);
         if let Some(input) = mapping.input.as_mut().filter(|input| input.offset == Offset::default())
-            && mean.abs() > 1e-3 * std
-            && std > 0.0
+            && mean.abs() > CERTAIN * chance
         {
             input.offset = Offset::MEAN;
             record.change_input(|value| value - mean);
@@ -97,7 +88,7 @@ impl Suggestion {
             let quantity = record.sensors()[sensor];
             let (mean, std) = moments(record.measured(sensor));
             let Some(column) = mapping.sensors.get_mut(&quantity) else { continue };
-            if column.offset == Offset::default() && mean.abs() > 1e-3 * std {
+            if column.offset == Offset::default() && (!removed.is_empty() || mean.abs() > OFFSET * std) {
                 column.offset = Offset::MEAN;
                 record.change_measured(sensor, |value| value - mean);
                 removed.push(format!("the {}", quantity.name()));
@@ -241,90 +232,66 @@ impl Suggestion {
         }
     }
 
-    /// Q of the motion by the likelihood over one factor.
-    fn process_noise(&mut self, record: &Record) {
-        let Some(first) = self.scenario.filters.first().cloned() else { return };
-        let model = first.model(self.scenario.plant.kind, self.scenario.input);
-        let part = record.part(0..record.len().min(LIKELY));
-        let sizes: Vec<(Channel, f64)> = model.channels()[..model.motion()]
-            .iter()
-            .map(|&channel| (channel, first.initial_std[channel].abs()))
-            .collect();
-        let with = |share: f64| {
-            let mut filter = first.clone();
+    /// The first filter alone, with a share of the motion's size as its process noise per step.
+    fn with_share(&self, share: f64) -> Scenario {
+        let mut scenario = first_alone(&self.scenario);
+        let (kind, input) = (scenario.plant.kind, scenario.input);
+        for filter in &mut scenario.filters {
+            set_share(filter, kind, input, share);
             if filter.kind.is_sampled() {
                 filter.kind = FilterKind::EKF;
             }
-            for &(channel, size) in &sizes {
-                filter.process_std[channel] = rounded(share * size);
-            }
-            filter
-        };
-        let likelihood = |share: f64| {
-            let scenario = Scenario { filters: vec![with(share)], ..self.scenario.clone() };
-            let mut run = Run::on_record(&scenario, part.clone().into()).ok()?;
-            run.finish();
-            let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
-            let sum: f64 = (1..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|l| !l.is_nan()).sum();
-            sum.is_finite().then_some((share, sum))
-        };
-        let best = SHARES.into_iter().filter_map(likelihood).max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((share, _)) = best else { return };
-        let chosen = with(share);
-        for filter in self.filters() {
-            for &(channel, _) in &sizes {
-                filter.process_std[channel] = chosen.process_std[channel];
-            }
         }
+        scenario
+    }
+
+    /// Q of the motion, the most likely share of its size.
+    fn process_noise(&mut self, share: f64) {
+        let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
+        self.filters().for_each(|filter| set_share(filter, kind, input, share));
         self.reasons.push(format!(
             "Q of the motion: {} of its size a step, the most likely of {} that were tried",
             if share == 0.0 { "nothing".to_owned() } else { format!("{share:e}") },
             SHARES.len()
         ));
     }
-}
 
-impl Suggestion {
-    /// A model that is not quite right errs in ways that no noise does. If the free run is better for it, R takes the size of
-    /// that error, and no single sample counts too much.
-    fn model_error(&mut self, record: &Record) {
-        let part = record.part(0..record.len().min(FREE));
-        let Some(before) = free_error(&self.scenario, &part) else { return };
+    /// The scenario with R of the size of these errors, and no process noise of the motion.
+    fn with_error(&self, errors: &[f64]) -> Scenario {
         let mut other = self.scenario.clone();
+        let (kind, input) = (other.plant.kind, other.input);
         for filter in &mut other.filters {
-            for (std, error) in filter.sensor_std.iter_mut().zip(&before) {
+            for (std, error) in filter.sensor_std.iter_mut().zip(errors) {
                 *std = rounded(error.max(*std));
             }
-            let model = filter.model(other.plant.kind, other.input);
-            for &channel in &model.channels()[..model.motion()] {
-                filter.process_std[channel] = 0.0;
-            }
+            set_share(filter, kind, input, 0.0);
         }
-        let Some(after) = free_error(&other, &part) else { return };
+        other
+    }
+
+    /// A model that is not quite right errs in ways that no noise does. If the free run is better for it, R takes the size of
+    /// that error, and no single sample counts too much.
+    fn model_error(&mut self, before: &[f64], after: &[f64]) {
         let ratio = |(after, before): (&f64, &f64)| if *before > 0.0 { after / before } else { 1.0 };
-        let mean = after.iter().zip(&before).map(ratio).sum::<f64>() / after.len().max(1) as f64;
+        let mean = after.iter().zip(before).map(ratio).sum::<f64>() / after.len().max(1) as f64;
         if mean > BETTER {
             return;
         }
-        self.scenario = other;
+        self.scenario = self.with_error(after);
         self.reasons.push(format!(
-            "R as large as the error of the model's free run, and no Q of the motion: the model is not quite right, and its free \
-             run then errs {:.0} % less",
+            "R as large as the error of the model's free run, and no Q of the motion: the model is not quite right, and its \
+             free run then errs {:.0} % less",
             100.0 * (1.0 - mean)
         ));
     }
 }
 
-/// The error of the free run of the first filter's final model, for each of the scenario's sensors.
-fn free_error(scenario: &Scenario, record: &Record) -> Option<Vec<f64>> {
-    let scenario = Scenario { filters: vec![scenario.filters.first()?.clone()], ..scenario.clone() };
-    let mut run = Run::on_record(&scenario, record.clone().into()).ok()?;
-    run.finish();
-    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
-    let model = Identified::at(&scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?);
-    let free = model.run(record, 0..record.len());
-    let errors = scenario.sensors.iter().map(|sensor| free.fit(record, sensor.measures).map(|fit| fit.rms));
-    errors.collect::<Option<Vec<f64>>>().filter(|errors| errors.iter().all(|error| error.is_finite()))
+/// Makes the process noise of the motion a share of its size, which is that of the initial spread.
+fn set_share(filter: &mut FilterSettings, kind: PlantKind, input: InputKind, share: f64) {
+    let model = filter.model(kind, input);
+    for &channel in &model.channels()[..model.motion()] {
+        filter.process_std[channel] = rounded(share * filter.initial_std[channel].abs());
+    }
 }
 
 /// A cubic stiffness that carries half of the load at the largest displacement.

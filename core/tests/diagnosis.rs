@@ -6,7 +6,7 @@
 mod situations;
 
 use kalmanscope_core::diagnosis::{CAUSES, Diagnosis, TESTS, VerdictKind};
-use kalmanscope_core::{Diagnostics, Run};
+use kalmanscope_core::{Channel, Diagnostics, Run};
 
 use situations::{Fault, Situation, largest_error, without_truth};
 
@@ -99,6 +99,56 @@ fn the_cause_is_among_the_first_two_that_are_named() {
         all.iter().filter(|o| o.verdicts.iter().any(|verdict| *verdict != VerdictKind::Consistent)).collect();
     let named = wrong.iter().filter(|o| o.causes.iter().take(2).any(|cause| o.fault.causes().contains(cause))).count();
     assert!(named as f64 >= 0.8 * wrong.len() as f64, "{named} of {}", wrong.len());
+}
+
+#[test]
+fn a_sample_of_too_few_particles_is_called_collapsed_and_a_sound_one_is_not() {
+    let all = outcomes(&[Fault::CollapsedSample, Fault::LargeSample], 15, false);
+    let of = |is: fn(f64) -> bool| all.iter().filter(move |outcome| is(outcome.off));
+    for (sound, verdicts) in of(|off| off < 2.0).map(|outcome| (&outcome.name, outcome.verdicts)) {
+        assert!(!verdicts.contains(&VerdictKind::Collapsed), "{sound}");
+    }
+    let gone = || of(|off| off > 100.0);
+    let is_found = |outcome: &&Outcome| {
+        outcome.verdicts.iter().all(|v| matches!(v, VerdictKind::Collapsed | VerdictKind::Lost | VerdictKind::Diverged))
+    };
+    assert!(gone().count() >= 5 && gone().filter(is_found).count() + 1 >= gone().count(), "{}", gone().count());
+}
+
+/// What is said of the spring of a situation, if anything.
+fn of_the_spring(situation: &Situation) -> Option<String> {
+    let record = without_truth(&situation.record().unwrap());
+    let mut run = Run::on_record(&situation.told, record.clone()).unwrap();
+    run.finish();
+    let estimates = &run.estimates()[0];
+    let diagnostics = Diagnostics::new(estimates, &record);
+    let diagnosis = Diagnosis::new(&diagnostics, estimates, &record, None).unwrap();
+    let mut trials = diagnosis.trials(&situation.told, 0, &diagnostics, estimates, &record).unwrap();
+    while !trials.advance(&mut || true) {}
+    let findings = trials.findings();
+    findings.into_iter().find(|one| one.suspect.cause.key == "spring").map(|one| one.suspect.sentence)
+}
+
+#[test]
+fn a_spring_that_hardens_is_not_said_to_yield_nor_the_other_way_round() {
+    let mut said = [(0, 0); 2];
+    for seed in FIRST..FIRST + 6 {
+        for times in [1.0, 3.0, 10.0] {
+            let mut hardening = Situation::with(Fault::HardeningSpring, seed);
+            let cubic = hardening.truth.plant.parameter(Channel::CUBIC_STIFFNESS).unwrap().at(0.0);
+            hardening.truth.plant.set(Channel::CUBIC_STIFFNESS, times * cubic);
+            if let Some(sentence) = of_the_spring(&hardening) {
+                let right = sentence.starts_with("the spring hardens");
+                said[0] = (said[0].0 + usize::from(right), said[0].1 + 1);
+                assert!(right, "{}, seed {seed}, {times} times that: {sentence}", hardening.note);
+            }
+        }
+        if let Some(sentence) = of_the_spring(&Situation::with(Fault::YieldingSpring, seed)) {
+            let right = sentence.contains("yields") || sentence.contains("softens");
+            said[1] = (said[1].0 + usize::from(right), said[1].1 + 1);
+        }
+    }
+    assert!(said[0].1 >= 16 && said[1].1 >= 5 && said[1].0 + 1 >= said[1].1, "{said:?}");
 }
 
 #[test]

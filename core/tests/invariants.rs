@@ -142,6 +142,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
             force,
             sensors: sensors.clone(),
             filters,
+            record: None,
         })
     })
 }

@@ -114,7 +114,7 @@ fn the_suggested_settings_find_a_linear_circuit() {
 
 #[test]
 fn a_finer_input_makes_a_hardening_circuit_run_freely() {
-    let text = Circuit { cubic: 7.3e5, amplitude: 0.02, seed: 7 }.file(6000);
+    let text = Circuit { cubic: 7.3e5, amplitude: 0.008, seed: 7 }.file(6000);
     let error = |interpolate: usize| {
         let (scenario, record, run) = identify(&text, PlantKind::DUFFING, |mapping| mapping.interpolate = interpolate);
         let cubic = last(&run, 0, Channel::CUBIC_STIFFNESS);

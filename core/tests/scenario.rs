@@ -37,6 +37,7 @@ fn the_sample_has_the_expected_settings() {
             Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 },
             Sensor { measures: Quantity::VELOCITY, noise_std: 0.06 },
         ],
+        record: None,
         filters: vec![FilterSettings {
             id: 1,
             name: "EKF with fading memory".to_owned(),

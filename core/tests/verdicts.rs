@@ -180,6 +180,22 @@ fn every_situation_has_its_verdict() {
 }
 
 #[test]
+fn a_filter_that_learns_a_noise_that_was_too_large_is_underconfident_for_a_time() {
+    for kind in [FilterKind::EKF, FilterKind::UKF] {
+        for seed in SEEDS {
+            let mut scenario = Scenario { seed, ..well_tuned(kind) };
+            sensor_variance_times(&mut scenario, 10.0);
+            let constant = verdict(&scenario).unwrap();
+            scenario.filters[0].adaptation.sensor_noise = true;
+            let learnt = verdict(&scenario).unwrap();
+            let both = format!("{}, seed {seed}: {constant}; {learnt}", kind.name());
+            assert!(constant.kind == Underconfident && learnt.kind == Recovered, "{both}");
+            assert!(learnt.reason.starts_with("between 0 s and 6.0 s innovations² are 0."), "{both}");
+        }
+    }
+}
+
+#[test]
 fn forgetting_without_excitation_winds_up() {
     for seed in SEEDS {
         let mut scenario = Scenario { seed, ..well_tuned(FilterKind::EKF) };

@@ -17,7 +17,7 @@ macro_rules! built_in {
         &[$(BuiltIn {
             title: $title,
             file: $file,
-            toml: include_str!(concat!("../../assets/scenarios/", $file, ".toml")),
+            toml: include_str!(concat!("../assets/scenarios/", $file, ".toml")),
         }),*]
     };
 }
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn each_file_is_in_the_list() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/scenarios");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenarios");
         let name = |file: std::io::Result<std::fs::DirEntry>| file.unwrap().file_name().into_string().unwrap();
         let mut files: Vec<String> = std::fs::read_dir(folder).unwrap().map(name).collect();
         files.sort();

@@ -4,7 +4,7 @@ use crate::{Lesson, LessonError};
 
 macro_rules! files {
     ($folder:literal: $($name:literal),* $(,)?) => {
-        &[$(($name, include_str!(concat!("../../assets/", $folder, "/", $name, ".toml")))),*]
+        &[$(($name, include_str!(concat!("../assets/", $folder, "/", $name, ".toml")))),*]
     };
 }
 
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     fn files(folder: &str) -> Vec<String> {
-        let folder = format!("{}/../assets/{folder}", env!("CARGO_MANIFEST_DIR"));
+        let folder = format!("{}/assets/{folder}", env!("CARGO_MANIFEST_DIR"));
         let name = |file: std::io::Result<std::fs::DirEntry>| file.unwrap().file_name().into_string().unwrap();
         let mut names: Vec<String> = std::fs::read_dir(folder).unwrap().map(name).collect();
         names.sort();

@@ -18,6 +18,11 @@ impl App {
         let Self { session, axis, visible, layout, history, .. } = self;
         match request {
             Request::TogglePlay => session.toggle_play(),
+            Request::Play(playing) => {
+                if playing != session.playing() {
+                    session.toggle_play();
+                }
+            }
             Request::Step => session.step(),
             Request::StepBack => session.step_back(),
             Request::Restart => {
@@ -32,9 +37,16 @@ impl App {
             Request::SetSpeed(speed) => session.set_speed(speed),
             Request::Open(built_in) => match built_in.scenario() {
                 Ok(scenario) => self.open(scenario, ctx),
-                Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title)),
+                Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title).into()),
             },
             Request::OpenScenario(scenario) => self.open(*scenario, ctx),
+            Request::ImportFile(file) => self.import(*file),
+            Request::ChangeColumns => self.change_columns(),
+            Request::HoldOut => self.hold_out(),
+            Request::CancelImport => self.importing = None,
+            Request::OpenAddress(address) => self.go_to_address(&address, ctx),
+            Request::CopyLink => self.copy_link(ctx),
+            Request::OpenOutside => self.open_outside(ctx),
             Request::Edit(scenario) => session.edit(*scenario),
             Request::SwapSettings => session.swap_settings(),
             Request::ForgetBefore => session.forget_before(),
@@ -68,11 +80,8 @@ impl App {
                 self.controls_open = None;
             }
             Request::ToggleKeys => self.keys_open = !self.keys_open,
-            Request::Report(sentence) => self.notice = Some(sentence),
-            Request::DismissNotice => {
-                self.notice = None;
-                self.written = None;
-            }
+            Request::Report(sentence) => self.notice = Some(sentence.into()),
+            Request::DismissNotice => self.notice = None,
             Request::Leave => {
                 if !std::mem::take(&mut self.keys_open) && !session.cancel() {
                     layout.leave_enlarged();

@@ -6,6 +6,7 @@ use super::App;
 use crate::export::{self, Deliver};
 use crate::figure::Figure;
 use crate::layout::Layout;
+use crate::notice::Notice;
 use crate::request::{Export, FigureFormat, SavedScreen};
 use crate::theme::Palette;
 use crate::view::ViewContext;
@@ -23,11 +24,6 @@ impl App {
         Figure::new(&self.figure_context(&palette), &self.layout.rows(), format)
     }
 
-    /// The sentence about the last file that was written, until it is dismissed.
-    pub fn written(&self) -> Option<&str> {
-        self.written.as_deref()
-    }
-
     fn figure_context<'a>(&'a self, palette: &'a Palette) -> ViewContext<'a> {
         let Self { session, visible, axis, ruler, .. } = self;
         ViewContext::new(session, palette, visible, axis, ruler)
@@ -39,10 +35,10 @@ impl App {
         let made = export::file(export, &self.figure_context(&palette), &self.layout);
         let deliver = self.deliver.as_ref().ok_or_else(|| "there is no place for files here".to_owned());
         let written = made.and_then(|file| deliver?(&file));
-        match written {
-            Ok(place) => self.written = Some(format!("Written: {place}")),
-            Err(error) => self.notice = Some(format!("The file cannot be written: {error}.")),
-        }
+        self.notice = Some(match written {
+            Ok(place) => Notice::done(&format!("Written: {place}")),
+            Err(error) => format!("The file cannot be written: {error}.").into(),
+        });
     }
 
     /// Restores a session from a file.
@@ -58,7 +54,7 @@ impl App {
             self.layout = layout;
         }
         if let Some(file) = record {
-            self.notice = Some(format!("The session belongs to the record “{file}”: drop that file too."));
+            self.notice = Some(format!("The session belongs to the record “{file}”: drop that file too.").into());
         }
     }
 }

@@ -30,7 +30,7 @@ impl App {
         let Self { session, layout, tutor, .. } = self;
         let Some(lesson) = tutor else { return };
         if let Err(error) = lesson.go_to(step, session) {
-            self.notice = Some(format!("This step of the lesson cannot be shown: {error}."));
+            self.notice = Some(format!("This step of the lesson cannot be shown: {error}.").into());
             *tutor = None;
             return;
         }
@@ -96,7 +96,7 @@ impl App {
         let Some(lesson) = self.bookmarked(&bookmark) else {
             let Bookmark { lesson, step, .. } = bookmark;
             let reason = format!("The lesson “{lesson}” cannot be continued: there is no step {} of it.", step + 1);
-            return self.notice = Some(reason);
+            return self.notice = Some(reason.into());
         };
         lesson.show(&mut self.session);
         self.tutor = Some(lesson);

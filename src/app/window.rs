@@ -4,7 +4,7 @@ use egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, Ui};
 
 use super::App;
 use crate::bar::Bar;
-use crate::controls::controls_ui;
+use crate::controls::{Asked, controls_ui};
 use crate::keys;
 use crate::legend::legend_ui;
 use crate::notice::notice_ui;
@@ -47,10 +47,11 @@ impl App {
         let open = self.controls_open();
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
-        let Self { session, layout, catalogue, presenting, requests, history, .. } = self;
+        let Self { session, layout, catalogue, presenting, embedded, requests, history, .. } = self;
         let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
-        let bar = Bar { session, layout, catalogue, controls: open, presenting: *presenting, narrow, history };
-        if !*presenting || is_bar_wanted(ui.ctx()) {
+        let (presenting, embedded) = (*presenting, *embedded);
+        let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, embedded, history };
+        if !presenting || is_bar_wanted(ui.ctx()) {
             Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         }
         if open {
@@ -61,6 +62,7 @@ impl App {
         }
         CentralPanel::default().frame(frame).show(ui, |ui| self.centre_ui(ui, &palette, narrow));
         self.keys_ui(ui.ctx());
+        self.import_ui(ui.ctx(), &palette);
         if !self.requests.is_empty() {
             ui.ctx().request_repaint();
         }
@@ -68,6 +70,9 @@ impl App {
 
     /// Whether the settings are shown.
     pub(super) fn controls_open(&self) -> bool {
+        if self.embedded {
+            return false;
+        }
         let room = if self.tutor.is_some() { WIDE } else { NARROW };
         self.controls_open.unwrap_or(self.width >= room && !self.low && !self.presenting)
     }
@@ -83,9 +88,11 @@ impl App {
         let lit = tutor.as_ref().map_or(vec![], Tutor::lit);
         panel.frame(frame).show(ui, |ui| {
             let mut scenario = session.scenario().clone();
-            if controls_ui(ui, &mut scenario, palette, lit) {
+            let (changed, asked) = controls_ui(ui, &mut scenario, session.library(), palette, lit);
+            if changed {
                 requests.push(Request::Edit(Box::new(scenario)));
             }
+            requests.extend(asked.into_iter().map(|Asked::Columns| Request::ChangeColumns));
         });
     }
 
@@ -101,12 +108,9 @@ impl App {
 
     /// Legend and views.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, ruler, visible, layout, requests, inviting, notice, written, .. } = self;
+        let Self { session, axis, ruler, visible, layout, requests, inviting, notice, .. } = self;
         if let Some(notice) = notice {
-            notice_ui(ui, notice, palette.warning, requests);
-        }
-        if let Some(written) = written {
-            notice_ui(ui, written, palette.text, requests);
+            notice_ui(ui, notice, palette, requests);
         }
         legend_ui(ui, session, visible, palette, requests, |ui, requests| {
             if *inviting {

@@ -1,6 +1,6 @@
 //! The shapes of a figure as pixels, without a graphics card.
 
-use egui::epaint::{ClippedPrimitive, ClippedShape, FontsView, Primitive, Vertex};
+use egui::epaint::{ClippedPrimitive, ClippedShape, Primitive, Vertex};
 use egui::{Color32, ColorImage, Mesh, Pos2, Rect};
 use thiserror::Error;
 
@@ -18,7 +18,8 @@ pub(super) fn png(figure: &Figure) -> Result<Vec<u8>, PngError> {
     let shapes: Vec<ClippedShape> = figure.parts.iter().flat_map(Part::placed).collect();
     let ctx = figure.canvas.ctx();
     let primitives = ctx.tessellate(shapes, figure.density);
-    let glyphs = ctx.fonts(FontsView::image);
+    #[expect(clippy::redundant_closure_for_method_calls, reason = "the method itself is not general enough")]
+    let glyphs = ctx.fonts(|fonts| fonts.image());
     let [width, height] = [figure.size.x, figure.size.y].map(|length| (length * figure.density).round() as usize);
     let mut pixels = Pixels::new(width, height, glyphs);
     for ClippedPrimitive { clip_rect, primitive } in &primitives {

@@ -13,6 +13,8 @@ pub struct ScreenState {
     pub mode: &'static str,
     /// Whether playback runs.
     pub playing: bool,
+    /// The title of the lesson, and its step, from 1 on.
+    pub lesson: Option<(String, usize)>,
     /// The number of samples shown.
     pub samples: usize,
     /// The latest estimates, one per filter.
@@ -62,7 +64,7 @@ pub struct Control {
 
 impl ScreenState {
     /// The present state.
-    pub fn new(session: &Session, ctx: &egui::Context) -> Self {
+    pub fn new(session: &Session, lesson: Option<(String, usize)>, ctx: &egui::Context) -> Self {
         let estimates = session.run().estimates();
         Self {
             mode: match session.mode() {
@@ -70,8 +72,9 @@ impl ScreenState {
                 Mode::Whole => "whole",
             },
             playing: session.playing(),
+            lesson,
             samples: session.run().len(),
-            filters: estimates.iter().map(latest).collect(),
+            filters: estimates.iter().map(Latest::of).collect(),
             checksum: format!("{:016x}", session.run().checksum()),
             frames: ctx.cumulative_frame_nr(),
             controls: places::all(ctx).into_iter().map(control).collect(),
@@ -79,14 +82,17 @@ impl ScreenState {
     }
 }
 
-fn latest(estimates: &Estimates) -> Latest {
-    let one = |(at, &channel): (usize, &Channel)| {
-        let last = estimates.len().checked_sub(1)?;
-        Some(Estimate { channel, mean: estimates.mean(last)[at], std: estimates.std(last, at) })
-    };
-    Latest {
-        name: estimates.name().to_owned(),
-        estimates: estimates.channels().iter().enumerate().filter_map(one).collect(),
+impl Latest {
+    /// The latest estimate of a filter.
+    pub(crate) fn of(estimates: &Estimates) -> Self {
+        let one = |(at, &channel): (usize, &Channel)| {
+            let last = estimates.len().checked_sub(1)?;
+            Some(Estimate { channel, mean: estimates.mean(last)[at], std: estimates.std(last, at) })
+        };
+        Self {
+            name: estimates.name().to_owned(),
+            estimates: estimates.channels().iter().enumerate().filter_map(one).collect(),
+        }
     }
 }
 

@@ -164,12 +164,17 @@ impl Session {
         }
         self.before = None;
         self.generation += 1;
-        if was.samples() > MOST || !matches!(self.run().source(), Source::Simulated) {
+        let Ok(source) = self.library.source(&was) else { return };
+        let samples = match &source {
+            Source::Simulated => was.samples(),
+            Source::Measured(record) => record.len(),
+        };
+        if samples > MOST {
             return;
         }
         let shown = Scenario { filters, ..was.clone() };
         // An impossible scenario has no picture.
-        if let Ok(study) = Study::new(&shown, Source::Simulated, MOST + 1) {
+        if let Ok(study) = Study::new(&shown, source, MOST + 1) {
             self.before = Some(Before { scenario: was, study, words, is_complete: false });
         }
     }
@@ -187,7 +192,8 @@ impl Session {
         if before.study.run().done() > goal {
             // The run has gone back to an earlier time.
             let scenario = before.study.run().scenario().clone();
-            if let Ok(study) = Study::new(&scenario, Source::Simulated, MOST + 1) {
+            let source = before.study.run().source();
+            if let Ok(study) = Study::new(&scenario, source, MOST + 1) {
                 before.study = study;
             }
         }

@@ -26,7 +26,7 @@ impl Budget {
     }
 
     /// Says, for one slice that begins now, whether there is time for another piece of work.
-    pub(super) fn slice(self) -> impl FnMut() -> bool {
+    pub(crate) fn slice(self) -> impl FnMut() -> bool {
         let begin = Instant::now();
         let mut pieces = 0;
         move || match self {

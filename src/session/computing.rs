@@ -2,6 +2,7 @@
 
 use kalmanscope_core::{Job, Source};
 
+use super::library::is_same;
 use super::{Mode, Session};
 
 /// An edit waits for at most this many slices for the picture before it, so that dragging shows some of the pictures that
@@ -50,13 +51,9 @@ impl Session {
 
     /// Time between samples and their number, as they are once all is computed.
     pub(super) fn target(&self) -> (f64, usize) {
-        let run = self.study.run();
-        if self.job.is_none() {
-            return (run.record().dt(), run.samples());
-        }
-        match run.source() {
-            Source::Measured(record) => (record.dt(), record.len()),
-            Source::Simulated => (self.scenario.dt, self.scenario.samples()),
+        match &self.job {
+            None => (self.run().record().dt(), self.run().samples()),
+            Some(job) => (job.dt(&self.study), job.samples()),
         }
     }
 
@@ -68,11 +65,19 @@ impl Session {
         }
         self.waiting = false;
         self.slices = 0;
-        let Self { scenario, study, clock, .. } = self;
-        let (dt, samples) = match study.run().source() {
+        let Self { scenario, study, clock, library, .. } = self;
+        let source = match library.source(scenario) {
+            Ok(source) => source,
+            Err(reason) => {
+                self.problem = Some(reason);
+                return;
+            }
+        };
+        let (dt, samples) = match &source {
             Source::Measured(record) => (record.dt(), record.len()),
             Source::Simulated => (scenario.dt, scenario.samples()),
         };
+        let other_source = (!is_same(&source, &study.run().source())).then_some(source);
         let can_be_whole = samples <= Self::LONGEST_WHOLE + 1;
         let is_whole = can_be_whole && self.wanted_mode == Mode::Whole;
         study.keep(if is_whole { Self::LONGEST_WHOLE + 1 } else { Self::KEPT });
@@ -83,7 +88,7 @@ impl Session {
             let position = ((*clock / dt + 1e-6) as usize + 1).min(samples);
             position.min(study.run().done().max(1))
         };
-        match Job::new(study, scenario, None, goal) {
+        match Job::new(study, scenario, other_source, goal) {
             Ok(job) => {
                 self.job = Some(job);
                 self.can_be_whole = can_be_whole;

@@ -73,6 +73,7 @@ impl Session {
         self.judge(elapsed);
         self.follow_before(&mut while_time);
         self.try_causes(&mut while_time);
+        self.run_freely();
     }
 
     /// Plays or pauses; at the end, plays from the start.

@@ -15,7 +15,8 @@ pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec
     let session = context.session;
     let record = session.run().record();
     let mut handles = Vec::new();
-    if let Some(Signal::Step(step)) = session.scenario().plant.parameter(channel).filter(|_| context.visible.truth) {
+    let has_truth = context.visible.truth && !session.is_measured();
+    if let Some(Signal::Step(step)) = session.scenario().plant.parameter(channel).filter(|_| has_truth) {
         handles.push(Handle {
             name: format!("time and size of the change of the {}", channel.name()),
             time: Some(record.time_of(0) + step.at),

@@ -26,7 +26,7 @@ const MEASURE: &str = "
         return [...document.querySelectorAll(selector)].filter(element => element.textContent.trim()).map(contrast);
     };
     new MutationObserver(() => {
-        window.loading ||= document.getElementById('loading-bytes')?.textContent.trim() && contrasts('#loading p');
+        window.coverContrasts ||= document.getElementById('loading-bytes')?.textContent.trim() && contrasts('#loading p');
     }).observe(document, { subtree: true, childList: true, characterData: true });";
 
 /// The rules that every page must keep, each with its name.
@@ -79,7 +79,7 @@ pub(crate) async fn prepare(page: &Page) {
 
 /// The texts on the cover while the page loads can be read.
 pub(crate) async fn cover_can_be_read(page: &Page) {
-    check_contrasts(&page.value("window.loading").await);
+    check_contrasts(&page.value("window.coverContrasts").await);
 }
 
 /// The texts of a failure can be read in both themes.

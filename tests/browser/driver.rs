@@ -41,7 +41,7 @@ impl Driver {
             child.wait().ok();
             panic!("chromedriver has not told its port: run ./check, which sees to one that works");
         };
-        let profile = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("browser-{}", process::id()));
+        let profile = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("browser-{}-{port}", process::id()));
         Self { child, port, profile }
     }
 

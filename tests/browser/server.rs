@@ -74,11 +74,19 @@ fn answer(mut stream: &TcpStream, folder: &Path) -> io::Result<()> {
         None => ("404 Not Found", "text/plain", b"There is no such file.".to_vec()),
     };
     let length = body.len();
+    let policy = policy(folder).map(|policy| format!("Content-Security-Policy: {policy}\r\n")).unwrap_or_default();
     write!(
         stream,
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\n{encoding}Content-Length: {length}\r\nConnection: close\r\n\r\n"
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\n{encoding}{policy}Content-Length: {length}\r\nConnection: close\r\n\r\n"
     )?;
     stream.write_all(&body)
+}
+
+/// The policy in the page, which a server may send with every file: then it binds the service worker too.
+fn policy(folder: &Path) -> Option<String> {
+    let page = fs::read_to_string(folder.join("index.html")).ok()?;
+    let (_, rest) = page.split_once("http-equiv=\"Content-Security-Policy\" content=\"")?;
+    Some(rest.split_once('"')?.0.to_owned())
 }
 
 fn media_type(name: &str) -> &'static str {

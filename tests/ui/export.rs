@@ -39,9 +39,8 @@ fn exported(screen: &mut Screen, files: &Files, entry: &str) -> File {
     screen.run_steps(3);
     screen.get_by_label(entry).click();
     screen.run_steps(4);
-    assert_eq!(screen.state().notice(), None);
     let file = files.borrow_mut().pop().expect("a file is delivered");
-    assert_eq!(screen.state().written(), Some(format!("Written: {}", file.name).as_str()));
+    assert_eq!(screen.state().notice(), Some(format!("Written: {}", file.name).as_str()));
     file
 }
 

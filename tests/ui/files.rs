@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use kalmanscope_lessons::BUILT_IN;
 
@@ -25,7 +26,10 @@ impl egui::DroppedFile for Dropped {
 
 /// Drops a file with these contents on the window.
 pub(super) fn drop_file(screen: &mut Screen, name: &str, contents: &[u8]) {
-    let folder = std::env::temp_dir().join(format!("kalmanscope-{}-{name}", std::process::id()));
+    /// Tells the folders of tests at the same time apart.
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    let folder = std::env::temp_dir().join(format!("kalmanscope-{}-{count}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder can be made");
     let path = folder.join(name);
     std::fs::write(&path, contents).expect("a file can be written");

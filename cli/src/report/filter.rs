@@ -1,6 +1,7 @@
 //! The part of a report about one filter, or one smoother.
 
 use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::import::Length;
 use kalmanscope_core::{Diagnosis, Record, Summary};
 
 use super::html::Html;
@@ -14,13 +15,14 @@ const HEADINGS: [&str; COLUMNS] =
     ["", "quantity", "estimate", "±2σ", "unit", "error", "", "RMSE", "last third", "inside ±2σ", "settled"];
 
 /// Writes the verdict with evidence and causes, the last estimates with their scores, and consistency in numbers.
-/// `diagnosis` is none for a smoother.
+/// `diagnosis` is none for a smoother. `length` is the unit of
+/// lengths.
 pub(super) fn section(
     page: &mut Html,
     summary: &Summary,
     diagnosis: Option<&Diagnosis>,
     causes: &[Finding],
-    record: &Record,
+    (record, length): (&Record, Length),
 ) {
     page.element("h3", &heading(&summary.name, summary.kind));
     match &summary.verdict {
@@ -33,7 +35,7 @@ pub(super) fn section(
         page.element("h4", &format!("Cause {number}: {}", cause.sentence));
         page.list(cause.remedies);
     }
-    let rows: Vec<[String; COLUMNS]> = summary.finals.iter().map(row).collect();
+    let rows: Vec<[String; COLUMNS]> = summary.finals.iter().map(|last| row(last, length)).collect();
     // A column that is empty in every row is left out.
     let kept: Vec<usize> = (0..COLUMNS).filter(|&i| rows.iter().any(|row| !row[i].is_empty())).collect();
     let headings: Vec<&str> = kept.iter().map(|&i| HEADINGS[i]).collect();

@@ -9,8 +9,14 @@ pub(crate) enum Fault {
     SensorNoiseTooLarge,
     SensorNoiseTooSmall,
     SensorNoiseContrary,
+    /// Q a hundredth.
     ProcessNoiseTooSmall,
+    /// Q hundredfold.
     ProcessNoiseTooLarge,
+    /// Q a tenth.
+    ProcessNoiseTenth,
+    /// Q tenfold.
+    ProcessNoiseTenfold,
     HardeningSpring,
     YieldingSpring,
     MissingMode,
@@ -24,17 +30,24 @@ pub(crate) enum Fault {
     SensorBias,
     FeltDisturbance,
     NoExcitation,
+    /// A particle filter with too few particles.
     CollapsedSample,
+    /// A particle filter with many particles, which are enough or not.
+    LargeSample,
+    /// A slow force that nobody records.
+    UnknownForce,
 }
 
 impl Fault {
-    pub(crate) const ALL: [Self; 20] = [
+    pub(crate) const ALL: [Self; 24] = [
         Self::WellTuned,
         Self::SensorNoiseTooLarge,
         Self::SensorNoiseTooSmall,
         Self::SensorNoiseContrary,
         Self::ProcessNoiseTooSmall,
         Self::ProcessNoiseTooLarge,
+        Self::ProcessNoiseTenth,
+        Self::ProcessNoiseTenfold,
         Self::HardeningSpring,
         Self::YieldingSpring,
         Self::MissingMode,
@@ -49,15 +62,21 @@ impl Fault {
         Self::FeltDisturbance,
         Self::NoExcitation,
         Self::CollapsedSample,
+        Self::LargeSample,
+        Self::UnknownForce,
     ];
 
     /// The verdicts that are the contrary of what is true.
     pub(crate) fn contrary(self) -> &'static [VerdictKind] {
         match self {
-            Self::SensorNoiseTooLarge | Self::ProcessNoiseTooLarge => &[Overconfident, Diverged, Lost],
-            Self::SensorNoiseTooSmall | Self::ProcessNoiseTooSmall | Self::SuddenChange | Self::SlowDrift => {
-                &[Underconfident]
+            Self::SensorNoiseTooLarge | Self::ProcessNoiseTooLarge | Self::ProcessNoiseTenfold => {
+                &[Overconfident, Diverged, Lost]
             }
+            Self::SensorNoiseTooSmall
+            | Self::ProcessNoiseTooSmall
+            | Self::ProcessNoiseTenth
+            | Self::SuddenChange
+            | Self::SlowDrift => &[Underconfident],
             _ => &[],
         }
     }
@@ -65,9 +84,12 @@ impl Fault {
     /// The keys of the causes that are right.
     pub(crate) fn causes(self) -> &'static [&'static str] {
         match self {
-            Self::WellTuned => &[],
+            Self::WellTuned | Self::LargeSample => &[],
             Self::SensorNoiseTooLarge | Self::SensorNoiseTooSmall | Self::SensorNoiseContrary => &["sensor_noise"],
-            Self::ProcessNoiseTooSmall | Self::ProcessNoiseTooLarge => &["process_noise"],
+            Self::ProcessNoiseTooSmall
+            | Self::ProcessNoiseTooLarge
+            | Self::ProcessNoiseTenth
+            | Self::ProcessNoiseTenfold => &["process_noise"],
             Self::HardeningSpring => &["spring"],
             Self::YieldingSpring => &["spring"],
             Self::MissingMode => &["missing_mode"],
@@ -82,6 +104,7 @@ impl Fault {
             Self::FeltDisturbance => &["felt_disturbance"],
             Self::NoExcitation => &["no_excitation"],
             Self::CollapsedSample => &["collapsed_sample"],
+            Self::UnknownForce => &["unknown_force"],
         }
     }
 }

@@ -2,14 +2,14 @@
 //! fault of a random size.
 
 mod fault;
+mod truth;
 
 use std::sync::Arc;
 
 use kalmanscope_core::filter::Normal;
-use kalmanscope_core::signal::{Ramp, Step};
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Hold, PlantKind, Quantity, Record, Run, RunError, Scenario,
-    Sensor, Signal,
+    Sensor,
 };
 
 pub(crate) use fault::Fault;
@@ -80,9 +80,11 @@ impl Situation {
             _ => Force::ImpulseTrain { impulse: strength * 0.6 / wn, period: draw.uniform(6.0, 15.0) / wn },
         };
         let kind = match fault {
-            Fault::HardeningSpring | Fault::YieldingSpring | Fault::MissingMode | Fault::CollapsedSample => {
-                PlantKind::SDOF
-            }
+            Fault::HardeningSpring
+            | Fault::YieldingSpring
+            | Fault::MissingMode
+            | Fault::CollapsedSample
+            | Fault::LargeSample => PlantKind::SDOF,
             _ if draw.chance(0.15) => PlantKind::DUFFING,
             _ => PlantKind::SDOF,
         };
@@ -118,7 +120,11 @@ impl Situation {
         truth.sensors =
             set.iter().map(|&(measures, rate)| Sensor { measures, noise_std: noise(&mut draw, rate) }).collect();
         let disturbed = match fault {
-            Fault::ProcessNoiseTooSmall | Fault::ProcessNoiseTooLarge | Fault::FeltDisturbance => true,
+            Fault::ProcessNoiseTooSmall
+            | Fault::ProcessNoiseTooLarge
+            | Fault::ProcessNoiseTenth
+            | Fault::ProcessNoiseTenfold
+            | Fault::FeltDisturbance => true,
             Fault::NoExcitation | Fault::WindUp => false,
             _ => draw.chance(0.5),
         };
@@ -127,12 +133,12 @@ impl Situation {
             truth.plant.disturbance_std = share * (power / dt).sqrt();
         }
         let mut note = String::new();
-        Self::disturb_truth(fault, &mut truth, &mut draw, wn, size, power, &mut note);
+        truth::disturb(fault, &mut truth, &mut draw, wn, size, power, &mut note);
 
         let mut told = truth.clone();
         told.hold = Hold::Zero;
         told.plant.kind = kind;
-        let sampled = fault == Fault::CollapsedSample;
+        let sampled = matches!(fault, Fault::CollapsedSample | Fault::LargeSample);
         let filter_kind = if sampled { FilterKind::PF } else { draw.choice(&[FilterKind::EKF, FilterKind::UKF]) };
         told.filters = vec![Self::well_tuned(&truth, filter_kind, &mut draw, wn, zeta, size)];
         Self::disturb_filter(fault, &mut told, &mut draw, &mut note);
@@ -170,105 +176,6 @@ impl Situation {
         filter
     }
 
-    fn disturb_truth(
-        fault: Fault,
-        truth: &mut Scenario,
-        draw: &mut Draw,
-        wn: f64,
-        size: f64,
-        power: f64,
-        note: &mut String,
-    ) {
-        let rms_force = (power / truth.dt).sqrt();
-        match fault {
-            Fault::HardeningSpring => {
-                truth.plant.kind = PlantKind::DUFFING;
-                let share = draw.uniform(0.3, 1.0);
-                truth.plant.set(Channel::CUBIC_STIFFNESS, share * wn * wn / (3.0 * size * size));
-                *note = format!("cubic part {share:.2} of the linear at 1.7 rms");
-            }
-            Fault::YieldingSpring => {
-                truth.plant.kind = PlantKind::BOUC_WEN;
-                for channel in PlantKind::BOUC_WEN.parameters() {
-                    let usual = channel.usual_truth();
-                    truth.plant.set(channel, usual);
-                }
-                truth.plant.set(Channel::NATURAL_FREQUENCY, wn);
-                let yielding = draw.uniform(0.7, 1.5) * size;
-                for channel in PlantKind::BOUC_WEN.parameters() {
-                    if [Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA].contains(&channel) {
-                        truth.plant.set(channel, 0.5 / (yielding * yielding));
-                    }
-                }
-                *note = format!("yields at {:.2} rms", yielding / size);
-            }
-            Fault::MissingMode => {
-                truth.plant.kind = PlantKind::SHEAR_2;
-                let stiffness = wn * wn * 2.6;
-                for channel in PlantKind::SHEAR_2.parameters() {
-                    if channel.key().starts_with("stiffness") {
-                        let value = stiffness * draw.uniform(0.8, 1.3);
-                        truth.plant.set(channel, value);
-                    } else {
-                        truth.plant.set(channel, 0.05 * wn);
-                    }
-                }
-            }
-            Fault::WindUp | Fault::NoExcitation => truth.force = Force::None,
-            Fault::SuddenChange => {
-                let (to, at) = (wn * draw.uniform(0.75, 0.92), truth.duration * draw.uniform(0.4, 0.93));
-                truth.plant.set(Channel::NATURAL_FREQUENCY, Signal::Step(Step { from: wn, to, at }));
-                *note = format!("to {:.2} at {:.2}", to / wn, at / truth.duration);
-            }
-            Fault::SlowDrift => {
-                let to = wn * draw.uniform(0.8, 0.93);
-                truth.plant.set(
-                    Channel::NATURAL_FREQUENCY,
-                    Signal::Ramp(Ramp { from: wn, to, start: 0.0, end: truth.duration }),
-                );
-                *note = format!("to {:.2}", to / wn);
-            }
-            Fault::InputGain => {
-                let gain = if draw.chance(0.5) { draw.uniform(0.5, 0.85) } else { draw.uniform(1.18, 1.8) };
-                truth.plant.set(Channel::INPUT_GAIN, gain);
-                *note = format!("gain {gain:.2}");
-            }
-            Fault::InputOffset => {
-                let offset = draw.sign() * draw.log_uniform(0.5, 2.0) * size * wn * wn;
-                truth.plant.set(Channel::INPUT_OFFSET, offset);
-                *note = format!("offset {:.2} of the rms force", offset / rms_force);
-            }
-            Fault::InputDelay => {
-                truth.plant.input_delay = draw.choice(&[-3, -2, -1, 1, 2, 3]);
-                *note = format!("{} samples", truth.plant.input_delay);
-            }
-            Fault::InputHold => {
-                truth.hold = Hold::First;
-            }
-            Fault::SensorBias => {
-                let sensor = draw.choice(&truth.sensors);
-                let bias = draw.sign() * draw.log_uniform(1.0, 6.0) * sensor.noise_std;
-                let drifts = draw.chance(0.3);
-                let duration = truth.duration;
-                if drifts {
-                    truth.plant.set(
-                        sensor.measures.bias(),
-                        Signal::Ramp(Ramp { from: -bias, to: bias, start: 0.0, end: duration }),
-                    );
-                } else {
-                    truth.plant.set(sensor.measures.bias(), bias);
-                }
-                *note = format!(
-                    "{} {:.1} of noise{}",
-                    sensor.measures.key(),
-                    bias / sensor.noise_std,
-                    if drifts { ", drifts" } else { "" }
-                );
-            }
-            _ => {}
-        }
-    }
-
     fn disturb_filter(fault: Fault, told: &mut Scenario, draw: &mut Draw, note: &mut String) {
         let own: Vec<f64> = told.sensors.iter().map(|sensor| sensor.noise_std).collect();
         let filter = &mut told.filters[0];
@@ -296,8 +203,16 @@ impl Situation {
                 filter.sensor_std[(place + 1) % sensors] /= b.sqrt();
                 *note = format!("{place} times {a:.1}, next over {b:.1}");
             }
-            Fault::ProcessNoiseTooSmall | Fault::ProcessNoiseTooLarge => {
-                let factor = if fault == Fault::ProcessNoiseTooSmall { 0.1 } else { 10.0 };
+            Fault::ProcessNoiseTooSmall
+            | Fault::ProcessNoiseTooLarge
+            | Fault::ProcessNoiseTenth
+            | Fault::ProcessNoiseTenfold => {
+                let factor = match fault {
+                    Fault::ProcessNoiseTooSmall => 0.1,
+                    Fault::ProcessNoiseTooLarge => 10.0,
+                    Fault::ProcessNoiseTenth => 0.1_f64.sqrt(),
+                    _ => 10.0_f64.sqrt(),
+                };
                 for channel in motions {
                     filter.process_std[channel] *= factor;
                 }
@@ -305,6 +220,7 @@ impl Situation {
             Fault::WindUp => filter.fading = draw.uniform(1.005, 1.02),
             Fault::FeltDisturbance => filter.sensor_std = own,
             Fault::CollapsedSample => filter.ensemble_size = draw.choice(&[50, 100, 200]),
+            Fault::LargeSample => filter.ensemble_size = draw.choice(&[1000, 3000]),
             Fault::NoExcitation => {}
             _ => {}
         }

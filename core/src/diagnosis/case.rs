@@ -12,6 +12,9 @@ use crate::{CramerRao, Diagnostics, Estimates, Record};
 /// Limits the innovations² of a good part, relative to their expectation.
 const SURPRISE: f64 = 1.35;
 
+/// Limits the innovations² of a part from below, relative to their expectation.
+const SLACK: f64 = 0.7;
+
 /// Limits the normal score that chance explains in one part.
 const NOT_CHANCE: f64 = 4.0;
 
@@ -34,7 +37,7 @@ pub(crate) struct Case<'a> {
     pub(crate) errors: Vec<ChannelErrors>,
     /// The parts that are bad.
     pub(crate) bad: Chosen,
-    /// The parts that are bad and after which the filter has come back.
+    /// The parts that are bad, or in which innovations are too small, and after which the filter has come back.
     pub(crate) forgiven: Chosen,
     /// All others.
     pub(crate) kept: Chosen,
@@ -65,8 +68,15 @@ impl<'a> Case<'a> {
         let bad: Chosen = std::array::from_fn(|part| case.is_bad(part));
         case.bad = bad;
         let count = bad.iter().filter(|&&bad| bad).count();
-        if count > 0 && count <= FORGIVEN && !bad[PARTS - 1] {
-            (case.forgiven, case.kept) = (bad, bad.map(|bad| !bad));
+        if count <= FORGIVEN && !bad[PARTS - 1] {
+            case.forgiven = bad;
+            let slack: Chosen = std::array::from_fn(|part| case.is_slack(part));
+            let both: Chosen = std::array::from_fn(|part| bad[part] || slack[part]);
+            let count = both.iter().filter(|&&one| one).count();
+            if count <= FORGIVEN && !slack[PARTS - 1] && case.is_white(&both.map(|one| !one)) {
+                case.forgiven = both;
+            }
+            case.kept = case.forgiven.map(|forgiven| !forgiven);
         }
         let kept: Vec<Range<usize>> =
             (0..PARTS).filter(|&part| case.kept[part]).map(|part| parts::range(part, &case.samples)).collect();
@@ -123,10 +133,10 @@ impl<'a> Case<'a> {
         !self.errors.is_empty()
     }
 
-    /// The samples of the bad parts; neighbours are one range.
+    /// The samples of the parts that are bad or forgiven; neighbours are one range.
     pub(crate) fn bad_samples(&self) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
-        for part in (0..PARTS).filter(|&part| self.bad[part]) {
+        for part in (0..PARTS).filter(|&part| self.bad[part] || self.forgiven[part]) {
             let next = self.part(part);
             match ranges.last_mut() {
                 Some(before) if before.end == next.start => before.end = next.end,
@@ -156,6 +166,23 @@ impl<'a> Case<'a> {
     /// and a gain that is too low leaves innovations correlated.
     pub(crate) fn any_too_small(&self) -> bool {
         self.sensors.iter().any(|one| one.level(&self.kept) < 0.75)
+    }
+
+    /// Whether the innovations in some parts resemble those before by no more than chance explains: the gain is right.
+    fn is_white(&self, chosen: &Chosen) -> bool {
+        self.sensors.iter().all(|one| {
+            let limit = NOT_CHANCE / one.count(chosen).max(1.0).sqrt();
+            one.autocorrelation(chosen).iter().all(|r| r.abs() < limit)
+        })
+    }
+
+    /// Whether the innovations of a part are too small, and no chance.
+    fn is_slack(&self, part: usize) -> bool {
+        let only: Chosen = std::array::from_fn(|other| other == part);
+        self.sensors.iter().any(|one| {
+            let (level, count) = (one.level(&only), one.count(&only));
+            level < SLACK && chi_squared_score(level, count) < -NOT_CHANCE
+        })
     }
 
     /// Whether the innovations or errors of a part are too large, and no chance.

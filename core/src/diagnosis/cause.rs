@@ -15,6 +15,7 @@ mod sensor_noise;
 mod slow_drift;
 mod spring;
 mod sudden_change;
+mod unknown_force;
 mod wind_up;
 
 use std::ops::Range;
@@ -22,7 +23,7 @@ use std::ops::Range;
 use super::case::Case;
 use super::evidence::Evidence;
 use super::knob::Knob;
-use crate::{FilterSettings, Scenario};
+use crate::{Channel, FilterSettings, Scenario};
 
 /// Every cause. A new one is a file and a line here.
 pub static CAUSES: &[&Cause] = &[
@@ -36,6 +37,7 @@ pub static CAUSES: &[&Cause] = &[
     &input_hold::CAUSE,
     &input_gain::CAUSE,
     &input_offset::CAUSE,
+    &unknown_force::CAUSE,
     &sensor_bias::CAUSE,
     &spring::CAUSE,
     &missing_mode::CAUSE,
@@ -77,6 +79,18 @@ pub struct Suspect {
     pub begins_anew: bool,
     /// When it was, where it was at a time: samples of those that are kept.
     pub samples: Option<Range<usize>>,
+    /// The parameter whose sign, as the trial learns it, decides what to say.
+    pub(crate) sign: Option<Sign>,
+    /// Whether a spring that is found to harden rules it out.
+    pub(crate) softens: bool,
+}
+
+/// A parameter with a sentence for each of its signs.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sign {
+    pub(crate) channel: Channel,
+    pub(crate) positive: &'static str,
+    pub(crate) negative: &'static str,
 }
 
 /// The filter that something is the matter with.
@@ -101,14 +115,14 @@ impl Matter<'_> {
     }
 
     /// The knob that gives the filter one augmentation more.
-    pub(crate) fn augmented(&self, channel: crate::Channel) -> Knob {
+    pub(crate) fn augmented(&self, channel: Channel) -> Knob {
         let keys = self.filter.augment.iter().chain([&channel]).map(|one| one.key().to_owned());
         self.knob("augment", keys.collect::<Vec<String>>())
     }
 
     /// The root mean square of the estimated displacement of the first mass, which springs answer to; in m.
     pub(crate) fn size(&self) -> f64 {
-        let Some(place) = self.case.estimates.place(crate::Channel::DISPLACEMENT) else { return 0.0 };
+        let Some(place) = self.case.estimates.place(Channel::DISPLACEMENT) else { return 0.0 };
         rms(&self.case.estimates.canonical_means(place)[self.case.samples.clone()])
     }
 
@@ -121,7 +135,18 @@ impl Matter<'_> {
 impl Suspect {
     /// A suspect whose knobs fit `fitted` numbers to the record.
     pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, knobs: Vec<Knob>, sentence: String) -> Self {
-        Self { cause, sentence, weight, certain: false, knobs, fitted, begins_anew: false, samples: None }
+        Self {
+            cause,
+            sentence,
+            weight,
+            certain: false,
+            knobs,
+            fitted,
+            begins_anew: false,
+            samples: None,
+            sign: None,
+            softens: false,
+        }
     }
 }
 

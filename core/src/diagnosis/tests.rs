@@ -4,6 +4,7 @@ mod autocorrelation;
 mod bound;
 mod collapse;
 mod cross_correlation;
+mod depletion;
 mod divergence;
 mod errors;
 mod growth;
@@ -20,6 +21,7 @@ pub static TESTS: &[&Test] = &[
     &divergence::TEST,
     &range::TEST,
     &collapse::TEST,
+    &depletion::TEST,
     &growth::WIND_UP,
     &errors::ELLIPSOID,
     &errors::CHANNELS,

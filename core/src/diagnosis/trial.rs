@@ -5,8 +5,8 @@ use super::Diagnosis;
 use super::cause::Suspect;
 use super::knob::Knob;
 use super::verdict::Verdict;
-use crate::record::Input;
-use crate::{Channel, Diagnostics, Estimates, FilterKind, Pass, Quantity, Record, RunError, Scenario, Scores};
+use super::window::window;
+use crate::{Diagnostics, Estimates, FilterKind, Pass, Record, RunError, Scenario, Scores};
 
 /// Limits the samples of a trial, which are the last ones of the record.
 const WINDOW: usize = 10_000;
@@ -16,6 +16,9 @@ const CHUNK: usize = 100;
 
 /// Limits the gain in log likelihood, less what its numbers would gain by chance, below which no cause is named.
 const WORTH: f64 = 8.0;
+
+/// Limits a parameter whose sign is said from below, in standard deviations.
+const SIGNIFICANT: f64 = 4.0;
 
 /// A cause explains a record better than noise where its log likelihood is larger by this.
 const BEYOND: f64 = 20.0;
@@ -63,11 +66,19 @@ struct Outcome {
     log_likelihood: f64,
     /// The same with all covariances scaled by what makes the log likelihood largest.
     scaled: f64,
+    /// The parameter whose sign decides what to say, at last, in standard deviations; NaN where there is none.
+    learnt: f64,
     verdict: Option<Verdict>,
 }
 
 impl Outcome {
-    const NOTHING: Self = Self { log_likelihood: f64::NEG_INFINITY, scaled: f64::NEG_INFINITY, verdict: None };
+    const NOTHING: Self =
+        Self { log_likelihood: f64::NEG_INFINITY, scaled: f64::NEG_INFINITY, learnt: f64::NAN, verdict: None };
+
+    /// Whether the filter with the knob turned is to be believed.
+    fn is_good(&self) -> bool {
+        self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
+    }
 }
 
 impl Trials {
@@ -161,8 +172,17 @@ impl Trials {
         let of_noise =
             tried().filter(|(suspect, _)| is_noise(suspect)).map(|(suspect, outcome)| open(suspect, outcome));
         let of_noise = of_noise.fold(before.scaled - before.log_likelihood - penalty, f64::max);
+        // Hysteresis fits more than a cubic part does, also where the spring hardens, which hysteresis does not.
+        let hardens = |softening: &Outcome| {
+            tried().any(|(suspect, outcome)| {
+                suspect.sign.is_some()
+                    && outcome.learnt > SIGNIFICANT
+                    && outcome.log_likelihood - before.log_likelihood - penalty * suspect.fitted > WORTH
+                    && (outcome.is_good() || !softening.is_good())
+            })
+        };
         let mut all: Vec<(f64, Finding)> = Vec::new();
-        for (suspect, outcome) in tried() {
+        for (suspect, outcome) in tried().filter(|(suspect, outcome)| !(suspect.softens && hardens(outcome))) {
             let mut gain = outcome.log_likelihood - before.log_likelihood - penalty * suspect.fitted;
             if let Some(own) = self.own.filter(|_| suspect.cause.key == "collapsed_sample") {
                 gain = before.log_likelihood - own;
@@ -174,8 +194,13 @@ impl Trials {
             let open = open(suspect, outcome);
             let is_beyond = !is_noise(suspect) && open > of_noise + BEYOND;
             let rank = if is_beyond { gain.max(open) } else { gain };
-            let finding = Finding { suspect: suspect.clone(), gain, after: outcome.verdict.clone() };
-            match all.iter_mut().find(|(_, other)| other.suspect.cause.key == suspect.cause.key) {
+            let mut suspect = suspect.clone();
+            if let Some(sign) = suspect.sign.filter(|_| outcome.learnt.abs() > SIGNIFICANT) {
+                let sentence = if outcome.learnt > 0.0 { sign.positive } else { sign.negative };
+                suspect.sentence = sentence.to_owned();
+            }
+            let finding = Finding { suspect, gain, after: outcome.verdict.clone() };
+            match all.iter_mut().find(|(_, other)| other.suspect.cause.key == finding.suspect.cause.key) {
                 Some((other, _)) if *other >= rank => {}
                 Some(other) => *other = (rank, finding),
                 None => all.push((rank, finding)),
@@ -213,7 +238,9 @@ impl Trials {
         let anew = anew.and_then(|suspect| self.begun_anew(suspect.samples.as_ref()?.start.checked_sub(self.first)?));
         let log_likelihood = anew.map_or(log_likelihood, |anew| anew.max(log_likelihood));
         let scaled = if stopped { f64::NEG_INFINITY } else { scaled_log_likelihood(&diagnostics) };
-        let outcome = Outcome { log_likelihood, scaled, verdict: diagnosis.and_then(|diagnosis| diagnosis.verdict) };
+        let learnt = self.learnt(&estimates);
+        let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict);
+        let outcome = Outcome { log_likelihood, scaled, learnt, verdict };
         match &self.before {
             None => (self.before, self.unturned) = (Some(outcome), Some(estimates)),
             Some(_) => self.outcomes.push(outcome),
@@ -222,6 +249,16 @@ impl Trials {
 }
 
 impl Trials {
+    /// The parameter whose sign decides what is said of the current suspect, at last, in standard deviations.
+    fn learnt(&self, estimates: &Estimates) -> f64 {
+        let suspect = self.suspects.get(self.outcomes.len()).filter(|_| self.before.is_some());
+        let place = suspect.and_then(|suspect| estimates.place(suspect.sign?.channel));
+        match (place, estimates.len().checked_sub(1)) {
+            (Some(place), Some(last)) => estimates.canonical_mean(last, place) / estimates.std(last, place),
+            _ => f64::NAN,
+        }
+    }
+
     /// The log likelihood of the filter as it is up to sample `at` of the window, and of one that begins anew there, with what
     /// it believes of the motion and as much doubt about the parameters as at first.
     fn begun_anew(&self, at: usize) -> Option<f64> {
@@ -257,17 +294,4 @@ fn scaled_log_likelihood(diagnostics: &Diagnostics) -> f64 {
         return diagnostics.log_likelihood();
     }
     diagnostics.log_likelihood() + 0.5 * total.sum - 0.5 * n * (1.0 + libm::log(total.sum / n))
-}
-
-/// Some samples of a record as a record of their own.
-fn window(record: &Record, samples: std::ops::Range<usize>) -> Record {
-    let input =
-        Input { kind: record.input_kind(), hold: record.hold(), values: record.input()[samples.clone()].to_vec() };
-    let measured: Vec<(Quantity, Vec<f64>)> =
-        record.sensors().iter().enumerate().map(|(i, &q)| (q, record.measured(i)[samples.clone()].to_vec())).collect();
-    let known = Channel::all().iter().filter_map(|&c| Some((c, record.truth(c)?[samples.clone()].to_vec())));
-    let truth: Vec<(Channel, Vec<f64>)> = known.collect();
-    // A part of a valid record is one.
-    let copy = Record::new(record.dt(), input, measured).and_then(|copy| copy.with_truth(truth));
-    copy.map_or_else(|_| record.clone(), |copy| copy.starting_at(record.time(samples.start)))
 }

@@ -55,6 +55,11 @@ fn is_like_time(values: &[f64]) -> bool {
     mean > 0.0 && values.windows(2).all(|pair| pair[1] > pair[0] && pair[1] - pair[0] < 100.0 * mean)
 }
 
+/// Whether most numbers are larger than the one before: a column of that name is the time, even if a line is wrong.
+fn mostly_rises(values: &[f64]) -> bool {
+    2 * values.windows(2).filter(|pair| pair[1] > pair[0]).count() >= values.len().saturating_sub(1)
+}
+
 /// Whether a column belongs to the truth of a simulated record.
 fn is_truth(column: &Column) -> bool {
     column.name.starts_with("true_")
@@ -75,7 +80,7 @@ impl Mapping {
                 Role::Input(_) => roles[..i].iter().any(|(_, other)| matches!(other, Some(Role::Input(_)))),
                 role => roles[..i].iter().any(|(_, other)| *other == Some(role)),
             };
-            let is_false_time = roles[i].1 == Some(Role::Time) && !is_like_time(&columns[roles[i].0].values);
+            let is_false_time = roles[i].1 == Some(Role::Time) && !mostly_rises(&columns[roles[i].0].values);
             if roles[i].1.is_some_and(is_taken) || is_false_time {
                 roles[i].1 = None;
             }

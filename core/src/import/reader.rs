@@ -117,7 +117,7 @@ impl Reader {
         }
         let mean = (whole.max(1) / lines.len().max(1)).max(1);
         let rows = (bytes.len() / mean.max(1)).min(bytes.len() / width.max(1) + 1);
-        let header = dialect.header(&lines, width);
+        let header = unique(dialect.header(&lines, width));
         let column = |(name, unit)| Column { name, unit, values: Vec::with_capacity(rows + rows / 50), text: None };
         let columns = header.into_iter().map(column).collect();
         let (short, long) = Default::default();
@@ -217,6 +217,20 @@ impl Reader {
     }
 }
 
+/// The same headers with a number behind each name that there was before.
+fn unique(mut header: Vec<(String, Option<String>)>) -> Vec<(String, Option<String>)> {
+    for place in 1..header.len() {
+        let (before, rest) = header.split_at_mut(place);
+        let name = rest[0].0.clone();
+        let mut number = 2;
+        while before.iter().any(|(other, _)| *other == rest[0].0) {
+            rest[0].0 = format!("{name} ({number})");
+            number += 1;
+        }
+    }
+    header
+}
+
 /// The number of named columns.
 fn named(dialect: &Dialect, lines: &[&str], width: usize) -> usize {
     if dialect.names == 0 {
@@ -257,6 +271,13 @@ mod tests {
         assert_eq!(table.columns[1].values, [0.2, 0.4]);
         let empty = read(b"a,b,c\n0.1,0.2,\n0.3,0.4,\n").unwrap();
         assert_eq!(empty.columns.len(), 3, "a column that is empty so far has a name");
+    }
+
+    #[test]
+    fn names_that_stand_twice_are_numbered() {
+        let table = read(b"x,x,t,x\n1,2,3,4\n5,6,7,8\n").unwrap();
+        let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+        assert_eq!(names, ["x", "x (2)", "t", "x (3)"]);
     }
 
     #[test]

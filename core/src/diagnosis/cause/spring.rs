@@ -1,11 +1,11 @@
 //! The spring is not linear: it hardens, softens or yields.
 
-use super::{Cause, Matter, Suspect};
+use super::{Cause, Matter, Sign, Suspect};
 use crate::{Channel, PlantKind};
 
 pub(super) static CAUSE: Cause = Cause {
     key: "spring",
-    name: "a spring that hardens or yields",
+    name: "a spring that hardens, softens or yields",
     hint: "A linear plant is right for small motions only. Take a plant whose spring has a cubic part, or one that yields.",
     suspects,
 };
@@ -29,7 +29,13 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
             matter.knob(&format!("initial_std.{key}"), 0.3 * frequency * frequency * square),
             matter.knob(&format!("process_std.{key}"), 0.0),
         ];
-        found.push(Suspect::new(cause, weight, 1.0, knobs, "the spring has a cubic part".to_owned()));
+        let sign = Sign {
+            channel: Channel::CUBIC_STIFFNESS,
+            positive: "the spring hardens: it has a cubic part",
+            negative: "the spring softens: it has a negative cubic part",
+        };
+        let suspect = Suspect::new(cause, weight, 1.0, knobs, "the spring has a cubic part".to_owned());
+        found.push(Suspect { sign: Some(sign), ..suspect });
     }
     if believed != PlantKind::BOUC_WEN {
         let mut knobs = vec![matter.knob("plant", PlantKind::BOUC_WEN.key())];
@@ -42,6 +48,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         let key = Channel::HYSTERETIC_DISPLACEMENT.key();
         knobs.push(matter.knob(&format!("initial_std.{key}"), 0.5 * size));
         knobs.push(matter.knob(&format!("process_std.{key}"), 1e-3 * size));
-        found.push(Suspect::new(cause, weight, 2.0, knobs, "the spring yields".to_owned()));
+        let suspect = Suspect::new(cause, weight, 2.0, knobs, "the spring yields".to_owned());
+        found.push(Suspect { softens: true, ..suspect });
     }
 }

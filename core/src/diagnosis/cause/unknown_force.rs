@@ -1,0 +1,38 @@
+//! A force acts that nobody records, and stays for longer than a sample.
+
+use super::{Cause, Matter, Suspect};
+use crate::Channel;
+
+/// The tried changes of the force over one period of the oscillator, relative to the force that moves the spring.
+const CHANGES: [f64; 2] = [0.03, 0.3];
+
+pub(super) static CAUSE: Cause = Cause {
+    key: "unknown_force",
+    name: "a force that is not recorded",
+    hint: "Wind, a rotor, a load that comes and goes: a force that changes slowly pushes innovations to one side for a while. Let \
+           the filter estimate it as a random walk.",
+    suspects,
+};
+
+fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
+    let case = matter.case;
+    let Some(place) = case.estimates.place(Channel::NATURAL_FREQUENCY) else { return };
+    let frequency = case.estimates.initial_mean(place).abs();
+    let force = frequency * frequency * matter.size();
+    if matter.filter.augment.contains(&Channel::UNKNOWN_FORCE) || !(force > 0.0 && force.is_finite()) {
+        return;
+    }
+    let first = case.sensors.iter().map(|one| one.autocorrelation(&case.kept)[0]).fold(0.0, f64::max);
+    let weight = first / (1.0 + first);
+    let key = Channel::UNKNOWN_FORCE.key();
+    let period = std::f64::consts::TAU / frequency / case.record.dt();
+    for change in CHANGES {
+        let knobs = vec![
+            matter.augmented(Channel::UNKNOWN_FORCE),
+            matter.knob(&format!("initial_std.{key}"), force),
+            matter.knob(&format!("process_std.{key}"), change * force / period.sqrt()),
+        ];
+        let sentence = "a force acts that the record lacks, and changes slowly".to_owned();
+        found.push(Suspect::new(cause, weight, 2.0, knobs, sentence));
+    }
+}

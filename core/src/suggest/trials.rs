@@ -1,0 +1,178 @@
+//! Suggestions that are tried out: the making of a [`Suggestion`], a slice after the other.
+
+use super::Suggestion;
+use crate::{Identified, Record, Run, Scenario};
+
+/// The samples of which the likelihood is taken.
+const LIKELY: usize = 4096;
+
+/// Parts of the motion's size that are tried for its process noise per step.
+pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
+
+/// The samples of which the free run is taken.
+const FREE: usize = 16_384;
+
+/// The making of suggested settings for a scenario's filters on a measured record: R from the high frequencies that the
+/// input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief
+/// from these, and Q by the likelihood of the innovations. Where the scenario has a mapping, means are removed and a large gain
+/// goes into the mapping; the record is then to be read again.
+///
+/// Settings of plants without a natural frequency are left as they are, but for R and Q.
+pub struct Suggest {
+    suggestion: Suggestion,
+    record: Record,
+    stage: Stage,
+    trial: Option<Run>,
+    likelihoods: Vec<(f64, f64)>,
+    /// The errors of the free run with the settings so far, and those with other settings.
+    errors: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// What the data say at once.
+    Data,
+    /// The likelihood with one of the shares.
+    Likelihood(usize),
+    /// The free run of the model so far.
+    FreeRun,
+    /// That of a model that errs.
+    ModelError,
+    Done,
+}
+
+/// The samples of a trial between two looks at the clock.
+const CHUNK: usize = 200;
+
+impl Suggest {
+    /// Suggestions for a scenario on a record, before the first look at it.
+    pub fn new(scenario: &Scenario, record: Record) -> Self {
+        let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new() };
+        let (trial, likelihoods, errors) = Default::default();
+        Self { suggestion, record, stage: Stage::Data, trial, likelihoods, errors }
+    }
+
+    /// The share that is done, from 0 to 1.
+    pub fn progress(&self) -> f64 {
+        let all = (SHARES.len() + 3) as f64;
+        match self.stage {
+            Stage::Data => 0.0,
+            Stage::Likelihood(place) => (1 + place) as f64 / all,
+            Stage::FreeRun => (1 + SHARES.len()) as f64 / all,
+            Stage::ModelError => (2 + SHARES.len()) as f64 / all,
+            Stage::Done => 1.0,
+        }
+    }
+
+    /// Goes on until `while_time` returns false, which is called about every millisecond. Returns whether all is done.
+    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while self.stage != Stage::Done {
+            self.stage = match self.stage {
+                Stage::Data => {
+                    self.suggestion.remove_means(&mut self.record);
+                    self.suggestion.sensor_noise(&self.record);
+                    self.suggestion.motion(&mut self.record);
+                    self.suggestion.substeps(&self.record);
+                    if self.suggestion.scenario.filters.is_empty() { Stage::Done } else { Stage::Likelihood(0) }
+                }
+                Stage::Likelihood(place) => {
+                    let share = SHARES[place];
+                    let scenario = || self.suggestion.with_share(share);
+                    match follow(&mut self.trial, scenario, &self.record, LIKELY, while_time) {
+                        None => return false,
+                        Some(run) => self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?)))),
+                    }
+                    if place + 1 < SHARES.len() {
+                        Stage::Likelihood(place + 1)
+                    } else {
+                        let best = self.likelihoods.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+                        if let Some(&(share, _)) = best {
+                            self.suggestion.process_noise(share);
+                        }
+                        Stage::FreeRun
+                    }
+                }
+                Stage::FreeRun => {
+                    let scenario = || first_alone(&self.suggestion.scenario);
+                    match follow(&mut self.trial, scenario, &self.record, FREE, while_time) {
+                        None => return false,
+                        Some(run) => match run.and_then(|run| free_error(&run)) {
+                            Some(errors) => {
+                                self.errors = errors;
+                                Stage::ModelError
+                            }
+                            None => Stage::Done,
+                        },
+                    }
+                }
+                Stage::ModelError => {
+                    let scenario = || first_alone(&self.suggestion.with_error(&self.errors));
+                    match follow(&mut self.trial, scenario, &self.record, FREE, while_time) {
+                        None => return false,
+                        Some(run) => {
+                            if let Some(after) = run.and_then(|run| free_error(&run)) {
+                                self.suggestion.model_error(&self.errors, &after);
+                            }
+                            Stage::Done
+                        }
+                    }
+                }
+                Stage::Done => Stage::Done,
+            };
+            if !while_time() {
+                break;
+            }
+        }
+        self.stage == Stage::Done
+    }
+
+    /// The suggestions that are made by now.
+    pub fn finish(self) -> Suggestion {
+        self.suggestion
+    }
+}
+
+/// Runs a trial on the first samples of a record. `None` while it is under way, `Some(None)` where it is impossible.
+#[expect(clippy::option_option, reason = "a trial is under way, impossible or done")]
+fn follow(
+    trial: &mut Option<Run>,
+    scenario: impl FnOnce() -> Scenario,
+    record: &Record,
+    samples: usize,
+    while_time: &mut dyn FnMut() -> bool,
+) -> Option<Option<Run>> {
+    if trial.is_none() {
+        let part = record.part(0..record.len().min(samples));
+        *trial = Run::on_record(&scenario(), part.into()).ok();
+    }
+    let Some(run) = trial else { return Some(None) };
+    while run.done() < run.samples() {
+        run.advance_to(run.done() + CHUNK);
+        if !while_time() && run.done() < run.samples() {
+            return None;
+        }
+    }
+    Some(trial.take())
+}
+
+/// The log likelihood of all innovations, if the filter went through.
+fn likelihood(run: &Run) -> Option<f64> {
+    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
+    let sum: f64 = (1..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|l| !l.is_nan()).sum();
+    sum.is_finite().then_some(sum)
+}
+
+/// The scenario with its first filter alone.
+pub(super) fn first_alone(scenario: &Scenario) -> Scenario {
+    Scenario { filters: scenario.filters.iter().take(1).cloned().collect(), ..scenario.clone() }
+}
+
+/// The error of the free run of the first filter's final model, for each of the scenario's sensors.
+fn free_error(run: &Run) -> Option<Vec<f64>> {
+    let (scenario, record) = (run.scenario(), run.record());
+    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
+    let model = Identified::at(scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?);
+    let free = model.run(record, 0..record.len());
+    let errors = scenario.sensors.iter().map(|sensor| free.fit(record, sensor.measures).map(|fit| fit.rms));
+    errors.collect::<Option<Vec<f64>>>().filter(|errors| errors.iter().all(|error| error.is_finite()))
+}

@@ -1,0 +1,98 @@
+//! Measured records: their import, and the scenarios that name them.
+
+use egui::Context;
+
+use super::App;
+use crate::controls::number;
+use crate::import::{Import, Opened};
+use crate::layout::Layout;
+use crate::plot::time_axis::TimeAxis;
+use crate::request::{RawFile, ViewKind};
+use crate::session::{Mode, RecordFile, name_of};
+use crate::theme::Palette;
+
+/// The views of a measured record.
+const VIEWS: [ViewKind; 3] = [ViewKind::Measured, ViewKind::Parameters, ViewKind::Innovations];
+
+impl App {
+    /// Begins the import of a file. One that the scenario waits for needs no questions.
+    pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile) {
+        self.inviting = false;
+        self.importing = Some(Import::new(&name, bytes));
+    }
+
+    /// Asks again what the columns of the record on screen mean.
+    pub(super) fn change_columns(&mut self) {
+        let scenario = self.session.scenario();
+        let file = scenario.record.as_ref().and_then(|mapping| self.session.library().file(mapping));
+        self.importing = file.map(|file| Import::again(file, scenario));
+    }
+
+    /// Goes on with an import.
+    pub(super) fn follow_import(&mut self, ctx: &Context) {
+        let Some(import) = &mut self.importing else { return };
+        let mut while_time = self.session.budget().slice();
+        let opened = import.advance(&mut while_time);
+        let file = import.file().cloned();
+        if let Some(file) = file.filter(|file| self.is_awaited(file)) {
+            self.importing = None;
+            self.session.keep_file(file);
+            self.notice = None;
+        } else if let Some(opened) = opened {
+            self.open_record(opened, ctx);
+        }
+    }
+
+    /// Tests the models on screen on the file that is being imported.
+    pub(super) fn hold_out(&mut self) {
+        let Some(file) = self.importing.take().and_then(|import| import.file().cloned()) else { return };
+        self.notice = match self.session.hold_out(&file) {
+            Ok(()) => None,
+            Err(reason) => Some(format!("The models cannot be tested: {reason}.").into()),
+        };
+        self.layout.show(ViewKind::Measured);
+    }
+
+    /// Whether the scenario names this file and waits for it.
+    fn is_awaited(&self, file: &RecordFile) -> bool {
+        let Some(mapping) = &self.session.scenario().record else { return false };
+        let is_it = if mapping.hash.is_empty() { name_of(mapping) == file.name } else { mapping.hash == file.hash };
+        is_it && self.session.library().file(mapping).is_none()
+    }
+
+    /// Shows the window of an import.
+    pub(super) fn import_ui(&mut self, ctx: &Context, palette: &Palette) {
+        let Some(import) = &mut self.importing else { return };
+        let can_hold_out = self.session.is_measured();
+        if let Some(opened) = import.ui(ctx, palette, can_hold_out, &mut self.requests) {
+            self.open_record(opened, ctx);
+        }
+    }
+
+    /// Shows a record as a whole.
+    fn open_record(&mut self, Opened { file, scenario, reasons }: Opened, ctx: &Context) {
+        self.importing = None;
+        self.tutor = None;
+        self.session.keep_file(file);
+        let is_new = self.session.scenario().record.as_ref().map(|mapping| &mapping.hash)
+            != scenario.record.as_ref().map(|mapping| &mapping.hash);
+        if is_new {
+            self.layout = Layout::column(&VIEWS);
+            self.session.set_mode(Mode::Whole);
+            self.session.set_scenario(scenario);
+            self.session.begin_anew();
+            self.session.pause();
+            self.axis = TimeAxis::default();
+            self.visible.reset();
+            number::begin_anew(ctx);
+        } else {
+            self.session.edit(scenario);
+        }
+        self.session.explain(reasons);
+    }
+
+    /// The import under way.
+    pub fn import_mut(&mut self) -> Option<&mut Import> {
+        self.importing.as_mut()
+    }
+}

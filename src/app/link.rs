@@ -1,0 +1,102 @@
+//! Links: what an address opens, and the address of the picture on screen.
+
+use egui::{Context, Event, OpenUrl};
+
+use super::App;
+use crate::controls::number;
+use crate::notice::Notice;
+use crate::plot::time_axis::TimeAxis;
+use crate::request::Request;
+use crate::share::address::{self, Target};
+use crate::share::{LinkError, Picture};
+
+/// The page at which links of the desktop program begin. It is set when the program is built; without it a link is the
+/// fragment alone, which any page and any program opens.
+pub(super) const PAGE: Option<&str> = option_env!("KALMANSCOPE_PAGE");
+
+impl App {
+    /// Links begin at this page from now on.
+    #[must_use]
+    pub fn at_page(self, page: &str) -> Self {
+        Self { page: page.to_owned(), ..self }
+    }
+
+    /// Opens what an address asks for, or says why it cannot be opened; nothing where it asks for nothing.
+    pub fn open_address(&mut self, address: &str) {
+        self.requests.push(Request::OpenAddress(address.to_owned()));
+    }
+
+    pub(super) fn go_to_address(&mut self, address: &str, ctx: &Context) {
+        match address::target(address) {
+            Ok(None) => {}
+            Ok(Some(Target::Picture(picture))) => self.show_picture(*picture, ctx),
+            Ok(Some(Target::Scenario(built_in))) => self.apply(Request::Open(built_in), ctx),
+            Ok(Some(Target::Lesson(place, step))) => {
+                self.start_lesson(place, ctx);
+                self.go_to_step(step);
+            }
+            Err(error) => self.notice = Some(error.to_string().into()),
+        }
+    }
+
+    /// The picture on screen.
+    pub fn picture(&self) -> Picture {
+        let Self { session, layout, .. } = self;
+        let time = session.time() - session.run().record().time_of(0);
+        Picture::new(session.scenario().clone(), layout, session.mode(), time)
+    }
+
+    /// A link to the picture on screen.
+    ///
+    /// # Errors
+    /// [`LinkError`] where it would be too long.
+    pub fn link(&self) -> Result<String, LinkError> {
+        Ok(format!("{}{}", self.page, self.picture().fragment()?))
+    }
+
+    pub(super) fn copy_link(&mut self, ctx: &Context) {
+        self.notice = Some(match self.link() {
+            Ok(link) => {
+                ctx.copy_text(link);
+                Notice::done("A link to this picture is in the clipboard.")
+            }
+            Err(error) => format!("There is no link to this picture: {error}.").into(),
+        });
+    }
+
+    pub(super) fn open_outside(&mut self, ctx: &Context) {
+        match self.link() {
+            Ok(link) => ctx.open_url(OpenUrl::new_tab(link)),
+            Err(error) => self.notice = Some(format!("There is no link to this picture: {error}.").into()),
+        }
+    }
+
+    /// Shows the picture of a link, paused. The settings before it come back with undo.
+    fn show_picture(&mut self, picture: Picture, ctx: &Context) {
+        let layout = picture.layout();
+        let Picture { scenario, mode, time, .. } = picture;
+        self.history.add_undo(self.session.scenario());
+        self.session.set_scenario(scenario);
+        self.session.begin_anew();
+        self.session.set_mode(mode);
+        self.session.pause();
+        self.session.seek(time);
+        self.tutor = None;
+        self.inviting = false;
+        self.layout = layout;
+        self.axis = TimeAxis::default();
+        self.visible.reset();
+        number::begin_anew(ctx);
+    }
+}
+
+/// Pushes the request to open an address that was pasted while no text is edited.
+pub(super) fn pasted(ctx: &Context, requests: &mut Vec<Request>) {
+    if ctx.text_edit_focused() {
+        return;
+    }
+    let pasted = |event: &Event| if let Event::Paste(text) = event { Some(text.clone()) } else { None };
+    if let Some(text) = ctx.input(|input| input.events.iter().find_map(pasted)) {
+        requests.push(Request::OpenAddress(text.trim().to_owned()));
+    }
+}

@@ -1,0 +1,23 @@
+//! Changes of the whole scenario that one key makes, to compare what follows from them.
+
+use kalmanscope_core::{Channel, Hold, Scenario};
+
+/// The scenario with the input held between samples in place of linear, or the other way round.
+pub(crate) fn with_other_hold(scenario: &Scenario) -> Scenario {
+    let hold = match scenario.hold {
+        Hold::Zero => Hold::First,
+        Hold::First => Hold::Zero,
+    };
+    Scenario { hold, ..scenario.clone() }
+}
+
+/// The scenario in which all filters estimate the gain of the input, or none.
+pub(crate) fn with_other_gain(scenario: &Scenario) -> Scenario {
+    let mut scenario = scenario.clone();
+    let all = scenario.filters.iter().all(|filter| filter.augment.contains(&Channel::INPUT_GAIN));
+    for filter in &mut scenario.filters {
+        filter.augment.retain(|channel| *channel != Channel::INPUT_GAIN);
+        filter.augment.extend((!all).then_some(Channel::INPUT_GAIN));
+    }
+    scenario
+}

@@ -1,0 +1,139 @@
+//! The window of an import.
+
+use egui::{Align2, Button, Context, ProgressBar, ScrollArea, Ui, Vec2, Window};
+
+use super::columns::columns_ui;
+use super::conditioning::{conditioning_ui, meaning_ui};
+use super::{Draft, Import, Opened, Stage};
+use crate::request::Request;
+use crate::text::significant;
+use crate::theme::Palette;
+
+/// The choice of the user in this frame.
+enum Choice {
+    Open,
+    HoldOut,
+    Cancel,
+}
+
+impl Import {
+    /// Shows the window. Returns the outcome where the record is opened at once.
+    /// `can_hold_out` says whether there are models from another record to test.
+    pub(crate) fn ui(
+        &mut self,
+        ctx: &Context,
+        palette: &Palette,
+        can_hold_out: bool,
+        requests: &mut Vec<Request>,
+    ) -> Option<Opened> {
+        let size = ctx.content_rect().size();
+        let window = Window::new("Open a measured record").collapsible(false).resizable(false);
+        let width = (size.x - 40.0).min(940.0);
+        let window = window.anchor(Align2::CENTER_CENTER, Vec2::ZERO).fixed_size([width, size.y - 120.0]);
+        let choice = window.show(ctx, |ui| {
+            ScrollArea::vertical()
+                .max_height(size.y - 120.0)
+                .show(ui, |ui| self.stage_ui(ui, palette, can_hold_out))
+                .inner
+        });
+        match choice.and_then(|shown| shown.inner).flatten() {
+            Some(Choice::Cancel) => {
+                requests.push(Request::CancelImport);
+                None
+            }
+            Some(Choice::HoldOut) => {
+                requests.push(Request::HoldOut);
+                None
+            }
+            Some(Choice::Open) => {
+                let Stage::Asking(draft) = &mut self.stage else { return None };
+                let scenario = draft.scenario()?;
+                let record = draft.outcome().ok()?.record.clone();
+                self.accept(record, scenario)
+            }
+            None => None,
+        }
+    }
+
+    fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
+        let Self { name, stage } = self;
+        match stage {
+            Stage::Reading(reader, _) => {
+                ui.label(format!("Reading “{name}”"));
+                progress_ui(ui, reader.progress() as f32)
+            }
+            Stage::Suggesting(_, suggest) => {
+                ui.label(format!("Making start values from “{name}”"));
+                progress_ui(ui, suggest.progress() as f32)
+            }
+            Stage::Failed(reason) => {
+                ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));
+                button(ui, "Close", true).then_some(Choice::Cancel)
+            }
+            Stage::Asking(draft) => draft.ui(ui, palette, can_hold_out),
+        }
+    }
+}
+
+fn progress_ui(ui: &mut Ui, share: f32) -> Option<Choice> {
+    ui.ctx().request_repaint();
+    ui.add(ProgressBar::new(share).show_percentage());
+    button(ui, "Cancel the import", true).then_some(Choice::Cancel)
+}
+
+fn button(ui: &mut Ui, text: &str, enabled: bool) -> bool {
+    ui.add_enabled(enabled, Button::new(text)).clicked()
+}
+
+impl Draft {
+    fn ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
+        let file = std::sync::Arc::clone(self.file());
+        let table = &file.table;
+        let rows = table.rows();
+        ui.horizontal_wrapped(|ui| {
+            ui.strong(&file.name);
+            ui.weak(format!("{rows} rows, {} columns; {}", table.columns.len(), table.dialect));
+        });
+        ui.add_space(4.0);
+        columns_ui(ui, self, palette);
+        ui.add_space(6.0);
+        meaning_ui(ui, self);
+        conditioning_ui(ui, self, palette);
+        ui.checkbox(&mut self.suggest, "make start values from the data: R, guess, gain, Q")
+            .on_hover_text("From spectra and from the likelihood; every number can be changed afterwards");
+        ui.add_space(4.0);
+        let is_possible = match self.outcome() {
+            Ok(imported) => {
+                let record = &imported.record;
+                let [dt, rate] = [record.dt(), 1.0 / record.dt()].map(|x| significant(x, 5));
+                let [from, to] = [0, record.len() - 1].map(|k| significant(record.time(k), 5));
+                ui.label(format!("{} samples from {from} s to {to} s, {dt} s apart ({rate} Hz)", record.len()));
+                for remark in &imported.remarks {
+                    ui.weak(remark);
+                }
+                true
+            }
+            Err(reason) => {
+                let reason = reason.to_owned();
+                ui.colored_label(palette.warning, reason);
+                false
+            }
+        };
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            let open = button(ui, "Open the record", is_possible);
+            let hint = "The free run of the models on screen over this record, which the filters do not see";
+            let tests = can_hold_out
+                && !self.is_of_scenario()
+                && ui.button("Test the models on it").on_hover_text(hint).clicked();
+            let cancel = button(ui, "Cancel the import", true);
+            match (open, tests, cancel) {
+                (true, ..) => Some(Choice::Open),
+                (_, true, _) => Some(Choice::HoldOut),
+                (.., true) => Some(Choice::Cancel),
+                _ => None,
+            }
+        })
+        .inner
+    }
+}

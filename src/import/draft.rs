@@ -1,0 +1,174 @@
+//! The meaning of a file's columns, as it is being chosen.
+
+use std::sync::Arc;
+
+use kalmanscope_core::import::{Builder, Imported, MappedColumn, Mapping, Time};
+use kalmanscope_core::suggest::scenario_for;
+use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
+
+use super::spark::Spark;
+use super::spectra::spectrum;
+use crate::session::RecordFile;
+
+/// The meaning of a file's columns, as it is being chosen.
+pub struct Draft {
+    file: Arc<RecordFile>,
+    /// The meaning of the columns.
+    pub mapping: Mapping,
+    /// The kind of input.
+    pub input: InputKind,
+    /// The course of the input between samples.
+    pub hold: Hold,
+    /// The plant that filters assume.
+    pub plant: PlantKind,
+    /// Whether start values are made from the data.
+    pub suggest: bool,
+    /// The scenario that goes on with another meaning of the columns, if there is one.
+    base: Option<Scenario>,
+    pub(super) sparks: Vec<Spark>,
+    /// What the choices lead to, and the choices.
+    outcome: Option<(Choices, Result<Imported, String>)>,
+    /// The spectra without and with the conditioning, and the choices.
+    spectra: Option<(Choices, [Vec<[f64; 2]>; 2])>,
+}
+
+/// The spectra of no record.
+static NO_SPECTRA: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
+
+type Choices = (Mapping, InputKind, Hold);
+
+/// The meaning of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// It is left out.
+    Unused,
+    /// The times.
+    Time,
+    /// The input.
+    Input,
+    /// A sensor for a quantity.
+    Sensor(Quantity),
+}
+
+impl Draft {
+    /// A guess at the meaning of a file's columns.
+    pub fn new(file: Arc<RecordFile>) -> Self {
+        let (mut mapping, input) = Mapping::guess(&file.table);
+        mapping.file.clone_from(&file.name);
+        mapping.hash.clone_from(&file.hash);
+        let sparks = file.table.columns.iter().map(|column| Spark::new(&column.values)).collect();
+        let (hold, plant) = (Hold::First, PlantKind::SDOF);
+        Self { file, mapping, input, hold, plant, suggest: true, base: None, sparks, outcome: None, spectra: None }
+    }
+
+    /// The meaning that a scenario gives the columns.
+    pub fn of_scenario(file: Arc<RecordFile>, scenario: &Scenario) -> Self {
+        let draft = Self::new(file);
+        let mapping = scenario.record.clone().unwrap_or_else(|| draft.mapping.clone());
+        let (input, hold, plant) = (scenario.input, scenario.hold, scenario.plant.kind);
+        Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), ..draft }
+    }
+
+    /// Whether the file is the one on screen, and its columns are given another meaning.
+    pub(super) fn is_of_scenario(&self) -> bool {
+        self.base.is_some()
+    }
+
+    /// The file.
+    pub fn file(&self) -> &Arc<RecordFile> {
+        &self.file
+    }
+
+    /// The meaning of the column at a place.
+    pub fn role(&self, place: usize) -> Role {
+        let name = &self.file.table.columns[place].name;
+        if self.mapping.time.column.as_ref() == Some(name) {
+            return Role::Time;
+        }
+        if self.mapping.input.as_ref().is_some_and(|input| input.column == *name) {
+            return Role::Input;
+        }
+        let sensor = self.mapping.sensors.iter().find(|(_, column)| column.column == *name);
+        sensor.map_or(Role::Unused, |(quantity, _)| Role::Sensor(*quantity))
+    }
+
+    /// Gives the column at a place a meaning; a column that had it loses it.
+    pub fn set_role(&mut self, place: usize, role: Role) {
+        let column = &self.file.table.columns[place];
+        let unit = column.unit.clone().unwrap_or_default();
+        let Self { mapping, .. } = self;
+        if mapping.time.column.as_ref() == Some(&column.name) {
+            mapping.time = Time::default();
+        }
+        if mapping.input.as_ref().is_some_and(|input| input.column == column.name) {
+            mapping.input = None;
+        }
+        mapping.sensors.retain(|_, sensor| sensor.column != column.name);
+        let mapped = MappedColumn { unit: unit.clone(), ..MappedColumn::new(column.name.clone()) };
+        match role {
+            Role::Unused => {}
+            Role::Time => mapping.time = Time { column: Some(column.name.clone()), unit, rate: None },
+            Role::Input => mapping.input = Some(mapped),
+            Role::Sensor(quantity) => {
+                mapping.sensors.insert(quantity, mapped);
+            }
+        }
+    }
+
+    /// What the choices lead to, or a sentence about why they cannot be.
+    pub fn outcome(&mut self) -> Result<&Imported, &str> {
+        let Self { file, mapping, input, hold, outcome, .. } = self;
+        let choices = (mapping.clone(), *input, *hold);
+        if outcome.as_ref().is_none_or(|(of, _)| *of != choices) {
+            let built = Builder::new(&file.table, mapping, *input, *hold).and_then(Builder::finish);
+            *outcome = Some((choices, built.map_err(|error| error.to_string())));
+        }
+        match outcome {
+            Some((_, Ok(imported))) => Ok(imported),
+            Some((_, Err(reason))) => Err(reason),
+            None => Err(""),
+        }
+    }
+
+    /// The spectrum of the first sensor without and with band-pass, decimation and interpolation.
+    pub(super) fn spectra(&mut self) -> &[Vec<[f64; 2]>; 2] {
+        let choices = (self.mapping.clone(), self.input, self.hold);
+        if self.spectra.as_ref().is_none_or(|(of, _)| *of != choices) {
+            let after = self.outcome().map(|imported| spectrum(&imported.record)).unwrap_or_default();
+            let plain = Mapping { band: None, every: 1, interpolate: 1, ..self.mapping.clone() };
+            let built = Builder::new(&self.file.table, &plain, self.input, self.hold).and_then(Builder::finish);
+            let before = built.map(|imported| spectrum(&imported.record)).unwrap_or_default();
+            self.spectra = Some((choices, [before, after]));
+        }
+        match &self.spectra {
+            Some((_, spectra)) => spectra,
+            None => &NO_SPECTRA,
+        }
+    }
+
+    /// The scenario that the choices lead to.
+    pub fn scenario(&mut self) -> Option<Scenario> {
+        let record = &self.outcome().ok()?.record;
+        let fresh = scenario_for(record);
+        let mut scenario = match self.base.clone() {
+            Some(mut base) => {
+                // Sensors that are new get filters that know their usual noise; others keep their settings.
+                for quantity in base.sensors.iter().map(|s| s.measures).collect::<Vec<_>>() {
+                    if !fresh.sensors.iter().any(|sensor| sensor.measures == quantity) {
+                        base.remove_sensor(quantity);
+                    }
+                }
+                fresh.sensors.iter().for_each(|sensor| base.add_sensor(*sensor));
+                (base.dt, base.duration) = (fresh.dt, fresh.duration);
+                base
+            }
+            None => fresh,
+        };
+        (scenario.input, scenario.hold) = (self.input, self.hold);
+        scenario.record = Some(self.mapping.clone());
+        if scenario.plant.kind != self.plant {
+            scenario.set_plant(self.plant);
+        }
+        Some(scenario)
+    }
+}

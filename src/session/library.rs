@@ -1,0 +1,138 @@
+//! The files that scenarios name, and the records that are made of them.
+
+use std::sync::Arc;
+
+use kalmanscope_core::import::{Builder, Mapping, Table};
+use kalmanscope_core::{Hold, InputKind, Record, Scenario, Source};
+
+use super::Session;
+
+/// Limits the records that are kept besides the one on screen, so that going to and fro takes no time.
+const KEPT: usize = 3;
+
+/// A file with columns of numbers that has been read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordFile {
+    /// The file's name.
+    pub name: String,
+    /// The hash of its bytes.
+    pub hash: String,
+    /// Its columns.
+    pub table: Table,
+}
+
+/// Files, and records made of them.
+#[derive(Default)]
+pub struct Library {
+    files: Vec<Arc<RecordFile>>,
+    made: Vec<Made>,
+    reasons: Vec<String>,
+    held_out: Option<(String, Arc<Record>)>,
+}
+
+/// A record and what it follows from.
+struct Made {
+    mapping: Mapping,
+    input: InputKind,
+    hold: Hold,
+    record: Arc<Record>,
+    remarks: Vec<String>,
+}
+
+impl Library {
+    /// Keeps a file.
+    pub fn insert(&mut self, file: Arc<RecordFile>) {
+        self.files.retain(|other| other.hash != file.hash);
+        self.files.push(file);
+    }
+
+    /// The file that a mapping names: the one with its hash, or else with its name.
+    pub fn file(&self, mapping: &Mapping) -> Option<&Arc<RecordFile>> {
+        let by_hash = self.files.iter().find(|file| file.hash == mapping.hash);
+        by_hash.or_else(|| self.files.iter().find(|file| mapping.hash.is_empty() && file.name == name_of(mapping)))
+    }
+
+    /// The source of a scenario's samples: a simulation, or the record that it names.
+    ///
+    /// # Errors
+    /// A sentence where the file is not here, or is not a record.
+    pub fn source(&mut self, scenario: &Scenario) -> Result<Source, String> {
+        let Some(mapping) = &scenario.record else { return Ok(Source::Simulated) };
+        let is_same =
+            |made: &Made| made.mapping == *mapping && made.input == scenario.input && made.hold == scenario.hold;
+        if let Some(place) = self.made.iter().position(is_same) {
+            let made = self.made.remove(place);
+            let record = Arc::clone(&made.record);
+            self.made.push(made);
+            return Ok(Source::Measured(record));
+        }
+        let name = name_of(mapping);
+        let file = self
+            .file(mapping)
+            .ok_or_else(|| format!("the record “{name}” is not here: drop the file on the window"))?;
+        let built = Builder::new(&file.table, mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+        let built = built.map_err(|error| format!("“{name}”: {error}"))?;
+        let samples = built.record.len();
+        if samples > Session::LONGEST_WHOLE + 1 {
+            return Err(format!(
+                "“{name}” has {samples} samples, and {} are shown at most: choose a part, or keep fewer of them",
+                Session::LONGEST_WHOLE
+            ));
+        }
+        let record = Arc::new(built.record);
+        let (mapping, input, hold) = (mapping.clone(), scenario.input, scenario.hold);
+        self.made.push(Made { mapping, input, hold, record: Arc::clone(&record), remarks: built.remarks });
+        if self.made.len() > KEPT + 1 {
+            self.made.remove(0);
+        }
+        Ok(Source::Measured(record))
+    }
+
+    /// The record on which models are tested that were made from another, with its name.
+    pub fn held_out(&self) -> Option<(&str, &Arc<Record>)> {
+        self.held_out.as_ref().map(|(name, record)| (name.as_str(), record))
+    }
+
+    /// Keeps a file as the record on which models are tested. Its columns mean what they mean in the scenario's.
+    ///
+    /// # Errors
+    /// A sentence where the scenario has no record, or the file is none in its meaning.
+    pub(super) fn hold_out(&mut self, file: &RecordFile, scenario: &Scenario) -> Result<(), String> {
+        let Some(mapping) = &scenario.record else { return Err("there is no measured record to test".to_owned()) };
+        let mapping = Mapping { from: None, to: None, ..mapping.clone() };
+        let built = Builder::new(&file.table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+        let built = built.map_err(|error| format!("“{}”: {error}", file.name))?;
+        self.held_out = Some((file.name.clone(), Arc::new(built.record)));
+        Ok(())
+    }
+
+    /// The reasons of the start values that were made last.
+    pub fn reasons(&self) -> &[String] {
+        &self.reasons
+    }
+
+    /// Keeps the reasons of start values.
+    pub(super) fn set_reasons(&mut self, reasons: Vec<String>) {
+        self.reasons = reasons;
+    }
+
+    /// Sentences about the making of a record.
+    pub fn remarks(&self, record: &Record) -> &[String] {
+        let made = self.made.iter().find(|made| std::ptr::eq(&raw const *made.record, record));
+        made.map_or(&[], |made| &made.remarks)
+    }
+}
+
+/// The name of a mapping's file without its folder.
+pub fn name_of(mapping: &Mapping) -> &str {
+    mapping.file.rsplit(['/', '\\']).next().unwrap_or_default()
+}
+
+/// Whether two sources are the same one.
+pub(super) fn is_same(a: &Source, b: &Source) -> bool {
+    match (a, b) {
+        (Source::Simulated, Source::Simulated) => true,
+        (Source::Measured(a), Source::Measured(b)) => Arc::ptr_eq(a, b),
+        _ => false,
+    }
+}

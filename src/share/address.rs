@@ -1,0 +1,130 @@
+//! What an address asks for: a link, a lesson, a scenario, or only the plots.
+//!
+//! ```text
+//! https://HOST/FOLDER/?embed&lesson=NAME&step=N#link=1.DATA
+//! https://HOST/FOLDER/?scenario=NAME
+//! ```
+
+use kalmanscope_lessons::{BUILT_IN, BuiltIn, LESSONS};
+use thiserror::Error;
+
+use super::{LinkError, MARK, Picture};
+
+/// What an address opens.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Target {
+    /// The picture of a link.
+    Picture(Box<Picture>),
+    /// A built-in scenario.
+    Scenario(BuiltIn),
+    /// A lesson's place in the menu, and the place of its step.
+    Lesson(usize, usize),
+}
+
+/// The reason why an address cannot be opened.
+#[derive(Debug, Error)]
+pub enum AddressError {
+    /// The link is unreadable.
+    #[error("The link cannot be opened: {0}.")]
+    Link(#[from] LinkError),
+    /// There is no such scenario.
+    #[error("There is no scenario “{name}”. The scenarios are {}.", known.join(", "))]
+    Scenario {
+        /// The name.
+        name: String,
+        /// All names.
+        known: Vec<&'static str>,
+    },
+    /// There is no such lesson.
+    #[error("There is no lesson “{name}”. The lessons are {}.", known.join(", "))]
+    Lesson {
+        /// The name.
+        name: String,
+        /// All names.
+        known: Vec<&'static str>,
+    },
+    /// The lesson has no such step.
+    #[error("There is no step “{step}” of the lesson “{lesson}”: it has the steps 1 to {steps}.")]
+    Step {
+        /// The step, as it was written.
+        step: String,
+        /// The lesson's name.
+        lesson: String,
+        /// The number of its steps.
+        steps: usize,
+    },
+}
+
+/// Reads what an address opens: the link after `#`, else the lesson or the scenario after `?`; `None` where it has
+/// neither.
+///
+/// # Errors
+/// [`AddressError`] with the sentence to show.
+pub fn target(address: &str) -> Result<Option<Target>, AddressError> {
+    if let Some((_, link)) = address.split_once(MARK) {
+        return Ok(Some(Target::Picture(Box::new(Picture::read(link.trim_end())?))));
+    }
+    if let Some(name) = value(address, "lesson") {
+        let (place, step) = lesson(name, value(address, "step"))?;
+        return Ok(Some(Target::Lesson(place, step)));
+    }
+    let built_in = value(address, "scenario").map(scenario).transpose()?;
+    Ok(built_in.map(Target::Scenario))
+}
+
+/// Whether an address asks for plots and transport only.
+pub fn is_embedded(address: &str) -> bool {
+    value(address, "embed").is_some()
+}
+
+/// The address of the page alone, without what it opens.
+pub fn page(address: &str) -> &str {
+    address.split(['?', '#']).next().unwrap_or_default()
+}
+
+/// The built-in scenario with a name.
+///
+/// # Errors
+/// [`AddressError::Scenario`] with all names.
+pub fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
+    let unknown = || AddressError::Scenario {
+        name: shortened(name),
+        known: BUILT_IN.iter().map(|scenario| scenario.file).collect(),
+    };
+    BuiltIn::named(name).copied().ok_or_else(unknown)
+}
+
+/// The place in the menu of the lesson with a name, with or without its number, and the place of a step, which the text
+/// counts from 1.
+///
+/// # Errors
+/// [`AddressError::Lesson`] with all names, or [`AddressError::Step`].
+pub fn lesson(name: &str, step: Option<&str>) -> Result<(usize, usize), AddressError> {
+    let without_number = |file: &'static str| file.split_once('-').map_or(file, |(_, name)| name);
+    let place = LESSONS.iter().position(|(file, _)| *file == name || without_number(file) == name);
+    let place = place.ok_or_else(|| AddressError::Lesson {
+        name: shortened(name),
+        known: LESSONS.iter().map(|(file, _)| without_number(file)).collect(),
+    })?;
+    let Some(step) = step else { return Ok((place, 0)) };
+    let lesson = kalmanscope_lessons::lessons().into_iter().nth(place).and_then(Result::ok);
+    let steps = lesson.map_or(0, |lesson| lesson.steps.len());
+    let number = step.parse().ok().filter(|number| (1..=steps).contains(number));
+    let impossible = || AddressError::Step { step: shortened(step), lesson: name.to_owned(), steps };
+    number.map(|number| (place, number - 1)).ok_or_else(impossible)
+}
+
+/// The value of a key after `?`; empty where it has none. Names have no characters that an address must encode.
+fn value<'a>(address: &'a str, key: &str) -> Option<&'a str> {
+    let (_, query) = address.split('#').next()?.split_once('?')?;
+    query
+        .split('&')
+        .map(|part| part.split_once('=').unwrap_or((part, "")))
+        .find(|(name, _)| *name == key)
+        .map(|it| it.1)
+}
+
+/// A name as it fits into a sentence.
+fn shortened(name: &str) -> String {
+    name.chars().take(60).collect()
+}

@@ -1,0 +1,132 @@
+//! The places of the views as a tree that cannot have rings, for texts from elsewhere.
+
+use egui_tiles::{Container, Grid, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
+use serde::{Deserialize, Serialize};
+
+use crate::request::ViewKind;
+
+/// Limits the containers inside each other.
+const DEEPEST: usize = 16;
+
+/// The shares of height or width that tiles may have.
+const SHARES: std::ops::RangeInclusive<f32> = 1e-3..=1e3;
+
+/// A view, or a container of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outline {
+    /// One view.
+    View(ViewKind),
+    /// Tiles one below the other, with their shares of the height.
+    Rows(Vec<(f32, Outline)>),
+    /// Tiles side by side, with their shares of the width.
+    Columns(Vec<(f32, Outline)>),
+    /// Tiles one at a time, and the place of that which is shown.
+    Tabs(usize, Vec<Outline>),
+    /// Tiles in rows of equal shares.
+    Grid(Vec<Outline>),
+}
+
+impl Outline {
+    /// The outline of tiles.
+    pub(crate) fn of(tree: &Tree<ViewKind>) -> Option<Self> {
+        Self::of_tile(&tree.tiles, tree.root()?, 0)
+    }
+
+    fn of_tile(tiles: &Tiles<ViewKind>, tile: TileId, depth: usize) -> Option<Self> {
+        if depth > DEEPEST {
+            return None;
+        }
+        let below = |tile: &TileId| Self::of_tile(tiles, *tile, depth + 1);
+        Some(match tiles.get(tile)? {
+            Tile::Pane(view) => Self::View(*view),
+            Tile::Container(Container::Linear(linear)) => {
+                let share = |tile: &TileId| linear.shares[*tile].clamp(*SHARES.start(), *SHARES.end());
+                let children = linear.children.iter().filter_map(|tile| Some((share(tile), below(tile)?))).collect();
+                if linear.dir == LinearDir::Vertical { Self::Rows(children) } else { Self::Columns(children) }
+            }
+            Tile::Container(Container::Tabs(tabs)) => {
+                let active = tabs.children.iter().position(|tile| Some(*tile) == tabs.active);
+                Self::Tabs(active.unwrap_or(0), tabs.children.iter().filter_map(below).collect())
+            }
+            Tile::Container(Container::Grid(grid)) => Self::Grid(grid.children().filter_map(below).collect()),
+        })
+    }
+
+    /// Adds the tiles. Returns that which holds the others.
+    pub(crate) fn insert_into(&self, tiles: &mut Tiles<ViewKind>) -> TileId {
+        let linear = |dir, children: &[(f32, Self)], tiles: &mut Tiles<ViewKind>| {
+            let mut linear = Linear::new(dir, Vec::new());
+            for (share, child) in children {
+                let tile = child.insert_into(tiles);
+                linear.add_child(tile);
+                linear.shares.set_share(tile, *share);
+            }
+            linear
+        };
+        let container = match self {
+            Self::View(view) => return tiles.insert_pane(*view),
+            Self::Rows(children) => Container::Linear(linear(LinearDir::Vertical, children, tiles)),
+            Self::Columns(children) => Container::Linear(linear(LinearDir::Horizontal, children, tiles)),
+            Self::Tabs(active, children) => {
+                let mut tabs = Tabs::new(children.iter().map(|child| child.insert_into(tiles)).collect());
+                tabs.active = tabs.children.get(*active).copied();
+                Container::Tabs(tabs)
+            }
+            Self::Grid(children) => {
+                Container::Grid(Grid::new(children.iter().map(|child| child.insert_into(tiles)).collect()))
+            }
+        };
+        tiles.insert_container(container)
+    }
+
+    /// Whether a view is among the tiles.
+    pub(crate) fn has(&self, view: ViewKind) -> bool {
+        let mut views = Vec::new();
+        self.collect(&mut views);
+        views.contains(&view)
+    }
+
+    /// Checks that each view is there once at most, and that all shares are usual.
+    pub(crate) fn validate(&self) -> Result<(), String> {
+        let mut views = Vec::new();
+        self.collect(&mut views);
+        for (place, view) in views.iter().enumerate() {
+            if views[..place].contains(view) {
+                return Err(format!("{view:?} is there twice"));
+            }
+        }
+        self.validate_tile(0)
+    }
+
+    fn validate_tile(&self, depth: usize) -> Result<(), String> {
+        if depth > DEEPEST {
+            return Err(format!("more than {DEEPEST} containers are inside each other"));
+        }
+        let children: Vec<&Self> = match self {
+            Self::View(_) => return Ok(()),
+            Self::Rows(children) | Self::Columns(children) => {
+                if let Some((share, _)) = children.iter().find(|(share, _)| !SHARES.contains(share)) {
+                    let (low, high) = SHARES.into_inner();
+                    return Err(format!("a share is {share}, but must be from {low} to {high}"));
+                }
+                children.iter().map(|(_, child)| child).collect()
+            }
+            Self::Tabs(_, children) | Self::Grid(children) => children.iter().collect(),
+        };
+        if children.is_empty() {
+            return Err("a container is empty".to_owned());
+        }
+        children.into_iter().try_for_each(|child| child.validate_tile(depth + 1))
+    }
+
+    fn collect(&self, views: &mut Vec<ViewKind>) {
+        match self {
+            Self::View(view) => views.push(*view),
+            Self::Rows(children) | Self::Columns(children) => {
+                children.iter().for_each(|(_, child)| child.collect(views));
+            }
+            Self::Tabs(_, children) | Self::Grid(children) => children.iter().for_each(|child| child.collect(views)),
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Measurements against predictions: one step ahead, and by the identified model alone.
+
+use egui::Ui;
+use kalmanscope_core::{Estimates, Quantity};
+
+use crate::plot::chart::Chart;
+use crate::plot::charts::charts_ui;
+use crate::plot::heading::Readout;
+use crate::plot::layers::{Layer, line_width};
+use crate::plot::series::Series;
+use crate::request::Request;
+use crate::sheet::{Column, Sheet};
+use crate::text::significant;
+use crate::view::{View, ViewContext};
+
+/// Width of a line of predictions \[points\].
+const PREDICTED: f32 = 2.2;
+
+/// Measured, predicted, free run, and the error of the free run.
+pub(super) struct Measured;
+
+impl View for Measured {
+    fn name(&self) -> &'static str {
+        "Measured and predicted"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "Dots are measured; lines are predicted one step ahead; dashed lines are the free run: the identified model alone, driven by the input.",
+            "The fit is 100 % where the free run has no error and 0 % where it is no better than the mean. It is the number by which a model is judged.",
+            "The model is the last estimate, or that at the mark A, or the mean from A to B (keys A and B).",
+        ]
+    }
+
+    fn wants_free_runs(&self) -> bool {
+        true
+    }
+
+    fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
+        let sheet = |(sensor, quantity): (usize, Quantity)| Sheet {
+            title: format!("{} measured and predicted", quantity.name()),
+            unit: context.unit(quantity.unit()),
+            columns: columns(sensor, context),
+        };
+        context.session.sensors().into_iter().enumerate().map(sheet).collect()
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        let sensors: Vec<Quantity> = context.session.sensors();
+        if sensors.is_empty() {
+            ui.weak("Nothing is measured.");
+        }
+        charts_ui(ui, 2 * sensors.len(), &context.plot_input(), requests, |i, last_row| {
+            let (sensor, quantity) = (i / 2, sensors[i / 2]);
+            if i % 2 == 0 {
+                signals(sensor, quantity, context, last_row)
+            } else {
+                errors(sensor, quantity, context, last_row)
+            }
+        })
+    }
+}
+
+/// What a filter expects of a sensor at a sample.
+fn predicted(estimates: &Estimates, measured: &[f64], sensor: usize, k: usize) -> f64 {
+    measured[k] - estimates.innovation(k)[sensor]
+}
+
+/// The measurements of a sensor, as far as they are done.
+fn measured<'a>(sensor: usize, context: &ViewContext<'a>) -> &'a [f64] {
+    let run = context.session.run();
+    &run.record().measured(sensor)[..run.len()]
+}
+
+fn columns<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Column<'a>> {
+    let all = measured(sensor, context);
+    let number = |value: f64| (!value.is_nan()).then(|| significant(value, 4));
+    let measured = Column::new("measured", context.palette.measured, move |k| number(*all.get(k)?));
+    let one_step = context.filters().map(move |(_, estimates)| {
+        let text =
+            move |k: usize| number((k < estimates.len().min(all.len())).then(|| predicted(estimates, all, sensor, k))?);
+        Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
+    });
+    std::iter::once(measured).chain(one_step).collect()
+}
+
+/// Measured, predicted and free run.
+fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
+    let ViewContext { session, palette, visible, axis, .. } = *context;
+    let all = measured(sensor, context);
+    let mut layers: Vec<Layer<'a>> = Vec::new();
+    if visible.measured {
+        layers.push(Layer::Dots { series: Series::of(all), color: palette.measured });
+    }
+    for (place, estimates) in context.filters() {
+        let values = move |k: usize| predicted(estimates, all, sensor, k);
+        layers.push(Layer::Line {
+            series: Series::new(estimates.len().min(all.len()), move |samples| samples.map(values)),
+            color: palette.shade(estimates.color()).gamma_multiply(0.7),
+            width: line_width(place, PREDICTED),
+            dashed: false,
+            bounds: false,
+        });
+    }
+    for (place, estimates) in context.filters() {
+        if let Some(free) = session.free_run(place) {
+            layers.push(Layer::Line {
+                series: Series::of(&free.predicted[sensor]),
+                color: palette.shade(estimates.color()),
+                width: 1.4,
+                dashed: true,
+                bounds: false,
+            });
+        }
+    }
+    let k = axis.readout(session);
+    let now = all.get(k).filter(|value| !value.is_nan());
+    let readouts =
+        now.map(|value| Readout { text: significant(*value, 4), color: palette.measured, hint: "measured".to_owned() });
+    Chart {
+        key: format!("measured {}", quantity.key()),
+        title: format!("{} measured and predicted", quantity.name()),
+        symbol: quantity.symbol().to_owned(),
+        name: format!("{}: measured, predicted, free run", quantity.name()),
+        unit: context.unit(quantity.unit()),
+        readouts: readouts.into_iter().collect(),
+        layers,
+        handles: Vec::new(),
+        last_row,
+        least: None,
+        logarithmic: false,
+    }
+}
+
+/// The errors of the free run, with fit and RMS error beside those of predictions one step ahead.
+fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
+    let ViewContext { session, palette, .. } = *context;
+    let all = measured(sensor, context);
+    let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.weak, label: "" }];
+    let mut readouts = Vec::new();
+    for (place, estimates) in context.filters() {
+        let Some(free) = session.free_run(place) else { continue };
+        let values = move |k: usize| all[k] - free.predicted[sensor][k];
+        let color = palette.shade(estimates.color());
+        layers.push(Layer::Line {
+            series: Series::new(free.predicted[sensor].len().min(all.len()), move |samples| samples.map(values)),
+            color,
+            width: 1.0,
+            dashed: false,
+            bounds: false,
+        });
+        if let Some(fit) = free.fits[sensor] {
+            let text = format!("{} rms, fit {:.1} %", significant(fit.rms, 3), fit.percent);
+            readouts.push(Readout { text, color, hint: format!("free run of {}", estimates.name()) });
+        }
+        let held_out = session.library().held_out().zip(session.held_out_fit(place, sensor));
+        if let Some(((name, _), fit)) = held_out {
+            let text = format!("held out {:.1} %", fit.percent);
+            let hint = format!("fit of {} on “{name}”: {} rms", estimates.name(), significant(fit.rms, 3));
+            readouts.push(Readout { text, color, hint });
+        }
+    }
+    Chart {
+        key: format!("free run of {}", quantity.key()),
+        title: format!("error of the free run, {}", quantity.name()),
+        symbol: format!("Δ{}", quantity.symbol()),
+        name: "error of the free run".to_owned(),
+        unit: context.unit(quantity.unit()),
+        readouts,
+        layers,
+        handles: Vec::new(),
+        last_row,
+        least: None,
+        logarithmic: false,
+    }
+}

@@ -1,0 +1,224 @@
+//! Measured records: dropped on the window, with as few choices as possible.
+
+use std::fmt::Write as _;
+
+use kalmanscope_core::Hold;
+
+use super::files::drop_file;
+use super::*;
+
+/// An oscillator of 6 rad/s with a damping ratio of 5 %, driven by a force that is linear between samples, as a table of
+/// time, force and displacement in millimetres.
+fn rows() -> Vec<[f64; 3]> {
+    let text = "duration = 40.0\ndt = 0.05\nhold = \"first\"\n[plant]\nnatural_frequency = 6.0\n[[sensors]]\n\
+                measures = \"displacement\"\nnoise_std = 0.002\n";
+    let mut run = kalmanscope_core::Run::new(&Scenario::from_toml(text).expect("a scenario")).expect("a run");
+    run.finish();
+    let record = run.record();
+    let row = |k: usize| [record.time(k), record.input()[k], 1000.0 * record.measured(0)[k]];
+    (0..record.len()).map(row).collect()
+}
+
+/// The six dialects that loggers and spreadsheets write.
+fn dialects() -> [(&'static str, Vec<u8>); 6] {
+    let table = |header: &str, line: &dyn Fn(&[f64; 3]) -> String| {
+        let mut text = header.to_owned();
+        rows().iter().for_each(|row| writeln!(text, "{}", line(row)).expect("memory"));
+        text
+    };
+    let plain = |[t, f, x]: &[f64; 3]| format!("{t:.3},{f:.5},{x:.5},");
+    let german = |[t, f, x]: &[f64; 3]| format!("{t:.3};{f:.5};{x:.5}").replace('.', ",");
+    let tabs = |[t, f, x]: &[f64; 3]| format!("{:.1}\t{f:.5}\t{x:.5}", 1000.0 * t);
+    let blanks = |[t, f, x]: &[f64; 3]| format!("  {t:.4e}   {f:.6e}   {:.6e}", x / 1000.0);
+    let no_time = |[_, f, x]: &[f64; 3]| format!("\"{f:.5}\",\"{x:.5}\"");
+    let utf16: Vec<u8> =
+        table("\u{FEFF}Zeit [s];Kraft;Weg [mm]\r\n", &german).encode_utf16().flat_map(u16::to_le_bytes).collect();
+    [
+        ("trailing.csv", table("time,force,x (mm),\n", &plain).into_bytes()),
+        ("leading.csv", table("Logger 7\nStart: 12.05.2024\n\nZeit;Kraft;Weg\ns;m/s²;mm\n", &german).into_bytes()),
+        ("tabs.tsv", table("t in ms\tForce\tdisp_mm\n", &tabs).into_bytes()),
+        ("blanks.txt", table("% t f x\n", &blanks).into_bytes()),
+        ("volts.csv", table("\"V1\",\"V2 (mm)\"\n", &no_time).into_bytes()),
+        ("wide.csv", utf16),
+    ]
+}
+
+/// Whether the explorer identifies the oscillator.
+#[track_caller]
+fn check_result(screen: &Screen, name: &str) {
+    let session = screen.state().session();
+    assert!(session.is_measured(), "{name}: {:?}", session.problem());
+    let estimates = &session.run().estimates()[0];
+    let last = estimates.len() - 1;
+    let wn = estimates.mean(last)[estimates.place(Channel::NATURAL_FREQUENCY).expect("it is estimated")];
+    assert!((wn / 6.0 - 1.0).abs() < 0.01, "{name}: {wn}");
+}
+
+#[test]
+fn six_dialects_open_by_drop_with_at_most_three_choices() {
+    for (name, bytes) in dialects() {
+        let mut screen = screen(DESKTOP, Theme::Light);
+        drop_file(&mut screen, name, &bytes);
+        screen.run_steps(3);
+        screen.get_by_label("Open a measured record");
+        if name == "volts.csv" {
+            screen.get_by_label("the file has no column of times: state the sample rate");
+            set(&mut screen, "Sample rate", 20.0);
+        }
+        assert!(screen.query_by_label("Meaning of Kraft").is_none() == !["leading.csv", "wide.csv"].contains(&name));
+        screen.get_by_label("Open the record").click();
+        screen.run_steps(6);
+        check_result(&screen, name);
+        assert_eq!(screen.state().session().mode(), Mode::Whole);
+        screen.get_by_label("Plot of the displacement measured and predicted");
+        let free = screen.state().session().free_run(0).expect("the free run is made").fits[0].expect("a fit");
+        assert!(free.percent > 80.0, "{name}: {free:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_said_and_nothing_is_lost() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let before = scenario(&screen).clone();
+    for (contents, sentence) in [
+        (&b""[..], "the file is empty"),
+        (b"\x7FELF\x01\x02\x03\x00\x00\x00", "the file is not text with columns of numbers"),
+        (b"a,b\nc,d\n", "there is no column of numbers in 2 line(s)"),
+        (b"PK\x03\x04...", "this is a spreadsheet; save the sheet as CSV"),
+    ] {
+        drop_file(&mut screen, "bad.csv", contents);
+        screen.get_by_label(&format!("“bad.csv” cannot be opened: {sentence}."));
+        screen.get_by_label("Close").click();
+        screen.run_steps(2);
+        assert_eq!(scenario(&screen), &before);
+    }
+    for (contents, sentence) in [
+        (&b"t,force,x\n0,1,2\n1,2,oops\n2,3,4\n"[..], "line 3, column `x`: `oops` is not a number"),
+        (b"t,force,x\n0,1,2\n1,2,3\n1,3,4\n2,3,4\n", "line 4: the time stands still from 1 s to 1 s"),
+        (b"t,force,x\n0,1,2\n1,2,inf\n2,3,4\n", "line 3, column `x`: the number is infinite"),
+        (b"t,force,x\n0,1,2\n", "1 row(s) of numbers remain, but at least 2 are needed"),
+    ] {
+        drop_file(&mut screen, "bad.csv", contents);
+        screen.get_by_label(sentence);
+        screen.get_by_label("Cancel the import").click();
+        screen.run_steps(2);
+        assert_eq!(scenario(&screen), &before);
+    }
+}
+
+#[test]
+fn the_meaning_of_a_column_can_be_changed_before_and_after() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    drop_file(&mut screen, "volts.csv", &dialects()[4].1);
+    set(&mut screen, "Sample rate", 20.0);
+    choose(&mut screen, "Meaning of V2", "velocity");
+    screen.run_steps(10);
+    screen.get_by_label("Open the record").click();
+    // A change that lasts for a second is one that can be taken back.
+    screen.run_steps(90);
+    assert_eq!(screen.state().session().problem(), None);
+    assert_eq!(screen.state().session().sensors(), [Quantity::VELOCITY]);
+    screen.get_by_label("Columns…").click();
+    screen.run_steps(3);
+    choose(&mut screen, "Meaning of V2", "displacement");
+    screen.run_steps(10);
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(90);
+    assert_eq!(screen.state().session().sensors(), [Quantity::DISPLACEMENT]);
+    // Each change can be taken back.
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    screen.run_steps(6);
+    assert_eq!(screen.state().session().sensors(), [Quantity::VELOCITY]);
+}
+
+#[test]
+fn one_key_compares_a_held_input_with_a_linear_one() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    drop_file(&mut screen, "trailing.csv", &dialects()[0].1);
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    assert_eq!(scenario(&screen).hold, Hold::First);
+    screen.key_press(Key::H);
+    screen.run_steps(6);
+    assert_eq!(scenario(&screen).hold, Hold::Zero);
+    assert_eq!(screen.state().session().run().record().hold(), Hold::Zero);
+    screen.key_press(Key::H);
+    screen.run_steps(6);
+    let gains = |screen: &Screen| {
+        let filters = scenario(screen).filters.iter();
+        filters.filter(|filter| filter.augment.contains(&Channel::INPUT_GAIN)).count()
+    };
+    let before = gains(&screen);
+    screen.key_press(Key::G);
+    screen.run_steps(6);
+    assert_eq!(gains(&screen), 2 - before);
+    screen.key_press(Key::G);
+    screen.run_steps(6);
+    assert_eq!(gains(&screen), before);
+}
+
+#[test]
+fn a_scenario_waits_for_its_file_and_goes_on_when_it_comes() {
+    let (name, bytes) = &dialects()[0];
+    let mut first = screen(DESKTOP, Theme::Light);
+    drop_file(&mut first, name, bytes);
+    first.get_by_label("Open the record").click();
+    first.run_steps(6);
+    let scenario = first.state().session().scenario().to_toml().expect("it can be written");
+    let checksum = first.state().session().run().checksum();
+    let mut second = screen(DESKTOP, Theme::Light);
+    drop_file(&mut second, "scenario.toml", scenario.as_bytes());
+    let problem = second.state().session().problem().expect("the file is missing").to_owned();
+    assert!(problem.contains(name) && problem.contains("drop"), "{problem}");
+    second.state_mut().session_mut().set_mode(Mode::Whole);
+    drop_file(&mut second, "another name.csv", bytes);
+    second.run_steps(6);
+    assert!(second.query_by_label("Open a measured record").is_none(), "nothing is to be asked");
+    assert_eq!(second.state().session().problem(), None);
+    assert_eq!(second.state().session().run().checksum(), checksum);
+}
+
+#[test]
+fn models_are_tested_on_a_record_that_they_have_not_seen() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let (name, bytes) = &dialects()[0];
+    drop_file(&mut screen, name, bytes);
+    assert!(screen.query_by_label("Test the models on it").is_none(), "there is nothing to test yet");
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    // The second half of the same record, as another file.
+    let text = String::from_utf8(bytes.clone()).expect("text");
+    let lines: Vec<&str> = text.lines().collect();
+    let half = [&lines[..1], &lines[401..]].concat().join("\n");
+    drop_file(&mut screen, "other.csv", half.as_bytes());
+    screen.get_by_label("Test the models on it").click();
+    screen.run_steps(6);
+    assert!(screen.query_by_label("Open a measured record").is_none());
+    let session = screen.state().session();
+    let fit = session.held_out_fit(0, 0).expect("a fit");
+    assert!(fit.percent > 80.0 && fit.readings < 401, "{fit:?}");
+    assert_eq!(session.library().held_out().map(|(name, _)| name), Some("other.csv"));
+    // A file of another kind is refused in a sentence.
+    drop_file(&mut screen, "strange.csv", b"a,b\n1,2\n2,1\n3,3\n");
+    screen.get_by_label("Test the models on it").click();
+    screen.run_steps(6);
+    assert!(screen.state().notice().is_some_and(|notice| notice.contains("there is no column")));
+}
+
+#[test]
+fn band_pass_and_decimation_show_what_they_do() {
+    let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
+    drop_file(&mut screen, "trailing.csv", &dialects()[0].1);
+    screen.get_by_label("Part, band and rate").click();
+    screen.run_steps(30);
+    assert!(screen.query_by_label("Plot of the spectrum before and after").is_none());
+    set(&mut screen, "Keep one of every", 2.0);
+    screen.get_by_label("band-pass").click();
+    screen.run_steps(3);
+    set(&mut screen, "Band to [Hz]", 3.0);
+    screen.get_by_label("Plot of the spectrum before and after");
+    screen.get_by_label("401 samples from 0 s to 40 s, 0.1 s apart (10 Hz)");
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    check_result(&screen, "decimated");
+}

@@ -1,0 +1,273 @@
+//! Links: what one screen shows, another shows too.
+
+use std::collections::BTreeMap;
+use std::process::Command;
+
+use egui::{Event, OutputCommand};
+use kalmanscope::share::MARK;
+use serde_json::{Value, json};
+
+use super::*;
+
+/// The text that the last frame has copied.
+fn copied(screen: &Screen) -> Option<String> {
+    screen.output().platform_output.commands.iter().find_map(|command| match command {
+        OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    })
+}
+
+/// Presses C, and returns the text that is copied.
+fn copy(screen: &mut Screen) -> String {
+    // In a single frame: the next one has other output.
+    screen.input_mut().events.push(Event::Key {
+        key: Key::C,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    });
+    screen.step();
+    copied(screen).expect("a link is copied")
+}
+
+fn paste(screen: &mut Screen, text: &str) {
+    screen.event(Event::Paste(text.to_owned()));
+    screen.run_steps(4);
+}
+
+fn checksum(screen: &Screen) -> u64 {
+    screen.state().session().run().checksum()
+}
+
+/// A screen that differs from a new one in every part that a link has.
+fn unusual(mode: Mode) -> Screen {
+    let mut screen = screen(DESKTOP, Theme::Dark);
+    let state = screen.state_mut();
+    let mut scenario = Scenario::default();
+    (scenario.seed, scenario.duration, scenario.filters[1].fading) = (77, 20.0, 1.02);
+    state.session_mut().set_scenario(scenario);
+    *state.layout_mut() = Layout::column(&[ViewKind::States, ViewKind::Phase, ViewKind::Innovations]);
+    state.session_mut().set_mode(mode);
+    state.session_mut().pause();
+    state.session_mut().seek(13.37);
+    screen.run_steps(4);
+    screen
+}
+
+#[test]
+fn another_screen_shows_the_same_picture_with_the_same_bits() {
+    for mode in [Mode::Live, Mode::Whole] {
+        let mut one = unusual(mode);
+        let link = copy(&mut one);
+        assert!(link.starts_with(MARK) && link.len() < 400, "{} characters: {link}", link.len());
+        let notice = one.state().notice().expect("it is said");
+        assert_eq!(notice, "A link to this picture is in the clipboard.");
+
+        let mut other = screen(DESKTOP, Theme::Light);
+        assert_ne!(checksum(&other), checksum(&one));
+        paste(&mut other, &format!(" https://example.org/kalmanscope/{link}\n"));
+        assert_eq!(other.state().notice(), None);
+        assert_eq!(other.state().picture(), one.state().picture());
+        assert_eq!(checksum(&other), checksum(&one));
+        let session = other.state().session();
+        assert_eq!((session.mode(), session.position(), session.playing()), (mode, 1337, false));
+        assert_eq!(copy(&mut other), link, "the link to the picture of a link is that link");
+    }
+}
+
+#[test]
+fn the_menu_copies_a_link_of_the_page() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    *screen.state_mut() = App::with_scenario(Scenario::default()).expect("it runs").at_page("https://example.org/k/");
+    screen.run_steps(2);
+    screen.get_by_label("Scenario").click();
+    screen.run_steps(3);
+    screen.get_by_label("Copy link").click();
+    let link = (0..4).find_map(|_| {
+        screen.step();
+        copied(&screen)
+    });
+    let link = link.expect("a link is copied");
+    assert!(link.starts_with(&format!("https://example.org/k/{MARK}1.")), "{link}");
+}
+
+#[test]
+fn undo_brings_the_settings_before_a_link_back() {
+    let link = copy(&mut unusual(Mode::Live));
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let before = scenario(&screen).clone();
+    paste(&mut screen, &link);
+    assert_eq!(scenario(&screen).seed, 77);
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    screen.run_steps(4);
+    assert_eq!(scenario(&screen), &before);
+}
+
+#[test]
+fn a_link_that_cannot_be_opened_is_one_sentence_and_changes_nothing() {
+    let link = copy(&mut unusual(Mode::Live));
+    let mut screen = unusual(Mode::Whole);
+    let before = (screen.state().picture(), checksum(&screen));
+    let cut = link[..link.len() - 5].to_owned();
+    for (address, sentence) in [
+        (cut, "The link cannot be opened: it is damaged: a part of it is missing or changed."),
+        (link.replace("=1.", "=3."), "it is of version 3, and this program reads links up to version 1."),
+        (format!("{MARK}{}", "A".repeat(100_000)), "it has 100000 characters, and a link has at most 16384."),
+        ("?lesson=none".to_owned(), "There is no lesson “none”. The lessons are recursive-estimation, "),
+        (
+            "?lesson=sudden-loss&step=9".to_owned(),
+            "There is no step “9” of the lesson “sudden-loss”: it has the steps 1 to ",
+        ),
+        ("?scenario=<b>".to_owned(), "There is no scenario “<b>”. The scenarios are forgetting, stiffness-loss, "),
+    ] {
+        paste(&mut screen, &address);
+        let notice = screen.state().notice().expect("it is said").to_owned();
+        assert!(notice.contains(sentence), "{notice}");
+        assert_eq!((screen.state().picture(), checksum(&screen)), before, "{address}");
+    }
+    screen.get_by_label("Dismiss").click();
+    screen.run_steps(3);
+    paste(&mut screen, "a text that is no address");
+    assert_eq!(screen.state().notice(), None);
+    assert_eq!((screen.state().picture(), checksum(&screen)), before);
+}
+
+#[test]
+fn an_address_opens_a_lesson_or_a_scenario() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    paste(&mut screen, "https://example.org/?scenario=duffing");
+    assert_eq!(scenario(&screen).plant.kind, PlantKind::DUFFING);
+    for name in ["10-sudden-loss", "sudden-loss"] {
+        paste(&mut screen, &format!("https://example.org/?lesson={name}&step=2"));
+        screen.get_by_label_contains("2 of ");
+        paste(&mut screen, "?scenario=duffing");
+    }
+}
+
+/// A message of a page, the frame that follows it, and the answer.
+fn send(screen: &mut Screen, message: &Value) -> Option<Value> {
+    let taken = screen.state_mut().take_message(&message.to_string());
+    screen.run_steps(3);
+    match taken {
+        Ok(message) => Some(screen.state().answer_message(&message)),
+        Err(refusal) => refusal.answer(),
+    }
+}
+
+#[test]
+fn a_page_sets_and_reads_the_picture_by_messages() {
+    let link = copy(&mut unusual(Mode::Live));
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let answer = send(&mut screen, &json!({ "kalmanscope": 1, "id": 7, "set": { "link": link } }));
+    assert_eq!(answer, Some(json!({ "kalmanscope": 1, "id": 7, "set": true })));
+    let answer = send(&mut screen, &json!({ "kalmanscope": 1, "get": "link" })).expect("it is answered");
+    assert_eq!((&answer["link"], &answer["id"]), (&json!(link), &Value::Null));
+
+    let set = json!({ "scenario": "duffing", "mode": "whole", "speed": 0.5, "time": 3.25, "playing": false });
+    send(&mut screen, &json!({ "kalmanscope": 1, "set": set }));
+    let answer = send(&mut screen, &json!({ "kalmanscope": 1, "id": "a", "get": "state" })).expect("it is answered");
+    let state: BTreeMap<String, Value> = serde_json::from_value(answer["state"].clone()).expect("it is an object");
+    let session = screen.state().session();
+    assert_eq!((answer["id"].as_str(), session.speed()), (Some("a"), 0.5));
+    assert_eq!((state["mode"].as_str(), state["time"].as_f64()), (Some("whole"), Some(3.25)));
+    assert_eq!((&state["playing"], state["samples"].as_u64()), (&json!(false), Some(session.run().len() as u64)));
+    assert_eq!(state["checksum"].as_str().expect("it is text"), format!("{:016x}", checksum(&screen)));
+    let names: Vec<_> = state["filters"].as_array().expect("a list").iter().map(|it| it["name"].as_str()).collect();
+    assert_eq!(names, scenario(&screen).filters.iter().map(|it| Some(it.name.as_str())).collect::<Vec<_>>());
+
+    let answer = send(&mut screen, &json!({ "kalmanscope": 1, "get": "scenario" })).expect("it is answered");
+    let read = Scenario::from_toml(answer["scenario"].as_str().expect("it is text")).expect("it is valid");
+    assert_eq!(&read, scenario(&screen));
+    let mut longer = read;
+    longer.seed = 5;
+    let toml = longer.to_toml().expect("it can be written");
+    send(&mut screen, &json!({ "kalmanscope": 1, "set": { "toml": toml } }));
+    assert_eq!(scenario(&screen), &longer);
+    send(&mut screen, &json!({ "kalmanscope": 1, "set": { "lesson": "sudden-loss", "step": 2 } }));
+    screen.get_by_label_contains("2 of ");
+}
+
+#[test]
+fn hostile_messages_change_nothing_and_have_a_reason() {
+    let mut screen = unusual(Mode::Live);
+    let before = (screen.state().picture(), checksum(&screen));
+    for (set, reason) in [
+        (json!({ "scenario": "none" }), "There is no scenario “none”"),
+        (json!({ "lesson": "sudden-loss", "step": 0 }), "There is no step “0”"),
+        (json!({ "step": 1 }), "needs a `lesson`"),
+        (json!({ "link": "https://example.org/" }), "must have `#link=` in it"),
+        (json!({ "link": "#link=1.AAAA" }), "it is damaged"),
+        (json!({ "toml": "dt = -1" }), "`dt` is -1"),
+        (json!({ "scenario": "duffing", "lesson": "sudden-loss" }), "at most one of"),
+        (json!({ "time": -1 }), "`time` must be 0 or more"),
+        (json!({ "speed": 1e9 }), "`speed` must be from"),
+        (json!({ "mode": "fast" }), "unknown variant `fast`"),
+        (json!({ "playing": "yes" }), "expected a boolean"),
+        (json!({ "html": "<script>" }), "unknown field `html`"),
+        (json!([]), "must be an object"),
+    ] {
+        let message = json!({ "kalmanscope": 1, "id": 3, "set": set });
+        let answer = send(&mut screen, &message).expect("it is answered");
+        let error = answer["error"].as_str().expect("it is refused");
+        assert!(error.contains(reason) && answer["id"] == 3, "{message}: {error}");
+        assert_eq!((screen.state().picture(), checksum(&screen)), before, "{message}");
+    }
+    for message in [
+        json!({ "kalmanscope": 2, "get": "state" }),
+        json!({ "kalmanscope": 1, "get": "everything" }),
+        json!({ "kalmanscope": 1 }),
+        json!({ "kalmanscope": 1, "get": "state", "set": {} }),
+        json!({ "kalmanscope": 1, "get": "state", "more": 1 }),
+    ] {
+        let answer = send(&mut screen, &message).expect("it is answered");
+        assert!(answer["error"].as_str().is_some_and(|error| error.len() > 20), "{message}: {answer}");
+    }
+    let long = "x".repeat(70_000);
+    for message in [json!(1), json!(null), json!([1]), json!({ "type": "webpack" }), json!({ "a": long })] {
+        let refusal = screen.state_mut().take_message(&message.to_string()).expect_err("it is not ours");
+        assert_eq!(refusal.answer(), None, "what is not ours gets no answer");
+        assert!(refusal.reason.ends_with('.'), "{}", refusal.reason);
+    }
+    let id = json!({ "kalmanscope": 1, "id": "x".repeat(200), "get": "link" });
+    assert_eq!(send(&mut screen, &id).expect("it is answered")["id"], Value::Null, "a long name is not repeated");
+}
+
+#[test]
+fn an_embedded_screen_has_plots_and_transport_only_and_leaves_the_saved_session() {
+    let mut screen = Harness::builder()
+        .with_size(Vec2::new(700.0, 420.0))
+        .build_eframe(|creation| App::embedded(creation).expect("the default scenario can be run"));
+    screen.run_steps(3);
+    for label in ["Play", "Pause"] {
+        if let Some(button) = screen.query_by_label(label) {
+            assert!(button.rect().top() < 60.0);
+        }
+    }
+    for label in ["Time", "Explore", "Live", "Whole record"] {
+        screen.get_by_label(label);
+    }
+    for label in ["Settings", "Scenario", "Views", "Lessons", "Presenter mode", "Undo"] {
+        assert!(screen.query_by_label(label).is_none(), "{label}");
+    }
+    screen.key_press(Key::S);
+    screen.run_steps(3);
+    assert!(screen.query_by_label("Record").is_none(), "there are no settings");
+    let mut memory = Memory::default();
+    screen.state_mut().save(&mut memory);
+    assert_eq!(memory.get_string("kalmanscope"), None);
+}
+
+#[test]
+fn the_program_says_why_its_argument_cannot_be_opened() {
+    for (argument, sentence) in [
+        ("https://example.org/#link=1.AAAA", "error: The link cannot be opened: it is damaged"),
+        ("?scenario=none", "error: There is no scenario “none”"),
+        ("file.toml", "usage: kalmanscope [LINK]"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_kalmanscope")).arg(argument).output().expect("it can be started");
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(message.starts_with(sentence), "{message}");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{argument}");
+    }
+}
