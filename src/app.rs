@@ -2,6 +2,7 @@
 
 mod apply;
 mod embed;
+mod export;
 mod import;
 mod lesson;
 pub mod link;
@@ -13,6 +14,7 @@ use kalmanscope_core::{Estimates, RunError, Scenario};
 use kalmanscope_lessons::BuiltIn;
 
 use crate::drop;
+use crate::export::Deliver;
 use crate::import::Import;
 use crate::keys;
 use crate::layout::Layout;
@@ -59,6 +61,8 @@ pub struct App {
     importing: Option<Import>,
     /// A message, until it is dismissed.
     notice: Option<Notice>,
+    /// The way to the user's files; none where there is none.
+    deliver: Option<Deliver>,
     /// The address at which links begin; empty where no page is known.
     page: String,
     /// Whether another page embeds this one, which shows plots and transport only.
@@ -147,6 +151,7 @@ impl App {
             inviting: false,
             notice: None,
             importing: None,
+            deliver: None,
             page: link::PAGE.unwrap_or_default().to_owned(),
             embedded: false,
             unreadable: None,

@@ -4,6 +4,7 @@ use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, PopupCloseBehavior, RichText, Ui};
 use kalmanscope_lessons::BUILT_IN;
 
+use crate::export_menu;
 use crate::layout::Layout;
 use crate::probe;
 use crate::request::{Arrangement, Request, ViewKind};
@@ -54,6 +55,7 @@ impl Bar<'_> {
             scenario_menu_ui(ui, session, requests);
             views_menu_ui(ui, layout, requests);
             tutor::menu_ui(ui, catalogue, requests);
+            export_menu::menu_ui(ui, narrow, requests);
             more_menu_ui(ui, presenting, requests);
             if !narrow {
                 history_ui(ui, history, requests);

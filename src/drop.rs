@@ -1,4 +1,4 @@
-//! Files dropped on the window: lessons, scenarios and measured records.
+//! Files dropped on the window: lessons, scenarios, sessions and measured records.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -8,6 +8,7 @@ use kalmanscope_lessons::File as Contents;
 
 use crate::import;
 use crate::request::{RawFile, Request};
+use crate::session_file;
 
 /// Limits the size of a dropped file \[bytes\].
 pub const LARGEST: usize = import::LARGEST;
@@ -25,6 +26,9 @@ pub(crate) fn dropped(ctx: &Context, requests: &mut Vec<Request>) {
 
 /// The request to open a file of this name, or to say why it cannot be opened.
 pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
+    if let Some(session) = bytes.as_ref().ok().and_then(|bytes| session_file::read(bytes)) {
+        return session.map_or_else(|error| refused(name, &error), |saved| Request::OpenSession(Box::new(saved)));
+    }
     let bytes = match bytes {
         Ok(bytes) if bytes.len() > LARGEST => Err(TOO_LARGE.to_owned()),
         Ok(bytes) if !is_toml(name) => return Request::ImportFile(Box::new(RawFile { name: name.to_owned(), bytes })),
@@ -34,10 +38,14 @@ pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
     match opened {
         Ok(Contents::Lesson(lesson)) => Request::StudyLesson(Box::new(lesson)),
         Ok(Contents::Scenario(scenario)) => Request::OpenScenario(Box::new(scenario)),
-        Err(reason) => {
-            Request::Report(format!("“{name}” cannot be opened: {}.", reason.trim_end_matches(['.', '\n', ' '])))
-        }
+        Err(reason) => refused(name, &reason),
     }
+}
+
+/// The request to say why a file cannot be opened.
+fn refused(name: &str, reason: &impl ToString) -> Request {
+    let reason = reason.to_string();
+    Request::Report(format!("“{name}” cannot be opened: {}.", reason.trim_end_matches(['.', '\n', ' '])))
 }
 
 /// The file's name without its folder.

@@ -52,6 +52,7 @@ const SHORTCUTS: &[Shortcut] = &[
     plain("P", "presenter mode: large type", &[Key::P], |_| Request::TogglePresenter),
     plain("Page down", "the next view alone, then all", &[Key::PageDown], |_| Request::TurnView(true)),
     plain("Page up", "the view before", &[Key::PageUp], |_| Request::TurnView(false)),
+    plain("E", "export: figures and files", &[Key::E], |_| Request::ToggleExports),
     plain("?", "this list", &[Key::Questionmark], |_| Request::ToggleKeys),
     plain("Esc", "leave this list, stop computing, or leave an enlarged view", &[Key::Escape], |_| Request::Leave),
     Shortcut {

@@ -1,5 +1,7 @@
 //! The views on screen and their places: a tree of tiles, as data.
 
+use std::collections::BTreeSet;
+
 use egui::Id;
 use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
@@ -28,6 +30,12 @@ impl Layout {
     /// A ready-made arrangement.
     pub fn of(arrangement: Arrangement) -> Self {
         Self { tree: tree(rows(arrangement)), enlarged: None }
+    }
+
+    /// The tiles of a file; none where a walk over them would not come to an end.
+    pub(crate) fn of_tree(tree: Tree<ViewKind>) -> Option<Self> {
+        let layout = Self { tree, enlarged: None };
+        layout.is_sound().then_some(layout)
     }
 
     /// Views one below the other, the first with the most space; a plane is beside the view before it.
@@ -61,7 +69,26 @@ impl Layout {
 
     /// The views that are shown, from top to bottom and left to right.
     pub(crate) fn in_order(&self) -> Vec<ViewKind> {
-        let mut to_come: Vec<TileId> = self.tree.root().into_iter().collect();
+        self.tree.root().map_or_else(Vec::new, |root| self.panes(root))
+    }
+
+    /// The views in sight in rows, from top to bottom; those of a row from left to right.
+    pub(crate) fn rows(&self) -> Vec<Vec<ViewKind>> {
+        if let Some(view) = self.enlarged {
+            return vec![vec![view]];
+        }
+        let Some(root) = self.tree.root() else { return Vec::new() };
+        match self.tree.tiles.get(root) {
+            Some(Tile::Container(Container::Linear(linear))) if linear.dir == LinearDir::Vertical => {
+                linear.children.iter().map(|row| self.panes(*row)).collect()
+            }
+            _ => vec![self.panes(root)],
+        }
+    }
+
+    /// The views of a tile, from left to right.
+    fn panes(&self, tile: TileId) -> Vec<ViewKind> {
+        let mut to_come = vec![tile];
         let mut views = Vec::new();
         while let Some(id) = to_come.pop() {
             match self.tree.tiles.get(id) {
@@ -71,6 +98,21 @@ impl Layout {
             }
         }
         views
+    }
+
+    /// Whether every tile has one place, so that a walk over them comes to an end.
+    fn is_sound(&self) -> bool {
+        let mut met = BTreeSet::new();
+        let mut to_come: Vec<TileId> = self.tree.root().into_iter().collect();
+        while let Some(id) = to_come.pop() {
+            if !met.insert(id.0) {
+                return false;
+            }
+            if let Some(Tile::Container(container)) = self.tree.tiles.get(id) {
+                to_come.extend(container.children_vec());
+            }
+        }
+        true
     }
 
     /// The tiles.

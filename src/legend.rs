@@ -1,6 +1,6 @@
 //! The legend of all plots; a click shows or hides an entry.
 
-use egui::{Button, Color32, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
+use egui::{Button, Color32, Painter, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
 
 use crate::request::{LegendEntry, Request, ViewKind};
 use crate::session::Session;
@@ -9,8 +9,9 @@ use crate::trouble::{Trouble, troubles};
 use crate::verdict::chip_ui;
 use crate::visibility::Visibility;
 
+/// The sample of an entry.
 #[derive(Clone, Copy)]
-enum Mark {
+pub(crate) enum Mark {
     Line,
     Dots,
     Band,
@@ -91,8 +92,18 @@ fn entry_ui(ui: &mut Ui, name: &str, mark: Mark, color: Color32, on: bool) -> bo
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, on, format!("Show {name}")));
     let color = if on { color } else { color.gamma_multiply(0.3) };
-    let sample = egui::Rect::from_center_size(rect.left_center() + Vec2::new(10.0, 0.0), Vec2::new(20.0, 10.0));
+    let sample = Rect::from_center_size(rect.left_center() + Vec2::new(10.0, 0.0), Vec2::new(20.0, 10.0));
+    paint_mark(ui.painter(), sample, mark, color);
     let painter = ui.painter();
+    painter.galley(egui::pos2(rect.left() + 26.0, rect.center().y - galley.size().y / 2.0), galley, text_color);
+    if response.has_focus() {
+        painter.rect_stroke(rect.expand(2.0), 3.0, ui.visuals().selection.stroke, StrokeKind::Outside);
+    }
+    response.on_hover_text(if on { "Click to hide" } else { "Click to show" }).clicked()
+}
+
+/// Paints the sample of an entry.
+pub(crate) fn paint_mark(painter: &Painter, sample: Rect, mark: Mark, color: Color32) {
     match mark {
         Mark::Line => {
             painter.hline(sample.x_range(), sample.center().y, Stroke::new(2.0, color));
@@ -110,9 +121,4 @@ fn entry_ui(ui: &mut Ui, name: &str, mark: Mark, color: Color32, on: bool) -> bo
             painter.hline(sample.x_range(), sample.center().y, Stroke::new(2.0, color));
         }
     }
-    painter.galley(egui::pos2(rect.left() + 26.0, rect.center().y - galley.size().y / 2.0), galley, text_color);
-    if response.has_focus() {
-        painter.rect_stroke(rect.expand(2.0), 3.0, ui.visuals().selection.stroke, StrokeKind::Outside);
-    }
-    response.on_hover_text(if on { "Click to hide" } else { "Click to show" }).clicked()
 }

@@ -20,6 +20,7 @@ mod native {
     use eframe::NativeOptions;
     use egui::{IconData, ViewportBuilder};
     use kalmanscope::App;
+    use kalmanscope::export::folder;
     use kalmanscope::share::address::{self, Target};
     use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
     use kalmanscope_core::{Analysis, Scenario, Wanted};
@@ -75,7 +76,7 @@ mod native {
             .with_icon(icon());
         let options = NativeOptions { viewport, ..NativeOptions::default() };
         let creator: eframe::AppCreator<'_> = Box::new(|creation| {
-            let mut app = App::new(creation)?;
+            let mut app = App::new(creation)?.delivering(Box::new(folder::write));
             if let Some(address) = address {
                 app.open_address(&address);
             }
@@ -121,6 +122,7 @@ mod native {
 
 #[cfg(target_arch = "wasm32")]
 mod web {
+    mod download;
     mod messages;
     mod tables;
 
@@ -268,7 +270,8 @@ mod web {
         let creator: eframe::AppCreator<'static> = Box::new(move |creation| {
             let embedded = address::is_embedded(&address);
             let app = if embedded { kalmanscope::App::embedded(creation)? } else { kalmanscope::App::new(creation)? };
-            let mut app = app.on_cleared_window().at_page(address::page(&address));
+            let mut app =
+                app.on_cleared_window().delivering(Box::new(download::download)).at_page(address::page(&address));
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }

@@ -18,6 +18,7 @@ mod item;
 mod labels;
 pub(crate) mod layers;
 mod marks;
+pub(crate) mod medium;
 pub(crate) mod plane;
 mod projection;
 mod range;

@@ -113,6 +113,64 @@ pub enum Request {
     ToggleMark(End),
     /// Take both marks away.
     ClearMarks,
+    /// Write what is on screen to a file.
+    Export(Export),
+    /// Open or close the menu of exports.
+    ToggleExports,
+    /// Restore a session from a file.
+    OpenSession(Box<SavedScreen>),
+}
+
+/// A session as a file keeps it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedScreen {
+    /// The scenario, with the meaning of a measured record's columns.
+    pub scenario: Scenario,
+    /// Whether the record was shown as it grows, or whole.
+    pub mode: Mode,
+    /// Simulated seconds per second.
+    pub speed: f64,
+    /// The time at which playback stood, after the start \[s\].
+    pub time: f64,
+    /// The views.
+    pub tree: Tree<ViewKind>,
+}
+
+/// A file that leaves the explorer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Export {
+    /// The views on screen.
+    Figure(FigureFormat, Picture),
+    /// Every estimate of every filter, as CSV.
+    Estimates,
+    /// The record, as CSV.
+    Record,
+    /// The scenario, as TOML.
+    Scenario,
+    /// Scenario, record, estimates and diagnosis, as one JSON.
+    All,
+    /// Scenario, layout and playback, to be opened again.
+    Session,
+}
+
+/// The size and style of a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FigureFormat {
+    /// One column of a journal.
+    Column,
+    /// The full width of a journal's page.
+    Page,
+    /// A slide, 16:9.
+    Slide,
+}
+
+/// The kind of a picture's file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Picture {
+    /// Outlines and text.
+    Svg,
+    /// Pixels.
+    Png,
 }
 
 /// A file as it is.

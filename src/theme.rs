@@ -22,6 +22,11 @@ pub fn strong() -> FontFamily {
     FontFamily::Name(fonts::STRONG.into())
 }
 
+/// The text style of the symbols above plots.
+pub fn symbol() -> TextStyle {
+    TextStyle::Name("symbol".into())
+}
+
 /// The text style of the numbers above plots.
 pub fn readout() -> TextStyle {
     TextStyle::Name("readout".into())
@@ -45,6 +50,11 @@ pub fn enlarge_readouts(ctx: &egui::Context, large: bool) {
     });
 }
 
+/// Gives all text one size, for a figure \[points\].
+pub(crate) fn level_text(ctx: &egui::Context, size: f32) {
+    ctx.all_styles_mut(|style| style.text_styles.values_mut().for_each(|font| font.size = size));
+}
+
 /// Size of the numbers above plots, and in a lecture hall \[points\].
 const READOUT: (f32, f32) = (11.5, 20.0);
 
@@ -58,6 +68,7 @@ fn restyle(style: &mut egui::Style, theme: Theme) {
         (TextStyle::Small, proportional(11.5)),
         (TextStyle::Monospace, proportional(13.0)),
         (readout(), proportional(READOUT.0)),
+        (symbol(), FontId::new(15.0, strong())),
     ]
     .into();
     style.spacing.item_spacing = Vec2::new(7.0, 5.0);

@@ -6,6 +6,8 @@ mod accessible;
 mod driver;
 #[path = "browser/embed.rs"]
 mod embed;
+#[path = "browser/export.rs"]
+mod export;
 #[path = "browser/frames.rs"]
 mod frames;
 #[path = "browser/loading.rs"]
@@ -53,6 +55,7 @@ fn the_page_works_in_a_browser() {
         computes_the_same_bits_as_this_machine(&page).await;
         accessible::tables_tell_what_the_canvas_shows(&page).await;
         a_slider_moves_the_estimates(&page).await;
+        export::a_figure_is_downloaded(&page, &driver.downloads()).await;
         page.resize(390, 844).await;
         draws(&page, &pictures.join("phone.png")).await;
         reports_no_problems(&page, &address).await;

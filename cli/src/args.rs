@@ -17,6 +17,8 @@ pub(crate) struct CommandLine {
 pub(crate) enum Command {
     /// Run a scenario to its end and print the results of each filter
     Run(RunArgs),
+    /// Run a scenario and write its results as one page for a browser or a printer
+    Report(ReportArgs),
     /// Look at a measured record and write a scenario for it: its columns, and start values from its data
     Import(ImportArgs),
     /// Read a lesson and try each of its claims on several records
@@ -32,8 +34,9 @@ pub(crate) struct LessonArgs {
     pub(crate) seeds: u64,
 }
 
+/// The source of a run's samples.
 #[derive(Debug, Args)]
-pub(crate) struct RunArgs {
+pub(crate) struct SourceArgs {
     /// The scenario, a TOML file; `-` for standard input
     pub(crate) scenario: PathBuf,
     /// Filter this record instead of simulating one: a file with columns of numbers, whose meaning is that of `[record]` in
@@ -52,6 +55,12 @@ pub(crate) struct RunArgs {
     /// Seed of the random numbers, instead of the scenario's; has no effect with --record
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    #[command(flatten)]
+    pub(crate) source: SourceArgs,
     /// Write every estimate of every filter
     #[arg(long, value_name = "ESTIMATES.csv")]
     pub(crate) out: Option<PathBuf>,
@@ -65,6 +74,15 @@ pub(crate) struct RunArgs {
     /// not-identifiable, underconfident, overconfident, wound-up, collapsed, lost, diverged
     #[arg(long, value_name = "VERDICTS", value_delimiter = ',', value_parser = verdict)]
     pub(crate) fail_on: Vec<VerdictKind>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ReportArgs {
+    #[command(flatten)]
+    pub(crate) source: SourceArgs,
+    /// The report to write
+    #[arg(long, value_name = "REPORT.html")]
+    pub(crate) out: PathBuf,
 }
 
 #[derive(Debug, Args)]

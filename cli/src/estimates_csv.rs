@@ -2,12 +2,13 @@
 
 use std::io::Write;
 
-use kalmanscope_core::{Channel, Estimates, Run};
+use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
 
 /// Writes one row per filter and sample, first the filters, then the smoothers, under the header `filter, k, t`, the
-/// means and standard deviations of all channels of truth and filters, `nis, log_likelihood`. Numbers have 17
-/// significant digits, so that every bit survives; undefined values are `nan`. Means are in canonical form
-/// ([`Estimates::canonical_mean`]), as in the table.
+/// means and standard deviations of all channels of truth and filters, `nis, log_likelihood`, and for each sensor
+/// `innovation_`, `innovation_std_` and `predicted_`: the innovation, the root of its variance in S, and the reading that
+/// the filter predicted. Numbers have 17 significant digits, so that every bit survives; undefined values are `nan`. Means
+/// are in canonical form ([`Estimates::canonical_mean`]), as in the table.
 ///
 /// # Errors
 /// [`csv::Error`] where `output` cannot be written.
@@ -17,13 +18,20 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
     let means = channels.iter().map(|c| c.key().to_owned());
     let stds = channels.iter().map(|c| format!("std_{}", c.key()));
     let header = ["filter", "k", "t"].map(str::to_owned).into_iter().chain(means).chain(stds);
-    writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)))?;
+    let sensors = run.record().sensors();
+    let readings = ["innovation", "innovation_std", "predicted"].into_iter();
+    let readings = readings.flat_map(|what| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
+    writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)).chain(readings))?;
     for estimates in run.estimates().iter().chain(&run.smoothed()) {
         for k in 0..estimates.len() {
             writer.write_field(estimates.name())?;
             writer.write_field(k.to_string())?;
             writer.write_field(number(run.record().time(k)))?;
-            for value in values(estimates, &channels, k) {
+            let readings: Vec<Reading> = sensors.iter().map(|s| Reading::of(estimates, run.record(), *s, k)).collect();
+            let innovations = readings.iter().map(|reading| reading.innovation);
+            let stds = readings.iter().map(|reading| reading.std);
+            let predicted = readings.iter().map(|reading| reading.predicted);
+            for value in values(estimates, &channels, k).chain(innovations).chain(stds).chain(predicted) {
                 writer.write_field(number(value))?;
             }
             writer.write_record(None::<&[u8]>)?;
@@ -33,7 +41,31 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
     Ok(())
 }
 
-/// The numbers of one row, from the first mean on.
+/// A filter's view of one sensor at one sample; NaN where nothing was measured, or where it does not use the sensor.
+pub(crate) struct Reading {
+    /// The measurement less its prediction.
+    pub(crate) innovation: f64,
+    /// The standard deviation that the filter expects of it.
+    pub(crate) std: f64,
+    /// The prediction from all samples before.
+    pub(crate) predicted: f64,
+}
+
+impl Reading {
+    /// The view of the sensor of this quantity at sample `k`. A smoother predicts nothing.
+    pub(crate) fn of(estimates: &Estimates, record: &Record, sensor: Quantity, k: usize) -> Self {
+        let found = || {
+            let place = estimates.sensors().iter().position(|own| *own == sensor)?;
+            let innovation = *estimates.innovation(k).get(place)?;
+            let variance = *estimates.innovation_cov(k).get(place * (estimates.sensors().len() + 1))?;
+            let measured = record.measured_quantity(sensor)?[k];
+            Some(Self { innovation, std: variance.sqrt(), predicted: measured - innovation })
+        };
+        found().unwrap_or(Self { innovation: f64::NAN, std: f64::NAN, predicted: f64::NAN })
+    }
+}
+
+/// The numbers of one row, from the first mean to the likelihood.
 fn values(estimates: &Estimates, channels: &[Channel], k: usize) -> impl Iterator<Item = f64> {
     let mean = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.canonical_mean(k, place));
     let std = move |c: &Channel| estimates.place(*c).map_or(f64::NAN, |place| estimates.std(k, place));

@@ -12,9 +12,14 @@
 
 mod causes;
 mod estimates_csv;
+mod findings;
 mod free_run;
 mod number;
+#[cfg(feature = "plots")]
 mod plot;
+mod quality;
+#[cfg(feature = "plots")]
+mod report;
 mod table;
 mod timing;
 
@@ -25,7 +30,10 @@ use kalmanscope_core::{Record, Run, RunError, Scenario};
 pub use causes::causes;
 pub use estimates_csv::write_estimates;
 pub use free_run::free_runs;
+#[cfg(feature = "plots")]
 pub use plot::{PlotError, plot_svg, svg};
+#[cfg(feature = "plots")]
+pub use report::{ReportError, report};
 pub use table::table;
 pub use timing::step_times;
 

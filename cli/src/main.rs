@@ -7,8 +7,10 @@ mod args;
 mod import;
 mod input;
 mod lesson;
+mod prepared;
 mod record;
 mod run;
+mod write_report;
 
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -25,6 +27,8 @@ fn main() -> ExitCode {
             Ending::Stopped => ExitCode::FAILURE,
             Ending::Verdict => ExitCode::from(3),
         }),
+        Command::Report(args) => write_report::write_report(&args)
+            .map(|is_written| if is_written { ExitCode::SUCCESS } else { ExitCode::FAILURE }),
         Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
         Command::Lesson(args) => {
             lesson::lesson(&args).map(|holds| if holds { ExitCode::SUCCESS } else { ExitCode::FAILURE })

@@ -1,18 +1,20 @@
 //! Truth, measurements and estimates over time, as a picture.
 
 mod legend;
+mod panel;
 mod range;
 mod series;
 
 use std::io;
 use std::path::Path;
 
-use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
+use kalmanscope_core::{Estimates, Record, Run};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use thiserror::Error;
 
 use crate::number::plain;
+use panel::Panel;
 
 /// The reason why a picture could not be made.
 #[derive(Debug, Error)]
@@ -38,6 +40,8 @@ const WIDTH: u32 = 1100;
 const PLOT_HEIGHT: u32 = 240;
 /// Room for the time axis below the last plot.
 const TIME_HEIGHT: u32 = 48;
+/// Limits the plots of a page.
+const PER_PAGE: usize = 3;
 /// Limits the columns of a line, and the number of dots.
 const COLUMNS: usize = 750;
 const DOTS: usize = 1500;
@@ -68,7 +72,7 @@ const DOT_RADIUS: u32 = 3 * SCALE / 2;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Draws the channels of a run over one time axis and writes the picture to a file.
+/// Draws a run over one time axis and writes the picture to a file.
 ///
 /// # Errors
 /// [`PlotError`] where the file cannot be written.
@@ -77,13 +81,22 @@ pub fn plot_svg(run: &Run, path: &Path) -> Result<(), PlotError> {
 }
 
 /// Draws the channels of a run over one time axis, as the text of an SVG file: the truth in dark grey, measurements as
-/// dots, each filter's estimate as a line of its colour over its ±2σ band.
+/// dots, each filter's estimate as a line of its colour over its ±2σ band. Below them are the readings of sensors against
+/// their predictions, within ±2√S: of those that measure no channel, and of all where no truth is known.
 ///
 /// # Errors
 /// [`PlotError::Draw`] where the picture cannot be laid out.
 pub fn svg(run: &Run) -> Result<String, PlotError> {
-    let channels = run.channels();
-    let plots = channels.len() as u32;
+    draw(run, &Panel::all(run))
+}
+
+/// [`svg`] in pictures of a few plots each, which fit on pages of paper.
+pub(crate) fn pages(run: &Run) -> Result<Vec<String>, PlotError> {
+    Panel::all(run).chunks(PER_PAGE).map(|panels| draw(run, panels)).collect()
+}
+
+fn draw(run: &Run, panels: &[Panel]) -> Result<String, PlotError> {
+    let plots = panels.len() as u32;
     let legend_height = legend::height(run);
     let height = legend_height + plots * PLOT_HEIGHT + TIME_HEIGHT;
     let mut text = String::new();
@@ -94,10 +107,10 @@ pub fn svg(run: &Run) -> Result<String, PlotError> {
         legend::draw(run, &head)?;
         let (mut rest, mut area);
         rest = body;
-        for (i, &channel) in channels.iter().enumerate() {
-            let last = i + 1 == channels.len();
+        for (i, &panel) in panels.iter().enumerate() {
+            let last = i + 1 == panels.len();
             (area, rest) = rest.split_vertically((PLOT_HEIGHT + if last { TIME_HEIGHT } else { 0 }) * SCALE);
-            draw_channel(run, channel, &area, last)?;
+            draw_panel(run, panel, &area, last)?;
         }
         root.present()?;
     }
@@ -105,9 +118,9 @@ pub fn svg(run: &Run) -> Result<String, PlotError> {
     Ok(text.replacen(&drawn, &format!("width=\"{WIDTH}\" height=\"{height}\""), 1))
 }
 
-fn draw_channel(run: &Run, channel: Channel, area: &Area<'_>, with_time: bool) -> Result<(), PlotError> {
+fn draw_panel(run: &Run, panel: Panel, area: &Area<'_>, with_time: bool) -> Result<(), PlotError> {
     let record = run.record();
-    let range = range::of(run, channel);
+    let range = range::of(run, panel);
     let start = record.time(0);
     let end = record.time(record.len().saturating_sub(1)).max(start + record.dt());
     let mut chart = ChartBuilder::on(area)
@@ -117,7 +130,6 @@ fn draw_channel(run: &Run, channel: Channel, area: &Area<'_>, with_time: bool) -
         .set_label_area_size(LabelAreaPosition::Left, 84 * SCALE)
         .set_label_area_size(LabelAreaPosition::Bottom, if with_time { TIME_HEIGHT * SCALE } else { 8 * SCALE })
         .build_cartesian_2d(start..end, range.0..range.1)?;
-    let unit = if channel.unit().is_empty() { "-" } else { channel.unit() };
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
@@ -125,7 +137,7 @@ fn draw_channel(run: &Run, channel: Channel, area: &Area<'_>, with_time: bool) -
         .axis_style(TEXT.stroke_width(SCALE))
         .label_style(font(13))
         .axis_desc_style(font(15))
-        .y_desc(format!("{} {} [{unit}]", channel.name(), channel.symbol()))
+        .y_desc(panel.title())
         .y_labels(5)
         .y_label_formatter(&|y| plain(rounded(*y, range)))
         .x_labels(13)
@@ -134,35 +146,34 @@ fn draw_channel(run: &Run, channel: Channel, area: &Area<'_>, with_time: bool) -
         .set_all_tick_mark_size(4 * SCALE)
         .draw()?;
 
-    if let Some(values) = measurements(record, channel) {
+    if let Some(values) = panel.measured(record) {
         let seen = |k: &usize| (range.0..=range.1).contains(&values[*k]);
         let dot = |k| Circle::new((record.time(k), values[k]), DOT_RADIUS, MEASURED.mix(DOT_OPACITY).filled());
         chart.draw_series(series::thinned(record.len(), DOTS).filter(seen).map(dot))?;
     }
     let columns = COLUMNS.min(ALL_COLUMNS / run.estimates().len().max(1));
     for (estimates, color) in colored(run) {
-        let Some(place) = estimates.place(channel) else { continue };
-        let edges = |k| edges(record, estimates, place, k);
-        let outline = series::band(estimates.len(), columns, range, edges);
-        chart.draw_series([Polygon::new(outline, color.mix(BAND_OPACITY).filled())])?;
+        let Some(curve) = panel.curve(estimates, record) else { continue };
+        let edges = |k| edges(record, &curve, k);
+        let outlines = series::bands(estimates.len(), columns, range, edges).into_iter();
+        chart.draw_series(outlines.map(|outline| Polygon::new(outline, color.mix(BAND_OPACITY).filled())))?;
     }
-    if let Some(values) = record.truth(channel) {
+    if let Some(values) = panel.truth(record) {
         let line = series::line(record.len(), COLUMNS, |k| (record.time(k), values[k]));
         chart.draw_series(paths(&line, range, TRUTH.stroke_width(5 * SCALE / 2)))?;
     }
     for (estimates, color) in colored(run) {
-        let Some(place) = estimates.place(channel) else { continue };
-        let line = series::line(estimates.len(), columns, |k| (record.time(k), estimates.canonical_mean(k, place)));
+        let Some(curve) = panel.curve(estimates, record) else { continue };
+        let line = series::line(estimates.len(), columns, |k| (record.time(k), curve(k).0));
         chart.draw_series(paths(&line, range, color.stroke_width(5 * SCALE / 4)))?;
     }
     Ok(())
 }
 
 /// Time and the edges of the ±2σ band at sample `k`.
-fn edges(record: &Record, estimates: &Estimates, place: usize, k: usize) -> (f64, f64, f64) {
-    let mean = estimates.canonical_mean(k, place);
-    let spread = 2.0 * estimates.std(k, place);
-    (record.time(k), mean - spread, mean + spread)
+fn edges(record: &Record, curve: &panel::Curve<'_>, k: usize) -> (f64, f64, f64) {
+    let (mean, std) = curve(k);
+    (record.time(k), mean - 2.0 * std, mean + 2.0 * std)
 }
 
 /// A tick's value without rounding errors, so that `-0.0000000000000001` becomes zero.
@@ -177,12 +188,6 @@ fn paths(
     style: ShapeStyle,
 ) -> impl Iterator<Item = PathElement<(f64, f64)>> {
     series::clipped(line, range).into_iter().map(move |part| PathElement::new(part, style))
-}
-
-/// The measurements of a channel, if a sensor can measure it.
-fn measurements(record: &Record, channel: Channel) -> Option<&[f64]> {
-    let quantity = Quantity::all().iter().find(|q| q.channel() == Some(channel))?;
-    record.measured_quantity(*quantity)
 }
 
 fn font(size: u32) -> TextStyle<'static> {

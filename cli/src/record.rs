@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use kalmanscope_core::import::{self, Builder, Decimal, Delimiter, Dialect, Encoding, Imported, Mapping, Table};
 use kalmanscope_core::{RunError, Scenario};
 
-use crate::args::RunArgs;
+use crate::args::SourceArgs;
 use crate::input::{InputError, LARGEST, read_text};
 
 /// What a measured record takes the place of.
@@ -13,8 +13,8 @@ const OVERRIDDEN: &str =
     "dt, duration, force and the truth's numbers of the scenario have no effect on a measured record";
 
 /// The measured record of a run, if it has one, with sentences about its making. The scenario gets the mapping.
-pub(crate) fn measured(args: &RunArgs, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
-    let RunArgs { scenario: file, record, map, .. } = args;
+pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
+    let SourceArgs { scenario: file, record, map, .. } = source;
     if let Some(map) = map {
         let bad = |error| InputError::Scenario { file: map.clone(), error };
         scenario.record = Some(Mapping::from_toml(&read_text(map)?).map_err(bad)?);

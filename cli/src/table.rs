@@ -2,12 +2,14 @@
 
 use std::fmt::{self, Write as _};
 
-use kalmanscope_core::diagnosis::{Evidence, Finding};
-use kalmanscope_core::diagnostics::{Final, MeanSquare};
+use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnostics::Final;
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{Analysis, Channel, CramerRao, Diagnosis, Estimates, FilterKind, Run, Summary};
 
+use crate::findings::{evidence, likeliest};
 use crate::number::{deviation, plain, short, with_spread};
+use crate::quality::quality;
 
 /// The results of each filter as a table: the verdict with its evidence and causes, the last estimates ±2σ with units, their errors where the truth
 /// is known, σ over its Cramér-Rao bound, mean NIS and NEES with their 95 % intervals, the whiteness of the
@@ -45,12 +47,7 @@ fn write_table(
     if run.estimates().is_empty() {
         writeln!(text, "\nno filters")?;
     }
-    let filters = run.estimates().iter().zip(analysis.diagnostics()).enumerate();
-    let filters = filters.map(|(place, (estimates, diagnostics))| {
-        Summary::of(diagnostics, analysis.diagnosis(place), estimates, record)
-    });
-    let smoothed = analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record));
-    let summaries: Vec<Summary> = filters.chain(smoothed).collect();
+    let summaries = summaries(run, analysis);
     let length = Length::of(run.scenario().record.as_ref());
     let rows: Vec<Vec<[String; COLUMNS]>> =
         summaries.iter().map(|s| s.finals.iter().map(|last| row(last, length)).collect()).collect();
@@ -90,41 +87,25 @@ fn write_table(
     Ok(())
 }
 
-/// The most pieces of evidence, and the most causes, that are told of a filter.
-const MOST: (usize, usize) = (6, 3);
-
-/// The evidence for the verdict, each with its p-value.
-fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Result {
-    let Some(diagnosis) = diagnosis else { return Ok(()) };
-    let mut counting: Vec<&Evidence> = diagnosis.evidence.iter().filter(|one| one.counts).collect();
-    counting.sort_by(|a, b| b.effect.total_cmp(&a.effect));
-    for one in counting.iter().take(MOST.0) {
-        let p =
-            if one.p_value > 0.0 && one.p_value < 1.0 { format!(" (p = {:.0e})", one.p_value) } else { String::new() };
-        writeln!(text, "    {}: {}{p}", one.test.name, one.sentence)?;
-    }
-    Ok(())
+/// The summaries of all filters, then of all smoothers.
+pub(crate) fn summaries(run: &Run, analysis: &Analysis) -> Vec<Summary> {
+    let record = run.record();
+    let filters = run.estimates().iter().zip(analysis.diagnostics()).enumerate();
+    let filters = filters.map(|(place, (estimates, diagnostics))| {
+        Summary::of(diagnostics, analysis.diagnosis(place), estimates, record)
+    });
+    let smoothed = analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record));
+    filters.chain(smoothed).collect()
 }
 
-/// The causes, the likeliest first: the gain in likelihood with the knob turned, the verdict then, and the
-/// line to write.
+fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Result {
+    diagnosis.into_iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))
+}
+
 fn write_causes(text: &mut String, causes: &[Finding]) -> fmt::Result {
-    for (number, finding) in (1..).zip(causes.iter().take(MOST.1)) {
-        let suspect = &finding.suspect;
-        let mut told = Vec::new();
-        if finding.gain.is_finite() {
-            told.push(format!("log likelihood {:+.0}", finding.gain));
-        }
-        told.extend(finding.after.as_ref().map(|verdict| format!("then {}", verdict.kind.name())));
-        let told = if told.is_empty() { String::new() } else { format!(" ({})", told.join(", ")) };
-        writeln!(text, "  cause {number}: {}: {}{told}", suspect.cause.name, suspect.sentence)?;
-        for knob in &suspect.knobs {
-            let place = if knob.filter().is_some() { "in its [[filters]]" } else { "at the top" };
-            writeln!(text, "    write {place}: {}", knob.rounded().toml_line())?;
-        }
-        if suspect.knobs.is_empty() {
-            writeln!(text, "    {}", suspect.cause.hint)?;
-        }
+    for (number, cause) in (1..).zip(likeliest(causes)) {
+        writeln!(text, "  cause {number}: {}", cause.sentence)?;
+        cause.remedies.iter().try_for_each(|line| writeln!(text, "    {line}"))?;
     }
     Ok(())
 }
@@ -141,45 +122,7 @@ fn write_bound(text: &mut String, estimates: &Estimates, bound: &CramerRao) -> f
 }
 
 fn write_quality(text: &mut String, summary: &Summary, has_innovations: bool) -> fmt::Result {
-    match &summary.nis {
-        Some(nis) => writeln!(text, "  mean NIS        {}", placed(nis, "interval"))?,
-        None if has_innovations => writeln!(text, "  mean NIS        – (no measurement)")?,
-        None => {}
-    }
-    if let Some(nees) = &summary.nees {
-        writeln!(text, "  mean NEES       {}", placed(nees, "interval for one sample"))?;
-    }
-    if let Some(share) = summary.share_in_ellipsoid {
-        writeln!(text, "  truth           in the 95 % ellipsoid in {:.1} % of the samples", 100.0 * share)?;
-    }
-    let tests = summary.ljung_box.iter().filter_map(|(quantity, test)| {
-        let test = test.as_ref()?;
-        Some(format!("{} Q = {}, p = {:.3}", quantity.symbol(), short(test.statistic), test.p_value))
-    });
-    let tests: Vec<String> = tests.collect();
-    if !tests.is_empty() {
-        writeln!(text, "  Ljung-Box       {}", tests.join("; "))?;
-    }
-    match &summary.nis {
-        Some(_) => writeln!(text, "  log likelihood  {:.2}", summary.log_likelihood),
-        None if has_innovations => writeln!(text, "  log likelihood  –"),
-        None => Ok(()),
-    }
-}
-
-/// A mean and its position relative to its interval.
-fn placed(square: &MeanSquare, interval: &str) -> String {
-    let MeanSquare { mean, interval: range, .. } = square;
-    let place = if range.contains(mean) {
-        "inside"
-    } else if mean < range.start() {
-        "below"
-    } else {
-        "above"
-    };
-    let [mean, low, high] =
-        [mean, range.start(), range.end()].map(|x| if *x < 1e6 { format!("{x:.3}") } else { format!("{x:.3e}") });
-    format!("{mean}, {place} its χ² 95 % {interval} {low} … {high}")
+    quality(summary, has_innovations).into_iter().try_for_each(|(name, value)| writeln!(text, "  {name:<16}{value}"))
 }
 
 /// The filter's name on one line, with its kind unless the name contains it.
@@ -196,13 +139,13 @@ pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
 
 /// Symbol, name, value, 2σ, unit, error, error in standard deviations, root mean square errors of the whole record and
 /// of its last third, share inside ±2σ, settling time.
-const COLUMNS: usize = 11;
+pub(crate) const COLUMNS: usize = 11;
 
 /// The text before each column.
 const LABELS: [&str; COLUMNS] = ["", "", "", "±", "", "error", "", "RMSE", "last third", "inside", "settled"];
 
 /// One channel's last estimate and its score, as text, column by column.
-fn row(last: &Final, length: Length) -> [String; COLUMNS] {
+pub(crate) fn row(last: &Final, length: Length) -> [String; COLUMNS] {
     let &Final { channel, mean, std, score } = last;
     let (value, spread) = with_spread(mean, std);
     let scored = score.map(|score| {

@@ -5,6 +5,7 @@ use kalmanscope_core::Scenario;
 use super::window::NARROW;
 use super::{App, LARGE};
 use crate::controls::number;
+use crate::export_menu;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
@@ -106,6 +107,9 @@ impl App {
             Request::PlaceMark(end, time) => self.ruler.place(end, time),
             Request::ToggleMark(end) => self.ruler.toggle(end, axis.shown_time(session)),
             Request::ClearMarks => self.ruler.clear(),
+            Request::Export(export) => self.export(export),
+            Request::ToggleExports => export_menu::toggle(ctx),
+            Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }
     }
 

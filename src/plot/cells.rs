@@ -1,11 +1,10 @@
 //! The arrangement of several plots in one view.
 
+use super::medium::Medium;
 use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
 
 /// Limits the height of a plot from below where there are many; they scroll then \[points\].
 const LEAST_HEIGHT: f32 = 72.0;
-/// Height of the time axis in the last row \[points\].
-const AXIS: f32 = 18.0;
 /// Space between rows of plots \[points\].
 const GAP: f32 = 6.0;
 /// Space between columns of plots \[points\].
@@ -20,6 +19,9 @@ const LOW: f32 = 120.0;
 /// is in the last row.
 pub(crate) fn cells_ui(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut Ui, usize, bool)) {
     let area = ui.available_size();
+    let medium = Medium::of(ui.ctx());
+    medium.note_plots(ui.ctx(), count);
+    let axis_height = medium.axis_height();
     if area.x < 1.0 || area.y < 1.0 || count == 0 {
         return;
     }
@@ -27,21 +29,26 @@ pub(crate) fn cells_ui(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut U
     let columns = if area.x < TWO_COLUMNS[usize::from(low)] { 1 } else { 2.min(count) };
     let rows = count.div_ceil(columns);
     let gaps = GAP * (rows - 1) as f32;
-    let least = if rows <= 2 { 1.0 } else { LEAST_HEIGHT };
-    let height = ((area.y - gaps - AXIS) / rows as f32).max(least);
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    let scrolls = rows > 2 && medium == Medium::Screen;
+    let least = if !scrolls { 1.0 } else { LEAST_HEIGHT };
+    let height = ((area.y - gaps - axis_height) / rows as f32).max(least);
+    let mut all_ui = |ui: &mut Ui| {
         let top = ui.max_rect().min;
-        let bar = if height == least { ui.spacing().scroll.bar_width } else { 0.0 };
+        let bar = if scrolls && height == least { ui.spacing().scroll.bar_width } else { 0.0 };
         let width = ((ui.available_width() - bar - GUTTER * (columns - 1) as f32) / columns as f32).max(1.0);
         for i in 0..count {
             let (row, column) = (i / columns, i % columns);
             let offset = vec2(column as f32 * (width + GUTTER), row as f32 * (height + GAP));
-            let axis = if row + 1 == rows { AXIS } else { 0.0 };
+            let axis = if row + 1 == rows { axis_height } else { 0.0 };
             let cell = Rect::from_min_size(top + offset, vec2(width, height + axis));
             let mut child = ui.new_child(UiBuilder::new().id_salt(i).max_rect(cell));
             cell_ui(&mut child, i, row + 1 == rows);
         }
-        let all = vec2(ui.available_width(), rows as f32 * height + gaps + AXIS);
+        let all = vec2(ui.available_width(), rows as f32 * height + gaps + axis_height);
         ui.allocate_rect(Rect::from_min_size(top, all), Sense::hover());
-    });
+    };
+    match medium {
+        Medium::Screen => _ = ScrollArea::vertical().auto_shrink(false).show(ui, all_ui),
+        Medium::Figure => all_ui(ui),
+    }
 }

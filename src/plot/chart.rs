@@ -17,6 +17,7 @@ use super::heading::{Readout, heading_ui};
 use super::input::PlotInput;
 use super::labels::Labels;
 use super::layers::Layer;
+use super::medium::Medium;
 use super::strips::Strips;
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use super::turns::in_turn;
@@ -61,7 +62,11 @@ impl Chart<'_> {
         let shown = time_text(input, input.axis.shown_time(input.session));
         let time =
             Readout { text: format!("t\u{a0}{shown}"), color: Color32::TRANSPARENT, hint: "time [s]".to_owned() };
-        let readouts: Vec<Readout> = std::iter::once(time).chain(self.readouts).collect();
+        let medium = Medium::of(ui.ctx());
+        let readouts: Vec<Readout> = match medium {
+            Medium::Screen => std::iter::once(time).chain(self.readouts).collect(),
+            Medium::Figure => Vec::new(),
+        };
         let symbol = heading_ui(ui, &self.symbol, &self.name, self.unit, &readouts);
         let alone =
             symbol.interact(Sense::click()).on_hover_text("Click: this plot alone, or all of them again").clicked();
@@ -70,7 +75,8 @@ impl Chart<'_> {
         let size = ui.available_size().max(Vec2::splat(1.0));
         let followed = axis.followed(session);
         let group = Id::unique("time");
-        let time_label = if self.last_row && size.y >= 150.0 { "time [s]" } else { "" };
+        let has_room = size.y >= 150.0 || medium == Medium::Figure;
+        let time_label = if self.last_row && has_room { "time [s]" } else { "" };
         let logarithmic = self.logarithmic;
         let values = AxisHints::new_y().min_thickness(Y_AXIS);
         let values = if logarithmic {
@@ -79,8 +85,9 @@ impl Chart<'_> {
             let inside = move |mark, range: &_| tick_inside(mark, range, size.y, Side::Left);
             values.formatter(inside).label_spacing(TICKS_FADE)
         };
+        let [across, up] = medium.between_ticks();
         let grid = Grid {
-            counts: (size.x / 75.0, size.y / 34.0),
+            counts: (size.x / across, size.y / up),
             logarithmic: logarithmic.then_some(size.y),
             color: palette.grid,
         };
@@ -113,10 +120,11 @@ impl Chart<'_> {
         let response = plot.show(ui, |plot| {
             let bounds = plot.plot_bounds();
             let [times, values] = [0, 1].map(|axis| (bounds.min()[axis], bounds.max()[axis]));
+            let pens = medium.density() * size;
             let window = if axis.follows {
-                Window { times: followed, values: None, size }
+                Window { times: followed, values: None, size: pens }
             } else {
-                Window { times, values: Some(values), size }
+                Window { times, values: Some(values), size: pens }
             };
             let record = session.run().record();
             let id = Id::unique(("drawn", &self.key));
@@ -132,12 +140,15 @@ impl Chart<'_> {
             plot.add(Decoration::new("bad parts", strips));
             drawn.show(grid, plot);
             plot.add(Decoration::new("labels", Labels::of(&self.layers)));
-            plot.add(Decoration::new("cursors", Cursors::of(input, self.last_row)));
+            plot.add(Decoration::new("cursors", Cursors::of(input, self.last_row, medium)));
             plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
         });
         let (pointed, transform) = (response.inner, response.transform);
         let response = response.response;
         cursor_gestures(ui, &self.key, &response, &transform, input, requests);
+        if medium == Medium::Figure {
+            return ChartResponse { pointed: None, alone: false };
+        }
         handles_ui(ui, &self.key, &self.handles, &transform, input, requests);
         response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {}", self.title)));
         if response.double_clicked() {

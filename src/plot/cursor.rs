@@ -7,6 +7,7 @@ use egui_plot::PlotTransform;
 
 use super::decoration::Paint;
 use super::input::PlotInput;
+use super::medium::Medium;
 use super::projection::DASH;
 use crate::request::Request;
 use crate::ruler::End;
@@ -37,7 +38,7 @@ struct CursorLine {
 
 impl Cursors {
     /// The lines of this frame.
-    pub(super) fn of(input: &PlotInput<'_>, tagged: bool) -> Self {
+    pub(super) fn of(input: &PlotInput<'_>, tagged: bool, medium: Medium) -> Self {
         let PlotInput { session, palette, axis, ruler, .. } = *input;
         let mut lines: Vec<CursorLine> = Vec::new();
         let mut add = |time: f64, letter: &str, color, dashed| {
@@ -49,7 +50,7 @@ impl Cursors {
             }
         }
         // The newest sample of a growing record is where the lines end.
-        if session.mode() == Mode::Whole {
+        if session.mode() == Mode::Whole && medium == Medium::Screen {
             add(session.time(), "", palette.weak, true);
         }
         if axis.pointed.is_some() {

@@ -31,7 +31,7 @@ const ELLIPSIS: f32 = 20.0;
 pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) -> Response {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = GAP;
-        let label = ui.label(RichText::new(symbol).family(theme::strong()).size(15.0));
+        let label = ui.label(RichText::new(symbol).text_style(theme::symbol()));
         let room = ui.available_width();
         let values = Values::new(ui, symbol, readouts, room);
         let unit = if unit.is_empty() { String::new() } else { format!("[{unit}]") };

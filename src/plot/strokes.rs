@@ -3,10 +3,13 @@
 //! egui draws a line as three strips of triangles, the outer ones fading to nothing. Here a line is one strip, and a
 //! texture holds the cross-sections of lines of all widths.
 
-use egui::epaint::Vertex;
+use egui::epaint::{BandPoint, BandShape, Vertex};
 use egui::{
-    Color32, ColorImage, Context, Id, Mesh, Pos2, Shape, Stroke, TextureHandle, TextureOptions, Vec2, pos2, vec2,
+    Color32, ColorImage, Context, Id, Mesh, Pos2, Rangef, Shape, Stroke, TextureHandle, TextureOptions, Vec2, pos2,
+    vec2,
 };
+
+use super::medium::Medium;
 
 /// Step between the widths that have a cross-section \[pixels\].
 const STEP: f32 = 0.25;
@@ -15,16 +18,25 @@ const STEP: f32 = 0.25;
 const ROWS: usize = 64;
 const COLUMNS: usize = 64;
 
-/// Collects lines and areas for one mesh.
+/// Collects lines and areas: for a screen in one mesh, for a figure as shapes with outlines.
 pub(crate) struct Strokes {
-    mesh: Mesh,
+    canvas: Canvas,
     /// Size of a pixel \[points\].
     pixel: f32,
 }
 
+enum Canvas {
+    Mesh(Mesh),
+    Shapes(Vec<Shape>),
+}
+
 impl Strokes {
     pub(crate) fn new(ctx: &Context) -> Self {
-        Self { mesh: Mesh::with_texture(profiles(ctx).id()), pixel: 1.0 / ctx.pixels_per_point() }
+        let canvas = match Medium::of(ctx) {
+            Medium::Screen => Canvas::Mesh(Mesh::with_texture(profiles(ctx).id())),
+            Medium::Figure => Canvas::Shapes(Vec::new()),
+        };
+        Self { canvas, pixel: 1.0 / ctx.pixels_per_point() }
     }
 
     /// The position at which a straight line of one pixel covers exactly one pixel.
@@ -38,11 +50,16 @@ impl Strokes {
             let half = vec2(0.5 * stroke.width, 0.0);
             return self.line(&[alone - half, alone + half], stroke);
         }
-        let Self { mesh, pixel } = self;
-        let brush = Brush::new(stroke, *pixel);
-        reserve(mesh, points.len());
-        let strip = |joint: Joint| add_rung(mesh, &brush.ends(joint.at, joint.normal), joint.goes_on);
-        joints(points, [0.5 * *pixel, 0.5 * brush.reach], strip);
+        let Self { canvas, pixel } = self;
+        match canvas {
+            Canvas::Mesh(mesh) => {
+                let brush = Brush::new(stroke, *pixel);
+                reserve(mesh, points.len());
+                let strip = |joint: Joint| add_rung(mesh, &brush.ends(joint.at, joint.normal), joint.goes_on);
+                joints(points, [0.5 * *pixel, 0.5 * brush.reach], strip);
+            }
+            Canvas::Shapes(shapes) => shapes.push(Shape::line(points.to_vec(), stroke)),
+        }
     }
 
     /// Draws a dashed line.
@@ -56,17 +73,33 @@ impl Strokes {
 
     /// Fills columns between their lower and upper ends, from left to right.
     pub(crate) fn area(&mut self, columns: &[[Pos2; 2]], fill: Color32) {
-        let Self { mesh, pixel: _ } = self;
-        reserve(mesh, columns.len());
-        for (i, ends) in columns.iter().enumerate() {
-            // The middle of the widest line is fully opaque.
-            add_rung(mesh, &ends.map(|pos| Vertex { pos, uv: pos2(0.5, 1.0), color: fill }), i > 0);
+        match &mut self.canvas {
+            Canvas::Mesh(mesh) => {
+                reserve(mesh, columns.len());
+                for (i, ends) in columns.iter().enumerate() {
+                    // The middle of the widest line is fully opaque.
+                    add_rung(mesh, &ends.map(|pos| Vertex { pos, uv: pos2(0.5, 1.0), color: fill }), i > 0);
+                }
+            }
+            Canvas::Shapes(shapes) => {
+                if columns.iter().any(|[a, b]| a.x != b.x) {
+                    // From top to bottom, as trails are.
+                    let back = columns.iter().rev().map(|ends| ends[1]);
+                    let outline = columns.iter().map(|ends| ends[0]).chain(back).collect();
+                    return shapes.push(Shape::convex_polygon(outline, fill, Stroke::NONE));
+                }
+                let rung = |[a, b]: &[Pos2; 2]| BandPoint::new(a.x, Rangef::new(a.y.min(b.y), a.y.max(b.y)));
+                shapes.push(Shape::Band(BandShape::filled(columns.iter().map(rung).collect(), fill)));
+            }
         }
     }
 
     /// All strokes as one shape.
     pub(crate) fn into_shape(self) -> Shape {
-        Shape::mesh(self.mesh)
+        match self.canvas {
+            Canvas::Mesh(mesh) => Shape::mesh(mesh),
+            Canvas::Shapes(shapes) => Shape::Vec(shapes),
+        }
     }
 }
 
@@ -222,7 +255,22 @@ mod tests {
         strokes.line(&[pos2(0.0, 0.0), pos2(10.0, 0.0), pos2(20.0, 5.0)], stroke);
         strokes.line(&[pos2(5.0, 5.0)], stroke);
         strokes.area(&[[pos2(0.0, 0.0), pos2(0.0, 1.0)], [pos2(1.0, 0.0), pos2(1.0, 1.0)]], Color32::BLUE);
-        assert_eq!(strokes.mesh.indices.len(), 3 * 2 * (2 + 1 + 1));
-        assert!(strokes.mesh.is_valid());
+        let Shape::Mesh(mesh) = strokes.into_shape() else { panic!("a screen gets one mesh") };
+        assert_eq!(mesh.indices.len(), 3 * 2 * (2 + 1 + 1));
+        assert!(mesh.is_valid());
+    }
+
+    #[test]
+    fn a_figure_has_outlines() {
+        let ctx = Context::default();
+        Medium::Figure.set(&ctx);
+        let mut strokes = Strokes::new(&ctx);
+        let points = [pos2(0.0, 0.0), pos2(10.0, 0.0), pos2(20.0, 5.0)];
+        strokes.line(&points, Stroke::new(2.0, Color32::RED));
+        strokes.area(&[[pos2(0.0, 3.0), pos2(0.0, 1.0)], [pos2(1.0, 0.0), pos2(1.0, 1.0)]], Color32::BLUE);
+        let Shape::Vec(shapes) = strokes.into_shape() else { panic!("a figure gets shapes") };
+        let [Shape::Path(line), Shape::Band(band)] = &shapes[..] else { panic!("{shapes:?}") };
+        assert_eq!(line.points, points);
+        assert_eq!(band.points, [BandPoint::new(0.0, 1.0..=3.0), BandPoint::new(1.0, 0.0..=1.0)]);
     }
 }

@@ -3,6 +3,7 @@
 use egui::{Context, Id};
 use web_time::{Duration, Instant};
 
+use super::medium::Medium;
 use crate::session::Budget;
 
 /// The result of `make`, unless the charts of this frame have used up the budget: then `None`, and the next frame begins with
@@ -10,6 +11,7 @@ use crate::session::Budget;
 pub(crate) fn in_turn<T>(ctx: &Context, chart: Id, budget: Budget, make: impl FnOnce() -> T) -> Option<T> {
     let turns = Id::unique("turns of the charts");
     let pass = ctx.cumulative_pass_nr();
+    let budget = if Medium::of(ctx) == Medium::Figure { Budget::Unlimited } else { budget };
     let may = ctx.data_mut(|data| data.get_temp_mut_or_default::<Turns>(turns).may_draw(chart, pass, budget));
     if !may {
         ctx.request_repaint();

@@ -6,6 +6,7 @@ use egui::Ui;
 use egui_plot::{Bar, BarChart, HLine, LineStyle};
 
 use crate::plot::cells::cells_ui;
+use crate::plot::medium::Medium;
 use crate::plot::plane::plane_ui;
 use crate::request::Request;
 use crate::ruler::End;
@@ -52,7 +53,11 @@ impl View for Autocorrelation {
         }
         let filters: Vec<_> = context.diagnostics().collect();
         let span = span(context);
-        ui.small(if span.is_some() { "From A to B." } else { "Of all samples; mark A and B for a part of them." });
+        ui.small(match (&span, Medium::of(ui.ctx())) {
+            (Some(_), _) => "From A to B.",
+            (None, Medium::Screen) => "Of all samples; mark A and B for a part of them.",
+            (None, Medium::Figure) => "Of all samples.",
+        });
         cells_ui(ui, sensors.len(), |ui, sensor, last_row| {
             let mut band = 0.0_f64;
             let (mut lowest, mut highest) = (0.0_f64, 0.0_f64);

@@ -5,6 +5,7 @@ use kalmanscope_core::diagnostics::{Depth, MeanSquare, Summary};
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, Signal, Source, Verdict};
 
+use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::session::{Session, Wanted};
 use crate::text::significant;
@@ -69,7 +70,9 @@ impl View for Scores {
         let reason_width = column.clamp(REASON.0, REASON.1);
         ScrollArea::both().auto_shrink(false).show(ui, |ui| {
             Grid::new("scores").striped(true).spacing([SPACING, 4.0]).show(ui, |ui| {
-                if ui.small_button("Copy").on_hover_text("Copy the table as text").clicked() {
+                if Medium::of(ui.ctx()) == Medium::Figure {
+                    ui.label("");
+                } else if ui.small_button("Copy").on_hover_text("Copy the table as text").clicked() {
                     ui.ctx().copy_text(as_text(&summaries, &rows));
                 }
                 for (place, summary) in &summaries {

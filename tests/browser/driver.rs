@@ -50,6 +50,11 @@ impl Driver {
         self.child.id()
     }
 
+    /// The folder of the browser's downloads, which is empty at first.
+    pub(crate) fn downloads(&self) -> PathBuf {
+        self.profile.join("downloads")
+    }
+
     /// Opens a browser with an empty page.
     pub(crate) async fn open(&self) -> Page {
         let profile = format!("--user-data-dir={}", self.profile.display());

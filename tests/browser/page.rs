@@ -1,6 +1,7 @@
 //! The page in the browser: its state, and actions on its controls.
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use fantoccini::Client;
@@ -150,6 +151,12 @@ impl Page {
         let release = MouseActions::new("mouse".to_owned()).then(PointerAction::Up { button: 0 });
         self.client.perform_actions(release).await.expect("the button can be released");
         self.settle().await;
+    }
+
+    /// Lets the page download files into a folder.
+    pub(crate) async fn allow_downloads(&self, folder: &Path) {
+        let params = json!({ "behavior": "allow", "downloadPath": folder.to_string_lossy() });
+        self.post("goog/cdp/execute", json!({ "cmd": "Browser.setDownloadBehavior", "params": params })).await;
     }
 
     /// Asks the page for its `light` or `dark` theme.

@@ -3,9 +3,8 @@
 use kalmanscope_core::{Channel, Run};
 use plotters::prelude::*;
 
-use super::{
-    Area, BAND_OPACITY, DOT_OPACITY, DOT_RADIUS, MEASURED, PlotError, SCALE, TRUTH, WIDTH, colored, font, measurements,
-};
+use super::panel::Panel;
+use super::{Area, BAND_OPACITY, DOT_OPACITY, DOT_RADIUS, MEASURED, PlotError, SCALE, TRUTH, WIDTH, colored, font};
 use crate::number::plain;
 use crate::table::heading;
 
@@ -32,7 +31,7 @@ fn entries(run: &Run) -> Vec<(Swatch, String)> {
     if Channel::all().iter().any(|&c| record.truth(c).is_some()) {
         entries.push((Swatch::Line(TRUTH), "truth".to_owned()));
     }
-    if Channel::all().iter().any(|&c| measurements(record, c).is_some()) {
+    if Panel::all(run).iter().any(|panel| panel.measured(record).is_some()) {
         entries.push((Swatch::Dots, "measurement".to_owned()));
     }
     for (estimates, color) in colored(run) {

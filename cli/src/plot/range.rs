@@ -1,29 +1,30 @@
 //! The range of a value axis.
 
-use kalmanscope_core::{Channel, Run};
+use kalmanscope_core::Run;
 
-use super::{measurements, series};
+use super::panel::Panel;
+use super::series;
 
 /// The number of samples above which outliers are left out.
 const SAMPLES: usize = 4000;
 
-/// The range of a channel's plot: all of the truth, nearly all of the measurements and estimates, and most of the
+/// The range of a plot: all of the truth, nearly all of the measurements and estimates, and most of the
 /// bands. It leaves out values that would flatten the rest, such as a wide initial band or a diverged filter.
-pub(super) fn of(run: &Run, channel: Channel) -> (f64, f64) {
+pub(super) fn of(run: &Run, panel: Panel) -> (f64, f64) {
     let record = run.record();
     let out = |tail: f64| (record.len().min(SAMPLES) as f64 * tail) as usize;
-    let truth = record.truth(channel).and_then(|values| without_tails(values.iter().copied(), 0));
+    let truth = panel.truth(record).and_then(|values| without_tails(values.iter().copied(), 0));
     let seen = |values: &[f64]| {
         let thinned = series::thinned(record.len(), SAMPLES).map(|k| values[k]);
         without_tails(thinned, out(0.002))
     };
-    let measured = measurements(record, channel).and_then(seen);
+    let measured = panel.measured(record).and_then(seen);
     let mut estimated = None;
     let mut banded = None;
     for estimates in run.estimates() {
-        let Some(place) = estimates.place(channel) else { continue };
-        let mean = |k: usize| estimates.canonical_mean(k, place);
-        let spread = |k: usize| 2.0 * estimates.std(k, place);
+        let Some(curve) = panel.curve(estimates, record) else { continue };
+        let mean = |k: usize| curve(k).0;
+        let spread = |k: usize| 2.0 * curve(k).1;
         // Shares are those of the whole record, so that a filter that stopped early counts little.
         let samples = || series::thinned(record.len(), SAMPLES).filter(|&k| k < estimates.len());
         estimated = union(estimated, without_tails(samples().map(mean), out(0.005)));

@@ -29,26 +29,37 @@ pub(super) fn line(samples: usize, max_columns: usize, value: impl Fn(usize) -> 
     points
 }
 
-/// The outline of a band: forwards along the highest upper edge of each column, backwards along the lowest lower edge.
-/// `edges` gives time, lower and upper edge of a sample.
-pub(super) fn band(
+/// The outlines of a band, one for each part without a gap: forwards along the highest upper edge of each column, backwards
+/// along the lowest lower edge. `edges` gives time, lower and upper edge of a sample; NaN for a gap.
+pub(super) fn bands(
     samples: usize,
     max_columns: usize,
     range: (f64, f64),
     edges: impl Fn(usize) -> (f64, f64, f64),
-) -> Vec<Point> {
-    let mut upper = Vec::new();
-    let mut lower = Vec::new();
+) -> Vec<Vec<Point>> {
+    let mut outlines = Vec::new();
+    let (mut upper, mut lower) = (Vec::new(), Vec::new());
+    let mut close = |upper: &mut Vec<Point>, lower: &mut Vec<Point>| {
+        upper.extend(lower.drain(..).rev());
+        if upper.len() > 2 {
+            outlines.push(std::mem::take(upper));
+        }
+        upper.clear();
+    };
     for (first, last) in columns(samples, max_columns) {
         // The last column ends with the record, the others at the beginning of the next.
         let time = edges(if last == samples { last - 1 } else { first }).0;
         let low = (first..last).map(|k| edges(k).1).fold(f64::INFINITY, f64::min);
         let high = (first..last).map(|k| edges(k).2).fold(f64::NEG_INFINITY, f64::max);
+        if low > high {
+            close(&mut upper, &mut lower);
+            continue;
+        }
         upper.push((time, high.clamp(range.0, range.1)));
         lower.push((time, low.clamp(range.0, range.1)));
     }
-    upper.extend(lower.into_iter().rev());
-    upper
+    close(&mut upper, &mut lower);
+    outlines
 }
 
 /// Indices of at most `max` samples, evenly spread.
@@ -109,11 +120,22 @@ mod tests {
 
     #[test]
     fn a_band_spans_the_whole_record_within_the_range() {
-        let outline = band(1000, 10, (-1.0, 1.0), |k| (k as f64, -5.0, k as f64 / 1000.0));
+        let [outline] = &bands(1000, 10, (-1.0, 1.0), |k| (k as f64, -5.0, k as f64 / 1000.0))[..] else { panic!() };
         assert_eq!(outline.len(), 20);
         assert_eq!((outline[0].0, outline[9].0), (0.0, 999.0));
         assert!(outline.iter().all(|p| (-1.0..=1.0).contains(&p.1)));
         assert_eq!(outline[19], (0.0, -1.0));
+    }
+
+    #[test]
+    fn a_band_has_a_gap_where_it_is_not_known() {
+        let edges = |k: usize| if k == 0 || k == 5 { (k as f64, f64::NAN, f64::NAN) } else { (k as f64, -1.0, 1.0) };
+        let parts = bands(10, 100, (-2.0, 2.0), edges);
+        let times = |part: &Vec<Point>| part.iter().map(|point| point.0).collect::<Vec<_>>();
+        assert_eq!(
+            parts.iter().map(times).collect::<Vec<_>>(),
+            [vec![1.0, 2.0, 3.0, 4.0, 4.0, 3.0, 2.0, 1.0], vec![6.0, 7.0, 8.0, 9.0, 9.0, 8.0, 7.0, 6.0]]
+        );
     }
 
     #[test]

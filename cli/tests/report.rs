@@ -1,0 +1,120 @@
+//! Reports, pictures and estimates of the built command.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// Runs the command in a folder; it must succeed.
+#[track_caller]
+fn succeeds(folder: &TempDir, args: &[&str]) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    let Output { status, stdout, stderr } = command.current_dir(folder.path()).args(args).output().unwrap();
+    assert!(status.success(), "{args:?}: {}", String::from_utf8_lossy(&stderr));
+    String::from_utf8(stdout).unwrap()
+}
+
+fn folder(scenario: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scenario.toml"), scenario).unwrap();
+    folder
+}
+
+fn read(folder: &TempDir, name: &str) -> String {
+    std::fs::read_to_string(folder.path().join(name)).unwrap()
+}
+
+/// A filter that is too sure of its sensor, so that it has a verdict, evidence and causes.
+const OVERCONFIDENT: &str = "duration = 20.0\n[[filters]]\nname = \"<script>alert(1)</script>\"\n\
+                             sensor_std = [0.001, 0.001]\nkind = \"ekf\"";
+
+#[test]
+fn a_report_is_one_page_without_scripts() {
+    let folder = folder(OVERCONFIDENT);
+    succeeds(&folder, &["report", "scenario.toml", "--out", "report.html"]);
+    let page = read(&folder, "report.html");
+    assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
+    for part in [
+        "default-src 'none'; style-src 'unsafe-inline'",
+        "<h1>scenario</h1>",
+        "2001 samples from 0 s to 20 s",
+        "&lt;script&gt;alert(1)&lt;/script&gt;",
+        "overconfident: ",
+        "<h4>Cause 1: ",
+        "sensor_std = ",
+        "natural frequency",
+        "prefers-color-scheme: dark",
+        "@media print",
+        "[[filters]]",
+    ] {
+        assert!(page.contains(part), "{part} is missing");
+    }
+    assert_eq!((page.matches("<svg ").count(), page.matches("</svg>").count()), (2, 2), "four plots, three on a page");
+    for part in ["<script", " src=", " href=", "url(", "@import", "NaN"] {
+        assert!(!page.contains(part), "{part}");
+    }
+    assert!(page.len() < 1_500_000, "{} bytes", page.len());
+}
+
+#[test]
+fn a_report_on_a_measured_record_has_the_free_run() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../core/tests/data");
+    let [scenario, record] =
+        ["ekf-acceleration-only.toml", "ekf-acceleration-only.record.csv"].map(|name| data.join(name));
+    let folder = folder("");
+    let [scenario, record] = [&scenario, &record].map(|path| path.to_str().unwrap());
+    succeeds(&folder, &["report", scenario, "--record", record, "--holdout", record, "--out", "report.html"]);
+    let page = read(&folder, "report.html");
+    assert!(page.contains("Over its own record: ") && page.contains("one step ahead"), "there is a free run");
+    assert!(page.contains("ekf-acceleration-only.record.csv: "), "there is another");
+    assert!(page.contains("predicted acceleration"), "the only sensor has a plot");
+}
+
+#[test]
+fn a_sensor_that_reads_no_channel_has_its_plot() {
+    let folder = folder("duration = 5.0\n[[sensors]]\nmeasures = \"acceleration\"\nnoise_std = 0.3");
+    succeeds(&folder, &["run", "scenario.toml", "--svg", "plots.svg"]);
+    let svg = read(&folder, "plots.svg");
+    assert_eq!(svg.matches("predicted acceleration").count(), 1);
+    assert!(svg.contains("measurement") && !svg.contains("NaN"), "dots are in the legend");
+}
+
+#[test]
+fn a_measured_record_has_a_plot_of_every_sensor() {
+    let folder = folder("duration = 5.0");
+    succeeds(&folder, &["run", "scenario.toml", "--record-out", "record.csv", "--svg", "simulated.svg"]);
+    let kept = |line: &str| line.split(',').take(4).collect::<Vec<_>>().join(",") + "\n";
+    let measured: String = read(&folder, "record.csv").lines().map(kept).collect();
+    std::fs::write(folder.path().join("measured.csv"), measured).unwrap();
+    succeeds(&folder, &["run", "scenario.toml", "--record", "measured.csv", "--svg", "measured.svg"]);
+    for sensor in ["predicted displacement", "predicted velocity"] {
+        assert!(read(&folder, "measured.svg").contains(sensor), "{sensor}");
+        assert!(!read(&folder, "simulated.svg").contains(sensor), "the channel's plot shows it beside the truth");
+    }
+}
+
+#[test]
+fn estimates_have_innovations_and_predictions() {
+    let folder = folder("duration = 5.0");
+    succeeds(&folder, &["run", "scenario.toml", "--record-out", "record.csv", "--out", "estimates.csv"]);
+    let column = |file: &str, name: &str| -> Vec<f64> {
+        let mut reader = csv::Reader::from_path(folder.path().join(file)).unwrap();
+        let place = reader.headers().unwrap().iter().position(|header| header == name).unwrap();
+        reader.records().map(|row| row.unwrap()[place].parse().unwrap()).collect()
+    };
+    let measured = column("record.csv", "displacement");
+    let [innovation, std, predicted, nis] =
+        ["innovation_displacement", "innovation_std_displacement", "predicted_displacement", "nis"]
+            .map(|name| column("estimates.csv", name));
+    assert!(innovation[0].is_nan() && predicted[0].is_nan(), "the first sample is the initial belief");
+    let mut inside = 0;
+    for k in 1..measured.len() {
+        assert!((predicted[k] + innovation[k] - measured[k]).abs() < 1e-12, "sample {k}");
+        // One sensor alone is never further out than both together.
+        assert!((innovation[k] / std[k]).powi(2) <= nis[k] * (1.0 + 1e-6), "sample {k}");
+        inside += usize::from(innovation[k].abs() < 2.0 * std[k]);
+    }
+    let share = inside as f64 / (measured.len() - 1) as f64;
+    assert!((0.9..1.0).contains(&share), "{share} of the innovations are within 2σ");
+}

@@ -1,0 +1,60 @@
+//! Writes files, and restores a session from one.
+
+use egui::Context;
+
+use super::App;
+use crate::export::{self, Deliver};
+use crate::figure::Figure;
+use crate::layout::Layout;
+use crate::notice::Notice;
+use crate::request::{Export, FigureFormat, SavedScreen};
+use crate::theme::Palette;
+use crate::view::ViewContext;
+
+impl App {
+    /// The explorer with a way to put files where the user finds them.
+    #[must_use]
+    pub fn delivering(self, deliver: Deliver) -> Self {
+        Self { deliver: Some(deliver), ..self }
+    }
+
+    /// The views on screen as a figure.
+    pub fn figure(&self, format: FigureFormat) -> Figure {
+        let palette = Palette::of(egui::Theme::Light);
+        Figure::new(&self.figure_context(&palette), &self.layout.rows(), format)
+    }
+
+    fn figure_context<'a>(&'a self, palette: &'a Palette) -> ViewContext<'a> {
+        let Self { session, visible, axis, ruler, .. } = self;
+        ViewContext::new(session, palette, visible, axis, ruler)
+    }
+
+    /// Makes a file and delivers it; says where it is, or why it cannot be written.
+    pub(super) fn export(&mut self, export: Export) {
+        let palette = Palette::of(egui::Theme::Light);
+        let made = export::file(export, &self.figure_context(&palette), &self.layout);
+        let deliver = self.deliver.as_ref().ok_or_else(|| "there is no place for files here".to_owned());
+        let written = made.and_then(|file| deliver?(&file));
+        self.notice = Some(match written {
+            Ok(place) => Notice::done(&format!("Written: {place}")),
+            Err(error) => format!("The file cannot be written: {error}.").into(),
+        });
+    }
+
+    /// Restores a session from a file.
+    pub(super) fn open_session(&mut self, saved: SavedScreen, ctx: &Context) {
+        let SavedScreen { scenario, mode, speed, time, tree } = saved;
+        let record = scenario.record.as_ref().map(|mapping| mapping.file.clone()).filter(|file| !file.is_empty());
+        self.open(scenario, ctx);
+        self.session.set_mode(mode);
+        self.session.set_speed(speed);
+        self.session.pause();
+        self.session.seek(time);
+        if let Some(layout) = Layout::of_tree(tree) {
+            self.layout = layout;
+        }
+        if let Some(file) = record {
+            self.notice = Some(format!("The session belongs to the record “{file}”: drop that file too.").into());
+        }
+    }
+}

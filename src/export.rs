@@ -1,0 +1,103 @@
+//! Files that leave the explorer.
+
+mod everything;
+pub mod folder;
+
+use std::fmt::Display;
+
+use kalmanscope_cli::write_estimates;
+
+use crate::figure::Figure;
+use crate::layout::Layout;
+use crate::request::{Export, Picture};
+use crate::session::Session;
+use crate::session_file;
+use crate::view::ViewContext;
+
+/// A file to be written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct File {
+    /// Its name, without a folder.
+    pub name: String,
+    /// Its media type.
+    pub kind: &'static str,
+    /// Its contents.
+    pub contents: Vec<u8>,
+}
+
+/// Puts a file where the user finds it; returns the place in words, or the reason why it cannot be written.
+pub type Deliver = Box<dyn Fn(&File) -> Result<String, String>>;
+
+impl Export {
+    /// The files of results, in the menu's order.
+    pub const DATA: [Self; 5] = [Self::Estimates, Self::Record, Self::Scenario, Self::All, Self::Session];
+
+    /// Its name in the menu.
+    pub(crate) fn name(self) -> String {
+        match self {
+            Self::Figure(format, Picture::Svg) => format!("{} (SVG)", format.name()),
+            Self::Figure(format, Picture::Png) => format!("{} (PNG)", format.name()),
+            Self::Estimates => "Estimates (CSV)".to_owned(),
+            Self::Record => "Record (CSV)".to_owned(),
+            Self::Scenario => "Scenario (TOML)".to_owned(),
+            Self::All => "Everything (JSON)".to_owned(),
+            Self::Session => "Session, to open again".to_owned(),
+        }
+    }
+
+    /// Its contents in a sentence.
+    pub(crate) fn hint(self) -> &'static str {
+        match self {
+            Self::Figure(_, Picture::Svg) => "The views on screen as outlines and text, for a document",
+            Self::Figure(_, Picture::Png) => "The views on screen as pixels",
+            Self::Estimates => "Every mean, standard deviation, innovation and prediction of every filter",
+            Self::Record => "Force, measurements and truth, as the command line reads them",
+            Self::Scenario => "The settings, for the command line or to be dropped on this window",
+            Self::All => "Version, scenario, record, estimates and diagnosis, for a program",
+            Self::Session => "Settings, views and playback; drop the file on this window to go on",
+        }
+    }
+}
+
+/// The file of an export. Results are those that have been computed so far.
+///
+/// # Errors
+/// The reason why it cannot be made.
+pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Result<File, String> {
+    let session = context.session;
+    Ok(match export {
+        Export::Figure(format, picture) => {
+            let figure = Figure::new(context, &layout.rows(), format);
+            let (end, kind, contents) = match picture {
+                Picture::Svg => ("svg", "image/svg+xml", figure.svg().into_bytes()),
+                Picture::Png => ("png", "image/png", figure.png().map_err(reason)?),
+            };
+            File { name: format!("kalmanscope-{}.{end}", format.key()), kind, contents }
+        }
+        Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
+        Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
+        Export::Scenario => text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?),
+        Export::All => text("kalmanscope.json", JSON, everything::json(session).map_err(reason)?),
+        Export::Session => text("kalmanscope-session.json", JSON, written(session, layout)?),
+    })
+}
+
+const JSON: &str = "application/json";
+
+fn written(session: &Session, layout: &Layout) -> Result<String, String> {
+    session_file::text(session, layout).map_err(|error| error.to_string())
+}
+
+fn text(name: &str, kind: &'static str, text: String) -> File {
+    File { name: name.to_owned(), kind, contents: text.into_bytes() }
+}
+
+fn csv<E: Display>(name: &str, write: impl FnOnce(&mut Vec<u8>) -> Result<(), E>) -> Result<File, String> {
+    let mut contents = Vec::new();
+    write(&mut contents).map_err(reason)?;
+    Ok(File { name: name.to_owned(), kind: "text/csv", contents })
+}
+
+fn reason(error: impl Display) -> String {
+    error.to_string()
+}

@@ -1,0 +1,47 @@
+//! The menu of exports.
+
+use egui::{Context, Id, Popup, RichText, Ui};
+
+use crate::probe;
+use crate::request::{Export, FigureFormat, Picture, Request};
+
+/// Shows the menu's button, and the menu while it is open.
+pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
+    let response = ui.menu_button(if narrow { "↓" } else { "Export" }, |ui| {
+        let mut entry = |ui: &mut Ui, export: Export| {
+            let button = ui.button(export.name()).on_hover_text(export.hint());
+            probe::remember(ui.ctx(), &export.name(), button.rect);
+            if button.clicked() {
+                requests.push(Request::Export(export));
+                ui.close();
+            }
+        };
+        ui.label(RichText::new("The views as a figure").weak());
+        for format in FigureFormat::ALL {
+            for picture in [Picture::Svg, Picture::Png] {
+                entry(ui, Export::Figure(format, picture));
+            }
+        }
+        ui.separator();
+        ui.label(RichText::new("Results").weak());
+        for export in Export::DATA {
+            entry(ui, export);
+        }
+    });
+    let button = response.response;
+    button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Export"));
+    probe::remember(ui.ctx(), "Export", button.rect);
+    let popup = Popup::default_response_id(&button);
+    ui.data_mut(|data| data.insert_temp(popup_key(), popup));
+}
+
+/// Opens or closes the menu.
+pub(crate) fn toggle(ctx: &Context) {
+    if let Some(popup) = ctx.data(|data| data.get_temp::<Id>(popup_key())) {
+        Popup::toggle_id(ctx, popup);
+    }
+}
+
+fn popup_key() -> Id {
+    Id::unique("the popup of the menu of exports")
+}

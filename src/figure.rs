@@ -1,0 +1,61 @@
+//! Figures: the views on screen, drawn anew for paper or a slide, as SVG and PNG.
+//!
+//! The views draw themselves in a context of their own, with a white ground, type of one size and thin lines. The shapes that
+//! they leave become SVG as they are, or triangles for pixels. Both need neither a screen nor a graphics card.
+
+mod arrange;
+mod canvas;
+mod format;
+mod legend;
+mod pen;
+mod pixels;
+mod svg;
+mod svg_text;
+
+use egui::Vec2;
+
+use crate::request::{FigureFormat, ViewKind};
+use crate::view::ViewContext;
+use arrange::arrange;
+use canvas::{Canvas, Part};
+
+pub use pixels::PngError;
+
+/// A figure, ready to be written.
+pub struct Figure {
+    canvas: Canvas,
+    /// Everything that is drawn, from back to front.
+    parts: Vec<Part>,
+    /// Width and height \[points of the canvas\].
+    size: Vec2,
+    /// Points of 1/72 inch per point of the canvas.
+    scale: f32,
+    /// Pixels per point of the canvas.
+    density: f32,
+}
+
+impl Figure {
+    /// Draws these views in rows, each row from left to right, with a legend above them. A figure shows what the context
+    /// shows, but no cursor, no handle and no verdict.
+    pub fn new(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureFormat) -> Self {
+        arrange(context, rows, format)
+    }
+
+    /// Width and height \[mm\].
+    pub fn millimetres(&self) -> [f32; 2] {
+        [self.size.x, self.size.y].map(|length| length * self.scale * format::MILLIMETRES_PER_POINT)
+    }
+
+    /// The text of an SVG file.
+    pub fn svg(&self) -> String {
+        svg::svg(self)
+    }
+
+    /// A PNG file, which says how large it is on paper.
+    ///
+    /// # Errors
+    /// [`PngError`] where the pixels cannot be encoded.
+    pub fn png(&self) -> Result<Vec<u8>, PngError> {
+        pixels::png(self)
+    }
+}

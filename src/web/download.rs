@@ -1,0 +1,26 @@
+//! Files as downloads of the browser.
+
+use kalmanscope::export::File;
+use wasm_bindgen::JsCast as _;
+use wasm_bindgen::JsValue;
+use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, Url};
+
+/// Gives a file to the browser, which puts it among its downloads; returns that in words.
+pub(super) fn download(file: &File) -> Result<String, String> {
+    give(file).map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
+    Ok(format!("{}, among the browser's downloads", file.name))
+}
+
+fn give(file: &File) -> Result<(), JsValue> {
+    let document = web_sys::window().and_then(|window| window.document()).ok_or("there is no document")?;
+    let parts = js_sys::Array::of1(&js_sys::Uint8Array::from(file.contents.as_slice()));
+    let options = BlobPropertyBag::new();
+    options.set_type(file.kind);
+    let blob = Blob::new_with_u8_array_sequence_and_options(&parts, &options)?;
+    let address = Url::create_object_url_with_blob(&blob)?;
+    let link: HtmlAnchorElement = document.create_element("a")?.dyn_into()?;
+    link.set_href(&address);
+    link.set_download(&file.name);
+    link.click();
+    Url::revoke_object_url(&address)
+}

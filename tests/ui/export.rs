@@ -1,0 +1,276 @@
+//! Files that leave the explorer, and figures.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use kalmanscope::export::{File, folder};
+use kalmanscope::request::FigureFormat;
+use serde_json::Value;
+
+use super::*;
+
+type Files = Rc<RefCell<Vec<File>>>;
+
+/// A screen of the whole record whose exports are kept.
+fn exporting() -> (Screen, Files) {
+    let files = Files::default();
+    let kept = Rc::clone(&files);
+    let mut screen = Harness::builder().with_size(DESKTOP).with_step_dt(1.0 / 60.0).build_eframe(move |creation| {
+        let kept = Rc::clone(&kept);
+        App::new(creation).expect("the default scenario can be run").delivering(Box::new(move |file| {
+            kept.borrow_mut().push(file.clone());
+            Ok(file.name.clone())
+        }))
+    });
+    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
+    let session = screen.state_mut().session_mut();
+    session.set_budget(Budget::Unlimited);
+    session.set_scenario(Scenario::from_toml("duration = 20.0").expect("it is valid"));
+    session.set_mode(Mode::Whole);
+    session.pause();
+    session.seek(10.0);
+    screen.run_steps(4);
+    (screen, files)
+}
+
+/// Chooses an entry of the menu; returns the file.
+fn exported(screen: &mut Screen, files: &Files, entry: &str) -> File {
+    screen.get_by_label("Export").click();
+    screen.run_steps(3);
+    screen.get_by_label(entry).click();
+    screen.run_steps(4);
+    let file = files.borrow_mut().pop().expect("a file is delivered");
+    assert_eq!(screen.state().notice(), Some(format!("Written: {}", file.name).as_str()));
+    file
+}
+
+fn text(file: File) -> String {
+    String::from_utf8(file.contents).expect("it is text")
+}
+
+#[test]
+fn results_are_exported_by_the_menu() {
+    let (mut screen, files) = exporting();
+    let estimates = text(exported(&mut screen, &files, "Estimates (CSV)"));
+    let mut lines = estimates.lines();
+    let header = lines.next().expect("there is a header");
+    assert!(header.starts_with("filter,k,t,displacement,") && header.contains(",predicted_velocity"), "{header}");
+    let filters = scenario(&screen).filters.len();
+    assert_eq!(lines.count(), filters * 2001);
+
+    let record = text(exported(&mut screen, &files, "Record (CSV)"));
+    assert!(record.starts_with("t,force,displacement,velocity,true_displacement"));
+    assert_eq!(record.lines().count(), 2002);
+
+    let toml = text(exported(&mut screen, &files, "Scenario (TOML)"));
+    let mut read = Scenario::from_toml(&toml).expect("it can be read again");
+    read.number_filters();
+    assert_eq!(&read, scenario(&screen));
+}
+
+#[test]
+fn everything_is_one_json() {
+    let (mut screen, files) = exporting();
+    let all: Value =
+        serde_json::from_str(&text(exported(&mut screen, &files, "Everything (JSON)"))).expect("it is JSON");
+    assert_eq!(all["kalmanscope"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(all["scenario"]["duration"], 20.0);
+    assert_eq!(all["record"]["measured"]["velocity"].as_array().map(Vec::len), Some(2001));
+    let session = screen.state().session();
+    for (place, estimates) in session.run().estimates().iter().enumerate() {
+        let filter = &all["filters"][place];
+        assert_eq!(filter["name"], estimates.name());
+        let at = estimates.place(Channel::NATURAL_FREQUENCY).expect("it is estimated");
+        assert_eq!(filter["mean"]["natural_frequency"][2000], estimates.canonical_mean(2000, at));
+        assert_eq!(filter["innovation"]["velocity"][7], estimates.innovation(7)[1]);
+        assert!(filter["innovation"]["velocity"][0].is_null(), "the first sample has none");
+        let verdict = session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
+        let kind = verdict.expect("there is a verdict").kind;
+        assert_eq!(filter["diagnosis"]["verdict"], kind.key());
+        assert!(filter["diagnosis"]["evidence"].as_array().is_some_and(|evidence| !evidence.is_empty()));
+    }
+}
+
+#[test]
+fn a_session_is_opened_again_by_drop() {
+    let (mut screen, files) = exporting();
+    screen.state_mut().layout_mut().toggle(ViewKind::Phase);
+    let views = screen.state_mut().layout_mut().shown();
+    let expected = scenario(&screen).clone();
+    let file = exported(&mut screen, &files, "Session, to open again");
+
+    let mut other = super::screen(DESKTOP, Theme::Light);
+    assert_ne!(scenario(&other), &expected);
+    super::files::drop_file(&mut other, "session.json", &file.contents);
+    assert_eq!(other.state().notice(), None);
+    assert_eq!(scenario(&other), &expected);
+    let session = other.state().session();
+    assert_eq!((session.mode(), session.time(), session.playing()), (Mode::Whole, 10.0, false));
+    assert_eq!(other.state_mut().layout_mut().shown(), views);
+}
+
+#[test]
+fn a_bad_session_is_refused_and_changes_nothing() {
+    let (mut screen, files) = exporting();
+    let good: Value =
+        serde_json::from_slice(&exported(&mut screen, &files, "Session, to open again").contents).expect("it is JSON");
+    let with = |key: &str, value: Value| {
+        let mut bad = good.clone();
+        bad[key] = value;
+        bad
+    };
+    let mut looped = good.clone();
+    let root = looped["layout"]["root"].clone();
+    let children = looped["layout"]["tiles"]["tiles"][root.to_string()].pointer_mut("/Container/Linear/children");
+    *children.expect("the root has rows") = Value::Array(vec![root.clone()]);
+    let before = scenario(&screen).clone();
+    for (bad, reason) in [
+        (with("kalmanscope_session", 2.into()), "it has format 2, and this program reads formats up to 1"),
+        (with("scenario", "dt = -1".into()), "`dt` is -1"),
+        (with("speed", 0.into()), "`speed` is 0, but must be a finite number above 0"),
+        (with("time", (-1).into()), "`time` is -1"),
+        (with("layout", Value::Null), "the session cannot be read"),
+        (looped, "a view of its layout has two places"),
+    ] {
+        super::files::drop_file(&mut screen, "session.json", bad.to_string().as_bytes());
+        let notice = screen.state().notice().expect("it is reported").to_owned();
+        assert!(notice.starts_with("“session.json” cannot be opened: ") && notice.contains(reason), "{notice}");
+        assert_eq!(scenario(&screen), &before);
+    }
+}
+
+#[test]
+fn figures_are_exported_by_keyboard_too() {
+    let (mut screen, files) = exporting();
+    screen.key_press(Key::E);
+    screen.run_steps(3);
+    screen.get_by_label("Paper, 84 mm (SVG)").click();
+    screen.run_steps(4);
+    let svg = text(files.borrow_mut().pop().expect("a file is delivered"));
+    assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));
+    assert!(svg.contains("width=\"84mm\"") && svg.contains("natural frequency"), "{}", &svg[..300]);
+    let png = exported(&mut screen, &files, "Slide, 16:9 (PNG)");
+    assert_eq!(png.name, "kalmanscope-slide.png");
+    let decoder = png::Decoder::new(std::io::Cursor::new(png.contents));
+    let reader = decoder.read_info().expect("it is a PNG");
+    assert_eq!((reader.info().width, reader.info().height), (1920, 1080));
+}
+
+/// The number of an attribute, such as `width="84mm"`.
+fn attribute(element: &str, name: &str) -> f32 {
+    let (_, rest) = element.split_once(&format!(" {name}=\"")).expect("it has the attribute");
+    let end = rest.find(|letter: char| !(letter.is_ascii_digit() || letter == '.' || letter == '-')).unwrap_or(0);
+    rest[..end].parse().expect("it is a number")
+}
+
+#[test]
+fn figures_have_the_size_type_and_lines_of_a_paper() {
+    let (screen, _) = exporting();
+    for (format, width) in [(FigureFormat::Column, 84.0), (FigureFormat::Page, 174.0)] {
+        let figure = screen.state().figure(format);
+        let svg = figure.svg();
+        assert!((figure.millimetres()[0] - width).abs() < 0.01, "{:?}", figure.millimetres());
+        // Points of 1/72 inch per unit of the drawing.
+        let box_width: f32 = {
+            let (_, rest) = svg.split_once("viewBox=\"0 0 ").expect("it has a box");
+            rest.split(' ').next().and_then(|text| text.parse().ok()).expect("the box has a width")
+        };
+        let scale = width / 25.4 * 72.0 / box_width;
+        let sizes: Vec<f32> =
+            svg.lines().filter(|l| l.contains("<text ")).map(|l| scale * attribute(l, "font-size")).collect();
+        // Only the picture of the plant has labels of its own size.
+        let of_type = sizes.iter().filter(|size| (7.99..8.01).contains(*size)).count();
+        assert!(sizes.iter().all(|size| (6.0..10.0).contains(size)), "{sizes:?}");
+        assert!(of_type > 20 && 10 * of_type > 8 * sizes.len(), "{sizes:?}");
+        let curves = svg.lines().filter(|line| line.matches('L').count() > 50 && line.contains("stroke-width"));
+        let widths: Vec<f32> = curves.map(|line| scale * attribute(line, "stroke-width")).collect();
+        let is_thin = |width: &f32| (0.2..=0.755).contains(width);
+        assert!(widths.iter().any(|width| *width >= 0.5) && widths.iter().all(is_thin), "{widths:?}");
+        // No part of the screen's triangles, no dark ground, nothing that only a hand needs.
+        for part in ["NaN", "inf", "UV", "Drag"] {
+            assert!(!svg.contains(part), "{part}");
+        }
+        assert!(svg.matches("<path ").count() > 30 && svg.contains("fill=\"#fff\""));
+    }
+}
+
+#[test]
+fn nothing_of_a_figure_is_cut_off_at_its_edges() {
+    for views in [
+        vec![ViewKind::States, ViewKind::Innovations],
+        vec![ViewKind::Autocorrelation, ViewKind::Phase, ViewKind::Consistency],
+        vec![ViewKind::Scores, ViewKind::Matrices],
+        vec![ViewKind::Diagnosis],
+    ] {
+        let (mut screen, _) = exporting();
+        *screen.state_mut().layout_mut() = Layout::column(&views);
+        screen.run_steps(4);
+        for format in FigureFormat::ALL {
+            let figure = screen.state().figure(format);
+            let png = figure.png().expect("it can be encoded");
+            let (width, height, pixels) = decoded(&png);
+            let dark = |x: usize, y: usize| pixels[3 * (y * width + x)..][..3].iter().any(|value| *value < 250);
+            let at_edge = (0..width).any(|x| dark(x, 0) || dark(x, height - 1))
+                || (0..height).any(|y| dark(0, y) || dark(width - 1, y));
+            assert!(!at_edge, "{views:?}, {format:?}");
+            let inked = (0..width * height).filter(|i| dark(i % width, i / width)).count();
+            assert!(inked > width * height / 100, "{views:?}, {format:?}: {inked} pixels");
+            let svg = figure.svg();
+            let last = ["log likelihood", "time [s]", "consistent"].iter().any(|text| svg.contains(text));
+            assert!(last, "{views:?}, {format:?}: tables are there that scroll on a screen");
+            let lines: Vec<&str> = svg.lines().collect();
+            let is_cut = |pair: &[&str]| pair[0].starts_with("<g clip-path") && pair[1].starts_with("<text");
+            assert!(!lines.windows(2).any(is_cut), "{views:?}, {format:?}: a text is cut off");
+        }
+    }
+}
+
+/// Width, height and pixels of a PNG.
+fn decoded(png: &[u8]) -> (usize, usize, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("it is a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("it is small")];
+    let info = reader.next_frame(&mut pixels).expect("it has a picture");
+    (info.width as usize, info.height as usize, pixels)
+}
+
+#[test]
+fn a_figure_looks_as_it_did() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/snapshots/figure-84mm.png");
+    let (mut screen, _) = exporting();
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Oscillator, ViewKind::Parameters, ViewKind::Phase]);
+    screen.run_steps(4);
+    let png = screen.state().figure(FigureFormat::Column).png().expect("it can be encoded");
+    if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        std::fs::write(path, &png).expect("the snapshot can be written");
+    }
+    let (width, height, pixels) = decoded(&png);
+    let (w, h, expected) = decoded(&std::fs::read(path).expect("there is a snapshot"));
+    assert_eq!((width, height), (w, h));
+    // Edges of lines may differ by a grey level.
+    let differ = pixels.iter().zip(&expected).filter(|(a, b)| a.abs_diff(**b) > 24).count();
+    assert!(differ < 400, "{differ} values differ; UPDATE_SNAPSHOTS=1 makes the snapshot anew");
+}
+
+#[test]
+fn a_file_never_replaces_another() {
+    let place = std::env::temp_dir().join(format!("kalmanscope-exports-{}", std::process::id()));
+    std::fs::create_dir_all(&place).expect("a folder can be made");
+    let file = |contents: &str| File { name: "a.csv".to_owned(), kind: "text/csv", contents: contents.into() };
+    let first = folder::write_into(&place, &file("1")).expect("it can be written");
+    let second = folder::write_into(&place, &file("2")).expect("it can be written");
+    assert!(first.ends_with("a.csv") && second.ends_with("a-2.csv"), "{first}, {second}");
+    assert_eq!(std::fs::read_to_string(first).expect("it is there"), "1");
+    let nowhere = folder::write_into(&place.join("none"), &file("3")).expect_err("there is no folder");
+    assert!(nowhere.contains("a.csv"), "{nowhere}");
+    std::fs::remove_dir_all(place).expect("the folder can be removed");
+}
+
+#[test]
+fn a_file_that_cannot_be_delivered_is_reported() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.get_by_label("Export").click();
+    screen.run_steps(3);
+    screen.get_by_label("Record (CSV)").click();
+    screen.run_steps(4);
+    assert_eq!(screen.state().notice(), Some("The file cannot be written: there is no place for files here."));
+}
