@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use kalmanscope_core::import::{self, Builder, Imported, Mapping, Table};
 use kalmanscope_core::{Record, RunError, Scenario};
+use kalmanscope_lessons::records;
 
 use crate::args::RunArgs;
 use crate::input::{InputError, LARGEST, read_text};
@@ -22,6 +23,16 @@ pub(crate) fn measured(args: &RunArgs, scenario: &mut Scenario) -> Result<Option
         (None, Some(mapping)) if !mapping.file.is_empty() => beside(file, &mapping.file),
         _ => return Ok(None),
     };
+    // A file beside the scenario goes before a record that comes along.
+    if record.is_none()
+        && !path.exists()
+        && let Some(mapping) = &scenario.record
+        && let Some(bytes) = records::record(mapping)
+    {
+        let bad = |error| InputError::Import { file: path.clone(), error };
+        let table = import::read(bytes, mapping.dialect).map_err(bad)?;
+        return of_table(&path, &table, scenario).map(Some);
+    }
     read(&path, scenario).map(Some)
 }
 
@@ -34,12 +45,17 @@ pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, Inp
         let record = record.map_err(|error| InputError::Record { file: path.to_owned(), error })?;
         return Ok(Imported { record, remarks: Vec::new() });
     }
+    let table = table(path, &scenario.record.clone().unwrap_or_default())?;
+    of_table(path, &table, scenario)
+}
+
+/// The record of a file's columns, with the meaning that the scenario gives them.
+fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Imported, InputError> {
     let bad = |error| InputError::Import { file: path.to_owned(), error };
     let mapping = scenario.record.clone().unwrap_or_default();
-    let table = table(path, &mapping)?;
     let mut remarks = vec![format!("{}", table.dialect)];
     let mapping = if mapping.sensors.is_empty() {
-        let (guess, kind) = Mapping::guess(&table);
+        let (guess, kind) = Mapping::guess(table);
         scenario.input = kind;
         let time = if mapping.time == Default::default() { guess.time } else { mapping.time };
         Mapping { time, input: guess.input, sensors: guess.sensors, ..mapping }
@@ -47,7 +63,7 @@ pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, Inp
         mapping
     };
     remarks.push(meaning(&mapping));
-    let imported = Builder::new(&table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+    let imported = Builder::new(table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
     let mut imported = imported.map_err(bad)?;
     scenario.record = Some(mapping);
     imported.remarks.splice(0..0, remarks);
