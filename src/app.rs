@@ -10,6 +10,7 @@ mod window;
 use egui::util::undoer::Undoer;
 use egui::{ThemePreference, Ui};
 use kalmanscope_core::{Estimates, RunError, Scenario};
+use kalmanscope_lessons::BuiltIn;
 
 use crate::drop;
 use crate::import::Import;
@@ -94,7 +95,7 @@ impl App {
     }
 
     fn from_found(Found { saved, new_here, unreadable }: Found, budget: Budget) -> Result<Self, RunError> {
-        let mut app = Self::with_scenario(saved.scenario)?;
+        let mut app = Self::with_any(saved.scenario)?;
         // The first frame is drawn before any long computation.
         app.session.set_budget(budget);
         app.session.set_mode(saved.mode);
@@ -108,6 +109,17 @@ impl App {
                 Some(format!("The last session could not be restored in full, but its text is kept: {reason}.").into());
             app.unreadable = Some(text);
         }
+        Ok(app)
+    }
+
+    /// The explorer at the start of a scenario. One with a measured record, whose file may not be here, comes after the first
+    /// scenario: until its file is dropped, that one stays on screen.
+    fn with_any(scenario: Scenario) -> Result<Self, RunError> {
+        if scenario.record.is_none() {
+            return Self::with_scenario(scenario);
+        }
+        let mut app = Self::with_scenario(BuiltIn::FIRST.scenario().unwrap_or_default())?;
+        app.session.set_scenario(scenario);
         Ok(app)
     }
 
@@ -244,7 +256,7 @@ impl eframe::App for App {
         // A number that is held is still being changed.
         self.session.rest(if ctx.input(|input| input.pointer.any_down()) { 0.0 } else { elapsed });
         self.session.advance(elapsed);
-        self.follow_import();
+        self.follow_import(ctx);
         let Self { session, .. } = self;
         if session.playing()
             || session.behind()

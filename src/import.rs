@@ -6,6 +6,7 @@ mod conditioning;
 mod dialog;
 mod draft;
 mod spark;
+mod spectra;
 
 use std::sync::Arc;
 

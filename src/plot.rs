@@ -9,7 +9,7 @@ mod columns;
 mod cursor;
 mod decoration;
 mod drawing;
-mod frame;
+pub(crate) mod frame;
 mod grid;
 pub(crate) mod handles;
 pub(crate) mod heading;

@@ -37,6 +37,8 @@ pub enum Request {
     ImportFile(Box<RawFile>),
     /// Choose another meaning of the columns of the record on screen.
     ChangeColumns,
+    /// Test the identified models on the record that is being imported.
+    HoldOut,
     /// Give up the import.
     CancelImport,
     /// Open the link, the lesson or the scenario of an address.
@@ -180,6 +182,8 @@ pub enum ViewKind {
     ParameterPlane,
     /// Frequency response over the force's spectrum.
     FrequencyResponse,
+    /// Power over time and frequency.
+    Spectrogram,
     /// Predict and update in numbers.
     Matrices,
     /// Filters side by side.
@@ -192,7 +196,7 @@ pub enum ViewKind {
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -205,6 +209,7 @@ impl ViewKind {
         Self::Phase,
         Self::ParameterPlane,
         Self::FrequencyResponse,
+        Self::Spectrogram,
         Self::Matrices,
         Self::Scores,
         Self::Filters,

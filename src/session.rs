@@ -250,6 +250,17 @@ impl Session {
         }
     }
 
+    /// Keeps a file as the record on which the identified models are tested.
+    ///
+    /// # Errors
+    /// A sentence where there is no measured record on screen, or the columns do not mean the same.
+    pub fn hold_out(&mut self, file: &RecordFile) -> Result<(), String> {
+        self.library.hold_out(file, &self.scenario)?;
+        self.drawn += 1;
+        self.free.forget();
+        Ok(())
+    }
+
     /// Keeps the reasons of start values that were made from a record.
     pub fn explain(&mut self, reasons: Vec<String>) {
         self.library.set_reasons(reasons);

@@ -57,9 +57,6 @@ pub enum LinkError {
     /// The text is not what a program has written.
     #[error("it is damaged: a part of it is missing or changed")]
     Damaged,
-    /// The scenario comes from a measured file, which this program cannot ask for.
-    #[error("it needs the measured file “{0}”, and this program opens links to simulated records only")]
-    NeedsFile(String),
     /// The line about the screen is not valid.
     #[error("its views cannot be shown: {0}")]
     Screen(String),
@@ -77,18 +74,6 @@ struct Screen {
     enlarged: Option<ViewKind>,
     mode: Mode,
     time: f64,
-    /// The measured file without which the scenario cannot be run.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    file: Option<MeasuredFile>,
-}
-
-/// The file of a measured record. The link has its name, and not its contents.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MeasuredFile {
-    name: String,
-    /// The hash of its contents, in hexadecimal digits.
-    hash: String,
 }
 
 impl Picture {
@@ -104,8 +89,7 @@ impl Picture {
     /// long.
     pub fn fragment(&self) -> Result<String, LinkError> {
         let Self { scenario, views, enlarged, mode, time } = self;
-        // A scenario with a measured record names its file here.
-        let screen = Screen { views: views.clone(), enlarged: *enlarged, mode: *mode, time: *time, file: None };
+        let screen = Screen { views: views.clone(), enlarged: *enlarged, mode: *mode, time: *time };
         let screen = serde_json::to_string(&screen).map_err(|error| LinkError::Screen(error.to_string()))?;
         let text = format!("{screen}\n{}", scenario.to_toml()?);
         let link = format!("{VERSION}.{}", base64url::encode(&packed::pack(&text)));
@@ -135,10 +119,7 @@ impl Picture {
     fn from_text(text: &str) -> Result<Self, LinkError> {
         let (screen, scenario) = text.split_once('\n').ok_or(LinkError::Damaged)?;
         let screen: Screen = serde_json::from_str(screen).map_err(|error| LinkError::Screen(error.to_string()))?;
-        let Screen { views, enlarged, mode, time, file } = screen;
-        if let Some(MeasuredFile { name, .. }) = file {
-            return Err(LinkError::NeedsFile(name.chars().take(80).collect()));
-        }
+        let Screen { views, enlarged, mode, time } = screen;
         if let Some(views) = &views {
             views.validate().map_err(LinkError::Screen)?;
         }

@@ -3,6 +3,7 @@
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use egui::Ui;
+use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
 use crate::plot::input::PlotInput;
@@ -46,6 +47,11 @@ impl<'a> ViewContext<'a> {
             .hash(&mut hasher);
         session.run().estimates().iter().for_each(|estimates| estimates.color().hash(&mut hasher));
         Self { session, palette, visible, axis, ruler, version: hasher.finish() }
+    }
+
+    /// A unit, with that of the record's motion in place of metres.
+    pub(crate) fn unit(&self, unit: &'static str) -> &'static str {
+        Length::of(self.session.run().scenario().record.as_ref()).in_place_of(unit)
     }
 
     /// The part for charts.

@@ -16,6 +16,7 @@ mod oscillator;
 mod parameter_plane;
 mod phase;
 mod scores;
+mod spectrogram;
 
 use crate::request::ViewKind;
 use crate::session::Wanted;
@@ -36,6 +37,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Phase => &phase::Phase,
         ViewKind::ParameterPlane => &parameter_plane::ParameterPlane,
         ViewKind::FrequencyResponse => &frequency_response::FrequencyResponse,
+        ViewKind::Spectrogram => &spectrogram::SpectrogramView,
         ViewKind::Matrices => &matrices::Matrices,
         ViewKind::Scores => &scores::Scores,
         ViewKind::Filters => &filters::Filters,

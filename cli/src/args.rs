@@ -46,6 +46,9 @@ pub(crate) struct RunArgs {
     /// Run the identified models freely over this record too, which the filters do not see; its columns mean the same
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) holdout: Vec<PathBuf>,
+    /// Go on with these records, one after the other: each begins with the parameters that the filters have found so far
+    #[arg(long, value_name = "RECORD.csv")]
+    pub(crate) then: Vec<PathBuf>,
     /// Seed of the random numbers, instead of the scenario's; has no effect with --record
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub(crate) seed: Option<u64>,
@@ -86,6 +89,21 @@ pub(crate) struct ImportArgs {
     /// The column of a sensor, such as displacement=V2; may be given for several
     #[arg(long, value_name = "QUANTITY=COLUMN", value_parser = sensor)]
     pub(crate) sensor: Vec<(Quantity, String)>,
+    /// Use the record from this time on [s]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub(crate) from: Option<f64>,
+    /// Use the record up to this time [s]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub(crate) to: Option<f64>,
+    /// Band-pass input and sensors, from and to [Hz], by Butterworth filters run forward and backward
+    #[arg(long, value_names = ["LOW", "HIGH"], num_args = 2)]
+    pub(crate) band: Option<Vec<f64>>,
+    /// Keep one of so many samples, after a low-pass
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) every: usize,
+    /// Put so many steps in place of one: a band-limited input, measurements missing in between
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) interpolate: usize,
     /// The kind of plant that the filters assume
     #[arg(long, value_name = "KIND", default_value = "sdof", value_parser = plant)]
     pub(crate) plant: PlantKind,

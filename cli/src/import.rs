@@ -14,7 +14,7 @@ use crate::record::table;
 
 /// Looks at a record and writes a scenario for it.
 pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
-    let ImportArgs { file, out, rate, time, input, ground, sensor, plant } = args;
+    let ImportArgs { file, out, rate, time, input, ground, sensor, from, to, band, every, interpolate, plant } = args;
     let bad = |error| InputError::Import { file: file.clone(), error };
     let unread = |error| InputError::Read { file: file.clone(), error };
     let table = table(file, &Mapping::default())?;
@@ -39,6 +39,8 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     if !sensor.is_empty() {
         mapping.sensors = sensor.iter().map(|(quantity, column)| (*quantity, mapped(column))).collect();
     }
+    (mapping.from, mapping.to, mapping.every, mapping.interpolate) = (*from, *to, *every, *interpolate);
+    mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).map_err(bad)?;
     let mut scenario = scenario_for(&imported.record);
     scenario.set_plant(*plant);
@@ -68,7 +70,7 @@ fn unit_of(table: &kalmanscope_core::import::Table, column: &str) -> String {
 fn path_from(out: Option<&Path>, file: &Path) -> String {
     let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
     let name = match out {
-        Some(out) if folder(out) == folder(file) => file.file_name().map(Path::new).unwrap_or(file).to_owned(),
+        Some(out) if folder(out) == folder(file) => file.file_name().map_or(file, Path::new).to_owned(),
         Some(_) => fs::canonicalize(file).unwrap_or_else(|_| file.to_owned()),
         None => file.to_owned(),
     };

@@ -5,7 +5,7 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use kalmanscope_core::import::ImportError;
-use kalmanscope_core::{RecordError, RunError, ScenarioError};
+use kalmanscope_core::{RunError, ScenarioError};
 use kalmanscope_lessons::LessonError;
 use thiserror::Error;
 
@@ -21,8 +21,6 @@ pub(crate) enum InputError {
     Scenario { file: PathBuf, error: ScenarioError },
     #[error("{}: {error}", shown(.file))]
     Lesson { file: PathBuf, error: LessonError },
-    #[error("{}: {error}", shown(.file))]
-    Record { file: PathBuf, error: RecordError },
     #[error("{}: {error}", shown(.file))]
     Import { file: PathBuf, error: ImportError },
     #[error("{}: it has {megabytes} MB, but at most {} MB are read; cut it before", shown(.file), LARGEST / 1_000_000)]

@@ -1,11 +1,9 @@
 //! Measured records from files.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use kalmanscope_core::import::{self, Builder, Imported, Mapping, Table};
-use kalmanscope_core::{Record, RunError, Scenario};
+use kalmanscope_core::import::{self, Builder, Decimal, Delimiter, Dialect, Encoding, Imported, Mapping, Table};
+use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::records;
 
 use crate::args::RunArgs;
@@ -38,13 +36,6 @@ pub(crate) fn measured(args: &RunArgs, scenario: &mut Scenario) -> Result<Option
 
 /// The record in a file, with the meaning that the scenario gives its columns.
 pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, InputError> {
-    if scenario.record.is_none() && has_canonical_names(path)? {
-        let file = open(path)?;
-        let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let record = Record::read_csv(BufReader::new(file), &sensors);
-        let record = record.map_err(|error| InputError::Record { file: path.to_owned(), error })?;
-        return Ok(Imported { record, remarks: Vec::new() });
-    }
     let table = table(path, &scenario.record.clone().unwrap_or_default())?;
     of_table(path, &table, scenario)
 }
@@ -53,7 +44,6 @@ pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, Inp
 fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Imported, InputError> {
     let bad = |error| InputError::Import { file: path.to_owned(), error };
     let mapping = scenario.record.clone().unwrap_or_default();
-    let mut remarks = vec![format!("{}", table.dialect)];
     let mapping = if mapping.sensors.is_empty() {
         let (guess, kind) = Mapping::guess(table);
         scenario.input = kind;
@@ -62,7 +52,8 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
     } else {
         mapping
     };
-    remarks.push(meaning(&mapping));
+    let remarks =
+        if is_own_form(table, &mapping) { Vec::new() } else { vec![table.dialect.to_string(), meaning(&mapping)] };
     let imported = Builder::new(table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
     let mut imported = imported.map_err(bad)?;
     scenario.record = Some(mapping);
@@ -96,20 +87,16 @@ fn meaning(mapping: &Mapping) -> String {
     std::iter::once(time).chain(input).chain(sensors).collect::<Vec<_>>().join(", ")
 }
 
-/// Whether a file has the columns that the command line writes itself: every bit of such a file is kept.
-fn has_canonical_names(path: &Path) -> Result<bool, InputError> {
-    use std::io::Read as _;
-    let mut head = Vec::new();
-    let read = open(path)?.take(4096).read_to_end(&mut head);
-    read.map_err(|error| InputError::Read { file: path.to_owned(), error })?;
-    let text = String::from_utf8_lossy(&head);
-    let first = text.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
-    let names: Vec<&str> = first.split(',').map(str::trim).collect();
-    Ok(names.contains(&"t") && (names.contains(&"force") || names.contains(&"ground_acceleration")))
-}
-
-fn open(path: &Path) -> Result<File, InputError> {
-    File::open(path).map_err(|error| InputError::Read { file: path.to_owned(), error })
+/// Whether a file is as the command line writes it: then there is nothing to say about it.
+fn is_own_form(table: &Table, mapping: &Mapping) -> bool {
+    let Dialect { encoding, delimiter, decimal, names, .. } = table.dialect;
+    let is_plain = (encoding, delimiter, decimal, names) == (Encoding::Utf8, Delimiter::Comma, Decimal::Point, 1);
+    let input = mapping.input.as_ref().map(|input| input.column.as_str());
+    let sensors = mapping.sensors.iter().all(|(quantity, column)| quantity.key() == column.column);
+    is_plain
+        && mapping.time.column.as_deref() == Some("t")
+        && input.is_none_or(|input| ["force", "ground_acceleration"].contains(&input))
+        && sensors
 }
 
 /// A file named in another file, from whose folder its path is counted.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use kalmanscope_cli::{PlotError, causes, free_runs, plot_svg, run_scenario, step_times, table, write_estimates};
 use kalmanscope_core::import::Imported;
-use kalmanscope_core::{Analysis, RecordError, Scenario, Wanted};
+use kalmanscope_core::{Analysis, RecordError, Run, Scenario, Wanted};
 use thiserror::Error;
 
 use crate::args::RunArgs;
@@ -44,7 +44,7 @@ pub(crate) enum Ending {
 
 /// Runs the scenario, writes what was asked for and prints the table. What could not be written is told on standard error.
 pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
-    let RunArgs { scenario: file, record: _, map: _, holdout, seed, out, record_out, svg, fail_on } = args;
+    let RunArgs { scenario: file, record: _, map: _, holdout, then, seed, out, record_out, svg, fail_on } = args;
     let mut scenario = read_scenario(file)?;
     if let Some(seed) = seed {
         scenario.seed = *seed;
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     if imported.is_none() && scenario.samples() > MOST {
         return Err(InputError::TooLong { file: file.clone(), most: MOST });
     }
-    let is_measured = imported.is_some();
+    let is_measured = imported.is_some() || !then.is_empty();
     let (record, remarks) = imported.map_or((None, Vec::new()), |Imported { record, remarks }| (Some(record), remarks));
     remarks.iter().for_each(|remark| {
         let _ = writeln!(io::stderr(), "{remark}");
@@ -61,7 +61,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     let held_out = holdout.iter().map(|path| Ok((path, read(path, &mut scenario.clone())?.record)));
     let held_out = held_out.collect::<Result<Vec<_>, InputError>>()?;
     let bad_run = |error| InputError::Run { file: file.clone(), error };
-    let run = run_scenario(&scenario, record).map_err(bad_run)?;
+    let mut run = run_scenario(&scenario, record).map_err(bad_run)?;
+    for path in then {
+        continue_from(&run, &mut scenario);
+        let next = read(path, &mut scenario)?.record;
+        run = run_scenario(&scenario, Some(next)).map_err(bad_run)?;
+    }
 
     let mut well = true;
     let mut write = |path: &Option<PathBuf>, writer: &dyn Fn(&Path) -> Result<(), OutputError>| {
@@ -99,6 +104,20 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
         false if well && run.estimates().iter().all(|e| e.stop().is_none()) => Ending::Well,
         false => Ending::Stopped,
     })
+}
+
+/// Lets each filter begin with the parameters that it has found: their means and standard deviations, without the correlations
+/// between them. The motion begins anew.
+fn continue_from(run: &Run, scenario: &mut Scenario) {
+    for (filter, estimates) in scenario.filters.iter_mut().zip(run.estimates()) {
+        let Some(last) = estimates.len().checked_sub(1) else { continue };
+        for (place, &channel) in estimates.channels().iter().enumerate() {
+            if channel.is_parameter() || channel.is_augmentation() {
+                filter.initial_mean[channel] = estimates.canonical_mean(last, place);
+                filter.initial_std[channel] = estimates.std(last, place);
+            }
+        }
+    }
 }
 
 fn create(path: &Path) -> io::Result<BufWriter<File>> {

@@ -4,6 +4,7 @@ use std::fmt::{self, Write as _};
 
 use kalmanscope_core::diagnosis::{Evidence, Finding};
 use kalmanscope_core::diagnostics::{Final, MeanSquare};
+use kalmanscope_core::import::Length;
 use kalmanscope_core::{Analysis, Channel, CramerRao, Diagnosis, Estimates, FilterKind, Run, Summary};
 
 use crate::number::{deviation, plain, short, with_spread};
@@ -50,7 +51,9 @@ fn write_table(
     });
     let smoothed = analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record));
     let summaries: Vec<Summary> = filters.chain(smoothed).collect();
-    let rows: Vec<Vec<[String; COLUMNS]>> = summaries.iter().map(|s| s.finals.iter().map(row).collect()).collect();
+    let length = Length::of(run.scenario().record.as_ref());
+    let rows: Vec<Vec<[String; COLUMNS]>> =
+        summaries.iter().map(|s| s.finals.iter().map(|last| row(last, length)).collect()).collect();
     let widths: [usize; COLUMNS] =
         std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
     for (i, (summary, rows)) in summaries.iter().zip(&rows).enumerate() {
@@ -199,7 +202,7 @@ const COLUMNS: usize = 11;
 const LABELS: [&str; COLUMNS] = ["", "", "", "±", "", "error", "", "RMSE", "last third", "inside", "settled"];
 
 /// One channel's last estimate and its score, as text, column by column.
-fn row(last: &Final) -> [String; COLUMNS] {
+fn row(last: &Final, length: Length) -> [String; COLUMNS] {
     let &Final { channel, mean, std, score } = last;
     let (value, spread) = with_spread(mean, std);
     let scored = score.map(|score| {
@@ -213,7 +216,8 @@ fn row(last: &Final) -> [String; COLUMNS] {
         [deviation(score.error, std), in_stds, short(score.rmse), short(score.rmse_last_third), inside, settled]
     });
     let [error, in_stds, rmse, last_third, inside, settled] = scored.unwrap_or_default();
-    let [symbol, name, unit] = [channel.symbol(), channel.name(), channel.unit()].map(str::to_owned);
+    let [symbol, name, unit] =
+        [channel.symbol(), channel.name(), length.in_place_of(channel.unit())].map(str::to_owned);
     [symbol, name, value, spread, unit, error, in_stds, rmse, last_third, inside, settled]
 }
 

@@ -145,7 +145,8 @@ impl Identified {
             let Ok(change) = svd.solve(&error, least.max(f64::MIN_POSITIVE)) else { break };
             let moved: Vec<f64> = best.iter().zip(change.iter()).map(|(value, change)| value + change).collect();
             let after = residual(&moved);
-            if !(after.norm_squared() < error.norm_squared()) {
+            // A motion that runs away has no error that is a number.
+            if after.norm_squared().is_nan() || after.norm_squared() >= error.norm_squared() {
                 break;
             }
             let is_done = after.norm_squared() > (1.0 - 1e-9) * error.norm_squared();

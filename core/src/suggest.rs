@@ -277,7 +277,7 @@ impl Suggestion {
         if mean > BETTER {
             return;
         }
-        self.scenario = self.with_error(before);
+        self.scenario = self.with_error(after);
         self.reasons.push(format!(
             "R as large as the error of the model's free run, and no Q of the motion: the model is not quite right, and its \
              free run then errs {:.0} % less",

@@ -3,8 +3,10 @@
 use egui::Context;
 
 use super::App;
+use crate::controls::number;
 use crate::import::{Import, Opened};
 use crate::layout::Layout;
+use crate::plot::time_axis::TimeAxis;
 use crate::request::{RawFile, ViewKind};
 use crate::session::{Mode, RecordFile, name_of};
 use crate::theme::Palette;
@@ -14,7 +16,7 @@ const VIEWS: [ViewKind; 3] = [ViewKind::Measured, ViewKind::Parameters, ViewKind
 
 impl App {
     /// Begins the import of a file. One that the scenario waits for needs no questions.
-    pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile, _ctx: &Context) {
+    pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile) {
         self.inviting = false;
         self.importing = Some(Import::new(&name, bytes));
     }
@@ -27,7 +29,7 @@ impl App {
     }
 
     /// Goes on with an import.
-    pub(super) fn follow_import(&mut self) {
+    pub(super) fn follow_import(&mut self, ctx: &Context) {
         let Some(import) = &mut self.importing else { return };
         let mut while_time = self.session.budget().slice();
         let opened = import.advance(&mut while_time);
@@ -37,8 +39,18 @@ impl App {
             self.session.keep_file(file);
             self.notice = None;
         } else if let Some(opened) = opened {
-            self.open_record(opened);
+            self.open_record(opened, ctx);
         }
+    }
+
+    /// Tests the models on screen on the file that is being imported.
+    pub(super) fn hold_out(&mut self) {
+        let Some(file) = self.importing.take().and_then(|import| import.file().cloned()) else { return };
+        self.notice = match self.session.hold_out(&file) {
+            Ok(()) => None,
+            Err(reason) => Some(format!("The models cannot be tested: {reason}.").into()),
+        };
+        self.layout.show(ViewKind::Measured);
     }
 
     /// Whether the scenario names this file and waits for it.
@@ -51,13 +63,14 @@ impl App {
     /// Shows the window of an import.
     pub(super) fn import_ui(&mut self, ctx: &Context, palette: &Palette) {
         let Some(import) = &mut self.importing else { return };
-        if let Some(opened) = import.ui(ctx, palette, &mut self.requests) {
-            self.open_record(opened);
+        let can_hold_out = self.session.is_measured();
+        if let Some(opened) = import.ui(ctx, palette, can_hold_out, &mut self.requests) {
+            self.open_record(opened, ctx);
         }
     }
 
     /// Shows a record as a whole.
-    fn open_record(&mut self, Opened { file, scenario, reasons }: Opened) {
+    fn open_record(&mut self, Opened { file, scenario, reasons }: Opened, ctx: &Context) {
         self.importing = None;
         self.tutor = None;
         self.session.keep_file(file);
@@ -69,8 +82,9 @@ impl App {
             self.session.set_scenario(scenario);
             self.session.begin_anew();
             self.session.pause();
-            self.axis = crate::plot::time_axis::TimeAxis::default();
+            self.axis = TimeAxis::default();
             self.visible.reset();
+            number::begin_anew(ctx);
         } else {
             self.session.edit(scenario);
         }

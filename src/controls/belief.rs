@@ -1,6 +1,7 @@
 //! A filter's initial belief and assumed noise: initial mean and std, Q and R.
 
 use egui::{Grid, RichText, Ui, Vec2};
+use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Sensor};
 
 use super::lit::lit;
@@ -12,7 +13,13 @@ const SYMBOL_WIDTH: f32 = 22.0;
 const UNIT_WIDTH: f32 = 36.0;
 
 /// A table with one row per channel and one per sensor of a filter, for a truth of the given kind.
-pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sensor], truth: PlantKind) {
+pub(super) fn belief_ui(
+    ui: &mut Ui,
+    filter: &mut FilterSettings,
+    sensors: &[Sensor],
+    truth: PlantKind,
+    length: Length,
+) {
     let channels = filter.model(truth, InputKind::Force).channels().to_vec();
     let known: Vec<Channel> = channels.iter().copied().filter(|channel| filter.knows(*channel)).collect();
     let FilterSettings { id, name, sensor_std, initial_mean, initial_std, process_std, .. } = filter;
@@ -59,7 +66,7 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
                     std_field(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
                 });
             });
-            ui.weak(channel.unit());
+            unit_ui(ui, length.in_place_of(channel.unit()));
             ui.end_row();
         }
         for (place, (std, sensor)) in sensor_std.iter_mut().zip(sensors).enumerate() {
@@ -75,9 +82,17 @@ pub(super) fn belief_ui(ui: &mut Ui, filter: &mut FilterSettings, sensors: &[Sen
                     std_field(ui, std, 1e-9, 10.0, &title, "Standard deviation that the filter ascribes to the sensor");
                 });
             });
-            ui.weak(quantity.unit());
+            unit_ui(ui, length.in_place_of(quantity.unit()));
             ui.end_row();
         }
+    });
+}
+
+/// A unit, cut where it is too long: a row that is wider than the panel would make the panel grow.
+fn unit_ui(ui: &mut Ui, unit: &str) {
+    ui.allocate_ui(Vec2::new(UNIT_WIDTH, ui.spacing().interact_size.y), |ui| {
+        ui.set_width(UNIT_WIDTH);
+        ui.add(egui::Label::new(RichText::new(unit).weak()).truncate());
     });
 }
 

@@ -2,6 +2,7 @@
 
 use egui::collapsing_header::CollapsingState;
 use egui::{ComboBox, RichText, Ui};
+use kalmanscope_core::import::Length;
 use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 
 use super::belief::belief_ui;
@@ -35,10 +36,11 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| kind_ui(ui, filter, place, &others));
         })
         .body_unindented(|ui| {
-            let Scenario { dt, plant, sensors, filters, .. } = scenario;
+            let Scenario { dt, plant, sensors, filters, record, .. } = scenario;
+            let length = Length::of(record.as_ref());
             let filter = &mut filters[place];
             memory_ui(ui, filter, *dt);
-            belief_ui(ui, filter, sensors, plant.kind);
+            belief_ui(ui, filter, sensors, plant.kind, length);
             ui.add_space(2.0);
             options_ui(ui, filter, plant.kind, sensors);
             ui.add_space(2.0);

@@ -10,7 +10,7 @@ use crate::text::significant;
 use crate::theme::Palette;
 
 /// The rows whose numbers are shown.
-const FIRST: usize = 4;
+const FIRST: usize = 3;
 /// Limits the columns that are shown.
 const MOST: usize = 60;
 
@@ -38,7 +38,7 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
     let table = &draft.file().table;
     let column = &table.columns[place];
     let name = column.name.clone();
-    let begins: Vec<String> = column.values.iter().take(FIRST).map(|value| significant(*value, 4)).collect();
+    let begins: Vec<String> = column.values.iter().take(FIRST).map(|value| significant(*value, 3)).collect();
     let text = column.text.as_ref().map(|text| format!("line {}: “{}” is not a number", text.line, text.text));
     let is_empty = table.is_without_numbers(place);
     let label = ui.label(RichText::new(&name).strong());

@@ -6,6 +6,8 @@ use kalmanscope_core::{Hold, InputKind, PlantKind};
 
 use super::choices::{choice_ui, number_ui, optional_ui, whole_ui};
 use super::draft::Draft;
+use super::spectra::spectra_ui;
+use crate::theme::Palette;
 
 /// The rate of a file without times, the kind of input and its course between samples, the plant.
 pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
@@ -35,7 +37,7 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
 }
 
 /// The part that is used, and what is done to it.
-pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft) {
+pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
     let end = draft.outcome().map_or(10.0, |imported| imported.record.time(imported.record.len().saturating_sub(1)));
     let nyquist = draft.outcome().map_or(50.0, |imported| 0.5 / imported.record.dt());
     egui::CollapsingHeader::new("Part, band and rate").id_salt("conditioning").show(ui, |ui| {
@@ -65,5 +67,9 @@ pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft) {
             );
             whole_ui(ui, "Steps in place of one", &mut mapping.interpolate, 1..=8);
         });
+        if mapping.band.is_some() || mapping.every > 1 {
+            let [before, after] = draft.spectra();
+            spectra_ui(ui, before, after, palette);
+        }
     });
 }

@@ -12,22 +12,37 @@ use crate::theme::Palette;
 /// The choice of the user in this frame.
 enum Choice {
     Open,
+    HoldOut,
     Cancel,
 }
 
 impl Import {
     /// Shows the window. Returns the outcome where the record is opened at once.
-    pub(crate) fn ui(&mut self, ctx: &Context, palette: &Palette, requests: &mut Vec<Request>) -> Option<Opened> {
+    /// `can_hold_out` says whether there are models from another record to test.
+    pub(crate) fn ui(
+        &mut self,
+        ctx: &Context,
+        palette: &Palette,
+        can_hold_out: bool,
+        requests: &mut Vec<Request>,
+    ) -> Option<Opened> {
         let size = ctx.content_rect().size();
         let window = Window::new("Open a measured record").collapsible(false).resizable(false);
         let width = (size.x - 40.0).min(940.0);
         let window = window.anchor(Align2::CENTER_CENTER, Vec2::ZERO).fixed_size([width, size.y - 120.0]);
         let choice = window.show(ctx, |ui| {
-            ScrollArea::vertical().max_height(size.y - 120.0).show(ui, |ui| self.stage_ui(ui, palette)).inner
+            ScrollArea::vertical()
+                .max_height(size.y - 120.0)
+                .show(ui, |ui| self.stage_ui(ui, palette, can_hold_out))
+                .inner
         });
         match choice.and_then(|shown| shown.inner).flatten() {
             Some(Choice::Cancel) => {
                 requests.push(Request::CancelImport);
+                None
+            }
+            Some(Choice::HoldOut) => {
+                requests.push(Request::HoldOut);
                 None
             }
             Some(Choice::Open) => {
@@ -40,7 +55,7 @@ impl Import {
         }
     }
 
-    fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette) -> Option<Choice> {
+    fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
         let Self { name, stage } = self;
         match stage {
             Stage::Reading(reader, _) => {
@@ -55,7 +70,7 @@ impl Import {
                 ui.colored_label(palette.warning, format!("“{name}” cannot be opened: {reason}."));
                 button(ui, "Close", true).then_some(Choice::Cancel)
             }
-            Stage::Asking(draft) => draft.ui(ui, palette),
+            Stage::Asking(draft) => draft.ui(ui, palette, can_hold_out),
         }
     }
 }
@@ -71,7 +86,7 @@ fn button(ui: &mut Ui, text: &str, enabled: bool) -> bool {
 }
 
 impl Draft {
-    fn ui(&mut self, ui: &mut Ui, palette: &Palette) -> Option<Choice> {
+    fn ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
         let file = std::sync::Arc::clone(self.file());
         let table = &file.table;
         let rows = table.rows();
@@ -83,7 +98,7 @@ impl Draft {
         columns_ui(ui, self, palette);
         ui.add_space(6.0);
         meaning_ui(ui, self);
-        conditioning_ui(ui, self);
+        conditioning_ui(ui, self, palette);
         ui.checkbox(&mut self.suggest, "make start values from the data: R, guess, gain, Q")
             .on_hover_text("From spectra and from the likelihood; every number can be changed afterwards");
         ui.add_space(4.0);
@@ -107,8 +122,17 @@ impl Draft {
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             let open = button(ui, "Open the record", is_possible);
+            let hint = "The free run of the models on screen over this record, which the filters do not see";
+            let tests = can_hold_out
+                && !self.is_of_scenario()
+                && ui.button("Test the models on it").on_hover_text(hint).clicked();
             let cancel = button(ui, "Cancel the import", true);
-            if open { Some(Choice::Open) } else { cancel.then_some(Choice::Cancel) }
+            match (open, tests, cancel) {
+                (true, ..) => Some(Choice::Open),
+                (_, true, _) => Some(Choice::HoldOut),
+                (.., true) => Some(Choice::Cancel),
+                _ => None,
+            }
         })
         .inner
     }

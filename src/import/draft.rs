@@ -7,6 +7,7 @@ use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
 use super::spark::Spark;
+use super::spectra::spectrum;
 use crate::session::RecordFile;
 
 /// The meaning of a file's columns, as it is being chosen.
@@ -27,7 +28,12 @@ pub struct Draft {
     pub(super) sparks: Vec<Spark>,
     /// What the choices lead to, and the choices.
     outcome: Option<(Choices, Result<Imported, String>)>,
+    /// The spectra without and with the conditioning, and the choices.
+    spectra: Option<(Choices, [Vec<[f64; 2]>; 2])>,
 }
+
+/// The spectra of no record.
+static NO_SPECTRA: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
 
 type Choices = (Mapping, InputKind, Hold);
 
@@ -52,7 +58,7 @@ impl Draft {
         mapping.hash.clone_from(&file.hash);
         let sparks = file.table.columns.iter().map(|column| Spark::new(&column.values)).collect();
         let (hold, plant) = (Hold::First, PlantKind::SDOF);
-        Self { file, mapping, input, hold, plant, suggest: true, base: None, sparks, outcome: None }
+        Self { file, mapping, input, hold, plant, suggest: true, base: None, sparks, outcome: None, spectra: None }
     }
 
     /// The meaning that a scenario gives the columns.
@@ -61,6 +67,11 @@ impl Draft {
         let mapping = scenario.record.clone().unwrap_or_else(|| draft.mapping.clone());
         let (input, hold, plant) = (scenario.input, scenario.hold, scenario.plant.kind);
         Self { mapping, input, hold, plant, suggest: false, base: Some(scenario.clone()), ..draft }
+    }
+
+    /// Whether the file is the one on screen, and its columns are given another meaning.
+    pub(super) fn is_of_scenario(&self) -> bool {
+        self.base.is_some()
     }
 
     /// The file.
@@ -116,6 +127,22 @@ impl Draft {
             Some((_, Ok(imported))) => Ok(imported),
             Some((_, Err(reason))) => Err(reason),
             None => Err(""),
+        }
+    }
+
+    /// The spectrum of the first sensor without and with band-pass, decimation and interpolation.
+    pub(super) fn spectra(&mut self) -> &[Vec<[f64; 2]>; 2] {
+        let choices = (self.mapping.clone(), self.input, self.hold);
+        if self.spectra.as_ref().is_none_or(|(of, _)| *of != choices) {
+            let after = self.outcome().map(|imported| spectrum(&imported.record)).unwrap_or_default();
+            let plain = Mapping { band: None, every: 1, interpolate: 1, ..self.mapping.clone() };
+            let built = Builder::new(&self.file.table, &plain, self.input, self.hold).and_then(Builder::finish);
+            let before = built.map(|imported| spectrum(&imported.record)).unwrap_or_default();
+            self.spectra = Some((choices, [before, after]));
+        }
+        match &self.spectra {
+            Some((_, spectra)) => spectra,
+            None => &NO_SPECTRA,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use kalmanscope_core::{FreeRun, Identified};
+use kalmanscope_core::{Fit, FreeRun, Identified};
 
 use super::Session;
 
@@ -25,6 +25,15 @@ pub(super) struct FreeRuns {
     /// The picture's number, the samples that were done and the model.
     of: Option<(u64, usize, ModelTime)>,
     runs: Vec<Option<FreeRun>>,
+    /// The fits of each filter's model on the record that was held out, one a sensor.
+    held_out: Vec<Vec<Option<Fit>>>,
+}
+
+impl FreeRuns {
+    /// Forgets what has been made.
+    pub(super) fn forget(&mut self) {
+        self.of = None;
+    }
 }
 
 impl Session {
@@ -36,6 +45,11 @@ impl Session {
     /// The free run of the filter at a place, once it is known.
     pub fn free_run(&self, place: usize) -> Option<&FreeRun> {
         self.free.runs.get(place)?.as_ref()
+    }
+
+    /// The fit of the free run of the filter at a place to a sensor of the record that was held out.
+    pub fn held_out_fit(&self, place: usize, sensor: usize) -> Option<Fit> {
+        *self.free.held_out.get(place)?.get(sensor)?
     }
 
     /// Whether a free run is yet to be made.
@@ -64,6 +78,7 @@ impl Session {
         };
         if self.free.of != Some(due) {
             (self.free.of, self.free.runs) = (Some(due), Vec::new());
+            self.free.held_out.clear();
         }
         let place = self.free.runs.len();
         let run = self.study.run();
@@ -81,7 +96,9 @@ impl Session {
             };
             Identified::over(run.scenario(), settings, estimates, samples)
         });
-        let free = model.map(|model| model.run(record, 0..record.len()));
+        let free = model.as_ref().map(|model| model.run(record, 0..record.len()));
+        let other = model.zip(self.library.held_out()).map(|(model, (_, other))| model.run(other, 0..other.len()).fits);
+        self.free.held_out.push(other.unwrap_or_default());
         self.free.runs.push(free);
         self.drawn += 1;
     }

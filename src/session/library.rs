@@ -28,6 +28,7 @@ pub struct Library {
     files: Vec<Arc<RecordFile>>,
     made: Vec<Made>,
     reasons: Vec<String>,
+    held_out: Option<(String, Arc<Record>)>,
 }
 
 /// A record and what it follows from.
@@ -99,6 +100,24 @@ impl Library {
             self.made.remove(0);
         }
         Ok(Source::Measured(record))
+    }
+
+    /// The record on which models are tested that were made from another, with its name.
+    pub fn held_out(&self) -> Option<(&str, &Arc<Record>)> {
+        self.held_out.as_ref().map(|(name, record)| (name.as_str(), record))
+    }
+
+    /// Keeps a file as the record on which models are tested. Its columns mean what they mean in the scenario's.
+    ///
+    /// # Errors
+    /// A sentence where the scenario has no record, or the file is none in its meaning.
+    pub(super) fn hold_out(&mut self, file: &RecordFile, scenario: &Scenario) -> Result<(), String> {
+        let Some(mapping) = &scenario.record else { return Err("there is no measured record to test".to_owned()) };
+        let mapping = Mapping { from: None, to: None, ..mapping.clone() };
+        let built = Builder::new(&file.table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+        let built = built.map_err(|error| format!("“{}”: {error}", file.name))?;
+        self.held_out = Some((file.name.clone(), Arc::new(built.record)));
+        Ok(())
     }
 
     /// The reasons of the start values that were made last.

@@ -50,7 +50,7 @@ impl View for Channels {
     fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
         let sheet = |channel: Channel| Sheet {
             title: channel.name().to_owned(),
-            unit: channel.unit(),
+            unit: context.unit(channel.unit()),
             columns: columns(channel, context),
         };
         self.channels(context).into_iter().map(sheet).collect()
@@ -136,7 +136,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         title: channel.name().to_owned(),
         symbol: channel.symbol().to_owned(),
         name: channel.name().to_owned(),
-        unit: channel.unit(),
+        unit: context.unit(channel.unit()),
         readouts: readouts(&columns(channel, context), context.axis.readout(session)),
         layers,
         handles: handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect(),

@@ -36,7 +36,7 @@ impl View for Errors {
     fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
         let sheet = |channel: Channel| Sheet {
             title: title(channel),
-            unit: channel.unit(),
+            unit: context.unit(channel.unit()),
             columns: columns(channel, context),
         };
         channels(context).into_iter().map(sheet).collect()
@@ -130,7 +130,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         title: title(channel),
         symbol: format!("{} error", channel.symbol()),
         name: channel.name().to_owned(),
-        unit: channel.unit(),
+        unit: context.unit(channel.unit()),
         readouts: readouts(&columns(channel, context), axis.readout(session)),
         layers,
         handles: Vec::new(),

@@ -32,7 +32,7 @@ impl View for Gain {
         let sheets = |(sensor, quantity): (usize, Quantity)| {
             let sheet = move |channel: Channel| Sheet {
                 title: format!("{} by the {} sensor", title(channel), quantity.key()),
-                unit: channel.unit(),
+                unit: context.unit(channel.unit()),
                 columns: columns(channel, sensor, context),
             };
             channels(context).into_iter().map(sheet)
@@ -124,7 +124,7 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
         title: title(channel),
         symbol: if is_measured { "K".to_owned() } else { format!("K√S → {}", channel.symbol()) },
         name: if is_measured { "share of the innovation taken".to_owned() } else { channel.name().to_owned() },
-        unit: if is_measured { "" } else { channel.unit() },
+        unit: if is_measured { "" } else { context.unit(channel.unit()) },
         readouts: readouts(&columns(channel, sensor, context), axis.readout(session)),
         layers,
         handles: Vec::new(),

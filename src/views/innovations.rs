@@ -36,7 +36,7 @@ impl View for Innovations {
     fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
         let sheet = |(sensor, quantity): (usize, Quantity)| Sheet {
             title: title(quantity),
-            unit: quantity.unit(),
+            unit: context.unit(quantity.unit()),
             columns: columns(sensor, context),
         };
         context.session.sensors().into_iter().enumerate().map(sheet).collect()
@@ -126,7 +126,7 @@ fn chart<'a>(
         title: format!("{}{of}", title(quantity)),
         symbol: format!("e({})", quantity.symbol()),
         name: format!("innovation of {}{of}", quantity.key()),
-        unit: quantity.unit(),
+        unit: context.unit(quantity.unit()),
         readouts,
         layers,
         handles: handles::of_sensor(sensor, quantity, filters, context),

@@ -39,7 +39,7 @@ impl View for Measured {
     fn sheets<'a>(&self, context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
         let sheet = |(sensor, quantity): (usize, Quantity)| Sheet {
             title: format!("{} measured and predicted", quantity.name()),
-            unit: quantity.unit(),
+            unit: context.unit(quantity.unit()),
             columns: columns(sensor, context),
         };
         context.session.sensors().into_iter().enumerate().map(sheet).collect()
@@ -122,7 +122,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
         title: format!("{} measured and predicted", quantity.name()),
         symbol: quantity.symbol().to_owned(),
         name: format!("{}: measured, predicted, free run", quantity.name()),
-        unit: quantity.unit(),
+        unit: context.unit(quantity.unit()),
         readouts: readouts.into_iter().collect(),
         layers,
         handles: Vec::new(),
@@ -153,13 +153,19 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last
             let text = format!("{} rms, fit {:.1} %", significant(fit.rms, 3), fit.percent);
             readouts.push(Readout { text, color, hint: format!("free run of {}", estimates.name()) });
         }
+        let held_out = session.library().held_out().zip(session.held_out_fit(place, sensor));
+        if let Some(((name, _), fit)) = held_out {
+            let text = format!("held out {:.1} %", fit.percent);
+            let hint = format!("fit of {} on “{name}”: {} rms", estimates.name(), significant(fit.rms, 3));
+            readouts.push(Readout { text, color, hint });
+        }
     }
     Chart {
         key: format!("free run of {}", quantity.key()),
         title: format!("error of the free run, {}", quantity.name()),
         symbol: format!("Δ{}", quantity.symbol()),
         name: "error of the free run".to_owned(),
-        unit: quantity.unit(),
+        unit: context.unit(quantity.unit()),
         readouts,
         layers,
         handles: Vec::new(),

@@ -62,7 +62,7 @@ impl View for ParameterPlane {
                 .map(move |p| p[axis])
         };
         let range = around(seen(0)).zip(around(seen(1))).map(|(x, y)| [x, y]);
-        let label = |c: Channel| match c.unit() {
+        let label = |c: Channel| match context.unit(c.unit()) {
             "" => format!("{} {}", c.name(), c.symbol()),
             unit => format!("{} {} [{unit}]", c.name(), c.symbol()),
         };

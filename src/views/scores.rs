@@ -2,6 +2,7 @@
 
 use egui::{Grid, Id, Label, RichText, ScrollArea, Ui};
 use kalmanscope_core::diagnostics::{Depth, MeanSquare, Summary};
+use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, Signal, Source, Verdict};
 
 use crate::request::Request;
@@ -199,7 +200,10 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
     for channel in channels {
         let score = |s: &Summary| s.finals.iter().find(|f| f.channel == channel)?.score;
         let symbol = channel.symbol();
-        let name = with_unit(&format!("{symbol} RMSE, last third"), channel.unit());
+        let name = with_unit(
+            &format!("{symbol} RMSE, last third"),
+            Length::of(session.run().scenario().record.as_ref()).in_place_of(channel.unit()),
+        );
         rows.push(row(name, "Root mean square of estimate minus truth, last third", 0.0, ALIKE, &|s| {
             Some(score(s)?.rmse_last_third)
         }));

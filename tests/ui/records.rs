@@ -65,7 +65,8 @@ fn six_dialects_open_by_drop_with_at_most_three_choices() {
             screen.get_by_label("the file has no column of times: state the sample rate");
             set(&mut screen, "Sample rate", 20.0);
         }
-        assert!(screen.query_by_label("Meaning of Kraft").is_none() == !["leading.csv", "wide.csv"].contains(&name));
+        let is_german = ["leading.csv", "wide.csv"].contains(&name);
+        assert_eq!(screen.query_by_label("Meaning of Kraft").is_some(), is_german);
         screen.get_by_label("Open the record").click();
         screen.run_steps(6);
         check_result(&screen, name);
@@ -114,7 +115,8 @@ fn the_meaning_of_a_column_can_be_changed_before_and_after() {
     choose(&mut screen, "Meaning of V2", "velocity");
     screen.run_steps(10);
     screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    // A change that lasts for a second is one that can be taken back.
+    screen.run_steps(90);
     assert_eq!(screen.state().session().problem(), None);
     assert_eq!(screen.state().session().sensors(), [Quantity::VELOCITY]);
     screen.get_by_label("Columns…").click();
@@ -122,7 +124,7 @@ fn the_meaning_of_a_column_can_be_changed_before_and_after() {
     choose(&mut screen, "Meaning of V2", "displacement");
     screen.run_steps(10);
     screen.get_by_label("Open the record").click();
-    screen.run_steps(6);
+    screen.run_steps(90);
     assert_eq!(screen.state().session().sensors(), [Quantity::DISPLACEMENT]);
     // Each change can be taken back.
     screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -175,4 +177,75 @@ fn a_scenario_waits_for_its_file_and_goes_on_when_it_comes() {
     assert!(second.query_by_label("Open a measured record").is_none(), "nothing is to be asked");
     assert_eq!(second.state().session().problem(), None);
     assert_eq!(second.state().session().run().checksum(), checksum);
+}
+
+#[test]
+fn models_are_tested_on_a_record_that_they_have_not_seen() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    let (name, bytes) = &dialects()[0];
+    drop_file(&mut screen, name, bytes);
+    assert!(screen.query_by_label("Test the models on it").is_none(), "there is nothing to test yet");
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    // The second half of the same record, as another file.
+    let text = String::from_utf8(bytes.clone()).expect("text");
+    let lines: Vec<&str> = text.lines().collect();
+    let half = [&lines[..1], &lines[401..]].concat().join("\n");
+    drop_file(&mut screen, "other.csv", half.as_bytes());
+    screen.get_by_label("Test the models on it").click();
+    screen.run_steps(6);
+    assert!(screen.query_by_label("Open a measured record").is_none());
+    let session = screen.state().session();
+    let fit = session.held_out_fit(0, 0).expect("a fit");
+    assert!(fit.percent > 80.0 && fit.readings < 401, "{fit:?}");
+    assert_eq!(session.library().held_out().map(|(name, _)| name), Some("other.csv"));
+    // A file of another kind is refused in a sentence.
+    drop_file(&mut screen, "strange.csv", b"a,b\n1,2\n2,1\n3,3\n");
+    screen.get_by_label("Test the models on it").click();
+    screen.run_steps(6);
+    assert!(screen.state().notice().is_some_and(|notice| notice.contains("there is no column")));
+}
+
+#[test]
+fn band_pass_and_decimation_show_what_they_do() {
+    let mut screen = screen(Vec2::new(1280.0, 1000.0), Theme::Light);
+    drop_file(&mut screen, "trailing.csv", &dialects()[0].1);
+    screen.get_by_label("Part, band and rate").click();
+    screen.run_steps(30);
+    assert!(screen.query_by_label("Plot of the spectrum before and after").is_none());
+    set(&mut screen, "Keep one of every", 2.0);
+    screen.get_by_label("band-pass").click();
+    screen.run_steps(3);
+    set(&mut screen, "Band to [Hz]", 3.0);
+    screen.get_by_label("Plot of the spectrum before and after");
+    screen.get_by_label("401 samples from 0 s to 40 s, 0.1 s apart (10 Hz)");
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    check_result(&screen, "decimated");
+}
+
+#[test]
+fn a_link_and_a_saved_session_wait_for_their_file() {
+    let (name, bytes) = &dialects()[0];
+    let mut first = screen(DESKTOP, Theme::Light);
+    drop_file(&mut first, name, bytes);
+    first.get_by_label("Open the record").click();
+    first.run_steps(6);
+    let checksum = first.state().session().run().checksum();
+    let link = super::share::copy(&mut first);
+    let mut second = screen(DESKTOP, Theme::Light);
+    second.state_mut().open_address(&link);
+    second.run_steps(4);
+    let problem = second.state().session().problem().expect("the file is missing");
+    assert!(problem.contains(name), "{problem}");
+    drop_file(&mut second, name, bytes);
+    second.run_steps(6);
+    assert_eq!(second.state().session().run().checksum(), checksum);
+
+    let mut memory = Memory::default();
+    first.state_mut().save(&mut memory);
+    let restored = App::restored(Some(&memory)).expect("it can be restored");
+    assert!(!restored.session().is_measured(), "another picture is shown until the file is here");
+    assert!(restored.session().problem().is_some_and(|problem| problem.contains(name)));
+    assert_eq!(restored.session().scenario(), first.state().session().scenario());
 }

@@ -18,7 +18,7 @@ fn copied(screen: &Screen) -> Option<String> {
 }
 
 /// Presses C, and returns the text that is copied.
-fn copy(screen: &mut Screen) -> String {
+pub(super) fn copy(screen: &mut Screen) -> String {
     // In a single frame: the next one has other output.
     screen.input_mut().events.push(Event::Key {
         key: Key::C,

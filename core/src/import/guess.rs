@@ -36,7 +36,7 @@ fn role_of(column: &Column) -> Option<Role> {
         ..=2 => words.contains(word),
         _ => name.contains(*word),
     };
-    let named = WORDS.iter().find(|(words, _)| words.iter().any(|word| fits(&word))).map(|(_, role)| *role);
+    let named = WORDS.iter().find(|(words, _)| words.iter().any(&fits)).map(|(_, role)| *role);
     let of_unit = || match unit(column.unit.as_deref()?)?.0 {
         Dimension::Time => Some(Role::Time),
         Dimension::Length | Dimension::Angle => Some(Role::Sensor(Quantity::DISPLACEMENT)),

@@ -60,10 +60,7 @@ pub fn unit(text: &str) -> Option<(Dimension, f64)> {
     let same = |spelling: &&str| {
         if text.chars().count() < 2 { *spelling == text } else { spelling.to_lowercase() == text.to_lowercase() }
     };
-    UNITS
-        .iter()
-        .find(|(spellings, ..)| spellings.iter().any(|s| same(&s)))
-        .map(|&(_, dimension, size)| (dimension, size))
+    UNITS.iter().find(|(spellings, ..)| spellings.iter().any(same)).map(|&(_, dimension, size)| (dimension, size))
 }
 
 /// A column's name and unit from its header, such as `acc (g)`, `Weg [mm]`, `t in ms`, `force_N`.

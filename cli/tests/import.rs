@@ -1,0 +1,131 @@
+//! Measured records on the command line, from the file to the free run.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+const SCENARIO: &str = "duration = 60.0\ndt = 0.04\nhold = \"first\"\nseed = 5\n[plant]\nnatural_frequency = 6.0\n\
+                        [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.002\n[[filters]]\nkind = \"ekf\"\n";
+
+fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    command.args(arguments);
+    command
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[track_caller]
+fn succeeds(command: &mut Command) -> (String, String) {
+    let Output { status, stdout, stderr } = command.output().unwrap();
+    assert_eq!(status.code(), Some(0), "{command:?}: {}", text(&stderr));
+    (text(&stdout), text(&stderr))
+}
+
+#[track_caller]
+fn fails(command: &mut Command) -> String {
+    let Output { status, stderr, .. } = command.output().unwrap();
+    assert_eq!(status.code(), Some(2), "{command:?}");
+    text(&stderr)
+}
+
+/// A simulated record as a spreadsheet writes it: semicolons, decimal commas, millimetres, a line of units.
+fn sheet(folder: &Path, name: &str, seed: u32) -> PathBuf {
+    let scenario = folder.join("truth.toml");
+    std::fs::write(&scenario, SCENARIO).unwrap();
+    let record = folder.join("record.csv");
+    let seed = seed.to_string();
+    succeeds(command(&["run", "--seed", &seed, "--record-out"]).arg(&record).arg(&scenario));
+    let mut sheet = "Zeit;Kraft;Weg\ns;;mm\n".to_owned();
+    for line in std::fs::read_to_string(&record).unwrap().lines().skip(1) {
+        let cells: Vec<f64> = line.split(',').take(3).map(|cell| cell.parse().unwrap()).collect();
+        sheet.push_str(&format!("{:.2};{:.5};{:.4}\n", cells[0], cells[1], 1000.0 * cells[2]).replace('.', ","));
+    }
+    let path = folder.join(name);
+    std::fs::write(&path, sheet).unwrap();
+    path
+}
+
+/// The value of a parameter in the table.
+#[track_caller]
+fn value(table: &str, name: &str) -> f64 {
+    let line = table.lines().find(|line| line.contains(name)).unwrap();
+    line.split_once(name).unwrap().1.split_whitespace().next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn a_record_is_imported_identified_and_runs_freely() {
+    let folder = TempDir::new().unwrap();
+    let (record, other) = (sheet(folder.path(), "a.csv", 5), sheet(folder.path(), "b.csv", 6));
+    let scenario = folder.path().join("a.toml");
+    succeeds(command(&["import", "--out"]).arg(&scenario).arg(&record));
+    let written = std::fs::read_to_string(&scenario).unwrap();
+    assert!(written.starts_with("# UTF-8, semicolons between cells, decimal commas, names in line 1, units in line 2"));
+    assert!(written.contains("file = \"a.csv\"") && written.contains("# guess of ωₙ"), "{written}");
+    let (table, remarks) = succeeds(command(&["run", "--holdout"]).arg(&other).arg(&scenario));
+    assert!(remarks.contains("time in `Zeit`, input in `Kraft`, displacement in `Weg`"), "{remarks}");
+    assert!((value(&table, "natural frequency") / 6.0 - 1.0).abs() < 0.005, "{table}");
+    assert!((value(&table, "damping ratio") / 0.05 - 1.0).abs() < 0.05, "{table}");
+    let fits: Vec<f64> =
+        table.split("fit ").skip(1).map(|rest| rest.split(' ').next().unwrap().parse().unwrap()).collect();
+    // An EKF and a UKF: free run and one step ahead on the record, free run on the other one.
+    assert_eq!(fits.len(), 6, "{table}");
+    assert!(fits.iter().all(|fit| *fit > 95.0), "{fits:?}");
+    assert!(table.contains(&format!("free run of the final models over {}", other.display())), "{table}");
+    // With what was found, the next record begins where this one ended.
+    let (one, _) = succeeds(command(&["run"]).arg(&scenario));
+    let (both, _) = succeeds(command(&["run", "--then"]).arg(&other).arg(&scenario));
+    let spread = |table: &str| {
+        let line =
+            table.lines().find(|line| line.contains("natural frequency") && line.contains('±')).unwrap().to_owned();
+        line.split('±').nth(1).unwrap().split_whitespace().next().unwrap().parse::<f64>().unwrap()
+    };
+    assert!(spread(&both) < 0.85 * spread(&one), "{one}\n{both}");
+}
+
+#[test]
+fn another_meaning_of_the_columns_comes_from_a_file_of_its_own() {
+    let folder = TempDir::new().unwrap();
+    let record = sheet(folder.path(), "a.csv", 5);
+    let scenario = folder.path().join("truth.toml");
+    let map = folder.path().join("map.toml");
+    std::fs::write(
+        &map,
+        "to = 20.0\n[time]\ncolumn = \"Zeit\"\n[input]\ncolumn = \"Kraft\"\n[sensors.displacement]\ncolumn = \"Weg\"\nunit = \"mm\"\n",
+    )
+    .unwrap();
+    let run = |map: &Path| {
+        let mut run = command(&["run", "--record"]);
+        run.arg(&record).arg("--map").arg(map).arg(&scenario);
+        run
+    };
+    let (table, _) = succeeds(&mut run(&map));
+    assert!(table.starts_with("501 samples from 0 s to 20 s, 0.04 s apart"), "{table}");
+    std::fs::write(&map, "[time]\nrate = -1.0\n").unwrap();
+    assert!(fails(&mut run(&map)).contains("record.time.rate"), "{}", fails(&mut run(&map)));
+    std::fs::write(&map, "speed = 3\n").unwrap();
+    assert!(fails(&mut run(&map)).contains("unknown field `speed`"), "{}", fails(&mut run(&map)));
+}
+
+#[test]
+fn what_cannot_be_read_is_said_with_file_line_and_column() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("bad.csv");
+    for (contents, sentence) in [
+        (&b""[..], "the file is empty"),
+        (b"\x7FELF\x00\x00\x01", "the file is not text"),
+        (b"Zeit;x\n0;1\n1;oops\n2;3\n", "line 3, column `x`: `oops` is not a number"),
+        (b"u;x\n2;1\n1;2\n3;3\n", "state the sample rate"),
+    ] {
+        std::fs::write(&path, contents).unwrap();
+        let said = fails(command(&["import"]).arg(&path));
+        assert!(said.contains("bad.csv") && said.contains(sentence), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+    }
+    let missing = fails(&mut command(&["import", "nowhere.csv"]));
+    assert!(missing.starts_with("error: nowhere.csv: "), "{missing}");
+}

@@ -1,0 +1,70 @@
+//! The health of imports: whatever the bytes, a record is sound or a sentence says why there is none.
+
+use kalmanscope_core::import::{Builder, Mapping, Reader};
+use kalmanscope_core::{Hold, Record};
+
+/// Imports bytes as a file, in slices of one piece of work; the first byte chooses what is done to the columns.
+///
+/// # Errors
+/// A sentence about what is not as it should be.
+pub(crate) fn check_import(bytes: &[u8]) -> Result<(), String> {
+    let (choice, file) = bytes.split_first().map_or((0, bytes), |(first, rest)| (*first, rest));
+    let sentence = |error: String| {
+        let is_one = !error.is_empty() && !error.contains('\n');
+        if is_one { Ok(()) } else { Err(format!("no sentence: {error:?}")) }
+    };
+    let mut reader = match Reader::new(file.to_vec(), None) {
+        Ok(reader) => reader,
+        Err(error) => return sentence(error.to_string()),
+    };
+    loop {
+        match reader.advance(&mut || false) {
+            Ok(true) => break,
+            Ok(false) => {}
+            Err(error) => return sentence(error.to_string()),
+        }
+    }
+    let table = match reader.finish() {
+        Ok(table) => table,
+        Err(error) => return sentence(error.to_string()),
+    };
+    let rows = table.rows();
+    if table.columns.iter().any(|column| column.values.len() != rows) {
+        return Err("columns have different lengths".to_owned());
+    }
+    let lines = file.iter().filter(|&&byte| byte == b'\n').count() + 1;
+    if (0..rows).any(|row| table.line(row) == 0 || table.line(row) > lines) {
+        return Err("a row has no line".to_owned());
+    }
+    let (mut mapping, kind) = Mapping::guess(&table);
+    if mapping.time.column.is_none() {
+        mapping.time.rate = Some(100.0);
+    }
+    mapping.every = 1 + usize::from(choice & 3);
+    mapping.interpolate = 1 + usize::from((choice >> 2) & 3);
+    if choice & 16 != 0 {
+        mapping.band = Some([f64::from(choice & 3), 10.0]);
+    }
+    if choice & 32 != 0 {
+        (mapping.from, mapping.to) = (Some(0.05), Some(20.0));
+    }
+    match Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish) {
+        Ok(imported) => check_record(&imported.record),
+        Err(error) => sentence(error.to_string()),
+    }
+}
+
+fn check_record(record: &Record) -> Result<(), String> {
+    if !(record.dt() > 0.0 && record.dt().is_finite()) {
+        return Err(format!("dt = {}", record.dt()));
+    }
+    if record.len() < 2 || record.input().iter().any(|value| !value.is_finite()) {
+        return Err("the input is not whole".to_owned());
+    }
+    for sensor in 0..record.sensors().len() {
+        if record.measured(sensor).len() != record.len() || record.measured(sensor).iter().any(|z| z.is_infinite()) {
+            return Err("a sensor is not whole".to_owned());
+        }
+    }
+    Ok(())
+}

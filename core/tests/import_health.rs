@@ -1,0 +1,104 @@
+//! Files that are broken on purpose, by the thousand. `core/fuzz` has the same check for as long as one likes.
+
+#[path = "common/import.rs"]
+mod import;
+
+use import::check_import;
+
+/// Files of usual dialects, to be broken.
+const FILES: [&str; 8] = [
+    "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n0.6,1,1\n0.7,2,2\n",
+    "\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n0.2,0.1,\n0.5,0.7,\n0.1,0.1,\n",
+    "Zeit;Kraft;Weg\ns;N;mm\n0,00;1,5;2\n0,01;1;2,5\n0,02;2;3\n0,03;1;0\n",
+    "  0.0  1.5  2\n 0.1  2.5  3\n 0.2  1 1\n 0.3 0 0\n",
+    "# made by hand\n# t x\n0 1\n1 2\n2 3\n3 2\n",
+    "when,acc (g)\n2024-05-01 12:00:00.00,1\n2024-05-01 12:00:00.01,2\n2024-05-01 12:00:00.02,1\n",
+    "Logger\nStart: 12.05.2024; rate 100\n\nZeit;Weg;Status\n0,00;1,2;ok\n0,01;1,3;ok\n0,02;1,1;bad\n",
+    "\u{FEFF}t\tx\n0\t1e300\n1\t-1e300\n2\tnan\n3\tinf\n4\t1\n",
+];
+
+/// What is put into them.
+const PIECES: [&str; 20] = [
+    ",",
+    ";",
+    "\t",
+    " ",
+    "\n",
+    "\r\n",
+    "\"",
+    "#",
+    "nan",
+    "inf",
+    "-1e308",
+    "1e999",
+    "0",
+    "0,5",
+    "é",
+    "\0",
+    "::",
+    "2024-01-01",
+    "\u{FEFF}",
+    ",,,,,,,,",
+];
+
+/// Numbers that are the same on every machine.
+struct Numbers(u64);
+
+impl Numbers {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % limit.max(1) as u64) as usize
+    }
+}
+
+fn broken(numbers: &mut Numbers) -> Vec<u8> {
+    let file = FILES[numbers.below(FILES.len())];
+    let mut bytes: Vec<u8> = match numbers.below(6) {
+        0 => file.encode_utf16().flat_map(u16::to_le_bytes).collect(),
+        1 => file.encode_utf16().flat_map(u16::to_be_bytes).collect(),
+        _ => file.as_bytes().to_vec(),
+    };
+    for _ in 0..1 + numbers.below(6) {
+        let place = numbers.below(bytes.len());
+        match numbers.below(5) {
+            0 => {
+                let piece = PIECES[numbers.below(PIECES.len())].as_bytes();
+                bytes.splice(place..place, piece.iter().copied());
+            }
+            1 if !bytes.is_empty() => bytes[place] = numbers.below(256) as u8,
+            2 => bytes.truncate(place),
+            3 => {
+                let end = (place + numbers.below(40)).min(bytes.len());
+                bytes.drain(place..end);
+            }
+            _ => {
+                let end = (place + numbers.below(80)).min(bytes.len());
+                let again = bytes[place..end].to_vec();
+                bytes.splice(place..place, again);
+            }
+        }
+    }
+    bytes.insert(0, numbers.below(64) as u8);
+    bytes
+}
+
+#[test]
+fn broken_files_become_sound_records_or_sentences() {
+    let mut numbers = Numbers(0x5EED);
+    for case in 0..300_000 {
+        let bytes = broken(&mut numbers);
+        if let Err(what) = check_import(&bytes) {
+            panic!("case {case}: {what}\n{:?}", String::from_utf8_lossy(&bytes[1..]));
+        }
+    }
+}
+
+#[test]
+fn whole_files_are_records() {
+    for file in &FILES[..7] {
+        let table = kalmanscope_core::import::read(file.as_bytes(), None).expect("a table");
+        assert!(table.rows() >= 3, "{file}");
+    }
+}

@@ -1,0 +1,141 @@
+//! Power over time and frequency, with the frequencies that filters estimate.
+
+use egui::{Color32, ColorImage, Id, TextureHandle, TextureOptions, Ui, Vec2b};
+use egui_plot::{Line, Plot, PlotImage, PlotPoint, PlotPoints};
+use kalmanscope_core::{Channel, Spectrogram};
+
+use crate::plot::frame::sense;
+use crate::request::Request;
+use crate::view::{View, ViewContext};
+
+/// The range of colours \[dB\].
+const RANGE: f32 = 60.0;
+/// Limits the points of a line.
+const POINTS: usize = 600;
+
+/// Colours from dark to light that readers with any colour vision can tell apart (viridis).
+const COLORS: [[u8; 3]; 9] = [
+    [68, 1, 84],
+    [71, 44, 122],
+    [59, 81, 139],
+    [44, 113, 142],
+    [33, 144, 141],
+    [39, 173, 129],
+    [92, 200, 99],
+    [170, 220, 50],
+    [253, 231, 37],
+];
+
+/// The power of the first sensor over time and frequency.
+pub(super) struct SpectrogramView;
+
+/// A picture of a spectrogram, and what it is of.
+#[derive(Clone)]
+struct Drawn {
+    of: (u64, usize, Id),
+    picture: Option<(TextureHandle, [f64; 4])>,
+}
+
+impl View for SpectrogramView {
+    fn name(&self) -> &'static str {
+        "Spectrogram"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "The power of the first sensor's measurements over time and frequency, light where there is much: 60 dB from dark to light.",
+            "Lines are the natural frequencies that the filters estimate: they should lie on a light ridge.",
+            "A ridge without a line is a mode that the model lacks; a line without a ridge has lost its way.",
+        ]
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _requests: &mut Vec<Request>) -> Option<f64> {
+        let ViewContext { session, palette, axis, .. } = *context;
+        let run = session.run();
+        let record = run.record();
+        let Some(quantity) = record.sensors().first() else {
+            ui.weak("Nothing is measured.");
+            return None;
+        };
+        // A record that grows is drawn anew now and then.
+        let of = (session.generation(), run.len() / 200, Id::unique(quantity.key()));
+        let id = Id::unique("spectrogram");
+        let before: Option<Drawn> = ui.data(|data| data.get_temp(id));
+        let drawn = before.filter(|drawn| drawn.of == of).unwrap_or_else(|| {
+            let picture = Spectrogram::new(record, 0, run.len()).map(|spectrogram| picture(ui, &spectrogram));
+            let drawn = Drawn { of, picture };
+            ui.data_mut(|data| data.insert_temp(id, drawn.clone()));
+            drawn
+        });
+        let Some((texture, [from, to, _, top])) = drawn.picture else {
+            ui.weak("There are too few samples yet.");
+            return None;
+        };
+        let followed = axis.followed(session);
+        let plot = Plot::new("spectrogram")
+            .link_axis(Id::unique("time"), Vec2b::new(true, false))
+            .link_cursor(Id::unique("time"), Vec2b::new(true, false))
+            .x_axis_label("time [s]")
+            .y_axis_label(format!("{} [Hz]", quantity.symbol()))
+            .sense(sense(ui))
+            .show_grid(false)
+            .allow_scroll(false)
+            .allow_double_click_reset(false)
+            .label_formatter(|_| None);
+        let response = plot.show(ui, |plot| {
+            if axis.follows {
+                plot.set_plot_bounds_x(followed.0..=followed.1);
+                plot.set_plot_bounds_y(0.0..=top);
+            }
+            let center = PlotPoint::new(0.5 * (from + to), 0.5 * top);
+            let size = egui::vec2((to - from) as f32, top as f32);
+            plot.image(PlotImage::new("power", texture.id(), center, size));
+            for (_, estimates) in context.filters() {
+                let Some(at) = estimates.place(Channel::NATURAL_FREQUENCY) else { continue };
+                let step = (estimates.len() / POINTS).max(1);
+                let point = |k: usize| [record.time(k), estimates.canonical_mean(k, at) / std::f64::consts::TAU];
+                let points: PlotPoints<'_> = (0..estimates.len()).step_by(step).map(point).collect();
+                let color = palette.shade(estimates.color());
+                plot.line(
+                    Line::new("ground", points.points().iter().map(|p| [p.x, p.y]).collect::<Vec<_>>())
+                        .color(Color32::WHITE)
+                        .width(3.5),
+                );
+                plot.line(Line::new(estimates.name(), points).color(color).width(2.0));
+            }
+            plot.pointer_coordinate().filter(|_| plot.response().hovered()).map(|point| point.x)
+        });
+        response
+            .response
+            .ctx
+            .accesskit_node_builder(response.response.id, |node| node.set_label("Plot of the spectrogram"));
+        response.inner
+    }
+}
+
+/// The spectrogram as a texture, with its first and last time \[s\], and its lowest and highest frequency \[Hz\].
+fn picture(ui: &Ui, spectrogram: &Spectrogram) -> (TextureHandle, [f64; 4]) {
+    let (columns, rows) = (spectrogram.decibels.len(), spectrogram.decibels[0].len());
+    let pixel = |place: usize| {
+        let (row, column) = (rows - 1 - place / columns, place % columns);
+        color(1.0 + spectrogram.decibels[column][row] / RANGE)
+    };
+    let image = ColorImage::new([columns, rows], (0..columns * rows).map(pixel).collect());
+    let texture = ui.ctx().load_texture("spectrogram", image, TextureOptions::LINEAR);
+    let half = 0.5 * spectrogram.step;
+    let end = spectrogram.start + (columns - 1) as f64 * spectrogram.step;
+    let hertz = spectrogram.resolution / std::f64::consts::TAU;
+    (texture, [spectrogram.start - half, end + half, 0.0, (rows as f64 - 0.5) * hertz])
+}
+
+/// The colour of a share from 0, dark, to 1, light.
+fn color(share: f32) -> Color32 {
+    let place = share.clamp(0.0, 1.0) * (COLORS.len() - 1) as f32;
+    let (low, part) = ((place as usize).min(COLORS.len() - 2), place.fract());
+    let part = if place as usize > COLORS.len() - 2 { 1.0 } else { part };
+    let [r, g, b] = std::array::from_fn(|i| {
+        let (from, to) = (f32::from(COLORS[low][i]), f32::from(COLORS[low + 1][i]));
+        (from + part * (to - from)) as u8
+    });
+    Color32::from_rgb(r, g, b)
+}
