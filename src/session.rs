@@ -111,7 +111,13 @@ impl Session {
     /// [`RunError`] where the scenario is impossible.
     pub fn with_budget(mut scenario: Scenario, budget: Budget) -> Result<Self, RunError> {
         scenario.number_filters();
-        let study = Study::new(&scenario, Source::Simulated, Self::KEPT)?;
+        let mut library = Library::default();
+        let (source, problem) = match library.source(&scenario) {
+            Ok(source) => (source, None),
+            // A simulation is shown until the file comes.
+            Err(reason) => (Source::Simulated, Some(reason)),
+        };
+        let study = Study::new(&scenario, source, Self::KEPT)?;
         let mut session = Self {
             can_be_whole: study.run().samples() <= Self::LONGEST_WHOLE + 1,
             study,
@@ -127,14 +133,14 @@ impl Session {
             speed: Self::DEFAULT_SPEED,
             clock: 0.0,
             generation: 0,
-            problem: None,
+            problem,
             judged: Judged::default(),
             before: None,
             setting: Setting::A,
             other: None,
             since_edit: f64::INFINITY,
             trying: Trying::default(),
-            library: Library::default(),
+            library,
             free: FreeRuns::default(),
             drawn: 0,
         };

@@ -194,6 +194,7 @@ fn kind(view: ViewName) -> ViewKind {
         ViewName::ParameterPlane => ViewKind::ParameterPlane,
         ViewName::Matrices => ViewKind::Matrices,
         ViewName::Oscillator => ViewKind::Oscillator,
+        ViewName::Measured => ViewKind::Measured,
         ViewName::FrequencyResponse => ViewKind::FrequencyResponse,
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kalmanscope_core::import::{self, Builder, Decimal, Delimiter, Dialect, Encoding, Imported, Mapping, Table};
 use kalmanscope_core::{RunError, Scenario};
+use kalmanscope_lessons::records;
 
 use crate::args::SourceArgs;
 use crate::input::{InputError, LARGEST, read_text};
@@ -24,28 +25,43 @@ pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<O
         (None, Some(mapping)) if !mapping.file.is_empty() => beside(file, &mapping.file),
         _ => return Ok(None),
     };
+    // A file beside the scenario goes before a record that comes along.
+    if record.is_none()
+        && !path.exists()
+        && let Some(mapping) = &scenario.record
+        && let Some(bytes) = records::record(mapping)
+    {
+        let bad = |error| InputError::Import { file: path.clone(), error };
+        let table = import::read(bytes, mapping.dialect).map_err(bad)?;
+        return of_table(&path, &table, scenario).map(Some);
+    }
     read(&path, scenario).map(Some)
 }
 
 /// The record in a file, with the meaning that the scenario gives its columns.
 pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, InputError> {
+    let table = table(path, &scenario.record.clone().unwrap_or_default())?;
+    of_table(path, &table, scenario)
+}
+
+/// The record of a file's columns, with the meaning that the scenario gives them.
+fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Imported, InputError> {
     let bad = |error| InputError::Import { file: path.to_owned(), error };
     let mapping = scenario.record.clone().unwrap_or_default();
-    let table = table(path, &mapping)?;
     let mapping = if mapping.sensors.is_empty() {
-        let (guess, kind) = Mapping::guess(&table);
+        let (guess, kind) = Mapping::guess(table);
         scenario.input = kind;
         let time = if mapping.time == Default::default() { guess.time } else { mapping.time };
         Mapping { time, input: guess.input, sensors: guess.sensors, ..mapping }
     } else {
         mapping
     };
-    let remarks = if is_own_form(&table, &mapping) {
+    let remarks = if is_own_form(table, &mapping) {
         Vec::new()
     } else {
         vec![table.dialect.to_string(), meaning(&mapping), OVERRIDDEN.to_owned()]
     };
-    let imported = Builder::new(&table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
+    let imported = Builder::new(table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
     let mut imported = imported.map_err(bad)?;
     scenario.record = Some(mapping);
     imported.remarks.splice(0..0, remarks);

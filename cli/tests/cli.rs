@@ -121,6 +121,20 @@ fn a_record_written_and_read_gives_the_same_estimates() {
     assert!(read(&path("record.csv")).starts_with("t,force,displacement,velocity,true_displacement,"));
 }
 
+/// A scenario of the menu that names a record is all that is needed, but a file beside it goes before.
+#[test]
+fn a_record_that_comes_along_needs_no_file() {
+    let folder = folder();
+    let scenario = file(&folder, "s.toml", include_str!("../../assets/scenarios/earthquake.toml"));
+    let output = command().arg(&scenario).output().unwrap();
+    let (said, remarks) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{remarks}");
+    assert!(said.starts_with("1560 samples") && remarks.contains("input in `ground`"), "{said}\n{remarks}");
+    file(&folder, "earthquake.csv", "time,ground (g),structure (g)\n0,0,0\n");
+    let (_, error) = fails(command().arg(&scenario), 2);
+    assert!(error.contains("earthquake.csv") && error.contains("1 row(s)"), "{error}");
+}
+
 #[test]
 fn the_seed_can_be_chosen() {
     let folder = folder();

@@ -6,8 +6,10 @@ mod run;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use kalmanscope_core::diagnostics::Final;
+use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::{Run, Scenario, Summary};
 
 fn folder() -> PathBuf {
@@ -31,8 +33,15 @@ fn scenario(name: &str) -> Scenario {
     Scenario::from_toml(&text(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
+/// The run of a scenario over its record, simulated or measured.
 fn built_in(name: &str) -> Run {
-    run::finished(&scenario(name))
+    let scenario = scenario(name);
+    let Some(mapping) = &scenario.record else { return run::finished(&scenario) };
+    let table = read(std::fs::read(folder().join("../records").join(&mapping.file)).unwrap(), mapping.dialect).unwrap();
+    let imported = Builder::new(&table, mapping, scenario.input, scenario.hold).unwrap().finish().unwrap();
+    let mut run = Run::on_record(&scenario, Arc::new(imported.record)).unwrap();
+    run.finish();
+    run
 }
 
 fn summaries(run: &Run) -> Vec<Summary> {
@@ -47,8 +56,9 @@ fn described(run: &Run) -> String {
         for Final { channel, mean, std, score: _ } in finals {
             writeln!(text, "  {:17} {mean:17.9e} ± {std:.9e} {}", channel.name(), channel.unit()).unwrap();
         }
+        // A measured record has no truth, and so no NEES.
         for (what, square) in [("NIS", nis), ("NEES", nees)] {
-            let square = square.unwrap();
+            let Some(square) = square else { continue };
             let place = if square.is_inside() { "inside" } else { "outside" };
             writeln!(text, "  mean {what:4}         {:17.9e}, {place}", square.mean).unwrap();
         }

@@ -35,6 +35,17 @@ pub enum LessonError {
     /// A question lacks something, or its answer is none of its choices.
     #[error("the question {0}")]
     Question(String),
+    /// A record does not come along.
+    #[error("the record `{0}` does not come along")]
+    UnknownRecord(String),
+    /// A record cannot be used.
+    #[error("the record `{file}`: {reason}")]
+    Record {
+        /// The file's name.
+        file: String,
+        /// The reason.
+        reason: String,
+    },
     /// The lesson has no step.
     #[error("the lesson has no step")]
     NoStep,

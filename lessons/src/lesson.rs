@@ -110,6 +110,8 @@ pub enum ViewName {
     Matrices,
     /// The moving mass.
     Oscillator,
+    /// Measured and predicted values, and the free run.
+    Measured,
 }
 
 /// The presentation of the record in a step.

@@ -27,6 +27,7 @@ mod measure;
 mod outcome;
 mod path;
 mod question;
+pub mod records;
 mod value;
 mod verify;
 
@@ -43,4 +44,4 @@ pub use measure::Measure;
 pub use outcome::Outcome;
 pub use question::Question;
 pub use value::{Expected, Value};
-pub use verify::{verify, verify_all};
+pub use verify::{verify, verify_all, verify_with};

@@ -29,6 +29,10 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "17-acceleration-only",
     "18-overconfident-guess",
     "19-ekf-against-ukf",
+    "20-measured-record",
+    "21-input-between-samples",
+    "22-earthquake",
+    "23-stiffness-staircase",
 ];
 
 /// Every lesson in the menu's order. They are not validated, which takes longer than reading: a test has done it.

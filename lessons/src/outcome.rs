@@ -2,9 +2,11 @@
 
 use std::cell::OnceCell;
 
-use kalmanscope_core::{Analysis, CramerRao, Diagnostics, Estimates, FilterSettings, Record, Run, Scenario, Wanted};
+use kalmanscope_core::{
+    Analysis, CramerRao, Diagnostics, Estimates, FilterSettings, Record, Run, Scenario, Source, Wanted,
+};
 
-use crate::LessonError;
+use crate::{LessonError, records};
 
 /// A complete run of a scenario, with its results.
 pub struct Outcome {
@@ -28,12 +30,20 @@ pub(crate) struct FilterOutcome<'a> {
 }
 
 impl Outcome {
-    /// Runs a scenario to its end.
+    /// Runs a scenario over its whole record: a simulated one, or the one that it names and that comes along.
     ///
     /// # Errors
-    /// [`LessonError::Run`] where the scenario is impossible.
+    /// [`LessonError`] where the scenario is impossible, or its record does not come along.
     pub fn of(scenario: &Scenario) -> Result<Self, LessonError> {
-        let mut run = Run::new(scenario)?;
+        Self::on(scenario, records::source(scenario)?)
+    }
+
+    /// Runs a scenario over the whole record of a source.
+    ///
+    /// # Errors
+    /// [`LessonError::Run`] where the scenario is impossible, or the source does not fit it.
+    pub fn on(scenario: &Scenario, source: Source) -> Result<Self, LessonError> {
+        let mut run = Run::from_source(scenario, source)?;
         run.finish();
         let analysis = Analysis::new(&run, Wanted::default());
         let of = |smoothed: &Estimates| Diagnostics::new(smoothed, run.record());

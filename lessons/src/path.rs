@@ -3,9 +3,16 @@
 use kalmanscope_core::Channel;
 use toml::{Table, Value};
 
-/// Optional settings of a filter, which a scenario's table leaves out where they are unset: colour, augmentations and
-/// assumed plant.
-const OPTIONAL: [&str; 3] = ["augment", "color", "plant"];
+/// Whether a scenario's table leaves out the setting at a path where it is unset.
+fn is_optional(keys: &[&str]) -> bool {
+    match keys {
+        ["hold" | "input"] => true,
+        ["filters", _, key] => ["augment", "color", "input_delay", "plant", "substeps"].contains(key),
+        ["record", key] => ["band", "every", "from", "interpolate", "to"].contains(key),
+        ["record", "input", key] | ["record", "sensors", _, key] => ["delay", "gain", "offset", "unit"].contains(key),
+        _ => false,
+    }
+}
 
 /// Replaces the value at a path. Returns whether the path exists.
 ///
@@ -13,8 +20,7 @@ const OPTIONAL: [&str; 3] = ["augment", "color", "plant"];
 /// from 0 on; `*` stands for all of them.
 pub(crate) fn set(file: &mut Table, path: &str, value: &Value) -> bool {
     let keys: Vec<&str> = path.split('.').collect();
-    let optional = keys.len() == 3 && keys[0] == "filters" && OPTIONAL.contains(&keys[2]);
-    set_in_table(file, &keys, value, optional)
+    set_in_table(file, &keys, value, is_optional(&keys))
 }
 
 fn set_in_table(table: &mut Table, keys: &[&str], value: &Value, optional: bool) -> bool {

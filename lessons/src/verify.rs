@@ -3,16 +3,30 @@
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::{Scenario, Source};
 
 use crate::check::Check;
-use crate::{Claim, Lesson, LessonError, Outcome};
+use crate::{Claim, Lesson, LessonError, Outcome, records};
 
-/// Runs a lesson with each seed and evaluates its checks, in the order of the file.
+/// Runs a lesson with each seed and evaluates its checks, in the order of the file. A measured record is the same with
+/// each seed.
 ///
 /// # Errors
 /// [`LessonError`] where the lesson's scenarios are impossible, which [`Lesson::from_toml`] rules out.
 pub fn verify(lesson: &Lesson, seeds: impl IntoIterator<Item = u64>) -> Result<Vec<Claim>, LessonError> {
+    verify_with(lesson, seeds, &records::source)
+}
+
+/// As [`verify`], with a source of samples for each scenario, which has the seed. So a lesson on one measured record is
+/// tried on others of its kind.
+///
+/// # Errors
+/// As [`verify`], and those of `source`.
+pub fn verify_with(
+    lesson: &Lesson,
+    seeds: impl IntoIterator<Item = u64>,
+    source: &dyn Fn(&Scenario) -> Result<Source, LessonError>,
+) -> Result<Vec<Claim>, LessonError> {
     let claim = |step: usize, check: &Check| {
         let (lesson, check) = (lesson.title.clone(), check.clone());
         Claim { lesson, step, check, values: Vec::new() }
@@ -22,7 +36,10 @@ pub fn verify(lesson: &Lesson, seeds: impl IntoIterator<Item = u64>) -> Result<V
         steps.flat_map(|(number, step)| step.checks.iter().map(move |check| claim(number, check))).collect();
     let (first, scenarios) = (lesson.first_scenario()?, lesson.scenarios()?);
     for seed in seeds {
-        let run = |scenario: &Scenario| Outcome::of(&Scenario { seed, ..scenario.clone() });
+        let run = |scenario: &Scenario| {
+            let scenario = Scenario { seed, ..scenario.clone() };
+            Outcome::on(&scenario, source(&scenario)?)
+        };
         let mut before = run(&first)?;
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
             let changed = if step.change.is_some() { Some(run(scenario)?) } else { None };

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Mapping, Table};
+use kalmanscope_core::import::{Builder, Mapping, Table, hash, read};
 use kalmanscope_core::{Hold, InputKind, Record, Scenario, Source};
+use kalmanscope_lessons::records;
 
 use super::Session;
 
@@ -52,6 +53,18 @@ impl Library {
         by_hash.or_else(|| self.files.iter().find(|file| mapping.hash.is_empty() && file.name == name_of(mapping)))
     }
 
+    /// Keeps the file that a mapping names if it comes along and is not here yet.
+    fn fetch_built_in(&mut self, mapping: &Mapping) {
+        if self.file(mapping).is_some() {
+            return;
+        }
+        let Some(bytes) = records::record(mapping) else { return };
+        // A test reads each of them.
+        if let Ok(table) = read(bytes, mapping.dialect) {
+            self.insert(Arc::new(RecordFile { name: mapping.file.clone(), hash: hash(bytes), table }));
+        }
+    }
+
     /// The source of a scenario's samples: a simulation, or the record that it names.
     ///
     /// # Errors
@@ -66,6 +79,7 @@ impl Library {
             self.made.push(made);
             return Ok(Source::Measured(record));
         }
+        self.fetch_built_in(mapping);
         let name = name_of(mapping);
         let file = self
             .file(mapping)

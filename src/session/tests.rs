@@ -278,3 +278,23 @@ fn play_at_the_end_begins_again() {
     assert!(session.playing());
     assert_eq!(session.position(), 0);
 }
+
+#[test]
+fn records_that_come_along_are_opened_without_a_file() {
+    for entry in kalmanscope_lessons::BUILT_IN {
+        let scenario = entry.scenario().unwrap();
+        let session = Session::new(scenario.clone()).unwrap();
+        assert_eq!((session.is_measured(), session.problem()), (scenario.record.is_some(), None), "{}", entry.title);
+    }
+}
+
+#[test]
+fn a_record_that_is_not_here_is_asked_for() {
+    let entry = kalmanscope_lessons::BuiltIn::named("earthquake").unwrap();
+    let mut scenario = entry.scenario().unwrap();
+    // A file of the user with the name of one that comes along.
+    scenario.record.as_mut().unwrap().hash = "0".to_owned();
+    let session = Session::new(scenario).unwrap();
+    assert!(!session.is_measured());
+    assert_eq!(session.problem(), Some("the record “earthquake.csv” is not here: drop the file on the window"));
+}

@@ -1,0 +1,49 @@
+//! An electronic circuit that behaves like an oscillator.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use super::oscillator::Oscillator;
+use super::random::Random;
+
+/// Samples in a second \[Hz\].
+pub(crate) const RATE: f64 = 500.0;
+/// The natural frequency \[rad/s\]: 0.7 times the rate, so that a period has nine samples.
+pub(crate) const NATURAL_FREQUENCY: f64 = 350.0;
+/// The damping ratio.
+pub(crate) const DAMPING_RATIO: f64 = 0.05;
+/// The gain of the input \[1/s²\].
+pub(crate) const GAIN: f64 = 1.2e5;
+/// The offset of the generator's voltage \[V\].
+pub(crate) const OFFSET: f64 = 0.02;
+/// Standard deviation of the noise of the voltmeter at the output \[V\].
+pub(crate) const NOISE: f64 = 1e-3;
+/// The number of samples.
+const ROWS: usize = 2500;
+/// The number of steps from one sample to the next: the input goes on between samples.
+const FINE: usize = 16;
+/// The number of sines in the input, up to 0.36 times the rate.
+const LINES: u32 = 60;
+
+/// The file: two columns of volts and no times. The input is a sum of sines below the Nyquist frequency.
+pub(crate) fn file(seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let lines: Vec<[f64; 2]> =
+        (0..LINES).map(|line| [TAU * 3.0 * (f64::from(line) + random.uniform()), TAU * random.uniform()]).collect();
+    let input = |time: f64| lines.iter().map(|[w, phase]| 0.008 * libm::sin(w * time + phase)).sum::<f64>();
+    let h = 1.0 / (RATE * FINE as f64);
+    let mut circuit = Oscillator::new(NATURAL_FREQUENCY, DAMPING_RATIO);
+    let mut text = "\"V1\",\"V2\"\n".to_owned();
+    let mut now = input(0.0);
+    for k in 0..ROWS * FINE {
+        if k.is_multiple_of(FINE) {
+            let output = circuit.displacement + NOISE * random.normal();
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{:.4},{output:.4}", now + OFFSET);
+        }
+        let next = input((k + 1) as f64 * h);
+        circuit.step(GAIN * now, GAIN * next, h);
+        now = next;
+    }
+    text
+}

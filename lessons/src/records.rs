@@ -1,0 +1,89 @@
+//! The records that come along.
+
+use std::sync::Arc;
+
+use kalmanscope_core::import::{Builder, Mapping, hash, read};
+use kalmanscope_core::{Scenario, Source};
+
+use crate::LessonError;
+
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_bytes!(concat!("../assets/records/", $name)).as_slice())),*]
+    };
+}
+
+/// Every record that a scenario can name without its file at hand: the file's name and its bytes.
+pub const RECORDS: &[(&str, &[u8])] = files!["circuit.csv", "earthquake.csv", "staircase.csv"];
+
+/// The bytes of the record that a mapping names, if it comes along: its name is the same, and its hash, if there is one.
+pub fn record(mapping: &Mapping) -> Option<&'static [u8]> {
+    let (_, bytes) = RECORDS.iter().find(|(name, _)| *name == mapping.file)?;
+    (mapping.hash.is_empty() || mapping.hash == hash(bytes)).then_some(bytes)
+}
+
+/// The source of a scenario's samples: a simulation, or the record that it names and that comes along.
+///
+/// # Errors
+/// [`LessonError::UnknownRecord`] where no such record comes along, [`LessonError::Record`] where its columns are not a
+/// record.
+pub fn source(scenario: &Scenario) -> Result<Source, LessonError> {
+    let Some(mapping) = &scenario.record else { return Ok(Source::Simulated) };
+    let bytes = record(mapping).ok_or_else(|| LessonError::UnknownRecord(mapping.file.clone()))?;
+    source_in(scenario, bytes)
+}
+
+/// As [`source()`], with the bytes of a file in place of those that come along.
+///
+/// # Errors
+/// [`LessonError::Record`] where the file's columns are not a record.
+pub fn source_in(scenario: &Scenario, bytes: &[u8]) -> Result<Source, LessonError> {
+    let Some(mapping) = &scenario.record else { return Ok(Source::Simulated) };
+    let table = read(bytes, mapping.dialect);
+    let built = table.and_then(|table| Builder::new(&table, mapping, scenario.input, scenario.hold)?.finish());
+    let reason = |error: kalmanscope_core::import::ImportError| error.to_string();
+    let imported = built.map_err(|error| LessonError::Record { file: mapping.file.clone(), reason: reason(error) })?;
+    Ok(Source::Measured(Arc::new(imported.record)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::BUILT_IN;
+
+    #[test]
+    fn a_record_is_found_by_its_name_and_not_with_another_hash() {
+        let (name, bytes) = RECORDS[0];
+        let named = Mapping { file: name.to_owned(), ..Mapping::default() };
+        assert_eq!(record(&named), Some(bytes));
+        assert_eq!(record(&Mapping { hash: hash(bytes), ..named.clone() }), Some(bytes));
+        assert_eq!(record(&Mapping { hash: hash(b"another"), ..named.clone() }), None);
+        assert_eq!(record(&Mapping { file: "mine.csv".to_owned(), ..named }), None);
+    }
+
+    #[test]
+    fn each_record_is_opened_by_a_scenario_of_the_menu() {
+        let scenarios: Vec<Scenario> = BUILT_IN.iter().filter_map(|entry| entry.scenario().ok()).collect();
+        let measured: Vec<&Scenario> = scenarios.iter().filter(|scenario| scenario.record.is_some()).collect();
+        for (name, bytes) in RECORDS {
+            let of_it = |scenario: &&&Scenario| scenario.record.as_ref().is_some_and(|m| m.file == *name);
+            let scenario = measured.iter().find(of_it).unwrap_or_else(|| panic!("{name} is in no scenario"));
+            let hash_of_it = scenario.record.as_ref().map(|mapping| mapping.hash.clone());
+            assert_eq!(hash_of_it, Some(hash(bytes)), "a file of the user with this name is another one: {name}");
+            let source = source(scenario).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let Source::Measured(record) = source else { panic!("{name} is simulated") };
+            assert!(scenario.sensors.iter().all(|sensor| record.sensors().contains(&sensor.measures)), "{name}");
+        }
+        assert_eq!(measured.len(), RECORDS.len());
+    }
+
+    #[test]
+    fn errors_name_the_file() {
+        let mapping = Mapping { file: "mine.csv".to_owned(), ..Mapping::default() };
+        let scenario = Scenario { record: Some(mapping), ..Scenario::default() };
+        let message = |result: Result<Source, LessonError>| result.err().map(|error| error.to_string());
+        assert_eq!(message(source(&scenario)).as_deref(), Some("the record `mine.csv` does not come along"));
+        let bad = message(source_in(&scenario, b""));
+        assert_eq!(bad.as_deref(), Some("the record `mine.csv`: the file is empty"));
+    }
+}
