@@ -9,7 +9,7 @@ mod spectra;
 mod trials;
 
 use crate::import::Offset;
-use crate::{Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Scenario, Sensor};
+use crate::{Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Scenario, Sensor, Signal};
 
 use response::{Response, free_response, order, response};
 use spectra::Spectra;
@@ -146,6 +146,12 @@ impl Suggestion {
         };
         let hertz = rounded(wn / std::f64::consts::TAU);
         self.reasons.push(format!("guess of ωₙ: {wn} rad/s ({hertz} Hz) and of ζ: {zeta}, {reason}"));
+        for (channel, value) in [(Channel::NATURAL_FREQUENCY, wn), (Channel::DAMPING_RATIO, zeta)] {
+            // The truth of a measured record is not known: this is what a simulation in its place begins with.
+            if self.scenario.plant.parameter(channel).is_some() {
+                self.scenario.plant.set(channel, Signal::Constant(value));
+            }
+        }
         self.gain(record, gain);
         let measured = record.measured_quantity(quantity).unwrap_or_default();
         let (_, size) = moments(measured);
@@ -271,15 +277,17 @@ impl Suggestion {
 
     /// A model that is not quite right errs in ways that no noise does. If the free run is better for it, R takes the size of
     /// that error, and no single sample counts too much.
-    fn model_error(&mut self, before: &[f64], after: &[f64]) {
+    fn model_error(&mut self, before: &[f64], after: &[f64], surprise: f64) {
         let ratio = |(after, before): (&f64, &f64)| if *before > 0.0 { after / before } else { 1.0 };
         let mean = after.iter().zip(before).map(ratio).sum::<f64>() / after.len().max(1) as f64;
         if mean > BETTER {
             return;
         }
-        self.scenario = self.with_error(after);
+        // The innovations then tell how large it is.
+        let errors: Vec<f64> = before.iter().map(|error| surprise * error).collect();
+        self.scenario = self.with_error(&errors);
         self.reasons.push(format!(
-            "R as large as the error of the model's free run, and no Q of the motion: the model is not quite right, and its \
+            "R as large as the innovations of a filter that takes the error of its free run for noise, and no Q of the motion: the model is not quite right, and its \
              free run then errs {:.0} % less",
             100.0 * (1.0 - mean)
         ));

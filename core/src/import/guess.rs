@@ -105,6 +105,15 @@ impl Mapping {
         if !has_sensor && let Some((_, role)) = roles.iter_mut().find(|(_, role)| role.is_none()) {
             *role = Some(Role::Sensor(Quantity::DISPLACEMENT));
         }
+        // An accelerometer on a structure feels the ground too.
+        let on_ground = |role: Role| role == Role::Input(InputKind::GroundAcceleration);
+        if has(&roles, &on_ground) && !has(&roles, &|role| role == Role::Sensor(Quantity::TOTAL_ACCELERATION)) {
+            for (_, role) in &mut roles {
+                if *role == Some(Role::Sensor(Quantity::ACCELERATION)) {
+                    *role = Some(Role::Sensor(Quantity::TOTAL_ACCELERATION));
+                }
+            }
+        }
         let mut mapping = Self::default();
         let mut kind = InputKind::Force;
         for (place, role) in roles {
@@ -160,6 +169,8 @@ mod tests {
             check(ground, Some("time"), Some("ground acc"), &[(total, "total_acceleration")]),
             InputKind::GroundAcceleration
         );
+        let felt = "time,ground (g),roof acc (g)\n0,0.1,1\n1,0.2,1\n2,0.1,2\n";
+        check(felt, Some("time"), Some("ground"), &[(total, "roof acc")]);
         check("time,acc (g)\n0,1\n1,-1\n2,0\n", Some("time"), None, &[(Quantity::ACCELERATION, "acc")]);
         check("Zeit;Kraft;Weg\n0,0;1;2\n0,1;0;3\n0,2;1;1\n", Some("Zeit"), Some("Kraft"), &[(x, "Weg")]);
         check("1\n3\n2\n", None, None, &[(x, "column 1")]);

@@ -73,6 +73,11 @@ impl Spectra {
         if spectra.windows < WINDOWS / 2 {
             return None;
         }
+        if input.iter().all(|value| *value == input[0]) {
+            // One transform serves both: without this, rounding of the output would pass for an input.
+            spectra.input.fill(0.0);
+            spectra.cross.fill((0.0, 0.0));
+        }
         let share = 1.0 / spectra.windows as f64;
         spectra.input.iter_mut().chain(&mut spectra.output).for_each(|power| *power *= share);
         spectra.cross.iter_mut().for_each(|(re, im)| (*re, *im) = (*re * share, *im * share));
@@ -137,6 +142,18 @@ mod tests {
     use crate::random::Normal;
     use crate::record::Input;
     use crate::{Hold, InputKind, Quantity};
+
+    #[test]
+    fn nothing_follows_an_input_that_does_not_change() {
+        let mut normal = Normal::from_seed(5);
+        let measured: Vec<f64> = (0..4096).map(|_| normal.sample()).collect();
+        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 4096] };
+        let record = Record::new(0.01, input, vec![(Quantity::ACCELERATION, measured.clone())]).unwrap();
+        let spectra = Spectra::new(&record, &measured, SHORT).unwrap();
+        assert!((0..spectra.len()).all(|place| spectra.coherence(place) == 0.0));
+        let noise = spectra.noise().unwrap();
+        assert!((noise - 1.0).abs() < 0.1, "{noise}");
+    }
 
     #[test]
     fn noise_is_what_the_input_does_not_explain() {

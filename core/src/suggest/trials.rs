@@ -110,8 +110,9 @@ impl Suggest {
                     match follow(&mut self.trial, scenario, &self.record, FREE, while_time) {
                         None => return false,
                         Some(run) => {
-                            if let Some(after) = run.and_then(|run| free_error(&run)) {
-                                self.suggestion.model_error(&self.errors, &after);
+                            let after = run.and_then(|run| Some((free_error(&run)?, surprise(&run))));
+                            if let Some((after, surprise)) = after {
+                                self.suggestion.model_error(&self.errors, &after, surprise);
                             }
                             Stage::Done
                         }
@@ -160,6 +161,19 @@ fn likelihood(run: &Run) -> Option<f64> {
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
     let sum: f64 = (1..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|l| !l.is_nan()).sum();
     sum.is_finite().then_some(sum)
+}
+
+/// The size of the innovations over what the filter expects: 1 where they agree.
+fn surprise(run: &Run) -> f64 {
+    let Some(estimates) = run.estimates().first() else { return 1.0 };
+    // The filter finds its parameters in the first half.
+    let half = estimates.len() / 2..estimates.len();
+    let measured = |k: usize| estimates.innovation(k).iter().filter(|e| !e.is_nan()).count();
+    let (sum, count) = half
+        .filter(|&k| !estimates.nis()[k].is_nan())
+        .fold((0.0, 0), |(sum, count), k| (sum + estimates.nis()[k], count + measured(k)));
+    let ratio = libm::sqrt(sum / f64::from(u32::try_from(count.max(1)).unwrap_or(u32::MAX)));
+    if ratio.is_finite() { ratio.clamp(0.1, 10.0) } else { 1.0 }
 }
 
 /// The scenario with its first filter alone.
