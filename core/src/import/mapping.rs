@@ -225,7 +225,7 @@ const fn one() -> f64 {
     1.0
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references; in a browser they are smaller")]
 fn is_unity(gain: &f64) -> bool {
     *gain == 1.0
 }
