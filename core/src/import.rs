@@ -4,7 +4,7 @@
 //! bytes ──dialect──▶ Table ──mapping──▶ Record
 //! ```
 //!
-//! Each step says what it found and can be told otherwise: [`Dialect::sniff`](Dialect) by looking at the first lines,
+//! Each step says what it found and can be told otherwise: [`Dialect`] by looking at the first lines,
 //! [`Mapping::guess`] by names, units and shapes.
 //!
 //! ```

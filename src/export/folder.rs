@@ -19,7 +19,7 @@ pub fn write(file: &File) -> Result<String, String> {
     write_into(&downloads(), file)
 }
 
-/// [`write`] into another folder.
+/// [`write()`] into another folder.
 ///
 /// # Errors
 /// The reason why it cannot be written.

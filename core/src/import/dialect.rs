@@ -8,7 +8,7 @@ use super::cell::{Decimal, Delimiter};
 use super::encoding::Encoding;
 use super::unit;
 
-/// The form of a text file with columns of numbers. [`Dialect::sniff`] finds it by looking at the first lines.
+/// The form of a text file with columns of numbers. [`Reader::new`](super::Reader::new) finds it by looking at the first lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct Dialect {
