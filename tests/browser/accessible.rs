@@ -59,7 +59,7 @@ const RULES: [(&str, &str); 9] = [
 
 /// Rules of the tables.
 const TABLE_RULES: [(&str, &str); 4] = [
-    ("there are tables", "tables.length > 3"),
+    ("there are tables: of two parameters, and of the verdicts", "tables.length >= 3"),
     ("a table has a title", "tables.every(table => table.caption.textContent !== '')"),
     (
         "columns have names",
