@@ -10,6 +10,8 @@ mod embed;
 mod export;
 #[path = "browser/frames.rs"]
 mod frames;
+#[path = "browser/import.rs"]
+mod import;
 #[path = "browser/loading.rs"]
 mod loading;
 #[path = "browser/page.rs"]
@@ -68,7 +70,7 @@ fn the_page_works_in_a_browser() {
 }
 
 #[test]
-fn links_and_frames_work_in_a_browser() {
+fn links_frames_and_files_work_in_a_browser() {
     let server = served();
     let address = server.page();
     let driver = Driver::start();
@@ -79,6 +81,8 @@ fn links_and_frames_work_in_a_browser() {
         share::links(&page, &address).await;
         share::names(&page, &address).await;
         embed::messages(&page, &address).await;
+        starts(&page, &address).await;
+        import::a_record_is_opened_by_drop(&page).await;
     });
 }
 

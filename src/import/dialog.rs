@@ -5,6 +5,7 @@ use egui::{Align2, Button, Context, ProgressBar, ScrollArea, Ui, Vec2, Window};
 use super::columns::columns_ui;
 use super::conditioning::{conditioning_ui, meaning_ui};
 use super::{Draft, Import, Opened, Stage};
+use crate::probe;
 use crate::request::Request;
 use crate::text::significant;
 use crate::theme::Palette;
@@ -82,7 +83,9 @@ fn progress_ui(ui: &mut Ui, share: f32) -> Option<Choice> {
 }
 
 fn button(ui: &mut Ui, text: &str, enabled: bool) -> bool {
-    ui.add_enabled(enabled, Button::new(text)).clicked()
+    let button = ui.add_enabled(enabled, Button::new(text));
+    probe::remember(ui.ctx(), text, button.rect);
+    button.clicked()
 }
 
 impl Draft {
