@@ -19,7 +19,7 @@ use kalmanscope_core::Scenario;
 use crate::session::Library;
 use crate::theme::{self, Palette};
 
-/// What the controls ask for besides a change of the scenario.
+/// Requests of the controls besides a change of the scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Asked {
     /// Another meaning of the measured record's columns.

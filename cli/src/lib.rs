@@ -14,6 +14,7 @@ mod causes;
 mod estimates_csv;
 mod findings;
 mod free_run;
+mod markup;
 mod number;
 #[cfg(feature = "plots")]
 mod plot;
@@ -30,6 +31,7 @@ use kalmanscope_core::{Record, Run, RunError, Scenario};
 pub use causes::causes;
 pub use estimates_csv::write_estimates;
 pub use free_run::free_runs;
+pub use markup::escaped;
 #[cfg(feature = "plots")]
 pub use plot::{PlotError, plot_svg, svg};
 #[cfg(feature = "plots")]

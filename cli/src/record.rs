@@ -9,7 +9,7 @@ use kalmanscope_lessons::records;
 use crate::args::SourceArgs;
 use crate::input::{InputError, LARGEST, read_text};
 
-/// What a measured record takes the place of.
+/// The sentence on settings that a measured record overrides.
 const OVERRIDDEN: &str =
     "dt, duration, force and the truth's numbers of the scenario have no effect on a measured record";
 

@@ -115,7 +115,7 @@ fn a_sample_of_too_few_particles_is_called_collapsed_and_a_sound_one_is_not() {
     assert!(gone().count() >= 5 && gone().filter(is_found).count() + 1 >= gone().count(), "{}", gone().count());
 }
 
-/// What is said of the spring of a situation, if anything.
+/// The sentence of the diagnosis on the spring of a situation, if there is one.
 fn of_the_spring(situation: &Situation) -> Option<String> {
     let record = without_truth(&situation.record().unwrap());
     let mut run = Run::on_record(&situation.told, record.clone()).unwrap();

@@ -17,7 +17,7 @@ const FILES: [&str; 8] = [
     "\u{FEFF}t\tx\n0\t1e300\n1\t-1e300\n2\tnan\n3\tinf\n4\t1\n",
 ];
 
-/// What is put into them.
+/// Pieces of text that are put into the files.
 const PIECES: [&str; 20] = [
     ",",
     ";",

@@ -69,7 +69,7 @@ impl Circuit {
     }
 }
 
-/// What a user does: drops the file, says the rate, takes what is suggested.
+/// Imports a file as a user does: gives the rate and takes the suggested settings.
 fn identify(text: &str, plant: PlantKind, change: impl Fn(&mut Mapping)) -> (Scenario, Record, Run) {
     let table = read(text.as_bytes(), None).unwrap();
     let (mut mapping, kind) = Mapping::guess(&table);

@@ -7,7 +7,7 @@ use kalmanscope_core::{Hold, Scenario};
 use super::Asked;
 use crate::session::{Library, name_of};
 
-/// What is said of a record, and where the meaning of its columns is changed.
+/// Shows a record's file and columns, and a button that changes their meaning.
 pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library, asked: &mut Vec<Asked>) {
     let Scenario { record: Some(mapping), hold, .. } = scenario else { return };
     let name = name_of(mapping).to_owned();

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use egui::epaint::TextShape;
 use egui::text::TextFormat;
 use egui::{Color32, FontFamily};
+use kalmanscope_cli::escaped;
 
 use super::svg::{number, paint};
 
@@ -82,19 +83,4 @@ impl Run<'_> {
             escaped(text)
         )
     }
-}
-
-/// Text without markup, and without characters that XML does not allow.
-fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            control if control.is_control() || matches!(control, '\u{fffe}' | '\u{ffff}') => escaped.push('\u{fffd}'),
-            other => escaped.push(other),
-        }
-    }
-    escaped
 }

@@ -26,7 +26,7 @@ pub struct Draft {
     /// The scenario that goes on with another meaning of the columns, if there is one.
     base: Option<Scenario>,
     pub(super) sparks: Vec<Spark>,
-    /// What the choices lead to, and the choices.
+    /// The last choices, with their record or the reason why there is none.
     outcome: Option<(Choices, Result<Imported, String>)>,
     /// The spectra without and with the conditioning, and the choices.
     spectra: Option<(Choices, [Vec<[f64; 2]>; 2])>,
@@ -115,7 +115,7 @@ impl Draft {
         }
     }
 
-    /// What the choices lead to, or a sentence about why they cannot be.
+    /// The record that follows from the choices, or a sentence that says why there is none.
     pub fn outcome(&mut self) -> Result<&Imported, &str> {
         let Self { file, mapping, input, hold, outcome, .. } = self;
         let choices = (mapping.clone(), *input, *hold);

@@ -57,7 +57,7 @@ impl Session {
         self.free_due().is_some()
     }
 
-    /// What free runs are to be of, where those that are there are of something else or not complete.
+    /// The picture and the model of the free runs that are still to be made; none if all are there.
     fn free_due(&self) -> Option<(u64, usize, ModelTime)> {
         let run = self.study.run();
         // A record that grows is over by the time its free run is known.

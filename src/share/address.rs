@@ -1,4 +1,4 @@
-//! What an address asks for: a link, a lesson, a scenario, or only the plots.
+//! Reads the address of a page: a link, a lesson, a scenario, or only the plots.
 //!
 //! ```text
 //! https://HOST/FOLDER/?embed&lesson=NAME&step=N#link=1.DATA
@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::{LinkError, MARK, Picture};
 
-/// What an address opens.
+/// The picture, scenario or lesson that an address opens.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Target {
     /// The picture of a link.

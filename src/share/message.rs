@@ -22,11 +22,11 @@ const LONGEST_ID: usize = 100;
 pub struct Message {
     /// The name of the message, which its answer repeats.
     pub id: Value,
-    /// What it asks for.
+    /// The request in it.
     pub wish: Wish,
 }
 
-/// What a message asks for.
+/// A request of another page.
 #[derive(Debug, PartialEq)]
 pub enum Wish {
     /// To change the screen.
@@ -35,7 +35,7 @@ pub enum Wish {
     Get(Topic),
 }
 
-/// What can be read.
+/// The values that another page can read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Topic {

@@ -61,7 +61,7 @@ impl View for Measured {
     }
 }
 
-/// What a filter expects of a sensor at a sample.
+/// The prediction of a sensor's reading, one step ahead.
 fn predicted(estimates: &Estimates, measured: &[f64], sensor: usize, k: usize) -> f64 {
     measured[k] - estimates.innovation(k)[sensor]
 }

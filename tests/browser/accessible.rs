@@ -127,7 +127,7 @@ pub(crate) async fn tables_tell_what_the_canvas_shows(page: &Page) {
         );
         assert_eq!(page.value(&verdict).await, true, "every filter has a verdict");
     }
-    // What has begun to move comes to rest first.
+    // Movements that have begun come to rest first.
     let frames = [rested(page).await, rested(page).await].map(|summary| summary["frames"].as_u64().expect("a number"));
     assert!(frames[1] <= frames[0] + 3, "a page at rest draws no frames: {frames:?}");
     let news = page.value("document.getElementById('news').textContent").await;

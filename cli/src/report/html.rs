@@ -1,6 +1,8 @@
-//! A page that is written from top to bottom. All text is escaped here, and nowhere else.
+//! A page that is written from top to bottom. All text is escaped on its way into it.
 
 use std::fmt::Write as _;
+
+use crate::markup::escaped;
 
 /// A page under way.
 pub(super) struct Html(String);
@@ -64,23 +66,6 @@ impl Html {
         self.0.push_str(markup);
         self.0.push('\n');
     }
-}
-
-fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            // Not allowed in a page.
-            control if control.is_control() && !"\n\t".contains(control) => escaped.push('\u{fffd}'),
-            other => escaped.push(other),
-        }
-    }
-    escaped
 }
 
 #[cfg(test)]

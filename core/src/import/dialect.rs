@@ -72,7 +72,7 @@ impl Dialect {
 }
 
 impl fmt::Display for Dialect {
-    /// What was found, in one line.
+    /// Writes the dialect in one line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { encoding, delimiter, decimal, names, units, data } = self;
         write!(f, "{}, {} between cells, decimal ", encoding.name(), delimiter.name())?;

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Dialect, ImportError};
 use crate::Quantity;
+use crate::scenario::{is_default, is_one};
 
 /// The meaning of a file's columns, and how they become a record: the table `[record]` of a scenario.
 ///
@@ -80,10 +81,10 @@ pub struct MappedColumn {
     #[serde(default = "one", skip_serializing_if = "is_unity")]
     pub gain: f64,
     /// Subtracted from each cell, in the cells' unit.
-    #[serde(default, skip_serializing_if = "Offset::is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub offset: Offset,
     /// The number of samples by which the column is late; a negative one is early.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub delay: i32,
 }
 
@@ -137,10 +138,6 @@ impl Default for Offset {
 impl Offset {
     /// The mean of all cells.
     pub const MEAN: Self = Self::Mean(MeanWord::Mean);
-
-    fn is_zero(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 impl MappedColumn {
@@ -228,16 +225,6 @@ const fn one() -> f64 {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references; in a browser they are smaller")]
 fn is_unity(gain: &f64) -> bool {
     *gain == 1.0
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-fn is_one(count: &usize) -> bool {
-    *count == 1
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-fn is_zero(delay: &i32) -> bool {
-    *delay == 0
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::{Channel, PlantKind};
 pub struct FilterSettings {
     /// The filter's number, from 1 on, which stays the same when other filters are added or removed; 0, or no entry in
     /// a file, for the number of its place. It determines an ensemble's random numbers and the default colour.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(skip_serializing_if = "super::is_default")]
     pub id: u32,
     /// The name on screen and in files; that of its kind if empty.
     pub name: String,
@@ -32,7 +32,7 @@ pub struct FilterSettings {
     pub augment: Vec<Channel>,
     /// The number of samples after which the plant feels the recorded input, as the filter assumes; negative where the
     /// record is late. Outside the record, its first or last value holds.
-    #[serde(skip_serializing_if = "is_zero_delay")]
+    #[serde(skip_serializing_if = "super::is_default")]
     pub input_delay: i32,
     /// Whether the filter estimates the logarithms of the parameters that cannot be negative. Their initial and
     /// process standard deviations are divided by the initial mean, for the whole record.
@@ -40,7 +40,7 @@ pub struct FilterSettings {
     /// The propagation of the mean of a KF, EKF or IEKF.
     pub propagation: Propagation,
     /// The number of steps into which a prediction is divided, for plants that are not linear over one sample.
-    #[serde(skip_serializing_if = "is_one")]
+    #[serde(skip_serializing_if = "super::is_one")]
     pub substeps: usize,
     /// Limits the linearisations of the sensors in one update of an IEKF, which stops earlier once it has converged.
     pub iterations: usize,
@@ -109,19 +109,4 @@ impl FilterSettings {
     pub fn knows(&self, channel: Channel) -> bool {
         self.kind == FilterKind::KF && channel.is_parameter() && !channel.is_augmentation()
     }
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
-fn is_zero(id: &u32) -> bool {
-    *id == 0
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
-fn is_one(substeps: &usize) -> bool {
-    *substeps == 1
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a reference")]
-fn is_zero_delay(delay: &i32) -> bool {
-    *delay == 0
 }

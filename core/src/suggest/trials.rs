@@ -30,13 +30,13 @@ pub struct Suggest {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// What the data say at once.
+    /// Noise, guess and spread are read from the spectra.
     Data,
     /// The likelihood with one of the shares.
     Likelihood(usize),
     /// The free run of the model so far.
     FreeRun,
-    /// That of a model that errs.
+    /// The free run of the model with larger R and no Q.
     ModelError,
     Done,
 }
