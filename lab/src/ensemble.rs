@@ -1,0 +1,264 @@
+//! Many runs of one scenario, which differ in the values of some settings.
+
+use kalmanscope_core::{Channel, RunError, Scenario};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::axis::{Axis, AxisError};
+use crate::setting::{Setting, UnknownSetting};
+use crate::{Measure, order};
+
+/// The most cells of an ensemble.
+pub const MAX_CELLS: usize = 100_000_000;
+
+/// What to run: a grid over some settings of a scenario, and the scores to take of some of its filters.
+///
+/// Cells are numbered in the order of the axes, the last axis fastest. A cell's row has the measures of the first filter, then
+/// those of the next.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ensemble {
+    scenario: Scenario,
+    plan: Plan,
+    settings: Vec<Setting>,
+}
+
+/// The axes, filters and measures of an ensemble, beside its scenario: plain data for files and messages.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// The places of the filters to score, from 0 on.
+    pub filters: Vec<usize>,
+    /// The scores to take.
+    pub measures: Vec<Measure>,
+    /// The settings to vary, in the order of the cells; without one there is a single cell.
+    #[serde(default)]
+    pub axes: Vec<Axis>,
+}
+
+/// The reason why an ensemble is impossible.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EnsembleError {
+    /// A key names no number.
+    #[error(transparent)]
+    Setting(#[from] UnknownSetting),
+    /// An axis is impossible.
+    #[error(transparent)]
+    Axis(#[from] AxisError),
+    /// Two axes vary one setting.
+    #[error("two axes vary `{0}`")]
+    Repeated(String),
+    /// There are too many cells.
+    #[error("the axes have {0} cells, but there may be at most {MAX_CELLS}")]
+    Cells(f64),
+    /// The scenario or the record does not fit.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// An axis would change a record that is given.
+    #[error("the record is a measured one: only settings of filters can be varied, and `{0}` is none")]
+    Fixed(String),
+    /// The plan cannot be read.
+    #[error("the plan of the ensemble cannot be read: {0}")]
+    Syntax(String),
+}
+
+impl Ensemble {
+    /// An ensemble of a scenario.
+    ///
+    /// # Errors
+    /// [`EnsembleError`] where the scenario is impossible or lacks a filter, an axis is impossible or varies no number of the
+    /// scenario, or there are too many cells.
+    pub fn new(scenario: Scenario, plan: Plan) -> Result<Self, EnsembleError> {
+        scenario.validate().map_err(RunError::from)?;
+        let mut settings: Vec<Setting> = Vec::new();
+        for axis in &plan.axes {
+            axis.check()?;
+            if settings.iter().any(|setting| setting.key() == axis.key) {
+                return Err(EnsembleError::Repeated(axis.key.clone()));
+            }
+            settings.push(Setting::new(&scenario, &axis.key)?);
+        }
+        let cells = plan.axes.iter().map(|axis| axis.count as f64).product::<f64>();
+        if cells > MAX_CELLS as f64 {
+            return Err(EnsembleError::Cells(cells));
+        }
+        if let Some(&place) = plan.filters.iter().find(|place| **place >= scenario.filters.len()) {
+            return Err(RunError::NoFilter(place).into());
+        }
+        Ok(Self { scenario, plan, settings })
+    }
+
+    /// The ensemble of a scenario's and a plan's text ([`Plan::to_text`]).
+    ///
+    /// # Errors
+    /// As [`Self::new`], and [`EnsembleError::Syntax`] where the plan cannot be read.
+    pub fn from_text(scenario: &str, plan: &str) -> Result<Self, EnsembleError> {
+        let scenario = Scenario::from_toml(scenario).map_err(RunError::from)?;
+        let plan = toml::from_str(plan).map_err(|error| EnsembleError::Syntax(error.to_string()))?;
+        Self::new(scenario, plan)
+    }
+
+    /// The scenario that the cells are made from.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The axes, filters and measures.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The settings of the axes.
+    pub fn settings(&self) -> &[Setting] {
+        &self.settings
+    }
+
+    /// The number of values on each axis.
+    pub fn counts(&self) -> Vec<usize> {
+        self.plan.axes.iter().map(|axis| axis.count).collect()
+    }
+
+    /// The number of cells.
+    pub fn cells(&self) -> usize {
+        self.plan.axes.iter().map(|axis| axis.count).product()
+    }
+
+    /// The length of a cell's row.
+    pub fn width(&self) -> usize {
+        self.plan.filters.len() * self.plan.measures.len()
+    }
+
+    /// The names of a row's numbers: `EKF.nis`, `EKF.rmse.natural_frequency`, …
+    pub fn columns(&self) -> Vec<String> {
+        let of = |&place: &usize| {
+            let name = &self.scenario.filters[place].name;
+            self.plan.measures.iter().map(move |measure| format!("{name}.{measure}"))
+        };
+        self.plan.filters.iter().flat_map(of).collect()
+    }
+
+    /// The place of a cell on each axis.
+    pub fn places(&self, cell: usize) -> Vec<usize> {
+        let mut rest = cell;
+        let mut places: Vec<usize> = self
+            .plan
+            .axes
+            .iter()
+            .rev()
+            .map(|axis| {
+                let place = rest % axis.count;
+                rest /= axis.count;
+                place
+            })
+            .collect();
+        places.reverse();
+        places
+    }
+
+    /// The cell at these places.
+    pub fn cell(&self, places: &[usize]) -> usize {
+        self.plan.axes.iter().zip(places).fold(0, |cell, (axis, place)| cell * axis.count + place)
+    }
+
+    /// The values of a cell, one an axis.
+    pub fn values(&self, cell: usize) -> Vec<f64> {
+        self.plan.axes.iter().zip(self.places(cell)).map(|(axis, place)| axis.value(place)).collect()
+    }
+
+    /// The scenario of a cell. It may be impossible.
+    pub fn at(&self, cell: usize) -> Scenario {
+        let mut scenario = self.scenario.clone();
+        for (setting, value) in self.settings.iter().zip(self.values(cell)) {
+            setting.set(&mut scenario, value);
+        }
+        scenario
+    }
+
+    /// The cell nearest to the scenario's present values, if these lie within the axes.
+    pub fn present(&self) -> Option<usize> {
+        let place = |(axis, setting): (&Axis, &Setting)| axis.place_of(setting.get(&self.scenario));
+        let places: Option<Vec<usize>> = self.plan.axes.iter().zip(&self.settings).map(place).collect();
+        places.map(|places| self.cell(&places))
+    }
+
+    /// The cells in the order in which they are best computed for a picture.
+    pub fn coarse_to_fine(&self) -> Vec<usize> {
+        order::coarse_to_fine(&self.counts())
+    }
+
+    /// A number that is the same for two cells with the same record.
+    pub(crate) fn record_of(&self, cell: usize) -> usize {
+        let axes = self.plan.axes.iter().zip(&self.settings).zip(self.places(cell));
+        axes.filter(|((_, setting), _)| !setting.is_of_filters())
+            .fold(0, |number, ((axis, _), place)| number * axis.count + place)
+    }
+
+    /// The channels of the filters that are scored.
+    pub fn channels(&self) -> Vec<Channel> {
+        channels(&self.scenario, &self.plan.filters)
+    }
+}
+
+/// The channels that the filters at these places of a scenario have, each once.
+pub fn channels(scenario: &Scenario, filters: &[usize]) -> Vec<Channel> {
+    let mut channels = Vec::new();
+    for filter in filters.iter().filter_map(|&place| scenario.filters.get(place)) {
+        for &channel in filter.model(scenario.plant.kind, scenario.input).channels() {
+            if !channels.contains(&channel) {
+                channels.push(channel);
+            }
+        }
+    }
+    channels
+}
+
+impl Plan {
+    /// The plan as text, which [`Ensemble::from_text`] reads.
+    pub fn to_text(&self) -> String {
+        toml::to_string(self).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ensemble(axes: &[&str]) -> Result<Ensemble, EnsembleError> {
+        let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
+        Ensemble::new(Scenario::default(), Plan { filters: vec![0, 1], measures: vec![Measure::Nis], axes })
+    }
+
+    #[test]
+    fn cells_run_through_the_axes_the_last_one_fastest() {
+        let ensemble = ensemble(&["seed=1:2:2", "filters.EKF.fading=1:1.2:3"]).unwrap();
+        assert_eq!((ensemble.cells(), ensemble.width()), (6, 2));
+        assert_eq!(ensemble.columns(), ["EKF.nis", "UKF.nis"]);
+        assert_eq!(ensemble.values(4), [2.0, 1.1]);
+        assert_eq!((ensemble.at(4).seed, ensemble.at(4).filters[0].fading), (2, 1.1));
+        assert_eq!((0..6).map(|cell| ensemble.record_of(cell)).collect::<Vec<_>>(), [0, 0, 0, 1, 1, 1]);
+        assert!((0..6).all(|cell| ensemble.cell(&ensemble.places(cell)) == cell));
+        assert_eq!(ensemble.present(), Some(0));
+    }
+
+    #[test]
+    fn without_axes_there_is_one_cell() {
+        let ensemble = ensemble(&[]).unwrap();
+        assert_eq!((ensemble.cells(), ensemble.at(0)), (1, Scenario::default()));
+    }
+
+    #[test]
+    fn a_plan_is_read_as_it_was_written() {
+        let ensemble = ensemble(&["filters.*.process_std=0.01:100:8:log"]).unwrap();
+        let scenario = ensemble.scenario().to_toml().unwrap();
+        assert_eq!(Ensemble::from_text(&scenario, &ensemble.plan().to_text()).unwrap(), ensemble);
+    }
+
+    #[test]
+    fn impossible_ensembles_are_refused() {
+        let errors = |axes: &[&str]| ensemble(axes).unwrap_err().to_string();
+        assert_eq!(errors(&["seed=1:2:2", "seed=1:3:3"]), "two axes vary `seed`");
+        assert!(errors(&["plant.mass=1:2:2"]).contains("plant.mass"));
+        assert!(errors(&["seed=1:2:100000", "filters.EKF.fading=1:2:100000"]).contains("at most"));
+        let plan = Plan { filters: vec![2], ..Plan::default() };
+        assert!(Ensemble::new(Scenario::default(), plan).unwrap_err().to_string().contains("no filter number 3"));
+    }
+}

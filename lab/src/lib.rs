@@ -1,0 +1,39 @@
+//! Ensembles: one scenario run thousands of times, with other settings each time.
+//!
+//! ```text
+//! Scenario + axes ──▶ Ensemble ──cells──▶ Runner ──rows of numbers──▶ maps, Monte Carlo, tuning
+//! ```
+//!
+//! ```
+//! use kalmanscope_core::{Scenario, Source};
+//! use kalmanscope_lab::{Axis, Ensemble, Plan, Runner};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let axis = Axis::parse("filters.EKF.initial_mean.natural_frequency=4:12:3")?;
+//! let measures = vec!["rmse.natural_frequency".parse()?];
+//! let scenario = Scenario { duration: 10.0, ..Scenario::default() };
+//! let ensemble = Ensemble::new(scenario, Plan { filters: vec![0], measures, axes: vec![axis] })?;
+//! let rows = Runner::new(ensemble, Source::Simulated)?.rows(&[0, 1, 2]);
+//! assert!(rows[0] < rows[2]);
+//! # Ok(())
+//! # }
+//! ```
+
+mod axis;
+#[cfg(feature = "threads")]
+mod crew;
+mod ensemble;
+mod measure;
+pub mod order;
+mod outcome;
+mod runner;
+mod setting;
+mod sheet;
+
+pub use axis::{Axis, AxisError, MAX_COUNT, Spacing};
+#[cfg(feature = "threads")]
+pub use crew::{Crew, Slice, Work};
+pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, channels};
+pub use measure::{Measure, UnknownMeasure};
+pub use runner::{Runner, simulate};
+pub use setting::{Setting, UnknownSetting};
+pub use sheet::Sheet;

@@ -1,0 +1,106 @@
+//! The result of one filter's run over one record, as numbers.
+
+use kalmanscope_core::free_run::one_step;
+use kalmanscope_core::score::{ChannelScore, Outcome};
+use kalmanscope_core::{
+    Channel, Diagnosis, Diagnostics, Estimates, Identified, Pass, Record, RunError, Scenario, VerdictKind,
+};
+
+use crate::Measure;
+
+/// Appends the measures of the filter at `place` of a scenario over a record; NaN where one is not known.
+///
+/// # Errors
+/// [`RunError`] where the scenario is impossible, lacks the filter, or does not fit the record.
+pub(crate) fn measure(
+    scenario: &Scenario,
+    place: usize,
+    record: &Record,
+    measures: &[Measure],
+    row: &mut Vec<f64>,
+) -> Result<(), RunError> {
+    if !measures.iter().any(|measure| measure.needs_history()) {
+        let outcome = Outcome::of(scenario, place, record)?;
+        append(scenario, place, record, measures, &outcome, row);
+        return Ok(());
+    }
+    let outcome = Outcome::of(scenario, place, record)?;
+    let mut estimates = Pass::history(scenario, place)?;
+    Pass::new(scenario, place, record)?.follow(record, record.len(), &mut estimates);
+    let number = |measure: &Measure| match *measure {
+        Measure::Verdict => verdict(&estimates, record),
+        Measure::FreeRun(quantity) => {
+            let Some(last) = estimates.len().checked_sub(1) else { return f64::NAN };
+            let model = Identified::at(scenario, &scenario.filters[place], &estimates, last);
+            model.run(record, 0..record.len()).fit(record, quantity).map_or(f64::NAN, |fit| fit.rms)
+        }
+        Measure::OneStep(quantity) => {
+            let sensor = record.sensors().iter().position(|sensor| *sensor == quantity);
+            let fit = sensor.and_then(|sensor| one_step(&estimates, record, sensor, 0..record.len()));
+            fit.map_or(f64::NAN, |fit| fit.rms)
+        }
+        other => of_sums(other, &outcome, estimates.channels(), record),
+    };
+    row.extend(measures.iter().map(number));
+    Ok(())
+}
+
+/// Appends measures that sums alone give, of the filter at `place` of a scenario.
+pub(crate) fn append(
+    scenario: &Scenario,
+    place: usize,
+    record: &Record,
+    measures: &[Measure],
+    outcome: &Outcome,
+    row: &mut Vec<f64>,
+) {
+    let model = scenario.filters[place].model(scenario.plant.kind, scenario.input);
+    row.extend(measures.iter().map(|&measure| of_sums(measure, outcome, model.channels(), record)));
+}
+
+fn verdict(estimates: &Estimates, record: &Record) -> f64 {
+    let diagnostics = Diagnostics::new(estimates, record);
+    let diagnosis = Diagnosis::new(&diagnostics, estimates, record, None);
+    let kind = diagnosis.and_then(|diagnosis| diagnosis.verdict).map(|verdict| verdict.kind);
+    let place = kind.and_then(|kind| VerdictKind::ALL.iter().position(|other| *other == kind));
+    place.map_or(f64::NAN, |place| place as f64)
+}
+
+fn of_sums(measure: Measure, outcome: &Outcome, channels: &[Channel], record: &Record) -> f64 {
+    let flag = |is: bool| if is { 1.0 } else { 0.0 };
+    let score = |channel: Channel| outcome.channels.iter().find(|(other, _)| *other == channel).map(|(_, score)| score);
+    let of = |channel, number: fn(&ChannelScore) -> f64| score(channel).map_or(f64::NAN, number);
+    let place = |channel| channels.iter().position(|other| *other == channel);
+    match measure {
+        Measure::Nis => outcome.nis.per_degree(),
+        Measure::Nees => outcome.nees.per_degree(),
+        Measure::Consistency => consistency(outcome),
+        Measure::LogLikelihood => outcome.log_likelihood,
+        Measure::Diverged => flag(outcome.diverged),
+        Measure::Stopped => flag(outcome.stop.is_some()),
+        Measure::Error(channel) => of(channel, |score| score.error),
+        Measure::Rmse(channel) => of(channel, |score| score.rmse),
+        Measure::Inside(channel) => of(channel, |score| score.share_inside),
+        Measure::Settled(channel) => score(channel).map_or(f64::NAN, |score| {
+            score.settled.filter(|_| outcome.stop.is_none()).map_or(f64::INFINITY, |k| record.time_of(k))
+        }),
+        Measure::Estimate(channel) => place(channel).map_or(f64::NAN, |place| canonical(outcome, channels, place)),
+        Measure::Std(channel) => place(channel).map_or(f64::NAN, |place| outcome.std[place]),
+        Measure::Verdict | Measure::FreeRun(_) | Measure::OneStep(_) => f64::NAN,
+    }
+}
+
+/// The last mean of a channel in the canonical form of the oscillator, whose natural frequency is not negative.
+fn canonical(outcome: &Outcome, channels: &[Channel], place: usize) -> f64 {
+    let frequency = channels.iter().position(|channel| *channel == Channel::NATURAL_FREQUENCY);
+    let is_mirrored = frequency.is_some_and(|place| outcome.mean[place] < 0.0);
+    if is_mirrored && channels[place].is_mirrored() { -outcome.mean[place] } else { outcome.mean[place] }
+}
+
+/// The sum of d squares of white normalised innovations has the mean d and the variance 2d.
+///
+/// Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4.
+fn consistency(outcome: &Outcome) -> f64 {
+    let degrees = f64::from(outcome.nis.degrees);
+    (outcome.nis.sum - degrees) / libm::sqrt(2.0 * degrees)
+}

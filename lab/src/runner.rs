@@ -1,0 +1,197 @@
+//! The runs of an ensemble's cells.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use kalmanscope_core::simulate::Simulator;
+use kalmanscope_core::{Pass, Record, Scenario, Source};
+
+use crate::ensemble::{Ensemble, EnsembleError};
+use crate::outcome;
+
+/// The records that are kept for the next cells.
+const KEPT: usize = 16;
+
+/// Runs the cells of an ensemble, in any order and on any number of threads: a cell's row has the same bits always.
+pub struct Runner {
+    ensemble: Ensemble,
+    source: Source,
+    records: Mutex<Vec<(usize, Arc<Record>)>>,
+}
+
+impl Runner {
+    /// A runner over simulated records, or over a given one.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Run`] where the given record does not fit the scenario, [`EnsembleError::Fixed`] where an axis would
+    /// change a given record.
+    pub fn new(ensemble: Ensemble, source: Source) -> Result<Self, EnsembleError> {
+        if let Source::Measured(record) = &source {
+            if let Some(setting) = ensemble.settings().iter().find(|setting| !setting.is_of_filters()) {
+                return Err(EnsembleError::Fixed(setting.key().to_owned()));
+            }
+            for &place in &ensemble.plan().filters {
+                Pass::new(ensemble.scenario(), place, record)?;
+            }
+        }
+        Ok(Self { ensemble, source, records: Mutex::new(Vec::new()) })
+    }
+
+    /// The ensemble.
+    pub fn ensemble(&self) -> &Ensemble {
+        &self.ensemble
+    }
+
+    /// The rows of some cells, one after the other. The row of an impossible scenario is NaN.
+    pub fn rows(&self, cells: &[usize]) -> Vec<f64> {
+        let mut rows = Vec::with_capacity(cells.len() * self.ensemble.width());
+        for &cell in cells {
+            self.row(cell, &mut rows);
+        }
+        rows
+    }
+
+    fn row(&self, cell: usize, rows: &mut Vec<f64>) {
+        let end = rows.len() + self.ensemble.width();
+        let scenario = self.ensemble.at(cell);
+        if scenario.validate().is_ok() {
+            let record = self.record(cell, &scenario);
+            let plan = self.ensemble.plan();
+            for &place in &plan.filters {
+                if outcome::measure(&scenario, place, &record, &plan.measures, rows).is_err() {
+                    break;
+                }
+            }
+        }
+        rows.resize(end, f64::NAN);
+    }
+
+    /// The record of a cell with this scenario, which is possible.
+    fn record(&self, cell: usize, scenario: &Scenario) -> Arc<Record> {
+        if let Source::Measured(record) = &self.source {
+            return Arc::clone(record);
+        }
+        let number = self.ensemble.record_of(cell);
+        let records = || self.records.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, record)) = records().iter().find(|(other, _)| *other == number) {
+            return Arc::clone(record);
+        }
+        let record = Arc::new(simulate(scenario));
+        let mut records = records();
+        if records.len() >= KEPT {
+            records.remove(0);
+        }
+        records.push((number, Arc::clone(&record)));
+        record
+    }
+}
+
+/// The record of a possible scenario, as far as its truth goes.
+pub fn simulate(scenario: &Scenario) -> Record {
+    let mut simulator = Simulator::new(scenario);
+    let mut record = simulator.empty_record();
+    for _ in 0..scenario.samples() {
+        if !simulator.step(&mut record) {
+            break;
+        }
+    }
+    record
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Axis, Measure, Plan};
+    use kalmanscope_core::diagnostics::MeanSquare;
+    use kalmanscope_core::{Channel, Diagnostics, Run, RunError};
+
+    fn runner(axes: &[&str], measures: &[&str]) -> Runner {
+        let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+        let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
+        let measures = measures.iter().map(|text| text.parse().unwrap()).collect();
+        let ensemble = Ensemble::new(scenario, Plan { filters: vec![0, 1], measures, axes }).unwrap();
+        Runner::new(ensemble, Source::Simulated).unwrap()
+    }
+
+    #[test]
+    fn a_row_has_the_numbers_of_the_run_on_a_screen() {
+        let channel = Channel::NATURAL_FREQUENCY;
+        let runner = runner(
+            &["seed=3:5:3", "filters.*.initial_mean.natural_frequency=2:14:4"],
+            &["nis", "nees", "log_likelihood", "rmse.natural_frequency", "estimate.natural_frequency", "diverged"],
+        );
+        for cell in 0..12 {
+            let row = runner.rows(&[cell]);
+            let mut run = Run::new(&runner.ensemble().at(cell)).unwrap();
+            run.finish();
+            for (estimates, row) in run.estimates().iter().zip(row.chunks(6)) {
+                let diagnostics = Diagnostics::new(estimates, run.record());
+                let place = estimates.place(channel).unwrap();
+                let expected = [
+                    per_degree(diagnostics.mean_nis().unwrap()),
+                    per_degree(diagnostics.mean_nees().unwrap()),
+                    diagnostics.log_likelihood(),
+                    diagnostics.tally(channel, 0..estimates.len()).unwrap().rmse(),
+                    estimates.canonical_mean(estimates.len() - 1, place),
+                ];
+                for (number, expected) in row.iter().zip(expected) {
+                    assert!((number - expected).abs() <= 1e-12 * expected.abs(), "{row:?}: {expected}");
+                }
+            }
+        }
+    }
+
+    fn per_degree(mean: MeanSquare) -> f64 {
+        mean.mean / mean.expected
+    }
+
+    #[test]
+    fn rows_do_not_depend_on_their_order() {
+        let runner = runner(&["seed=1:4:4", "filters.EKF.process_std=0.1:10:5:log"], &["nis", "error.damping_ratio"]);
+        let width = runner.ensemble().width();
+        let all = runner.rows(&(0..20).collect::<Vec<_>>());
+        for cell in [19, 0, 7, 12, 3] {
+            assert_eq!(runner.rows(&[cell]), all[cell * width..(cell + 1) * width]);
+        }
+    }
+
+    #[test]
+    fn the_row_of_an_impossible_scenario_is_empty() {
+        let runner = runner(&["filters.EKF.fading=0.5:1.5:3"], &["nis"]);
+        let rows = runner.rows(&[0, 1, 2]);
+        assert!(rows[..2].iter().all(|number| number.is_nan()) && rows[2..].iter().all(|number| number.is_finite()));
+    }
+
+    #[test]
+    fn measures_of_histories_are_those_of_the_screen() {
+        let runner =
+            runner(&["filters.*.sensor_std=0.1:10:3:log"], &["verdict", "free_run.velocity", "one_step.velocity"]);
+        let rows = runner.rows(&[0, 1, 2]);
+        let (verdict, free_run, one_step) = (rows[6], rows[7], rows[8]);
+        assert!(verdict >= 0.0 && free_run > 0.0 && (0.05..0.2).contains(&one_step), "{rows:?}");
+    }
+
+    #[test]
+    fn a_given_record_stays_as_it_is() {
+        let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+        let record = Arc::new(simulate(&scenario));
+        let plan = |key: &str| {
+            let axes = vec![Axis::parse(&format!("{key}=1:2:2")).unwrap()];
+            Plan { filters: vec![0], measures: vec![Measure::Nis], axes }
+        };
+        let runner = |key: &str, scenario: &Scenario| {
+            let ensemble = Ensemble::new(scenario.clone(), plan(key)).unwrap();
+            Runner::new(ensemble, Source::Measured(Arc::clone(&record)))
+        };
+        assert!(runner("filters.EKF.process_std", &scenario).is_ok());
+        let refused = runner("seed", &scenario).err().unwrap();
+        assert!(refused.to_string().contains("`seed`"), "{refused}");
+        let mut other = scenario;
+        other.remove_sensor(kalmanscope_core::Quantity::VELOCITY);
+        other.add_sensor(kalmanscope_core::Sensor {
+            measures: kalmanscope_core::Quantity::ACCELERATION,
+            noise_std: 0.1,
+        });
+        let refused = runner("filters.EKF.process_std", &other).err().unwrap();
+        assert!(matches!(refused, EnsembleError::Run(RunError::MissingSensor(_))));
+    }
+}

@@ -1,0 +1,400 @@
+//! The numbers of a scenario, by key.
+
+use kalmanscope_core::scenario::Values;
+use kalmanscope_core::{Channel, FilterSettings, Quantity, Scenario, Signal};
+use thiserror::Error;
+
+/// A number of a scenario that an axis can vary, or a factor on several of them.
+///
+/// Keys are those of lessons: `filters.EKF.initial_mean.natural_frequency`, `sensors.velocity.noise_std`, `seed`. A
+/// filter is found by its name; `*` stands for all of them. A whole table of standard deviations, such as
+/// `filters.EKF.process_std` or `filters.EKF.sensor_std`, stands for a factor on each of its numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setting {
+    key: String,
+    place: Place,
+}
+
+/// The reason why a key names no setting.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("the scenario has no number `{0}` to vary")]
+pub struct UnknownSetting(pub String);
+
+#[derive(Clone, Debug, PartialEq)]
+enum Place {
+    Scenario(Global),
+    Parameter(Channel),
+    Noise(usize),
+    Filters(Vec<usize>, Member),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Global {
+    Seed,
+    Dt,
+    Duration,
+    Disturbance,
+    InputDelay,
+    Displacement,
+    Velocity,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Member {
+    Fading,
+    Eta,
+    InputDelay,
+    EnsembleSize,
+    Iterations,
+    SensorStd(usize),
+    InitialMean(Channel),
+    InitialStd(Channel),
+    ProcessStd(Channel),
+    Factor(Table, Vec<FilterSettings>),
+}
+
+/// A table of standard deviations that a factor multiplies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Table {
+    SensorStd,
+    InitialStd,
+    ProcessStd,
+}
+
+impl Setting {
+    /// The setting of a scenario with this key. A factor is relative to the scenario's present numbers.
+    ///
+    /// # Errors
+    /// [`UnknownSetting`] where the scenario has no such number.
+    pub fn new(scenario: &Scenario, key: &str) -> Result<Self, UnknownSetting> {
+        let place = place(scenario, key).ok_or_else(|| UnknownSetting(key.to_owned()))?;
+        Ok(Self { key: key.to_owned(), place })
+    }
+
+    /// The key.
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// Whether the setting belongs to filters: the record stays the same whatever its value.
+    pub fn is_of_filters(&self) -> bool {
+        matches!(self.place, Place::Filters(..))
+    }
+
+    /// Whether the setting is a number without fractions, such as a seed.
+    pub fn is_whole(&self) -> bool {
+        use Member::{EnsembleSize, InputDelay, Iterations};
+        matches!(
+            self.place,
+            Place::Scenario(Global::Seed | Global::InputDelay)
+                | Place::Filters(_, InputDelay | EnsembleSize | Iterations)
+        )
+    }
+
+    /// Whether the setting multiplies the numbers of a table.
+    pub fn is_factor(&self) -> bool {
+        matches!(self.place, Place::Filters(_, Member::Factor(..)))
+    }
+
+    /// The channel that the setting is of, if it is of one.
+    pub fn channel(&self) -> Option<Channel> {
+        match &self.place {
+            Place::Parameter(c)
+            | Place::Filters(_, Member::InitialMean(c) | Member::InitialStd(c) | Member::ProcessStd(c)) => Some(*c),
+            _ => None,
+        }
+    }
+
+    /// The unit, empty for a pure number.
+    pub fn unit(&self, scenario: &Scenario) -> &'static str {
+        match &self.place {
+            Place::Scenario(Global::Dt | Global::Duration) => "s",
+            Place::Scenario(Global::Disturbance) => "m/s²",
+            Place::Scenario(Global::Displacement) => "m",
+            Place::Scenario(Global::Velocity) => "m/s",
+            Place::Scenario(Global::Seed) => "",
+            Place::Scenario(Global::InputDelay) | Place::Filters(_, Member::InputDelay) => "samples",
+            Place::Noise(sensor) | Place::Filters(_, Member::SensorStd(sensor)) => {
+                scenario.sensors.get(*sensor).map_or("", |sensor| sensor.measures.unit())
+            }
+            Place::Filters(_, Member::Eta) => "1/s",
+            _ => self.channel().map_or("", Channel::unit),
+        }
+    }
+
+    /// The present value in a scenario, that of the first filter where there are several; of a parameter that moves, the
+    /// first value.
+    pub fn get(&self, scenario: &Scenario) -> f64 {
+        match &self.place {
+            Place::Scenario(global) => match global {
+                Global::Seed => scenario.seed as f64,
+                Global::Dt => scenario.dt,
+                Global::Duration => scenario.duration,
+                Global::Disturbance => scenario.plant.disturbance_std,
+                Global::InputDelay => f64::from(scenario.plant.input_delay),
+                Global::Displacement => scenario.plant.initial.displacement,
+                Global::Velocity => scenario.plant.initial.velocity,
+            },
+            Place::Parameter(channel) => scenario.plant.parameter(*channel).map_or(f64::NAN, |signal| signal.at(0.0)),
+            Place::Noise(sensor) => scenario.sensors.get(*sensor).map_or(f64::NAN, |sensor| sensor.noise_std),
+            Place::Filters(places, member) => {
+                let filter = places.first().and_then(|&place| scenario.filters.get(place));
+                filter.map_or(f64::NAN, |filter| member.get(filter))
+            }
+        }
+    }
+
+    /// Sets the value. A whole number is rounded; a signal becomes constant. The scenario may then be impossible.
+    pub fn set(&self, scenario: &mut Scenario, value: f64) {
+        match &self.place {
+            Place::Scenario(global) => match global {
+                Global::Seed => scenario.seed = libm::round(value) as u64,
+                Global::Dt => scenario.dt = value,
+                Global::Duration => scenario.duration = value,
+                Global::Disturbance => scenario.plant.disturbance_std = value,
+                Global::InputDelay => scenario.plant.input_delay = libm::round(value) as i32,
+                Global::Displacement => scenario.plant.initial.displacement = value,
+                Global::Velocity => scenario.plant.initial.velocity = value,
+            },
+            Place::Parameter(channel) => scenario.plant.set(*channel, Signal::Constant(value)),
+            Place::Noise(sensor) => {
+                if let Some(sensor) = scenario.sensors.get_mut(*sensor) {
+                    sensor.noise_std = value;
+                }
+            }
+            Place::Filters(places, member) => {
+                for (nth, place) in places.iter().enumerate() {
+                    if let Some(filter) = scenario.filters.get_mut(*place) {
+                        member.set(filter, nth, value);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Member {
+    fn get(&self, filter: &FilterSettings) -> f64 {
+        match self {
+            Self::Fading => filter.fading,
+            Self::Eta => filter.eta,
+            Self::InputDelay => f64::from(filter.input_delay),
+            Self::EnsembleSize => filter.ensemble_size as f64,
+            Self::Iterations => filter.iterations as f64,
+            Self::SensorStd(sensor) => filter.sensor_std.get(*sensor).copied().unwrap_or(f64::NAN),
+            Self::InitialMean(channel) => filter.initial_mean[*channel],
+            Self::InitialStd(channel) => filter.initial_std[*channel],
+            Self::ProcessStd(channel) => filter.process_std[*channel],
+            Self::Factor(table, bases) => bases.first().map_or(f64::NAN, |base| table.factor(base, filter)),
+        }
+    }
+
+    fn set(&self, filter: &mut FilterSettings, nth: usize, value: f64) {
+        let whole = libm::round(value);
+        match self {
+            Self::Fading => filter.fading = value,
+            Self::Eta => filter.eta = value,
+            Self::InputDelay => filter.input_delay = whole as i32,
+            Self::EnsembleSize => filter.ensemble_size = whole as usize,
+            Self::Iterations => filter.iterations = whole as usize,
+            Self::SensorStd(sensor) => {
+                if let Some(std) = filter.sensor_std.get_mut(*sensor) {
+                    *std = value;
+                }
+            }
+            Self::InitialMean(channel) => filter.initial_mean[*channel] = value,
+            Self::InitialStd(channel) => filter.initial_std[*channel] = value,
+            Self::ProcessStd(channel) => filter.process_std[*channel] = value,
+            Self::Factor(table, bases) => {
+                if let Some(base) = bases.get(nth) {
+                    table.scale(base, filter, value);
+                }
+            }
+        }
+    }
+}
+
+impl Table {
+    /// The numbers of a filter, sensors or set channels.
+    fn values(self, filter: &FilterSettings) -> Vec<f64> {
+        match self {
+            Self::SensorStd => filter.sensor_std.clone(),
+            Self::InitialStd => filter.initial_std.iter().map(|(_, std)| std).collect(),
+            Self::ProcessStd => filter.process_std.iter().map(|(_, std)| std).collect(),
+        }
+    }
+
+    /// The common factor of a filter's numbers over those of its base; NaN where they do not have one.
+    fn factor(self, base: &FilterSettings, filter: &FilterSettings) -> f64 {
+        let (base, now) = (self.values(base), self.values(filter));
+        let at = base.iter().position(|value| *value > 0.0);
+        let Some(factor) = at.and_then(|at| Some(now.get(at)? / base[at])) else { return f64::NAN };
+        let is_common = |(base, now): (&f64, &f64)| (now - factor * base).abs() <= 1e-9 * now.abs();
+        if base.len() == now.len() && base.iter().zip(&now).all(is_common) { factor } else { f64::NAN }
+    }
+
+    fn scale(self, base: &FilterSettings, filter: &mut FilterSettings, factor: f64) {
+        let scaled = |values: &mut Values, base: &Values| {
+            for (channel, std) in base.iter() {
+                values[channel] = factor * std;
+            }
+        };
+        match self {
+            Self::SensorStd => filter.sensor_std = base.sensor_std.iter().map(|std| factor * std).collect(),
+            Self::InitialStd => scaled(&mut filter.initial_std, &base.initial_std),
+            Self::ProcessStd => scaled(&mut filter.process_std, &base.process_std),
+        }
+    }
+}
+
+fn place(scenario: &Scenario, key: &str) -> Option<Place> {
+    let keys: Vec<&str> = key.split('.').collect();
+    Some(match keys[..] {
+        ["seed"] => Place::Scenario(Global::Seed),
+        ["dt"] => Place::Scenario(Global::Dt),
+        ["duration"] => Place::Scenario(Global::Duration),
+        ["plant", "disturbance_std"] => Place::Scenario(Global::Disturbance),
+        ["plant", "input_delay"] => Place::Scenario(Global::InputDelay),
+        ["plant", "initial", "displacement"] => Place::Scenario(Global::Displacement),
+        ["plant", "initial", "velocity"] => Place::Scenario(Global::Velocity),
+        ["plant", parameter] => {
+            let channel = Channel::from_key(parameter)?;
+            scenario.plant.parameters().find(|c| *c == channel).map(Place::Parameter)?
+        }
+        ["sensors", sensor, "noise_std"] => Place::Noise(sensor_place(scenario, sensor)?),
+        ["filters", .., _] if keys.len() >= 3 => filters(scenario, key)?,
+        _ => return None,
+    })
+}
+
+/// A name may have dots in it: the longest name of a filter that the key begins with is meant.
+fn filters(scenario: &Scenario, key: &str) -> Option<Place> {
+    let key = key.strip_prefix("filters.")?;
+    let names = scenario.filters.iter().map(|filter| filter.name.as_str());
+    let called = |name: &&str| key.strip_prefix(*name).is_some_and(|rest| rest.starts_with('.'));
+    let name = names.chain(["*"]).filter(called).max_by_key(|name| name.len())?;
+    let rest: Vec<&str> = key[name.len() + 1..].split('.').collect();
+    let all = scenario.filters.iter().enumerate();
+    let places: Vec<usize> = all.filter(|(_, f)| name == "*" || f.name == name).map(|(place, _)| place).collect();
+    let factor = |table| Member::Factor(table, places.iter().map(|&place| scenario.filters[place].clone()).collect());
+    let channel = |key: &str| {
+        let channel = Channel::from_key(key)?;
+        let has = |&place: &usize| {
+            scenario.filters[place].model(scenario.plant.kind, scenario.input).channels().contains(&channel)
+        };
+        places.iter().all(has).then_some(channel)
+    };
+    let member = match rest[..] {
+        ["fading"] => Member::Fading,
+        ["eta"] => Member::Eta,
+        ["input_delay"] => Member::InputDelay,
+        ["ensemble_size"] => Member::EnsembleSize,
+        ["iterations"] => Member::Iterations,
+        ["sensor_std"] => factor(Table::SensorStd),
+        ["initial_std"] => factor(Table::InitialStd),
+        ["process_std"] => factor(Table::ProcessStd),
+        ["sensor_std", sensor] => Member::SensorStd(sensor_place(scenario, sensor)?),
+        ["initial_mean", key] => Member::InitialMean(channel(key)?),
+        ["initial_std", key] => Member::InitialStd(channel(key)?),
+        ["process_std", key] => Member::ProcessStd(channel(key)?),
+        _ => return None,
+    };
+    (!places.is_empty()).then_some(Place::Filters(places, member))
+}
+
+/// The place of a sensor by its quantity or its number from 0 on.
+fn sensor_place(scenario: &Scenario, sensor: &str) -> Option<usize> {
+    let by_number = || sensor.parse().ok().filter(|&place: &usize| place < scenario.sensors.len());
+    let quantity = Quantity::from_key(sensor);
+    quantity.map_or_else(by_number, |quantity| scenario.sensors.iter().position(|s| s.measures == quantity))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_setting_is_set_and_read_back() {
+        let mut scenario = Scenario::default();
+        for (key, value) in [
+            ("seed", 12.0),
+            ("dt", 0.02),
+            ("duration", 20.0),
+            ("plant.disturbance_std", 0.3),
+            ("plant.input_delay", 2.0),
+            ("plant.initial.displacement", 0.1),
+            ("plant.natural_frequency", 5.0),
+            ("sensors.velocity.noise_std", 0.2),
+            ("filters.EKF.fading", 1.01),
+            ("filters.EKF.eta", 0.1),
+            ("filters.UKF.input_delay", -1.0),
+            ("filters.EKF.sensor_std.velocity", 0.5),
+            ("filters.EKF.sensor_std.0", 0.25),
+            ("filters.UKF.initial_mean.natural_frequency", 12.0),
+            ("filters.*.initial_std.damping_ratio", 0.3),
+            ("filters.EKF.process_std.velocity", 1e-3),
+        ] {
+            let setting = Setting::new(&scenario, key).unwrap();
+            setting.set(&mut scenario, value);
+            assert_eq!(setting.get(&scenario), value, "{key}");
+            assert_eq!(Setting::new(&scenario, key).unwrap().get(&scenario), value, "{key} is found again");
+            scenario.validate().unwrap();
+        }
+        assert!(scenario.filters.iter().all(|f| f.initial_std[Channel::DAMPING_RATIO] == 0.3));
+    }
+
+    #[test]
+    fn a_factor_multiplies_the_present_numbers() {
+        let before = Scenario::default();
+        let mut scenario = before.clone();
+        for key in ["filters.*.process_std", "filters.EKF.sensor_std", "filters.UKF.initial_std"] {
+            let setting = Setting::new(&before, key).unwrap();
+            assert_eq!(setting.get(&scenario), 1.0);
+            setting.set(&mut scenario, 4.0);
+            setting.set(&mut scenario, 3.0);
+            assert!((setting.get(&scenario) - 3.0).abs() < 1e-12, "{key}");
+        }
+        let [ekf, ukf] = &scenario.filters[..] else { panic!("two filters") };
+        assert_eq!(ekf.sensor_std, before.filters[0].sensor_std.iter().map(|s| 3.0 * s).collect::<Vec<_>>());
+        assert_eq!(ukf.sensor_std, before.filters[1].sensor_std);
+        assert_eq!(ukf.initial_std[Channel::VELOCITY], 3.0 * before.filters[1].initial_std[Channel::VELOCITY]);
+        scenario.filters[0].sensor_std[0] *= 2.0;
+        let setting = Setting::new(&before, "filters.EKF.sensor_std").unwrap();
+        assert!(setting.get(&scenario).is_nan(), "one sensor alone has another factor");
+    }
+
+    #[test]
+    fn only_settings_of_filters_leave_the_record_as_it_is() {
+        let scenario = Scenario::default();
+        let of_filters = |key| Setting::new(&scenario, key).unwrap().is_of_filters();
+        assert!(of_filters("filters.EKF.fading") && of_filters("filters.*.process_std"));
+        assert!(!of_filters("seed") && !of_filters("plant.damping_ratio") && !of_filters("sensors.velocity.noise_std"));
+    }
+
+    #[test]
+    fn names_with_dots_are_found() {
+        let mut scenario = Scenario::default();
+        scenario.filters[1].name = "EKF.2".to_owned();
+        let setting = Setting::new(&scenario, "filters.EKF.2.fading").unwrap();
+        setting.set(&mut scenario, 1.5);
+        assert_eq!((scenario.filters[0].fading, scenario.filters[1].fading), (1.005, 1.5));
+    }
+
+    #[test]
+    fn unknown_keys_are_refused() {
+        for key in [
+            "",
+            "plant.mass",
+            "plant.input_gain",
+            "filters.KF.fading",
+            "filters.EKF",
+            "filters.EKF.fadng",
+            "filters.EKF.sensor_std.acceleration",
+            "filters.EKF.sensor_std.2",
+            "filters.EKF.initial_mean.cubic_stiffness",
+            "sensors.acceleration.noise_std",
+        ] {
+            assert_eq!(Setting::new(&Scenario::default(), key), Err(UnknownSetting(key.to_owned())));
+        }
+    }
+}

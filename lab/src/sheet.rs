@@ -1,0 +1,118 @@
+//! The rows of an ensemble, as far as they are known.
+
+use crate::Ensemble;
+use crate::order::{stand_in, widest};
+
+/// The rows of an ensemble's cells, filled in any order.
+#[derive(Clone, Debug)]
+pub struct Sheet {
+    counts: Vec<usize>,
+    width: usize,
+    rows: Vec<f64>,
+    known: Vec<bool>,
+    done: usize,
+}
+
+impl Sheet {
+    /// An empty sheet.
+    pub fn new(ensemble: &Ensemble) -> Self {
+        let (cells, width) = (ensemble.cells(), ensemble.width());
+        let rows = vec![f64::NAN; cells * width];
+        Self { counts: ensemble.counts(), width, rows, known: vec![false; cells], done: 0 }
+    }
+
+    /// Fills in the rows of some cells, one after the other.
+    pub fn fill(&mut self, cells: &[usize], rows: &[f64]) {
+        for (at, &cell) in cells.iter().enumerate() {
+            let Some(row) = rows.get(at * self.width..(at + 1) * self.width) else { return };
+            self.rows[cell * self.width..(cell + 1) * self.width].copy_from_slice(row);
+            self.done += usize::from(!self.known[cell]);
+            self.known[cell] = true;
+        }
+    }
+
+    /// The row of a cell, if it is known.
+    pub fn row(&self, cell: usize) -> Option<&[f64]> {
+        self.known.get(cell)?.then(|| &self.rows[cell * self.width..(cell + 1) * self.width])
+    }
+
+    /// The row of a cell, or else that of the finest known cell that stands for it in a picture.
+    pub fn shown(&self, cell: usize) -> Option<&[f64]> {
+        let mut stride = 1;
+        while stride <= widest(&self.counts) {
+            if let Some(row) = self.row(stand_in(&self.counts, cell, stride)) {
+                return Some(row);
+            }
+            stride *= 2;
+        }
+        None
+    }
+
+    /// The number of values on each axis.
+    pub fn counts(&self) -> &[usize] {
+        &self.counts
+    }
+
+    /// The number of cells.
+    pub fn len(&self) -> usize {
+        self.known.len()
+    }
+
+    /// Whether there is no cell.
+    pub fn is_empty(&self) -> bool {
+        self.known.is_empty()
+    }
+
+    /// The number of cells that are known.
+    pub fn done(&self) -> usize {
+        self.done
+    }
+
+    /// Whether every cell is known.
+    pub fn is_complete(&self) -> bool {
+        self.done == self.known.len()
+    }
+
+    /// Whether every cell is known or has one that stands for it.
+    pub fn covers_all(&self) -> bool {
+        let stride = widest(&self.counts);
+        let coarse = |cell: &usize| stand_in(&self.counts, *cell, stride) == *cell;
+        (0..self.len()).filter(coarse).all(|cell| self.known[cell])
+    }
+
+    /// The cells of an order that are not known yet.
+    pub fn missing<'a>(&'a self, order: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+        order.iter().copied().filter(|&cell| !self.known[cell])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Axis, Measure, Plan};
+    use kalmanscope_core::Scenario;
+
+    #[test]
+    fn a_coarse_picture_is_complete_long_before_the_fine_one() {
+        let axes = ["filters.EKF.fading=1:1.2:40", "filters.EKF.eta=0:1:20"];
+        let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
+        let plan = Plan { filters: vec![0], measures: vec![Measure::Nis, Measure::Nees], axes };
+        let ensemble = Ensemble::new(Scenario::default(), plan).unwrap();
+        let mut sheet = Sheet::new(&ensemble);
+        let order = ensemble.coarse_to_fine();
+        assert!(sheet.shown(0).is_none() && !sheet.covers_all());
+        let mut covered = None;
+        for (at, &cell) in order.iter().enumerate() {
+            let [x, y] = ensemble.places(cell)[..] else { panic!("two axes") };
+            sheet.fill(&[cell], &[x as f64, y as f64]);
+            covered = covered.or(sheet.covers_all().then_some(at + 1));
+        }
+        assert_eq!(covered, Some(5 * 3));
+        assert!(sheet.is_complete() && sheet.missing(&order).next().is_none());
+        assert_eq!(sheet.row(ensemble.cell(&[39, 19])), Some(&[39.0, 19.0][..]));
+        let mut coarse = Sheet::new(&ensemble);
+        coarse.fill(&order[..15], &vec![7.0; 30]);
+        assert_eq!(coarse.missing(&order).count(), 785);
+        assert!((0..800).all(|cell| coarse.shown(cell) == Some(&[7.0, 7.0][..])));
+    }
+}
