@@ -1,9 +1,11 @@
 //! The command line.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
 use kalmanscope_core::{PlantKind, Quantity, VerdictKind};
+use kalmanscope_lab::{Axis, Measure};
 
 /// System identification with Kalman filters on the command line
 #[derive(Debug, Parser)]
@@ -21,6 +23,8 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// Look at a measured record and write a scenario for it: its columns, and start values from its data
     Import(ImportArgs),
+    /// Run a scenario with every combination of some settings and write a row of scores for each
+    Sweep(SweepArgs),
     /// Read a lesson and try each of its claims on several records
     Lesson(LessonArgs),
 }
@@ -32,6 +36,64 @@ pub(crate) struct LessonArgs {
     /// Number of records to try, with the seeds 1, 2, ...
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub(crate) seeds: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SweepArgs {
+    /// The scenario, a TOML file; `-` for standard input
+    pub(crate) scenario: PathBuf,
+    /// A setting to vary, as lessons name it, from a value to another in equal steps; with `:log` behind it in equal ratios.
+    /// May be given for several; the last one changes fastest. A table of standard deviations, such as
+    /// filters.EKF.process_std, stands for a factor on all of them
+    #[arg(long, value_name = "KEY=FROM:TO:COUNT[:log]", value_parser = Axis::parse, allow_hyphen_values = true)]
+    pub(crate) vary: Vec<Axis>,
+    /// Run each combination with the seeds 1 to N; the seed is then the last axis
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) seeds: Option<u32>,
+    /// The scores to write: nis, nees, consistency, log_likelihood, diverged, stopped, verdict; of a channel error, rmse,
+    /// estimate, std, settled, inside, as in rmse.natural_frequency; of a sensor free_run, one_step, as in
+    /// free_run.displacement [default: all that need no history]
+    #[arg(long, value_name = "SCORES", value_delimiter = ',')]
+    pub(crate) score: Vec<Measure>,
+    /// Score this filter only; may be given for several
+    #[arg(long, value_name = "NAME")]
+    pub(crate) filter: Vec<String>,
+    /// Filter this record instead of simulated ones
+    #[arg(long, value_name = "RECORD.csv")]
+    pub(crate) record: Option<PathBuf>,
+    /// The meaning of the record's columns, as `[record]` in a scenario has it
+    #[arg(long, value_name = "MAP.toml", requires = "record")]
+    pub(crate) map: Option<PathBuf>,
+    /// The table to write, a .csv or a .parquet file. What is done stands in a file of this name with .part behind it: the same
+    /// command goes on from there
+    #[arg(long, value_name = "TABLE")]
+    pub(crate) out: PathBuf,
+    /// Write one of several shards only, such as 3/8: one behind the other they are the whole table
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    pub(crate) shard: Shard,
+    /// Number of threads; 0 for one a processor
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    pub(crate) threads: usize,
+}
+
+/// A part of a table's rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shard {
+    /// Its number, from 1 on.
+    pub(crate) number: usize,
+    /// The number of shards.
+    pub(crate) of: usize,
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(number, of)| Some((number.parse().ok()?, of.parse().ok()?)));
+        let shard = numbers.filter(|(number, of)| (1..=*of).contains(number));
+        let (number, of) = shard.ok_or("expected I/N with I from 1 to N, such as 3/8")?;
+        Ok(Self { number, of })
+    }
 }
 
 /// The source of a run's samples.

@@ -10,6 +10,7 @@ mod lesson;
 mod prepared;
 mod record;
 mod run;
+mod sweep;
 mod write_report;
 
 use std::io::{self, Write as _};
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
         Command::Report(args) => write_report::write_report(&args)
             .map(|is_written| if is_written { ExitCode::SUCCESS } else { ExitCode::FAILURE }),
         Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
+        Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
         Command::Lesson(args) => {
             lesson::lesson(&args).map(|holds| if holds { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }

@@ -1,0 +1,152 @@
+//! The command `kalmanscope-cli sweep`.
+
+mod part;
+mod table;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use kalmanscope_core::import::hash;
+use kalmanscope_core::{Scenario, Source};
+use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, Plan, Runner, Spacing, channels};
+
+use crate::args::{Shard, SourceArgs, SweepArgs};
+use crate::input::{InputError, read_text};
+use crate::record::measured;
+
+use part::Part;
+use table::Format;
+
+/// Runs all cells of a shard and writes their table. Goes on where an earlier call of the same sweep was ended.
+pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
+    let SweepArgs { scenario: file, out, shard, threads, .. } = args;
+    let format = Format::of(out).ok_or_else(|| bad(out, "the table must be a .csv or a .parquet file"))?;
+    let runner = Arc::new(runner(args)?);
+    let ensemble = runner.ensemble();
+    let cells = cells(ensemble.cells(), *shard);
+    let fingerprint = fingerprint(args, ensemble)?;
+    let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len()).map_err(|error| bad(out, error))?;
+    let crew = Crew::new(*threads).map_err(|error| bad(file, error))?;
+    let bar = bar(cells.len(), done);
+    let order: Vec<usize> = (cells.start + done..cells.end).collect();
+    let work = crew.start(&runner, order, || {});
+    // Rows come in any order and are written in that of the cells.
+    let mut waiting = BTreeMap::new();
+    let mut next = cells.start + done;
+    while let Some(slice) = work.wait() {
+        bar.inc(slice.cells.len() as u64);
+        waiting.insert(slice.cells[0], slice);
+        while let Some(slice) = waiting.remove(&next) {
+            next += slice.cells.len();
+            part.append(ensemble, &slice).map_err(|error| bad(out, error))?;
+        }
+    }
+    if next != cells.end {
+        return Err(bad(out, "a thread ended before its work was done"));
+    }
+    bar.finish_and_clear();
+    part.finish(out, format, ensemble).map_err(|error| bad(out, error))
+}
+
+fn bad(file: &Path, reason: impl ToString) -> InputError {
+    InputError::Sweep { file: file.to_owned(), reason: reason.to_string() }
+}
+
+fn runner(args: &SweepArgs) -> Result<Runner, InputError> {
+    let SweepArgs { scenario: file, vary, seeds, score, filter, record, map, .. } = args;
+    let scenario = Scenario::from_toml(&read_text(file)?);
+    let mut scenario = scenario.map_err(|error| InputError::Scenario { file: file.clone(), error })?;
+    let source = SourceArgs {
+        scenario: file.clone(),
+        record: record.clone(),
+        map: map.clone(),
+        holdout: Vec::new(),
+        then: Vec::new(),
+        seed: None,
+    };
+    let imported = measured(&source, &mut scenario)?;
+    let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
+    let filters = filters(&scenario, filter).map_err(|reason| bad(file, reason))?;
+    let measures = if score.is_empty() {
+        let is_known = |measure: &Measure| !measure.needs_truth() || matches!(source, Source::Simulated);
+        Measure::of_sums(&channels(&scenario, &filters)).into_iter().filter(is_known).collect()
+    } else {
+        score.clone()
+    };
+    let seeds = seeds.map(|seeds| Axis {
+        key: "seed".to_owned(),
+        from: 1.0,
+        to: f64::from(seeds),
+        count: seeds as usize,
+        spacing: Spacing::Linear,
+    });
+    let axes = vary.iter().cloned().chain(seeds).collect();
+    let ensemble = Ensemble::new(scenario, Plan { filters, measures, axes });
+    ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(file, error))
+}
+
+/// The places of the filters with these names; of all where there is none.
+fn filters(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, String> {
+    if names.is_empty() {
+        return Ok((0..scenario.filters.len()).collect());
+    }
+    let place = |name: &String| {
+        let place = scenario.filters.iter().position(|filter| filter.name == *name);
+        place.ok_or_else(|| format!("the scenario has no filter `{name}`"))
+    };
+    names.iter().map(place).collect()
+}
+
+/// The cells of a shard, contiguous.
+fn cells(all: usize, Shard { number, of }: Shard) -> Range<usize> {
+    let cut = |shard: usize| (all as u128 * shard as u128 / of as u128) as usize;
+    cut(number - 1)..cut(number)
+}
+
+/// A hash of everything that the rows follow from.
+fn fingerprint(args: &SweepArgs, ensemble: &Ensemble) -> Result<String, InputError> {
+    let scenario = ensemble.scenario();
+    let toml = scenario.to_toml().map_err(|error| InputError::Scenario { file: args.scenario.clone(), error })?;
+    let record = match (&args.record, &scenario.record) {
+        (Some(path), _) => hash(&fs::read(path).map_err(|error| InputError::Read { file: path.clone(), error })?),
+        (None, Some(mapping)) => {
+            let beside = args.scenario.parent().map_or_else(PathBuf::new, Path::to_path_buf).join(&mapping.file);
+            fs::read(beside).map(|bytes| hash(&bytes)).unwrap_or_default()
+        }
+        (None, None) => String::new(),
+    };
+    let Shard { number, of } = args.shard;
+    let version = env!("CARGO_PKG_VERSION");
+    let all = [version, &toml, &ensemble.plan().to_text(), &record, &format!("{number}/{of}")].join("\n");
+    Ok(hash(all.as_bytes()))
+}
+
+/// The bar on standard error; it hides itself where that is no terminal.
+fn bar(cells: usize, done: usize) -> ProgressBar {
+    let bar = ProgressBar::new(cells as u64).with_position(done as u64);
+    let template = "{bar:40} {percent} %  {human_pos} of {human_len} runs, {per_sec}, {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar.reset_eta();
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_are_the_whole_without_gaps() {
+        for (all, of) in [(10, 3), (2, 5), (1000, 7), (0, 2)] {
+            let shards: Vec<usize> = (1..=of).flat_map(|number| cells(all, Shard { number, of })).collect();
+            assert!(shards.into_iter().eq(0..all));
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The worker's side of the conversation.
+
+use js_sys::{Array, Float64Array, Uint32Array};
+use kalmanscope_lab::Runner;
+use wasm_bindgen::closure::Closure;
+use wasm_bindgen::{JsCast as _, JsValue};
+use web_sys::{DedicatedWorkerGlobalScope, MessageEvent};
+
+use crate::message::{cells, runner};
+
+/// Answers messages for as long as the worker lives.
+pub(crate) fn serve() {
+    std::panic::set_hook(Box::new(|panic| tell(&Array::of3(&"failed".into(), &JsValue::NULL, &panic.to_string().into()))));
+    let mut present: Option<(f64, Runner)> = None;
+    let hear = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+        let Ok(words) = event.data().dyn_into::<Array>() else { return };
+        let text = |at: u32| words.get(at).as_string().unwrap_or_default();
+        let job = words.get(1).as_f64().unwrap_or(f64::NAN);
+        match text(0).as_str() {
+            "ensemble" => {
+                present = match runner(&text(2), &text(3), &words.get(4)) {
+                    Ok(runner) => Some((job, runner)),
+                    Err(reason) => {
+                        tell(&Array::of3(&"failed".into(), &job.into(), &reason.into()));
+                        None
+                    }
+                };
+            }
+            "cells" => {
+                if let Some((own, runner)) = &present
+                    && *own == job
+                {
+                    answer(job, &cells(words.get(2)), runner);
+                }
+            }
+            _ => {}
+        }
+    });
+    scope().set_onmessage(Some(hear.as_ref().unchecked_ref()));
+    hear.forget();
+    tell(&Array::of1(&"ready".into()));
+}
+
+fn answer(job: f64, cells: &[usize], runner: &Runner) {
+    let rows = Float64Array::from(runner.rows(cells).as_slice());
+    let cells: Vec<u32> = cells.iter().map(|&cell| cell as u32).collect();
+    let cells = Uint32Array::from(cells.as_slice());
+    let message = Array::of4(&"rows".into(), &job.into(), &cells, &rows);
+    // A page that has gone needs no rows.
+    let _ = scope().post_message_with_transfer(&message, &Array::of1(&rows.buffer()));
+}
+
+fn tell(message: &Array) {
+    let _ = scope().post_message(message);
+}
+
+fn scope() -> DedicatedWorkerGlobalScope {
+    js_sys::global().unchecked_into()
+}
