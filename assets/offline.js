@@ -33,6 +33,8 @@ addEventListener("fetch", (event) => {
     event.respondWith(newest(event));
   } else if (HASHED.exec(file)?.[0] === file) {
     event.respondWith(kept(event.request));
+  } else if (new URL(url).search.includes(version)) {
+    event.respondWith(keptOnceLoaded(event.request));
   }
 });
 
@@ -60,6 +62,16 @@ async function forgetOthers() {
 async function kept(request) {
   const cache = await caches.open(name);
   return (await cache.match(request, { ignoreVary: true })) ?? fetch(request);
+}
+
+// Files of this version that not every reader needs, such as those of the laboratory.
+async function keptOnceLoaded(request) {
+  const cache = await caches.open(name);
+  const old = await cache.match(request, { ignoreVary: true });
+  if (old) return old;
+  const file = await fetch(request);
+  if (file.ok) await cache.put(request, file.clone());
+  return file;
 }
 
 // The page from the network, or the kept one where the network fails or is slow.

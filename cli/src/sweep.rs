@@ -86,7 +86,7 @@ fn runner(args: &SweepArgs) -> Result<Runner, InputError> {
         spacing: Spacing::Linear,
     });
     let axes = vary.iter().cloned().chain(seeds).collect();
-    let ensemble = Ensemble::new(scenario, Plan { filters, measures, axes });
+    let ensemble = Ensemble::new(scenario, Plan { filters, measures, axes, ..Plan::default() });
     ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(file, error))
 }
 

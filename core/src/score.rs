@@ -50,6 +50,8 @@ pub struct Scores {
     square: ErrorSquare,
     nees: Total,
     nis: Total,
+    /// NEES and NIS of the last sample; NaN without a known truth, or a measurement.
+    last_squares: [f64; 2],
     ln_determinants: LogSum,
     particles: f64,
     stop: Option<Stop>,
@@ -98,6 +100,7 @@ impl Scores {
             square,
             nees: Total::default(),
             nis: Total::default(),
+            last_squares: [f64::NAN; 2],
             ln_determinants: LogSum::ZERO,
             particles: 0.0,
             stop: None,
@@ -127,6 +130,11 @@ impl Scores {
     /// The sum of the NIS over all samples with a measurement.
     pub fn nis(&self) -> Total {
         self.nis
+    }
+
+    /// The NEES and the NIS of the last sample; NaN without a known truth, or without a measurement.
+    pub fn last_squares(&self) -> [f64; 2] {
+        self.last_squares
     }
 
     /// Sum of the log likelihoods of all samples with a measurement.
@@ -215,8 +223,9 @@ impl Sink for Scoring<'_> {
         for (place, variance) in scores.variance.iter_mut().enumerate() {
             *variance = sample.cov[place * (n + 1)];
         }
-        let Scores { errors, square, nees, nis, ln_determinants, particles, .. } = &mut **scores;
+        let Scores { errors, square, nees, nis, last_squares, ln_determinants, particles, .. } = &mut **scores;
         let (square, degrees) = square.of(errors, sample.mean, sample.cov);
+        *last_squares = [if degrees > 0 { square } else { f64::NAN }, sample.nis];
         add(nees, square, degrees);
         let measured = sample.innovation.iter().map(|e| u32::from(!e.is_nan())).sum();
         add(nis, sample.nis, measured);

@@ -7,22 +7,13 @@ use std::time::{Duration, Instant};
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
-use crate::Runner;
+use crate::{Runner, Slice};
 
 /// Limits the time between two portions of rows from one thread, where a single cell does not take longer.
 const PORTION: Duration = Duration::from_millis(25);
 
 /// The cells of the first portions: as many as run side by side.
 const FIRST: usize = 8;
-
-/// The rows of some cells.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Slice {
-    /// The cells.
-    pub cells: Vec<usize>,
-    /// Their rows, one after the other.
-    pub rows: Vec<f64>,
-}
 
 /// The threads that serve all ensembles of a program.
 pub struct Crew {
@@ -126,7 +117,8 @@ mod tests {
             Axis::parse("seed=1:3:3").unwrap(),
             Axis::parse("filters.EKF.initial_mean.natural_frequency=2:20:40").unwrap(),
         ];
-        let plan = Plan { filters: vec![0], measures: vec![Measure::Nis, Measure::LogLikelihood], axes };
+        let plan =
+            Plan { filters: vec![0], measures: vec![Measure::Nis, Measure::LogLikelihood], axes, ..Plan::default() };
         Arc::new(Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap())
     }
 

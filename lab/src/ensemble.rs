@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::axis::{Axis, AxisError};
 use crate::setting::{Setting, UnknownSetting};
+use crate::trace::Trace;
 use crate::{Measure, order};
 
 /// The most cells of an ensemble.
@@ -14,7 +15,7 @@ pub const MAX_CELLS: usize = 100_000_000;
 /// What to run: a grid over some settings of a scenario, and the scores to take of some of its filters.
 ///
 /// Cells are numbered in the order of the axes, the last axis fastest. A cell's row has the measures of the first filter, then
-/// those of the next.
+/// those of the next. Where the plan has times, the trace of each filter follows ([`Trace`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ensemble {
     scenario: Scenario,
@@ -30,9 +31,17 @@ pub struct Plan {
     pub filters: Vec<usize>,
     /// The scores to take.
     pub measures: Vec<Measure>,
+    /// The number of times, equally spaced over the record, at which each run is looked at: for Monte Carlo.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub times: usize,
     /// The settings to vary, in the order of the cells; without one there is a single cell.
     #[serde(default)]
     pub axes: Vec<Axis>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// The reason why an ensemble is impossible.
@@ -124,10 +133,15 @@ impl Ensemble {
 
     /// The length of a cell's row.
     pub fn width(&self) -> usize {
-        self.plan.filters.len() * self.plan.measures.len()
+        self.plan.filters.len() * self.plan.measures.len() + self.trace().width()
     }
 
-    /// The names of a row's numbers: `EKF.nis`, `EKF.rmse.natural_frequency`, …
+    /// The places of the numbers at the plan's times, in a cell's row.
+    pub fn trace(&self) -> Trace {
+        Trace::new(&self.scenario, &self.plan)
+    }
+
+    /// The names of a row's measures: `EKF.nis`, `EKF.rmse.natural_frequency`, …
     pub fn columns(&self) -> Vec<String> {
         let of = |&place: &usize| {
             let name = &self.scenario.filters[place].name;
@@ -224,7 +238,10 @@ mod tests {
 
     fn ensemble(axes: &[&str]) -> Result<Ensemble, EnsembleError> {
         let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
-        Ensemble::new(Scenario::default(), Plan { filters: vec![0, 1], measures: vec![Measure::Nis], axes })
+        Ensemble::new(
+            Scenario::default(),
+            Plan { filters: vec![0, 1], measures: vec![Measure::Nis], axes, ..Plan::default() },
+        )
     }
 
     #[test]

@@ -11,7 +11,7 @@
 //! let axis = Axis::parse("filters.EKF.initial_mean.natural_frequency=4:12:3")?;
 //! let measures = vec!["rmse.natural_frequency".parse()?];
 //! let scenario = Scenario { duration: 10.0, ..Scenario::default() };
-//! let ensemble = Ensemble::new(scenario, Plan { filters: vec![0], measures, axes: vec![axis] })?;
+//! let ensemble = Ensemble::new(scenario, Plan { filters: vec![0], measures, axes: vec![axis], ..Plan::default() })?;
 //! let rows = Runner::new(ensemble, Source::Simulated)?.rows(&[0, 1, 2]);
 //! assert!(rows[0] < rows[2]);
 //! # Ok(())
@@ -23,17 +23,21 @@ mod axis;
 mod crew;
 mod ensemble;
 mod measure;
+mod monte_carlo;
 pub mod order;
 mod outcome;
 mod runner;
 mod setting;
 mod sheet;
+mod trace;
 
 pub use axis::{Axis, AxisError, MAX_COUNT, Spacing};
 #[cfg(feature = "threads")]
-pub use crew::{Crew, Slice, Work};
+pub use crew::{Crew, Work};
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, channels};
 pub use measure::{Measure, UnknownMeasure};
+pub use monte_carlo::MonteCarlo;
 pub use runner::{Runner, simulate};
 pub use setting::{Setting, UnknownSetting};
-pub use sheet::Sheet;
+pub use sheet::{Sheet, Slice};
+pub use trace::Trace;

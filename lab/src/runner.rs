@@ -51,14 +51,23 @@ impl Runner {
     }
 
     fn row(&self, cell: usize, rows: &mut Vec<f64>) {
-        let end = rows.len() + self.ensemble.width();
+        let begin = rows.len();
+        let end = begin + self.ensemble.width();
         let scenario = self.ensemble.at(cell);
         if scenario.validate().is_ok() {
             let record = self.record(cell, &scenario);
             let plan = self.ensemble.plan();
-            for &place in &plan.filters {
-                if outcome::measure(&scenario, place, &record, &plan.measures, rows).is_err() {
-                    break;
+            let is_measured = plan
+                .filters
+                .iter()
+                .try_for_each(|&place| outcome::measure(&scenario, place, &record, &plan.measures, rows))
+                .is_ok();
+            let trace = self.ensemble.trace();
+            if is_measured && trace.width() > 0 {
+                for &place in &plan.filters {
+                    if trace.follow(&scenario, place, &record, rows).is_err() {
+                        break;
+                    }
                 }
             }
         }
@@ -108,7 +117,8 @@ mod tests {
         let scenario = Scenario { duration: 5.0, ..Scenario::default() };
         let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
         let measures = measures.iter().map(|text| text.parse().unwrap()).collect();
-        let ensemble = Ensemble::new(scenario, Plan { filters: vec![0, 1], measures, axes }).unwrap();
+        let ensemble =
+            Ensemble::new(scenario, Plan { filters: vec![0, 1], measures, axes, ..Plan::default() }).unwrap();
         Runner::new(ensemble, Source::Simulated).unwrap()
     }
 
@@ -176,7 +186,7 @@ mod tests {
         let record = Arc::new(simulate(&scenario));
         let plan = |key: &str| {
             let axes = vec![Axis::parse(&format!("{key}=1:2:2")).unwrap()];
-            Plan { filters: vec![0], measures: vec![Measure::Nis], axes }
+            Plan { filters: vec![0], measures: vec![Measure::Nis], axes, ..Plan::default() }
         };
         let runner = |key: &str, scenario: &Scenario| {
             let ensemble = Ensemble::new(scenario.clone(), plan(key)).unwrap();

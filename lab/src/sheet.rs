@@ -3,6 +3,15 @@
 use crate::Ensemble;
 use crate::order::{stand_in, widest};
 
+/// The rows of some cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slice {
+    /// The cells.
+    pub cells: Vec<usize>,
+    /// Their rows, one after the other.
+    pub rows: Vec<f64>,
+}
+
 /// The rows of an ensemble's cells, filled in any order.
 #[derive(Clone, Debug)]
 pub struct Sheet {
@@ -96,7 +105,7 @@ mod tests {
     fn a_coarse_picture_is_complete_long_before_the_fine_one() {
         let axes = ["filters.EKF.fading=1:1.2:40", "filters.EKF.eta=0:1:20"];
         let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
-        let plan = Plan { filters: vec![0], measures: vec![Measure::Nis, Measure::Nees], axes };
+        let plan = Plan { filters: vec![0], measures: vec![Measure::Nis, Measure::Nees], axes, ..Plan::default() };
         let ensemble = Ensemble::new(Scenario::default(), plan).unwrap();
         let mut sheet = Sheet::new(&ensemble);
         let order = ensemble.coarse_to_fine();

@@ -1,0 +1,89 @@
+//! One run at a few times.
+
+use kalmanscope_core::{Channel, Pass, Record, RunError, Scenario, Scores};
+
+use crate::Plan;
+
+/// The places of a run's numbers at the plan's times, within a cell's row: for each filter and each time NEES, NIS, and error
+/// and standard deviation of each of the filter's channels. NaN where there is none, as after a filter has stopped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    begin: usize,
+    samples: Vec<usize>,
+    channels: Vec<Vec<Channel>>,
+}
+
+impl Trace {
+    pub(crate) fn new(scenario: &Scenario, plan: &Plan) -> Self {
+        let last = scenario.samples().saturating_sub(1);
+        // Nothing is measured at the first sample.
+        let sample = |nth: usize| (nth as f64 * last as f64 / plan.times as f64).round() as usize;
+        let mut samples: Vec<usize> = (1..=plan.times).map(sample).filter(|sample| *sample > 0).collect();
+        samples.dedup();
+        let channels = |place: &usize| {
+            let filter = scenario.filters.get(*place)?;
+            Some(filter.model(scenario.plant.kind, scenario.input).channels().to_vec())
+        };
+        let channels = plan.filters.iter().filter_map(channels).collect();
+        Self { begin: plan.filters.len() * plan.measures.len(), samples, channels }
+    }
+
+    /// The samples that are looked at.
+    pub fn samples(&self) -> &[usize] {
+        &self.samples
+    }
+
+    /// The channels of the `nth` filter of the plan.
+    pub fn channels(&self, nth: usize) -> &[Channel] {
+        self.channels.get(nth).map_or(&[], Vec::as_slice)
+    }
+
+    /// The length of all traces in a row.
+    pub(crate) fn width(&self) -> usize {
+        self.channels.iter().map(|channels| self.samples.len() * stride(channels)).sum()
+    }
+
+    /// NEES and NIS of the `nth` filter at a time.
+    pub fn squares(&self, row: &[f64], nth: usize, time: usize) -> [f64; 2] {
+        let at = self.at(nth, time);
+        [row[at], row[at + 1]]
+    }
+
+    /// Error and standard deviation of a channel of the `nth` filter at a time.
+    pub fn error(&self, row: &[f64], nth: usize, time: usize, channel: usize) -> [f64; 2] {
+        let at = self.at(nth, time) + 2 + 2 * channel;
+        [row[at], row[at + 1]]
+    }
+
+    fn at(&self, nth: usize, time: usize) -> usize {
+        let before: usize = self.channels[..nth].iter().map(|channels| self.samples.len() * stride(channels)).sum();
+        self.begin + before + time * stride(&self.channels[nth])
+    }
+
+    /// Runs a filter over a record and appends its trace.
+    pub(crate) fn follow(
+        &self,
+        scenario: &Scenario,
+        place: usize,
+        record: &Record,
+        row: &mut Vec<f64>,
+    ) -> Result<(), RunError> {
+        let history = Pass::history(scenario, place)?;
+        let mut scores = Scores::new(&history, record);
+        let mut pass = Pass::new(scenario, place, record)?;
+        for &sample in &self.samples {
+            pass.follow(record, sample + 1, &mut scores.against(record));
+            let goes_on = pass.stop().is_none() && sample < record.len();
+            row.extend(if goes_on { scores.last_squares() } else { [f64::NAN; 2] });
+            for &channel in history.channels() {
+                let score = scores.channel(channel).filter(|_| goes_on);
+                row.extend(score.map_or([f64::NAN; 2], |score| [score.error, score.std]));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn stride(channels: &[Channel]) -> usize {
+    2 + 2 * channels.len()
+}

@@ -1,0 +1,214 @@
+//! Runs ensembles in workers of the page, one a processor.
+
+mod member;
+mod record;
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use egui::Context;
+use js_sys::{Array, Float64Array, Uint32Array};
+use kalmanscope::laboratory::{Engine, Rows, Slices, Work};
+use kalmanscope_core::Source;
+use kalmanscope_lab::{Ensemble, EnsembleError, Runner};
+use wasm_bindgen::JsCast as _;
+use web_sys::MessageEvent;
+
+use member::Member;
+use record::in_message;
+
+/// Limits the workers.
+const MOST: usize = 8;
+
+/// The workers that serve all maps. They are started with the first one.
+pub(super) struct Workers(Rc<RefCell<Team>>);
+
+#[derive(Default)]
+struct Team {
+    members: Vec<Member>,
+    /// The number of the present job.
+    job: u32,
+    task: Option<Task>,
+    /// The reason why there can be no workers.
+    broken: Option<String>,
+}
+
+/// The cells that are to be run.
+struct Task {
+    scenario: String,
+    plan: String,
+    record: wasm_bindgen::JsValue,
+    order: Vec<usize>,
+    next: usize,
+    rows: Vec<Rows>,
+    ctx: Context,
+}
+
+impl Workers {
+    pub(super) fn new() -> Self {
+        Self(Rc::default())
+    }
+}
+
+impl Engine for Workers {
+    fn start(
+        &self,
+        ensemble: &Ensemble,
+        source: &Source,
+        order: Vec<usize>,
+        ctx: &Context,
+    ) -> Result<Box<dyn Work>, EnsembleError> {
+        Runner::new(ensemble.clone(), source.clone())?;
+        let scenario = ensemble.scenario().to_toml().map_err(kalmanscope_core::RunError::from)?;
+        let task = Task {
+            scenario,
+            plan: ensemble.plan().to_text(),
+            record: in_message(source),
+            order,
+            next: 0,
+            rows: Vec::new(),
+            ctx: ctx.clone(),
+        };
+        let job = begin(&self.0, task);
+        let (ensemble, source) = (ensemble.clone(), source.clone());
+        Ok(Box::new(WorkInWorkers { team: Rc::clone(&self.0), job, ensemble, source, instead: None }))
+    }
+
+    fn usual_count(&self) -> usize {
+        if processors() > 2 { 64 } else { 48 }
+    }
+}
+
+struct WorkInWorkers {
+    team: Rc<RefCell<Team>>,
+    job: u32,
+    ensemble: Ensemble,
+    source: Source,
+    /// The work in slices of the frames, where there can be no workers.
+    instead: Option<Box<dyn Work>>,
+}
+
+impl Work for WorkInWorkers {
+    fn poll(&mut self) -> Vec<Rows> {
+        if let Some(instead) = &mut self.instead {
+            return instead.poll();
+        }
+        let mut team = self.team.borrow_mut();
+        if team.job != self.job {
+            return Vec::new();
+        }
+        if team.broken.is_some()
+            && let Some(task) = team.task.take()
+        {
+            self.instead = Slices::FRAME.start(&self.ensemble, &self.source, task.order, &task.ctx).ok();
+            return task.rows;
+        }
+        team.task.as_mut().map(|task| std::mem::take(&mut task.rows)).unwrap_or_default()
+    }
+}
+
+impl Drop for WorkInWorkers {
+    fn drop(&mut self) {
+        let mut team = self.team.borrow_mut();
+        if team.job == self.job {
+            team.task = None;
+        }
+    }
+}
+
+/// Gives the workers another task. Those that are busy with a long portion of the one before are replaced. Returns the job's
+/// number.
+fn begin(team: &Rc<RefCell<Team>>, task: Task) -> u32 {
+    let mut present = team.borrow_mut();
+    present.job += 1;
+    present.task = Some(task);
+    if present.broken.is_none() {
+        present.members.retain(|member| !member.is_stuck());
+        while present.members.len() < processors().min(MOST) {
+            let place = free_number(&present.members);
+            match Member::new(place, listener(team, place)) {
+                Ok(member) => present.members.push(member),
+                Err(reason) => {
+                    present.broken = Some(reason);
+                    break;
+                }
+            }
+        }
+    }
+    let Team { members, task, job, .. } = &mut *present;
+    if let Some(task) = task {
+        members.iter_mut().for_each(|member| feed(member, *job, task));
+    }
+    present.job
+}
+
+fn free_number(members: &[Member]) -> u32 {
+    members.iter().map(Member::number).max().map_or(0, |number| number + 1)
+}
+
+/// Answers the messages of one worker.
+fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageEvent, String>) + 'static {
+    let team = Rc::downgrade(team);
+    move |event| {
+        let Some(team) = team.upgrade() else { return };
+        let mut team = team.borrow_mut();
+        let Team { members, job, task, broken } = &mut *team;
+        let Some(member) = members.iter_mut().find(|member| member.number() == number) else { return };
+        let words: Array = match event {
+            Ok(event) => event.data().unchecked_into(),
+            Err(reason) => {
+                log::warn!("The laboratory has no workers: {reason}");
+                *broken = Some(reason);
+                if let Some(task) = task {
+                    task.ctx.request_repaint();
+                }
+                return;
+            }
+        };
+        match words.get(0).as_string().as_deref() {
+            Some("ready") => member.set_ready(),
+            Some("rows") => {
+                member.take_back();
+                if words.get(1).as_f64() == Some(f64::from(*job))
+                    && let Some(task) = task
+                {
+                    let cells = words.get(2).unchecked_into::<Uint32Array>().to_vec();
+                    let cells = cells.into_iter().map(|cell| cell as usize).collect();
+                    task.rows.push(Rows { cells, numbers: words.get(3).unchecked_into::<Float64Array>().to_vec() });
+                    task.ctx.request_repaint();
+                }
+            }
+            _ => {
+                let reason = words.get(2).as_string().unwrap_or_default();
+                log::warn!("A worker of the laboratory has failed: {reason}");
+                *broken = Some(reason);
+                if let Some(task) = task {
+                    task.ctx.request_repaint();
+                }
+                return;
+            }
+        }
+        if let Some(task) = task {
+            feed(member, *job, task);
+        }
+    }
+}
+
+/// Gives a worker its next cells, if it has none waiting.
+fn feed(member: &mut Member, job: u32, task: &mut Task) {
+    while task.next < task.order.len() && member.wants_more() {
+        if !member.knows(job) {
+            let Task { scenario, plan, record, .. } = task;
+            member.tell(&Array::of5(&"ensemble".into(), &job.into(), &(&*scenario).into(), &(&*plan).into(), record));
+            member.learn(job);
+        }
+        let end = (task.next + member.portion()).min(task.order.len());
+        let cells: Vec<u32> = task.order[task.next..end].iter().map(|&cell| cell as u32).collect();
+        member.give(&Array::of3(&"cells".into(), &job.into(), &Uint32Array::from(cells.as_slice())));
+        task.next = end;
+    }
+}
+
+fn processors() -> usize {
+    web_sys::window().map_or(1, |window| window.navigator().hardware_concurrency() as usize).max(1)
+}

@@ -1,0 +1,140 @@
+//! One worker of the laboratory.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use js_sys::{Array, Reflect};
+use wasm_bindgen::JsCast as _;
+use wasm_bindgen::closure::Closure;
+use web_sys::{Event, MessageEvent, Worker};
+use web_time::{Duration, Instant};
+
+/// Limits the time of a portion of cells, so that another task is heard of soon.
+const PORTION: Duration = Duration::from_millis(30);
+
+/// A portion that takes longer is not waited for.
+const LONG: Duration = Duration::from_millis(250);
+
+/// Portions that a worker has at once, so that it need not wait for the page's next frame.
+const AT_ONCE: usize = 2;
+
+/// A worker with what it has been given.
+pub(super) struct Member {
+    number: u32,
+    worker: Worker,
+    is_ready: bool,
+    /// The job whose ensemble it knows.
+    job: Option<u32>,
+    /// When each portion that it has was begun.
+    given: Vec<Instant>,
+    portion: usize,
+    _hear: Closure<dyn FnMut(MessageEvent)>,
+    _fail: Closure<dyn FnMut(Event)>,
+}
+
+impl Member {
+    /// Starts a worker whose messages, and the reason why there are none, go to a listener.
+    ///
+    /// # Errors
+    /// The reason in words where the browser has no workers.
+    pub(super) fn new(
+        number: u32,
+        listener: impl FnMut(Result<MessageEvent, String>) + 'static,
+    ) -> Result<Self, String> {
+        let worker = Worker::new(&address()).map_err(|error| format!("{error:?}"))?;
+        let listener = Rc::new(RefCell::new(listener));
+        let other = Rc::clone(&listener);
+        let hear = Closure::<dyn FnMut(MessageEvent)>::new(move |event| (listener.borrow_mut())(Ok(event)));
+        // A script that cannot be loaded sends an event without a message.
+        let fail = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
+            let message = Reflect::get(&event, &"message".into()).ok().and_then(|message| message.as_string());
+            (other.borrow_mut())(Err(message.unwrap_or_else(|| "its program cannot be loaded".to_owned())));
+        });
+        worker.set_onmessage(Some(hear.as_ref().unchecked_ref()));
+        worker.set_onerror(Some(fail.as_ref().unchecked_ref()));
+        let given = Vec::with_capacity(AT_ONCE);
+        Ok(Self { number, worker, is_ready: false, job: None, given, portion: 4, _hear: hear, _fail: fail })
+    }
+
+    /// Its number, which no other has.
+    pub(super) fn number(&self) -> u32 {
+        self.number
+    }
+
+    /// Notes that the worker listens.
+    pub(super) fn set_ready(&mut self) {
+        self.is_ready = true;
+    }
+
+    /// Whether it has been busy with one portion for long.
+    pub(super) fn is_stuck(&self) -> bool {
+        self.given.first().is_some_and(|begin| begin.elapsed() > LONG)
+    }
+
+    /// Whether it should be given more cells.
+    pub(super) fn wants_more(&self) -> bool {
+        self.is_ready && self.given.len() < AT_ONCE
+    }
+
+    /// Whether it knows the ensemble of a job.
+    pub(super) fn knows(&self, job: u32) -> bool {
+        self.job == Some(job)
+    }
+
+    /// Notes the job whose ensemble it has been told.
+    pub(super) fn learn(&mut self, job: u32) {
+        self.job = Some(job);
+        self.portion = 4;
+    }
+
+    /// The number of cells to give it at once.
+    pub(super) fn portion(&self) -> usize {
+        self.portion
+    }
+
+    /// Sends a message.
+    pub(super) fn tell(&self, message: &Array) {
+        if let Err(error) = self.worker.post_message(message) {
+            log::warn!("A message to a worker was lost: {error:?}");
+        }
+    }
+
+    /// Sends cells.
+    pub(super) fn give(&mut self, message: &Array) {
+        self.tell(message);
+        self.given.push(Instant::now());
+    }
+
+    /// Notes that it has sent the rows of a portion, and fits the next one to the time that it took.
+    pub(super) fn take_back(&mut self) {
+        if self.given.is_empty() {
+            return;
+        }
+        let taken = self.given.remove(0).elapsed();
+        // The next one has waited for this one.
+        if let Some(next) = self.given.first_mut() {
+            *next = Instant::now();
+        }
+        if taken < PORTION / 2 {
+            self.portion = (self.portion * 2).min(4096);
+        } else if taken > PORTION * 2 {
+            self.portion = (self.portion / 2).max(1);
+        }
+    }
+}
+
+impl Drop for Member {
+    fn drop(&mut self) {
+        self.worker.set_onmessage(None);
+        self.worker.set_onerror(None);
+        self.worker.terminate();
+    }
+}
+
+/// The worker's script with the page's version: the worker's files have no hash in their names.
+fn address() -> String {
+    let document = web_sys::window().and_then(|window| window.document());
+    let meta = document.and_then(|document| document.query_selector("meta[name=version]").ok().flatten());
+    let version = meta.and_then(|meta| meta.get_attribute("content")).unwrap_or_default();
+    format!("./laboratory-worker.js?v={version}")
+}
