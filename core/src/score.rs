@@ -1,5 +1,7 @@
 //! Scores of a filter that need no history.
 
+mod outcome;
+
 use crate::diagnostics::Total;
 use crate::diagnostics::accuracy::{TrackedChannel, sign_of};
 use crate::diagnostics::nees::ErrorSquare;
@@ -8,9 +10,9 @@ use crate::log_sum::LogSum;
 use crate::sink::{Sample, Sink};
 use crate::{Channel, Estimates, FilterKind, Record, Stop};
 
-/// Limits the error, in standard deviations: above it, and above the truth and the initial uncertainty, the truth is
-/// lost.
-const LOST: f64 = 10.0;
+#[doc(hidden)]
+pub use outcome::ChannelSums;
+pub use outcome::Outcome;
 
 /// Running sums over the samples of one filter, in constant memory, for maps of thousands of runs. The numbers are
 /// bit-identical to those of [`Diagnostics`](crate::Diagnostics).
@@ -36,8 +38,11 @@ pub struct Scores {
     sensors: usize,
     samples: usize,
     known: Vec<TrackedChannel>,
-    /// The last error and standard deviation of each tracked channel, and its initial standard deviation.
+    /// The last error of each tracked channel, and its initial standard deviation.
     last: Vec<Last>,
+    /// The last mean and variance of every channel.
+    mean: Vec<f64>,
+    variance: Vec<f64>,
     /// The errors' squares and their number in the record's last fifth.
     recent: Vec<(f64, u32)>,
     last_fifth: usize,
@@ -53,7 +58,6 @@ pub struct Scores {
 #[derive(Clone, Copy, Debug, Default)]
 struct Last {
     error: f64,
-    std: f64,
     initial_std: f64,
 }
 
@@ -84,7 +88,9 @@ impl Scores {
             frequency: history.place(Channel::NATURAL_FREQUENCY),
             sensors: history.sensors().len(),
             samples: 0,
-            last: vec![Last { error: f64::NAN, std: f64::NAN, initial_std: f64::NAN }; known.len()],
+            last: vec![Last { error: f64::NAN, initial_std: f64::NAN }; known.len()],
+            mean: vec![f64::NAN; history.channels().len()],
+            variance: vec![f64::NAN; history.channels().len()],
             recent: vec![(0.0, 0); known.len()],
             last_fifth: record.len() * 4 / 5,
             errors: vec![f64::NAN; known.len()],
@@ -135,14 +141,15 @@ impl Scores {
     /// The accuracy of a channel; `None` where the truth is not known.
     pub fn channel(&self, channel: Channel) -> Option<ChannelScore> {
         let at = self.known.iter().position(|known| known.channel == channel)?;
-        let (TrackedChannel { total, settled, .. }, Last { error, std, .. }) = (self.known[at], self.last[at]);
-        (total.known > 0).then(|| ChannelScore {
-            error,
-            std,
-            rmse: total.rmse(),
-            share_inside: total.share_inside(),
-            settled: (settled < self.samples).then_some(settled),
-        })
+        self.sums(at).score(self.samples)
+    }
+
+    /// The sums of a tracked channel.
+    fn sums(&self, at: usize) -> ChannelSums {
+        let TrackedChannel { total, first_error, largest_truth, settled, place, .. } = self.known[at];
+        let Last { error, initial_std } = self.last[at];
+        let (std, recent) = (self.variance[place].sqrt(), self.recent[at]);
+        ChannelSums { total, first_error, largest_truth, settled, recent, error, std, initial_std }
     }
 
     /// Where and why the filter stopped, if it did.
@@ -153,12 +160,23 @@ impl Scores {
     /// Whether the filter has stopped or lost the truth: in the last fifth of the record a channel's error exceeds 10σ,
     /// the largest truth and the initial uncertainty.
     pub fn diverged(&self) -> bool {
-        let lost = |((known, last), &(squares, samples)): ((&TrackedChannel, &Last), &(f64, u32))| {
-            let rmse = (squares / f64::from(samples)).sqrt();
-            let bound = known.largest_truth.max(known.first_error).max(2.0 * last.initial_std);
-            last.std > 0.0 && rmse > LOST * last.std && rmse > bound
-        };
-        self.stop.is_some() || self.known.iter().zip(&self.last).zip(&self.recent).any(lost)
+        self.stop.is_some() || (0..self.known.len()).any(|at| self.sums(at).is_lost())
+    }
+
+    /// All scores at once.
+    pub fn outcome(&self) -> Outcome {
+        let score = |at: usize| Some((self.known[at].channel, self.sums(at).score(self.samples)?));
+        Outcome {
+            samples: self.samples,
+            nees: self.nees,
+            nis: self.nis,
+            log_likelihood: self.log_likelihood(),
+            stop: self.stop,
+            diverged: self.diverged(),
+            channels: (0..self.known.len()).filter_map(score).collect(),
+            mean: self.mean.clone(),
+            std: self.variance.iter().map(|variance| variance.sqrt()).collect(),
+        }
     }
 }
 
@@ -173,7 +191,7 @@ impl Sink for Scoring<'_> {
         let Self { scores, record } = self;
         let Scores { kind, channels, frequency, sensors, samples, known, last, recent, last_fifth, errors, .. } =
             &mut **scores;
-        let n = *channels;
+        let (n, kind, sensors) = (*channels, *kind, *sensors);
         let Some(k) = samples.checked_sub(record.forgotten()) else { return };
         let sign = sign_of(sample.mean, *frequency);
         for (at, known) in known.iter_mut().enumerate() {
@@ -186,15 +204,17 @@ impl Sink for Scoring<'_> {
                 *squares += errors[at] * errors[at];
                 *count += 1;
             }
-            let Last { error, std, initial_std } = &mut last[at];
+            let Last { error, initial_std } = &mut last[at];
             *error = if known.channel.is_mirrored() { sign * errors[at] } else { errors[at] };
-            *std = variance.sqrt();
             if *samples == 0 {
-                *initial_std = *std;
+                *initial_std = variance.sqrt();
             }
         }
         *samples += 1;
-        let (kind, sensors) = (*kind, *sensors);
+        scores.mean.copy_from_slice(sample.mean);
+        for (place, variance) in scores.variance.iter_mut().enumerate() {
+            *variance = sample.cov[place * (n + 1)];
+        }
         let Scores { errors, square, nees, nis, ln_determinants, particles, .. } = &mut **scores;
         let (square, degrees) = square.of(errors, sample.mean, sample.cov);
         add(nees, square, degrees);

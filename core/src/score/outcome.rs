@@ -1,0 +1,102 @@
+//! The result of a filter's run over a record, as plain numbers.
+
+use super::{ChannelScore, Scores};
+use crate::diagnostics::{Tally, Total};
+use crate::{Channel, Pass, Record, RunError, Scenario, Stop};
+
+/// The result of one filter's run over one record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// The number of samples that the filter has done.
+    pub samples: usize,
+    /// The sum of the NEES over all samples.
+    pub nees: Total,
+    /// The sum of the NIS over all samples with a measurement.
+    pub nis: Total,
+    /// Sum of the log likelihoods of all samples with a measurement.
+    pub log_likelihood: f64,
+    /// Where and why the filter stopped, if it did.
+    pub stop: Option<Stop>,
+    /// Whether the filter has stopped or lost the truth ([`Scores::diverged`]).
+    pub diverged: bool,
+    /// The accuracy of each channel whose truth is known, in the filter's order.
+    pub channels: Vec<(Channel, ChannelScore)>,
+    /// The last mean of every channel, in its unit; NaN where there is no sample.
+    pub mean: Vec<f64>,
+    /// The last standard deviation of every channel, in its unit; NaN where there is no sample.
+    pub std: Vec<f64>,
+}
+
+impl Outcome {
+    /// Runs the filter at `place` of a scenario over the whole of a record.
+    ///
+    /// ```
+    /// use kalmanscope_core::score::Outcome;
+    /// use kalmanscope_core::{Run, Scenario};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    /// let mut run = Run::new(&scenario)?;
+    /// run.finish();
+    /// let outcome = Outcome::of(&scenario, 0, run.record())?;
+    /// assert_eq!(outcome.mean, run.estimates()[0].mean(500));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`].
+    pub fn of(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
+        let mut pass = Pass::new(scenario, place, record)?;
+        let mut scores = Scores::new(&Pass::history(scenario, place)?, record);
+        pass.follow(record, usize::MAX, &mut scores.against(record));
+        Ok(scores.outcome())
+    }
+}
+
+/// Limits the error, in standard deviations: above it, and above the truth and the initial uncertainty, the truth is
+/// lost.
+const LOST: f64 = 10.0;
+
+/// The running sums of one channel of known truth, in its unit.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct ChannelSums {
+    /// All errors.
+    pub total: Tally,
+    /// The first absolute error.
+    pub first_error: f64,
+    /// The largest absolute truth.
+    pub largest_truth: f64,
+    /// The sample since which the error has stayed small, or the number of samples.
+    pub settled: usize,
+    /// The errors' squares and their number in the record's last fifth.
+    pub recent: (f64, u32),
+    /// The last mean minus the truth, in canonical form.
+    pub error: f64,
+    /// The last standard deviation.
+    pub std: f64,
+    /// The first standard deviation.
+    pub initial_std: f64,
+}
+
+impl ChannelSums {
+    /// The accuracy over this many samples; `None` where the truth is not known.
+    pub fn score(&self, samples: usize) -> Option<ChannelScore> {
+        let Self { total, settled, error, std, .. } = *self;
+        (total.known > 0).then(|| ChannelScore {
+            error,
+            std,
+            rmse: total.rmse(),
+            share_inside: total.share_inside(),
+            settled: (settled < samples).then_some(settled),
+        })
+    }
+
+    /// Whether the truth is lost in the record's last fifth.
+    pub fn is_lost(&self) -> bool {
+        let Self { first_error, largest_truth, recent: (squares, samples), std, initial_std, .. } = *self;
+        let rmse = (squares / f64::from(samples)).sqrt();
+        let bound = largest_truth.max(first_error).max(2.0 * initial_std);
+        std > 0.0 && rmse > LOST * std && rmse > bound
+    }
+}
