@@ -9,13 +9,13 @@ use crate::quantity::MAX_SENSORS;
 const LN_2_PI: f64 = 1.837_877_066_409_345_5;
 
 /// `-(NIS + ln det S + m ln 2π) / 2`. From the sums of these terms over several samples it is the sum of their log likelihoods.
-pub(crate) fn log_likelihood(nis: f64, ln_determinant: f64, measured: u32) -> f64 {
+pub fn log_likelihood(nis: f64, ln_determinant: f64, measured: u32) -> f64 {
     -0.5 * (nis + ln_determinant + f64::from(measured) * LN_2_PI)
 }
 
 /// ln det S of a sample, from the determinant. Where that has overflowed or underflowed, it is computed from S, m × m, in which
 /// the rows and columns of sensors without a measurement are NaN.
-pub(crate) fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize) -> f64 {
+pub fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize) -> f64 {
     if determinant.is_normal() {
         return libm::log(determinant);
     }

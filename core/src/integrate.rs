@@ -9,7 +9,8 @@ pub use impulse_response::ImpulseResponse;
 pub use runge_kutta::{RungeKutta, runge_kutta};
 
 /// 1/n! for n = 0..=17.
-pub(crate) const INVERSE_FACTORIAL: [f64; 18] = {
+#[doc(hidden)]
+pub const INVERSE_FACTORIAL: [f64; 18] = {
     let mut table = [1.0; 18];
     let mut n = 1;
     while n < table.len() {
@@ -20,7 +21,8 @@ pub(crate) const INVERSE_FACTORIAL: [f64; 18] = {
 };
 
 /// The number of times that a step must be halved until `size`, a norm of `A dt`, is at most one half.
-pub(crate) fn doublings(size: f64) -> u32 {
+#[doc(hidden)]
+pub fn doublings(size: f64) -> u32 {
     if size <= 0.5 {
         0
     } else if size < 1e300 {

@@ -1,6 +1,8 @@
 //! Tuned twins of the filters in [`crate::filter`], for the common plants, whose sizes the compiler knows. Tests hold each
 //! of them to the book.
 
+#[doc(hidden)]
+pub mod abreast;
 mod adaptation;
 mod ensemble;
 pub(crate) mod estimator;
@@ -43,6 +45,14 @@ pub struct Noise<const N: usize> {
     pub sensors: Vec<f64>,
     /// Fading factor λ ≥ 1 on the predicted covariance.
     pub fading: f64,
+}
+
+impl<const N: usize> Noise<N> {
+    /// Whether every number of Q and R is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let Self { process, sensors, fading: _ } = self;
+        process.sum().is_finite() && sensors.iter().all(|r| r.is_finite())
+    }
 }
 
 /// The effect of one sample of the sensors on the belief. Sensors that were skipped have an innovation of NaN and no gain.

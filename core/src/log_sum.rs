@@ -1,32 +1,40 @@
 //! Sums of logarithms, with few calls of the logarithm.
 
+use std::ops::RangeInclusive;
+
 /// A sum of logarithms. It multiplies the factors and takes a logarithm only when their product nears the limits of
 /// `f64`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LogSum {
-    taken: f64,
-    product: f64,
+pub struct LogSum {
+    /// The sum of the logarithms that have been taken.
+    pub taken: f64,
+    /// The product whose logarithm has not been taken.
+    pub product: f64,
 }
 
 impl LogSum {
-    pub(crate) const ZERO: Self = Self { taken: 0.0, product: 1.0 };
+    /// The sum of no logarithms.
+    pub const ZERO: Self = Self { taken: 0.0, product: 1.0 };
+
+    /// Limits factors and products: beyond, the logarithm is taken.
+    pub const RANGE: RangeInclusive<f64> = 1e-150..=1e150;
 
     /// Adds the logarithm of a factor. `ln` computes it where the factor is too large or too small to be multiplied.
     #[inline]
-    pub(crate) fn add(&mut self, factor: f64, ln: impl FnOnce() -> f64) {
-        const RANGE: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
-        if !RANGE.contains(&factor) {
+    pub fn add(&mut self, factor: f64, ln: impl FnOnce() -> f64) {
+        if !Self::RANGE.contains(&factor) {
             self.taken += ln();
             return;
         }
         self.product *= factor;
-        if !RANGE.contains(&self.product) {
+        if !Self::RANGE.contains(&self.product) {
             self.taken += libm::log(self.product);
             self.product = 1.0;
         }
     }
 
-    pub(crate) fn value(self) -> f64 {
+    /// The sum.
+    pub fn value(self) -> f64 {
         self.taken + libm::log(self.product)
     }
 }

@@ -8,22 +8,16 @@ use kalmanscope_core::{
 
 use crate::Measure;
 
-/// Appends the measures of the filter at `place` of a scenario over a record; NaN where one is not known.
+/// The measures of the filter at `place` of a scenario over a record, from all its estimates; NaN where one is not known.
 ///
 /// # Errors
 /// [`RunError`] where the scenario is impossible, lacks the filter, or does not fit the record.
-pub(crate) fn measure(
+pub(crate) fn of_history(
     scenario: &Scenario,
     place: usize,
     record: &Record,
     measures: &[Measure],
-    row: &mut Vec<f64>,
-) -> Result<(), RunError> {
-    if !measures.iter().any(|measure| measure.needs_history()) {
-        let outcome = Outcome::of(scenario, place, record)?;
-        append(scenario, place, record, measures, &outcome, row);
-        return Ok(());
-    }
+) -> Result<Vec<f64>, RunError> {
     let outcome = Outcome::of(scenario, place, record)?;
     let mut estimates = Pass::history(scenario, place)?;
     Pass::new(scenario, place, record)?.follow(record, record.len(), &mut estimates);
@@ -39,23 +33,21 @@ pub(crate) fn measure(
             let fit = sensor.and_then(|sensor| one_step(&estimates, record, sensor, 0..record.len()));
             fit.map_or(f64::NAN, |fit| fit.rms)
         }
-        other => of_sums(other, &outcome, estimates.channels(), record),
+        other => of_sum(other, &outcome, estimates.channels(), record),
     };
-    row.extend(measures.iter().map(number));
-    Ok(())
+    Ok(measures.iter().map(number).collect())
 }
 
-/// Appends measures that sums alone give, of the filter at `place` of a scenario.
-pub(crate) fn append(
+/// The measures that sums alone give.
+pub(crate) fn of_sums(
     scenario: &Scenario,
     place: usize,
     record: &Record,
     measures: &[Measure],
     outcome: &Outcome,
-    row: &mut Vec<f64>,
-) {
+) -> Vec<f64> {
     let model = scenario.filters[place].model(scenario.plant.kind, scenario.input);
-    row.extend(measures.iter().map(|&measure| of_sums(measure, outcome, model.channels(), record)));
+    measures.iter().map(|&measure| of_sum(measure, outcome, model.channels(), record)).collect()
 }
 
 fn verdict(estimates: &Estimates, record: &Record) -> f64 {
@@ -66,7 +58,7 @@ fn verdict(estimates: &Estimates, record: &Record) -> f64 {
     place.map_or(f64::NAN, |place| place as f64)
 }
 
-fn of_sums(measure: Measure, outcome: &Outcome, channels: &[Channel], record: &Record) -> f64 {
+fn of_sum(measure: Measure, outcome: &Outcome, channels: &[Channel], record: &Record) -> f64 {
     let flag = |is: bool| if is { 1.0 } else { 0.0 };
     let score = |channel: Channel| outcome.channels.iter().find(|(other, _)| *other == channel).map(|(_, score)| score);
     let of = |channel, number: fn(&ChannelScore) -> f64| score(channel).map_or(f64::NAN, number);

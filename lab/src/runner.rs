@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::simulate::Simulator;
 use kalmanscope_core::{Pass, Record, Scenario, Source};
+use kalmanscope_lanes::{LaneRun, outcomes};
 
 use crate::ensemble::{Ensemble, EnsembleError};
 use crate::outcome;
@@ -41,37 +42,49 @@ impl Runner {
         &self.ensemble
     }
 
-    /// The rows of some cells, one after the other. The row of an impossible scenario is NaN.
+    /// The rows of some cells, one after the other. The row of an impossible scenario is NaN. Filters that lanes serve go
+    /// side by side, so a portion should have eight cells or more.
     pub fn rows(&self, cells: &[usize]) -> Vec<f64> {
-        let mut rows = Vec::with_capacity(cells.len() * self.ensemble.width());
-        for &cell in cells {
-            self.row(cell, &mut rows);
+        let width = self.ensemble.width();
+        let mut rows = vec![f64::NAN; cells.len() * width];
+        let runs: Vec<Option<(Scenario, Arc<Record>)>> = cells.iter().map(|&cell| self.run(cell)).collect();
+        let plan = self.ensemble.plan();
+        let (trace, score) = (self.ensemble.trace(), plan.measures.len());
+        for (nth, &place) in plan.filters.iter().enumerate() {
+            let scores = self.scores(&runs, place);
+            for ((row, run), scores) in rows.chunks_mut(width).zip(&runs).zip(scores) {
+                let (Some((scenario, record)), Some(scores)) = (run, scores) else { continue };
+                row[nth * score..(nth + 1) * score].copy_from_slice(&scores);
+                trace.follow(scenario, nth, place, record, row);
+            }
         }
         rows
     }
 
-    fn row(&self, cell: usize, rows: &mut Vec<f64>) {
-        let begin = rows.len();
-        let end = begin + self.ensemble.width();
+    /// The scenario and the record of a cell, if it is possible.
+    fn run(&self, cell: usize) -> Option<(Scenario, Arc<Record>)> {
         let scenario = self.ensemble.at(cell);
-        if scenario.validate().is_ok() {
-            let record = self.record(cell, &scenario);
-            let plan = self.ensemble.plan();
-            let is_measured = plan
-                .filters
-                .iter()
-                .try_for_each(|&place| outcome::measure(&scenario, place, &record, &plan.measures, rows))
-                .is_ok();
-            let trace = self.ensemble.trace();
-            if is_measured && trace.width() > 0 {
-                for &place in &plan.filters {
-                    if trace.follow(&scenario, place, &record, rows).is_err() {
-                        break;
-                    }
-                }
-            }
+        scenario.validate().ok()?;
+        let record = self.record(cell, &scenario);
+        Some((scenario, record))
+    }
+
+    /// The measures of one filter in some runs.
+    fn scores(&self, runs: &[Option<(Scenario, Arc<Record>)>], place: usize) -> Vec<Option<Vec<f64>>> {
+        let measures = &self.ensemble.plan().measures;
+        if measures.iter().any(|measure| measure.needs_history()) {
+            let one =
+                |(scenario, record): &(Scenario, Arc<Record>)| outcome::of_history(scenario, place, record, measures);
+            return runs.iter().map(|run| run.as_ref().and_then(|run| one(run).ok())).collect();
         }
-        rows.resize(end, f64::NAN);
+        let all = runs.iter().flatten().map(|(scenario, record)| LaneRun { scenario, place, record });
+        let Ok(outcomes) = outcomes(&all.collect::<Vec<_>>()) else { return vec![None; runs.len()] };
+        let mut outcomes = outcomes.iter();
+        let one = |run: &Option<(Scenario, Arc<Record>)>| {
+            let (scenario, record) = run.as_ref()?;
+            Some(outcome::of_sums(scenario, place, record, measures, outcomes.next()?))
+        };
+        runs.iter().map(one).collect()
     }
 
     /// The record of a cell with this scenario, which is possible.

@@ -1,6 +1,6 @@
 //! One run at a few times.
 
-use kalmanscope_core::{Channel, Pass, Record, RunError, Scenario, Scores};
+use kalmanscope_core::{Channel, Pass, Record, Scenario, Scores};
 
 use crate::Plan;
 
@@ -60,27 +60,28 @@ impl Trace {
         self.begin + before + time * stride(&self.channels[nth])
     }
 
-    /// Runs a filter over a record and appends its trace.
-    pub(crate) fn follow(
-        &self,
-        scenario: &Scenario,
-        place: usize,
-        record: &Record,
-        row: &mut Vec<f64>,
-    ) -> Result<(), RunError> {
-        let history = Pass::history(scenario, place)?;
+    /// Runs the `nth` filter, at a place of a scenario, over a record and puts its trace into a row.
+    pub(crate) fn follow(&self, scenario: &Scenario, nth: usize, place: usize, record: &Record, row: &mut [f64]) {
+        if self.samples.is_empty() {
+            return;
+        }
+        let (Ok(history), Ok(mut pass)) = (Pass::history(scenario, place), Pass::new(scenario, place, record)) else {
+            return;
+        };
         let mut scores = Scores::new(&history, record);
-        let mut pass = Pass::new(scenario, place, record)?;
-        for &sample in &self.samples {
+        let begin = self.at(nth, 0);
+        let stride = stride(history.channels());
+        for (numbers, &sample) in row[begin..].chunks_mut(stride).zip(&self.samples) {
             pass.follow(record, sample + 1, &mut scores.against(record));
-            let goes_on = pass.stop().is_none() && sample < record.len();
-            row.extend(if goes_on { scores.last_squares() } else { [f64::NAN; 2] });
-            for &channel in history.channels() {
-                let score = scores.channel(channel).filter(|_| goes_on);
-                row.extend(score.map_or([f64::NAN; 2], |score| [score.error, score.std]));
+            if pass.stop().is_some() || sample >= record.len() {
+                return;
+            }
+            numbers[..2].copy_from_slice(&scores.last_squares());
+            for (pair, &channel) in numbers[2..].chunks_mut(2).zip(history.channels()) {
+                let score = scores.channel(channel);
+                pair.copy_from_slice(&score.map_or([f64::NAN; 2], |score| [score.error, score.std]));
             }
         }
-        Ok(())
     }
 }
 

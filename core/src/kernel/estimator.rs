@@ -19,10 +19,8 @@ struct Followed<P, B, const N: usize> {
 
 impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, N> {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Noise { process, sensors, fading: _ } = self.filter.noise();
-        let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
         // An update sees to it that a belief is finite, but nothing has yet looked at an initial one.
-        if !is_finite || !self.filter.belief().gaussian().is_finite() {
+        if !self.filter.noise().is_finite() || !self.filter.belief().gaussian().is_finite() {
             return Err(FilterError::TooLarge);
         }
         report(&self.filter, &Correction::NOTHING, sink).map_err(|_| FilterError::TooLarge)
@@ -199,11 +197,14 @@ pub(crate) fn build_filter<P: Model<N>, B: Belief<P, N>, const N: usize>(
     settings: &FilterSettings,
     context: &FilterContext<'_>,
 ) -> Filter<P, B, N> {
-    let book = context.model(settings);
-    let output = |quantity: &Quantity| book.reading(*quantity).as_ref().and_then(Output::of);
-    let outputs = context.sensors.iter().map(output).collect();
     let noise = noise(&model, settings);
-    Filter::new(model, belief, context.dt, noise, outputs, settings.adaptation)
+    Filter::new(model, belief, context.dt, noise, readings(settings, context), settings.adaptation)
+}
+
+/// What each sensor reads of the filter's model, if the model knows it.
+pub(super) fn readings(settings: &FilterSettings, context: &FilterContext<'_>) -> Vec<Option<Output>> {
+    let model = context.model(settings);
+    context.sensors.iter().map(|&quantity| model.reading(quantity).as_ref().and_then(Output::of)).collect()
 }
 
 /// Lets a visitor work with the model that a filter with these settings has, if a kernel serves it: a common plant without
@@ -214,12 +215,17 @@ pub(crate) fn with_model<V: Visitor>(
     visitor: V,
 ) -> Option<V::Output> {
     let model = context.model(settings);
+    serves(settings, context).then(|| visit_log(model.plant(), model.eta(), settings.log_parameters, visitor)).flatten()
+}
+
+/// Whether a kernel serves these settings, if one has the plant.
+pub(super) fn serves(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
+    let model = context.model(settings);
     let reads = |quantity: &Quantity| model.reading(*quantity).is_none_or(|reading| Output::of(&reading).is_some());
-    let serves = settings.augment.is_empty()
+    settings.augment.is_empty()
         && context.hold == Hold::Zero
         && context.sensors.len() <= MAX_SENSORS
-        && context.sensors.iter().all(reads);
-    serves.then(|| visit_log(model.plant(), model.eta(), settings.log_parameters, visitor)).flatten()
+        && context.sensors.iter().all(reads)
 }
 
 /// The initial belief in the model's state.

@@ -7,6 +7,8 @@ use super::gaussian::{Matrix, Vector};
 use crate::integrate::{INVERSE_FACTORIAL, doublings};
 
 pub use crate::integrate::ImpulseResponse;
+#[doc(hidden)]
+pub use chain::SERIES;
 pub(crate) use chain::chain_step;
 pub use held::{held_parameters_step, oscillator_step};
 pub(crate) use held::{held_rows, held_runge_kutta};

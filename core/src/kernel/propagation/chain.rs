@@ -172,7 +172,7 @@ impl<const M: usize> Chain<M> {
 }
 
 /// Limits the size s of a step with a number of terms, so that the first one left out, `sⁿ/(n+1)!`, is below rounding.
-const SERIES: [(f64, usize); 5] = [(0.05, 8), (0.14, 10), (0.3, 12), (0.4, 13), (0.6, LONGEST)];
+pub const SERIES: [(f64, usize); 5] = [(0.05, 8), (0.14, 10), (0.3, 12), (0.4, 13), (0.6, LONGEST)];
 /// Limits the number of terms.
 const LONGEST: usize = 15;
 

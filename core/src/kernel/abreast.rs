@@ -1,0 +1,130 @@
+//! The tuned filter of the linear oscillator as plain numbers, and any one step of it: for programs that run many filters
+//! side by side and leave to it the steps that are special.
+
+use super::estimator::{initial_belief, noise, readings, serves};
+use super::gaussian::Gaussian;
+use super::log_parameters::LogParameters;
+use super::model::Output;
+use super::plant::sdof::Sdof;
+use super::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints};
+use crate::estimator::FilterContext;
+use crate::filter::{Adaptation, Rule};
+use crate::run_error::sensor_places;
+use crate::{FilterError, FilterKind, PlantKind, Propagation, Quantity, Record, RunError, Scenario};
+
+pub use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
+pub use crate::integrate::{INVERSE_FACTORIAL, doublings};
+pub use crate::kernel::propagation::SERIES;
+pub use crate::log_sum::LogSum;
+
+/// How a filter moves its belief and is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// KF and EKF.
+    Linearised,
+    /// UKF.
+    SigmaPoints,
+}
+
+/// A filter of the linear oscillator, before its first sample.
+#[derive(Clone, Debug)]
+pub struct OscillatorFilter {
+    /// How it works.
+    pub method: Method,
+    /// The initial belief in `[x, v, ωₙ, ζ]`.
+    pub initial: Gaussian<4>,
+    /// Q, R and fading.
+    pub noise: Noise<4>,
+    /// η \[1/s\]
+    pub eta: f64,
+    /// Time between samples \[s\].
+    pub dt: f64,
+    /// What each sensor reads.
+    pub outputs: Vec<Option<Output>>,
+    /// The record's column for each sensor.
+    pub columns: Vec<usize>,
+    /// The number of samples after which the plant feels the input.
+    pub input_delay: i32,
+}
+
+impl OscillatorFilter {
+    /// The filter at `place` of a scenario, if it is one of the kernels' KF, EKF or UKF of the linear oscillator that adapts
+    /// nothing, propagates by local linearisation and can begin.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`](crate::Pass::new).
+    pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
+        scenario.validate()?;
+        let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let columns = sensor_places(scenario, record)?;
+        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
+        let method = match settings.kind {
+            kind if kind == FilterKind::UKF => Method::SigmaPoints,
+            kind if kind == FilterKind::KF || kind == FilterKind::EKF => Method::Linearised,
+            _ => return Ok(None),
+        };
+        let model = context.model(settings);
+        let usual = model.plant() == PlantKind::SDOF
+            && !settings.log_parameters
+            && !settings.adaptation.is_on()
+            && settings.substeps == 1
+            && (method == Method::SigmaPoints || settings.propagation == Propagation::LocalLinearisation)
+            && serves(settings, &context);
+        if !usual {
+            return Ok(None);
+        }
+        let plant = Sdof { eta: model.eta() };
+        let filter = Self {
+            method,
+            initial: initial_belief(&plant, settings),
+            noise: noise(&plant, settings),
+            eta: plant.eta,
+            dt: context.dt,
+            outputs: readings(settings, &context),
+            columns,
+            input_delay: settings.input_delay,
+        };
+        Ok((filter.noise.is_finite() && filter.initial.is_finite()).then_some(filter))
+    }
+
+    /// Takes one step from a belief: predicts under the force over mass `before` \[m/s²\], updates under `force`.
+    ///
+    /// # Errors
+    /// Those of [`Filter::predict`] and [`Filter::update`].
+    pub fn step(
+        &self,
+        belief: &mut Gaussian<4>,
+        [before, force]: [f64; 2],
+        measured: &[f64],
+        correction: &mut Correction<4>,
+    ) -> Result<(), FilterError> {
+        let from = belief.clone();
+        *belief = match self.method {
+            Method::Linearised => {
+                let start = Linearised::new(from, Propagation::LocalLinearisation, 1);
+                self.step_of(start, [before, force], measured, correction)?
+            }
+            Method::SigmaPoints => {
+                self.step_of(SigmaPoints::new(from, Rule::Unscented), [before, force], measured, correction)?
+            }
+        };
+        Ok(())
+    }
+
+    fn step_of<B: Belief<LogParameters<Sdof>, 4>>(
+        &self,
+        start: B,
+        [before, force]: [f64; 2],
+        measured: &[f64],
+        correction: &mut Correction<4>,
+    ) -> Result<Gaussian<4>, FilterError> {
+        // The type that runs have, so that the program has the filter once.
+        let model = LogParameters { plant: Sdof { eta: self.eta }, on: false };
+        let (noise, outputs) = (self.noise.clone(), self.outputs.clone());
+        let mut filter = Filter::new(model, start, self.dt, noise, outputs, Adaptation::default());
+        filter.predict(before)?;
+        filter.update(force, measured, correction)?;
+        Ok(filter.belief().gaussian().into_owned())
+    }
+}

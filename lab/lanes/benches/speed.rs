@@ -1,0 +1,108 @@
+//! Nanoseconds per step and lane of filters side by side, beside the single filter without history, in one run.
+//!
+//! ```text
+//! cargo bench -p kalmanscope-lanes
+//! ```
+//!
+//! Every number has NIS, NEES, likelihood and the errors of all channels in it. Measurements take turns, and the least of many
+//! counts: whatever else the machine does only adds.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{Channel, Quantity, Record, Run, Scenario};
+use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
+
+/// Runs at a time, and samples of a record.
+const RUNS: usize = 64;
+const SAMPLES: usize = 2001;
+
+/// Measurements of each number.
+const REPEATS: usize = 25;
+
+fn main() {
+    println!("{:<44}{:>10}{:>10}{:>8}", "case", "level", "ns/step", "share");
+    let base = Scenario { duration: (SAMPLES - 1) as f64 * 0.01, ..Scenario::default() };
+    for (place, name) in [(0, "EKF"), (1, "UKF")] {
+        let of = |change: &dyn Fn(&mut Scenario)| {
+            let mut scenario = Scenario { filters: vec![base.filters[place].clone()], ..base.clone() };
+            change(&mut scenario);
+            guesses(&scenario)
+        };
+        let one = |scenario: &Scenario| vec![simulated(scenario, 1)];
+        let report = |what: &str, scenarios: &[Scenario], records: &[Record]| {
+            measure(&format!("{name}, {what}"), scenarios, records);
+        };
+        let usual = of(&|_| {});
+        report("displacement and velocity", &usual, &one(&base));
+        let own: Vec<Record> = (0..RUNS as u64).map(|seed| simulated(&base, seed)).collect();
+        report("a record a lane", &usual, &own);
+        let unknown = without_truth(&one(&base)[0]);
+        report("truth unknown", &usual, &[unknown]);
+        let displacement = of(&|scenario| scenario.remove_sensor(Quantity::VELOCITY));
+        report("displacement", &displacement, &one(&base));
+        let decaying = of(&|scenario| scenario.filters[0].eta = 0.01);
+        report("parameters that decay", &decaying, &one(&base));
+        let accelerated = of(&|scenario| {
+            *scenario = Scenario { sensors: vec![], ..scenario.clone() };
+            scenario.filters[0].sensor_std.clear();
+            let measures = Quantity::ACCELERATION;
+            scenario.add_sensor(kalmanscope_core::Sensor { measures, noise_std: 0.1 });
+        });
+        report("acceleration", &accelerated, &one(&accelerated[0]));
+    }
+}
+
+/// The scenario with guesses of the natural frequency from 2 to 6.9 rad/s.
+fn guesses(scenario: &Scenario) -> Vec<Scenario> {
+    let guess = |i: usize| {
+        let mut scenario = scenario.clone();
+        scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 2.0 + 4.9 * i as f64 / RUNS as f64;
+        scenario
+    };
+    (0..RUNS).map(guess).collect()
+}
+
+fn simulated(scenario: &Scenario, seed: u64) -> Record {
+    let scenario = Scenario { seed, filters: vec![], ..scenario.clone() };
+    let mut run = Run::new(&scenario).expect("the scenario is valid");
+    run.finish();
+    run.record().clone()
+}
+
+fn without_truth(record: &Record) -> Record {
+    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
+    let values = record.input().to_vec();
+    let input = kalmanscope_core::record::Input { kind: record.input_kind(), hold: record.hold(), values };
+    Record::new(record.dt(), input, columns.collect()).expect("the record is valid")
+}
+
+/// Prints a line for the single filter and one for each instruction set.
+fn measure(case: &str, scenarios: &[Scenario], records: &[Record]) {
+    let run = |(i, scenario)| LaneRun { scenario, place: 0, record: &records[i % records.len()] };
+    let runs: Vec<LaneRun<'_>> = scenarios.iter().enumerate().map(run).collect();
+    let levels = Level::available();
+    let mut least = vec![f64::INFINITY; levels.len() + 1];
+    for _ in 0..REPEATS {
+        // As many samples of each kind of run take about as long.
+        let single =
+            time(|| runs[..8].iter().map(|run| Outcome::of(run.scenario, run.place, run.record)).collect::<Vec<_>>());
+        least[0] = least[0].min(single / (8 * SAMPLES) as f64);
+        for (place, &level) in levels.iter().enumerate() {
+            let abreast = time(|| outcomes_with(level, &runs));
+            least[place + 1] = least[place + 1].min(abreast / (RUNS * SAMPLES) as f64);
+        }
+    }
+    println!("{case:<44}{:>10}{:>10.1}{:>8.2}", "single", least[0], 1.0);
+    for (level, ns) in levels.iter().zip(&least[1..]) {
+        println!("{:<44}{:>10}{ns:>10.1}{:>8.2}", "", format!("{level:?}"), ns / least[0]);
+    }
+}
+
+/// Nanoseconds that some work takes.
+fn time<R>(work: impl FnOnce() -> R) -> f64 {
+    let start = Instant::now();
+    black_box(work());
+    start.elapsed().as_secs_f64() * 1e9
+}

@@ -1,0 +1,143 @@
+//! The measurements that filters expect where some sensors read a rate.
+
+use kalmanscope_core::kernel::model::Output;
+
+use crate::belief::{AT, Belief, N};
+use crate::factor::lower_root;
+use crate::lane::Lane;
+use crate::linearised::by_parameters;
+use crate::observation::Active;
+use crate::sigma_points::SPREAD;
+
+/// The prediction of M measurements.
+pub(crate) struct Expected<T, const M: usize> {
+    pub(crate) mean: [T; M],
+    /// S, noise included.
+    pub(crate) cov: [[T; M]; M],
+    /// Covariance of state and measurement: a row for each component of the state.
+    pub(crate) cross: [[T; M]; N],
+    pub(crate) view: View<T, M>,
+}
+
+/// The dependence of measurements on the state.
+pub(crate) enum View<T, const M: usize> {
+    /// Linearly: H.
+    Linear([Row<T>; M]),
+    /// Not linearly.
+    Curved,
+}
+
+/// A row of H.
+#[derive(Clone, Copy)]
+pub(crate) enum Row<T> {
+    /// One of the unit matrix.
+    Unit(usize),
+    /// A full one.
+    Full([T; N]),
+}
+
+impl<T: Lane> Row<T> {
+    /// Its product with a column.
+    #[inline(always)]
+    pub(crate) fn times(&self, column: &[T; N]) -> T {
+        match self {
+            Self::Unit(i) => column[*i],
+            Self::Full(row) => {
+                let mut sum = row[0] * column[0];
+                for k in 1..N {
+                    sum = sum + row[k] * column[k];
+                }
+                sum
+            }
+        }
+    }
+}
+
+/// The reading of a sensor in a state under this force over mass \[m/s²\].
+#[inline(always)]
+fn read<T: Lane>(output: Output, state: &[T; N], force: T) -> T {
+    let &[x, v, wn, zeta] = state;
+    match output {
+        Output::State(i) => state[i],
+        Output::Rate(_) => force - x.of(2.0) * zeta * wn * v - wn * wn * x,
+    }
+}
+
+/// As the EKF has it.
+#[inline(always)]
+pub(crate) fn linearised<T: Lane, const M: usize>(
+    belief: &Belief<T>,
+    active: &[Active<T>; M],
+    force: T,
+) -> (Expected<T, M>, T::Mask) {
+    let &[x, _, wn, zeta] = &belief.mean;
+    let [by_frequency, by_damping] = by_parameters(&belief.mean);
+    let jacobian: [Row<T>; M] = std::array::from_fn(|m| match active[m].output {
+        Output::State(i) => Row::Unit(i),
+        Output::Rate(_) => Row::Full([-wn * wn, x.of(-2.0) * zeta * wn, by_frequency, by_damping]),
+    });
+    let cross: [[T; M]; N] = std::array::from_fn(|i| {
+        let row: [T; N] = std::array::from_fn(|j| belief.cov(i, j));
+        std::array::from_fn(|m| match &jacobian[m] {
+            Row::Unit(j) => row[*j],
+            Row::Full(entries) => {
+                let mut sum = row[0] * entries[0];
+                for k in 1..N {
+                    sum = sum + row[k] * entries[k];
+                }
+                sum
+            }
+        })
+    });
+    let cov = std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let entry = jacobian[i].times(&std::array::from_fn(|k| cross[k][j]));
+            if i == j { entry + active[i].variance } else { entry }
+        })
+    });
+    let mean = std::array::from_fn(|m| read(active[m].output, &belief.mean, force));
+    (Expected { mean, cov, cross, view: View::Linear(jacobian) }, T::always(x.token()))
+}
+
+/// As the UKF has it, by sigma points drawn afresh; with the lanes for which it holds.
+#[inline(always)]
+pub(crate) fn by_sigma_points<T: Lane, const M: usize>(
+    belief: &Belief<T>,
+    active: &[Active<T>; M],
+    force: T,
+) -> (Expected<T, M>, T::Mask) {
+    let zero = force.of(0.0);
+    let weight = force.of(1.0 / (2.0 * SPREAD));
+    let distance = force.of(SPREAD.sqrt());
+    let (root, holds) = lower_root(&belief.cov);
+    let centre: [T; M] = std::array::from_fn(|m| read(active[m].output, &belief.mean, force));
+    let mut sum = [zero; M];
+    let mut cov = [[zero; M]; M];
+    let mut cross = [[zero; M]; N];
+    for point in 0..N {
+        let far: [T; N] = std::array::from_fn(|j| if j >= point { root[AT[j][point]] * distance } else { zero });
+        let high: [T; N] = std::array::from_fn(|j| belief.mean[j] + far[j]);
+        let low: [T; N] = std::array::from_fn(|j| belief.mean[j] - far[j]);
+        let high: [T; M] = std::array::from_fn(|m| read(active[m].output, &high, force) - centre[m]);
+        let low: [T; M] = std::array::from_fn(|m| read(active[m].output, &low, force) - centre[m]);
+        for m in 0..M {
+            sum[m] = sum[m] + (high[m] + low[m]);
+            for i in 0..M {
+                cov[i][m] = cov[i][m] + high[i] * high[m];
+                cov[i][m] = cov[i][m] + low[i] * low[m];
+            }
+            for i in point..N {
+                cross[i][m] = cross[i][m] + far[i] * (high[m] - low[m]) * weight;
+            }
+        }
+    }
+    let shift = sum.map(|sum| sum * weight);
+    for m in 0..M {
+        for i in 0..M {
+            cov[i][m] = cov[i][m] * weight + shift[i] * shift[m];
+        }
+        cov[m][m] = cov[m][m] + active[m].variance;
+    }
+    let mean = std::array::from_fn(|m| centre[m] + shift[m]);
+    (Expected { mean, cov, cross, view: View::Curved }, holds)
+}

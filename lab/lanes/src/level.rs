@@ -1,0 +1,84 @@
+//! The choice of an instruction set while running.
+
+use kalmanscope_core::kernel::abreast::Method;
+use kalmanscope_core::score::Outcome;
+
+use crate::array::Array;
+use crate::lane::LANES;
+use crate::observation::{Observations, Run};
+use crate::run::run;
+
+/// A set of instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// That of every processor of the target: SSE2 on x86-64.
+    Baseline,
+    /// AVX2.
+    Avx2,
+    /// AVX-512, as processors have it since Ice Lake.
+    Avx512,
+}
+
+impl Level {
+    /// Those that this processor has, the best one last.
+    pub fn available() -> Vec<Self> {
+        [Self::Baseline, Self::Avx2, Self::Avx512].into_iter().filter(|level| level.is_available()).collect()
+    }
+
+    /// The best one that this processor has.
+    pub fn best() -> Self {
+        Self::available().last().copied().unwrap_or(Self::Baseline)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn is_available(self) -> bool {
+        let best = fearless_simd::Level::new();
+        match self {
+            Self::Baseline => true,
+            Self::Avx2 => best.as_avx2().is_some(),
+            Self::Avx512 => best.as_avx512().is_some(),
+        }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn is_available(self) -> bool {
+        self == Self::Baseline
+    }
+
+    /// Runs a batch with these instructions, or with the best ones below them that the processor has.
+    pub(crate) fn run(self, runs: &[Run<'_>; LANES], observations: &Observations<'_>) -> [Option<Outcome>; LANES] {
+        let is_ukf = runs[0].filter.method == Method::SigmaPoints;
+        #[cfg(target_arch = "x86_64")]
+        if self > Self::Baseline {
+            let best = fearless_simd::Level::new();
+            if let Some(token) = best.as_avx512().filter(|_| self == Self::Avx512) {
+                return with_vectors(token, is_ukf, runs, observations);
+            }
+            if let Some(token) = best.as_avx2() {
+                return with_vectors(token, is_ukf, runs, observations);
+            }
+        }
+        if is_ukf { run::<Array, true>((), runs, observations) } else { run::<Array, false>((), runs, observations) }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn with_vectors<S: fearless_simd::Simd>(
+    token: S,
+    is_ukf: bool,
+    runs: &[Run<'_>; LANES],
+    observations: &Observations<'_>,
+) -> [Option<Outcome>; LANES] {
+    use crate::vector::Vector;
+    if is_ukf {
+        token.vectorize(
+            #[inline(always)]
+            || run::<Vector<S>, true>(token, runs, observations),
+        )
+    } else {
+        token.vectorize(
+            #[inline(always)]
+            || run::<Vector<S>, false>(token, runs, observations),
+        )
+    }
+}

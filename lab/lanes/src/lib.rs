@@ -1,0 +1,51 @@
+//! Filters side by side: eight runs at a time in the lanes of vector registers, each with the bits of the single filter.
+//!
+//! ```text
+//! runs ──alike──▶ batches of eight ──steps in lanes──▶ outcomes
+//!                        └ a lane whose step is special: the single filter takes it
+//! ```
+//!
+//! KF, EKF and UKF of the linear oscillator go in lanes ([`serves`]); [`outcomes`] runs any other filter by itself. A step in
+//! lanes is straight-line code: the kernel's operations, in its order, and the lanes for which they hold. The instruction
+//! set is chosen while running; since no operation is fused, all give the same bits.
+//!
+//! ```
+//! use kalmanscope_core::{Run, Scenario};
+//! use kalmanscope_lanes::{LaneRun, outcomes};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let scenario = Scenario { duration: 10.0, ..Scenario::default() };
+//! let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() })?;
+//! run.finish();
+//! let guesses: Vec<Scenario> = (0..12)
+//!     .map(|i| {
+//!         let mut guess = scenario.clone();
+//!         guess.filters[0].initial_mean[kalmanscope_core::Channel::NATURAL_FREQUENCY] = 4.0 + 0.5 * f64::from(i);
+//!         guess
+//!     })
+//!     .collect();
+//! let runs: Vec<LaneRun> = guesses.iter().map(|scenario| LaneRun { scenario, place: 0, record: run.record() }).collect();
+//! let outcomes = outcomes(&runs)?;
+//! assert!(outcomes.iter().all(|outcome| (outcome.mean[2] - 6.0).abs() < 0.5));
+//! # Ok(())
+//! # }
+//! ```
+
+mod array;
+mod batch;
+mod belief;
+mod expect;
+mod factor;
+mod impulse;
+mod lane;
+mod level;
+mod linearised;
+mod observation;
+mod run;
+mod sigma_points;
+mod sums;
+mod update;
+#[cfg(target_arch = "x86_64")]
+mod vector;
+
+pub use batch::{LaneRun, outcomes, outcomes_with, serves};
+pub use level::Level;

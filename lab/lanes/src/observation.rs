@@ -1,0 +1,113 @@
+//! The measurements of one sample, and the columns that they come from.
+
+use kalmanscope_core::Record;
+use kalmanscope_core::kernel::abreast::OscillatorFilter;
+use kalmanscope_core::kernel::model::Output;
+
+use crate::belief::N;
+use crate::lane::{LANES, Lane};
+
+/// The most sensors with a measurement at a time.
+pub(crate) const MOST: usize = 3;
+
+/// A sensor with a measurement: where it reads, its measurement and its variance.
+#[derive(Clone, Copy)]
+pub(crate) struct Active<T> {
+    pub(crate) output: Output,
+    pub(crate) value: T,
+    pub(crate) variance: T,
+}
+
+/// A number of each sample: the same for all lanes, or one a lane.
+pub(crate) enum Column<'a> {
+    Shared(&'a [f64]),
+    Own([&'a [f64]; LANES]),
+}
+
+impl<'a> Column<'a> {
+    /// From the column of each lane.
+    fn new(shared: bool, of: impl Fn(usize) -> &'a [f64]) -> Self {
+        if shared { Self::Shared(of(0)) } else { Self::Own(std::array::from_fn(of)) }
+    }
+
+    #[inline(always)]
+    pub(crate) fn at<T: Lane>(&self, token: T::Token, k: usize) -> T {
+        match self {
+            Self::Shared(column) => T::splat(token, column[k]),
+            Self::Own(columns) => T::from_array(token, std::array::from_fn(|lane| columns[lane][k])),
+        }
+    }
+
+    pub(crate) fn of_lane(&self, lane: usize, k: usize) -> f64 {
+        match self {
+            Self::Shared(column) => column[k],
+            Self::Own(columns) => columns[lane][k],
+        }
+    }
+}
+
+/// The columns of a sensor.
+pub(crate) struct Sensor<'a> {
+    pub(crate) output: Output,
+    pub(crate) measured: Column<'a>,
+    /// R of each lane \[the sensor's unit squared\].
+    pub(crate) variance: [f64; LANES],
+}
+
+/// One filter and its record.
+#[derive(Clone, Copy)]
+pub(crate) struct Run<'a> {
+    pub(crate) filter: &'a OscillatorFilter,
+    pub(crate) record: &'a Record,
+}
+
+impl Run<'_> {
+    /// The force over mass of each sample \[m/s²\].
+    pub(crate) fn forces(self) -> Vec<f64> {
+        (0..self.record.len()).map(|k| self.record.delayed_force(k, self.filter.input_delay)).collect()
+    }
+}
+
+/// What a batch of runs reads.
+pub(crate) struct Observations<'a> {
+    pub(crate) samples: usize,
+    pub(crate) force: Column<'a>,
+    pub(crate) sensors: Vec<Sensor<'a>>,
+    /// The truth of each channel, if it is known.
+    pub(crate) truth: Option<[Column<'a>; N]>,
+}
+
+impl<'a> Observations<'a> {
+    /// `forces` are those of each lane, or of all if that is one.
+    pub(crate) fn new(runs: &[Run<'a>; LANES], forces: &'a [Vec<f64>]) -> Self {
+        let shared = forces.len() == 1;
+        let column = |of: &dyn Fn(Run<'a>) -> &'a [f64]| Column::new(shared, |lane| of(runs[lane]));
+        let outputs = runs[0].filter.outputs.iter().enumerate();
+        let sensors = outputs.filter_map(|(place, output)| {
+            Some(Sensor {
+                output: (*output)?,
+                measured: column(&|run| run.record.measured(run.filter.columns[place])),
+                variance: std::array::from_fn(|lane| runs[lane].filter.noise.sensors[place]),
+            })
+        });
+        let truth = knows_truth(runs[0].record)
+            .then(|| CHANNELS.map(|channel| column(&|run| run.record.truth(channel).unwrap_or_default())));
+        Self {
+            samples: runs[0].record.len(),
+            force: Column::new(shared, |lane| &forces[lane]),
+            sensors: sensors.collect(),
+            truth,
+        }
+    }
+}
+
+/// The filter's state.
+pub(crate) const CHANNELS: [kalmanscope_core::Channel; N] = {
+    use kalmanscope_core::Channel;
+    [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO]
+};
+
+/// Whether the truth of the filter's channels is known.
+pub(crate) fn knows_truth(record: &Record) -> bool {
+    CHANNELS.iter().all(|&channel| record.truth(channel).is_some())
+}

@@ -1,0 +1,274 @@
+//! A batch of runs, sample by sample.
+
+use kalmanscope_core::kernel::abreast::{LogSum, ln_determinant};
+use kalmanscope_core::kernel::gaussian::{Gaussian, Vector};
+use kalmanscope_core::kernel::model::Output;
+use kalmanscope_core::kernel::{Correction as Told, MAX_SENSORS};
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{FilterError, Stop};
+
+use crate::belief::{Belief, N, Noise};
+use crate::expect;
+use crate::lane::{LANES, Lane, Mask};
+use crate::observation::{Active, MOST, Observations, Run};
+use crate::sums::{Sums, last_fifth};
+use crate::update::{self, Correction};
+use crate::{linearised, sigma_points};
+
+/// A batch: the runs, and the state of all lanes.
+struct Batch<'a, T> {
+    runs: &'a [Run<'a>; LANES],
+    observations: &'a Observations<'a>,
+    noise: Noise<T>,
+    /// R of each sensor.
+    variances: Vec<T>,
+    belief: Belief<T>,
+    sums: Sums<T>,
+    outcomes: [Option<Outcome>; LANES],
+    /// Lanes whose filter has stopped.
+    stopped: [bool; LANES],
+}
+
+/// Runs the filters, UKFs if so, else KFs and EKFs; a lane without an outcome is left to the single filter.
+#[inline(always)]
+pub(crate) fn run<T: Lane, const UKF: bool>(
+    token: T::Token,
+    runs: &[Run<'_>; LANES],
+    observations: &Observations<'_>,
+) -> [Option<Outcome>; LANES] {
+    let initial = runs.map(|run| run.filter.initial.clone());
+    let mut batch = Batch {
+        runs,
+        observations,
+        noise: Noise::new(token, runs.map(|run| run.filter)),
+        variances: observations.sensors.iter().map(|s| T::from_array(token, s.variance)).collect(),
+        belief: Belief::new(token, &initial),
+        sums: Sums::new(token),
+        outcomes: [const { None }; LANES],
+        stopped: [false; LANES],
+    };
+    let (dt, decays) = (runs[0].filter.dt, runs[0].filter.eta != 0.0);
+    let recent = last_fifth(observations.samples);
+    let mut force = observations.force.at::<T>(token, 0);
+    batch.compare(token, 0, recent);
+    for k in 1..observations.samples {
+        let before = batch.belief;
+        let force_before = force;
+        force = observations.force.at(token, k);
+        let (active, count, agree) = look(token, observations, &batch.variances, k);
+        let Batch { belief, noise, .. } = &mut batch;
+        let predicted = match (UKF, decays) {
+            (false, false) => linearised::predict(belief, force_before, dt, noise),
+            (true, false) => sigma_points::predict(belief, force_before, dt, noise),
+            (false, true) => T::apart(
+                token,
+                #[inline(always)]
+                || linearised::predict_decaying(belief, force_before, dt, noise),
+            ),
+            (true, true) => T::apart(
+                token,
+                #[inline(always)]
+                || sigma_points::predict_decaying(belief, force_before, dt, noise),
+            ),
+        };
+        let Correction { mut nis, mut determinant, holds } = condition::<T, UKF>(belief, &active, count, force);
+        let holds = holds & predicted & agree;
+        if !holds.all() {
+            [nis, determinant] = batch.repair(&before, holds, [nis, determinant], k, count as u32);
+            if batch.stopped == [true; LANES] {
+                return batch.outcomes;
+            }
+        }
+        batch.sums.measure(nis, determinant, count as u32);
+        batch.compare(token, k, recent);
+    }
+    batch.finish()
+}
+
+/// The sensors with a measurement at sample `k`, their number, and the lanes whose other sensors have none either.
+#[inline(always)]
+fn look<T: Lane>(
+    token: T::Token,
+    observations: &Observations<'_>,
+    variances: &[T],
+    k: usize,
+) -> ([Active<T>; MOST], usize, T::Mask) {
+    let zero = T::splat(token, 0.0);
+    let mut active = [Active { output: Output::State(0), value: zero, variance: zero }; MOST];
+    let (mut count, mut agree) = (0, T::always(token));
+    for (sensor, &variance) in observations.sensors.iter().zip(variances) {
+        let value = sensor.measured.at::<T>(token, k);
+        if sensor.measured.of_lane(0, k).is_nan() {
+            agree = agree & !value.le(value);
+        } else if count < MOST {
+            active[count] = Active { output: sensor.output, value, variance };
+            count += 1;
+        }
+    }
+    (active, count, agree)
+}
+
+/// Conditions the beliefs on these measurements.
+#[inline(always)]
+fn condition<T: Lane, const UKF: bool>(
+    belief: &mut Belief<T>,
+    active: &[Active<T>; MOST],
+    count: usize,
+    force: T,
+) -> Correction<T> {
+    use Output::State;
+    let &[a, b, c] = active;
+    match (count, a.output, b.output) {
+        (0, ..) => Correction { nis: force.of(0.0), determinant: force.of(1.0), holds: belief.is_valid() },
+        (1, State(i), _) => by_components(belief, [i], &[a]),
+        (2, State(0), State(1)) => update::by_components(belief, [0, 1], &[a, b]),
+        (2, State(i), State(j)) => by_components(belief, [i, j], &[a, b]),
+        (1, ..) => expected::<T, UKF, 1>(belief, &[a], force),
+        (2, ..) => expected::<T, UKF, 2>(belief, &[a, b], force),
+        _ => expected::<T, UKF, 3>(belief, &[a, b, c], force),
+    }
+}
+
+/// [`update::by_components`] apart, for all kinds of filters.
+#[inline(always)]
+fn by_components<T: Lane, const M: usize>(
+    belief: &mut Belief<T>,
+    components: [usize; M],
+    active: &[Active<T>; M],
+) -> Correction<T> {
+    T::apart(
+        belief.mean[0].token(),
+        #[inline(always)]
+        || update::by_components(belief, components, active),
+    )
+}
+
+/// Conditions the beliefs on sensors of which some read a rate.
+#[inline(always)]
+fn expected<T: Lane, const UKF: bool, const M: usize>(
+    belief: &mut Belief<T>,
+    active: &[Active<T>; M],
+    force: T,
+) -> Correction<T> {
+    T::apart(
+        force.token(),
+        #[inline(always)]
+        || {
+            let (expected, holds) = if UKF {
+                expect::by_sigma_points(belief, active, force)
+            } else {
+                expect::linearised(belief, active, force)
+            };
+            let correction = update::by_expected(belief, &expected, active);
+            Correction { holds: correction.holds & holds, ..correction }
+        },
+    )
+}
+
+impl<T: Lane> Batch<'_, T> {
+    #[inline(always)]
+    fn compare(&mut self, token: T::Token, k: usize, recent: usize) {
+        if let Some(truth) = &self.observations.truth {
+            let truth = std::array::from_fn(|i| truth[i].at(token, k));
+            self.sums.compare(&self.belief, truth, k, k >= recent);
+        }
+    }
+
+    /// The single filter takes the step to sample `k` again in the lanes that do not hold. Returns NIS and det S of all
+    /// lanes, of which `expected` sensors count.
+    #[cold]
+    #[inline(never)]
+    fn repair(&mut self, before: &Belief<T>, holds: T::Mask, told: [T; 2], k: usize, expected: u32) -> [T; 2] {
+        let token = told[0].token();
+        let one = told[0].of(1.0);
+        let holds = T::select(holds, one, one.of(0.0)).to_array();
+        let [mut nis, mut determinant] = told.map(T::to_array);
+        let (starts, mut beliefs) = (before.split(), self.belief.split());
+        for lane in (0..LANES).filter(|&lane| holds[lane] == 0.0) {
+            (nis[lane], determinant[lane]) = (0.0, 1.0);
+            if !self.stopped[lane] {
+                match self.step(lane, &starts[lane], k) {
+                    Ok((belief, correction)) => {
+                        beliefs[lane] = belief;
+                        let counted = self.take(lane, &correction, expected);
+                        (nis[lane], determinant[lane]) = counted;
+                        continue;
+                    }
+                    Err(reason) => {
+                        let stop = Stop { sample: k, reason };
+                        self.stopped[lane] = true;
+                        self.outcomes[lane] = self.outcome(lane, k, &starts[lane], Some(stop));
+                        self.park(lane);
+                    }
+                }
+            }
+            beliefs[lane] = Gaussian::independent(Vector::from(PARKED), &Vector::repeat(1.0));
+        }
+        self.belief = Belief::new(token, &beliefs);
+        [nis, determinant].map(|numbers| T::from_array(token, numbers))
+    }
+
+    /// The step of the single filter in a lane.
+    fn step(&self, lane: usize, start: &Gaussian<N>, k: usize) -> Result<(Gaussian<N>, Told<N>), FilterError> {
+        let Run { filter, record } = self.runs[lane];
+        let mut measured = [f64::NAN; MAX_SENSORS];
+        for (value, &column) in measured.iter_mut().zip(&filter.columns) {
+            *value = record.measured(column)[k];
+        }
+        let force = &self.observations.force;
+        let forces = [force.of_lane(lane, k - 1), force.of_lane(lane, k)];
+        let (mut belief, mut correction) = (start.clone(), Told::NOTHING);
+        filter.step(&mut belief, forces, &measured[..filter.columns.len()], &mut correction)?;
+        Ok((belief, correction))
+    }
+
+    /// NIS and det S of a lane as the sums take them. A determinant out of range is taken here, from S itself.
+    fn take(&mut self, lane: usize, correction: &Told<N>, expected: u32) -> (f64, f64) {
+        let m = self.runs[lane].filter.columns.len();
+        let measured = correction.innovation[..m].iter().map(|e| u32::from(!e.is_nan())).sum();
+        let is_special = !correction.determinant.is_nan() && !LogSum::RANGE.contains(&correction.determinant);
+        let ln = if is_special {
+            let cov: Vec<f64> = correction.innovation_cov[..m].iter().flat_map(|row| row[..m].to_vec()).collect();
+            ln_determinant(correction.determinant, &cov, m)
+        } else {
+            0.0
+        };
+        self.sums.correct(lane, measured, expected, ln);
+        let nis = if measured > 0 { correction.nis } else { 0.0 };
+        (nis, if is_special || correction.determinant.is_nan() { 1.0 } else { correction.determinant })
+    }
+
+    /// Gives a lane that has stopped noise that makes no trouble.
+    fn park(&mut self, lane: usize) {
+        let set = |numbers: &mut T, number: f64| {
+            let mut all = numbers.to_array();
+            all[lane] = number;
+            *numbers = T::from_array(numbers.token(), all);
+        };
+        let Noise { process, fading, eta: _, decay: _ } = &mut self.noise;
+        process.iter_mut().for_each(|process| set(process, 1e-6));
+        set(fading, 1.0);
+        self.variances.iter_mut().for_each(|variance| set(variance, 1.0));
+    }
+
+    /// The outcome of a lane after `samples` samples.
+    fn outcome(&self, lane: usize, samples: usize, last: &Gaussian<N>, stop: Option<Stop>) -> Option<Outcome> {
+        let first = &self.runs[lane].filter.initial;
+        self.sums.outcome(lane, samples, [first, last], self.observations, stop)
+    }
+
+    /// The outcomes of the lanes that have not stopped.
+    #[inline(never)]
+    fn finish(mut self) -> [Option<Outcome>; LANES] {
+        let beliefs = self.belief.split();
+        for lane in 0..LANES {
+            if !self.stopped[lane] {
+                self.outcomes[lane] = self.outcome(lane, self.observations.samples, &beliefs[lane], None);
+            }
+        }
+        self.outcomes
+    }
+}
+
+/// The mean of a lane that has stopped.
+const PARKED: [f64; N] = [0.0, 0.0, 1.0, 0.1];

@@ -1,0 +1,256 @@
+//! Every lane has the bits of the single filter.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use kalmanscope_core::record::Input;
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, Force, Quantity, Record, Run, Scenario, Sensor, Signal, Values,
+};
+use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+const PARAMETERS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+
+/// The same cases every time, so that a failure is reproducible.
+fn config(cases: u32) -> ProptestConfig {
+    ProptestConfig { cases, rng_seed: RngSeed::Fixed(20_261_122), failure_persistence: None, ..Default::default() }
+}
+
+/// A number of any size between two powers of ten.
+fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    exponents.prop_map(|e| 10_f64.powf(e))
+}
+
+fn zero_or(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 7 => size(exponents)]
+}
+
+fn values(of: [f64; 4]) -> Values {
+    let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, PARAMETERS[0], PARAMETERS[1]];
+    Values::ZERO.with(channels.into_iter().zip(of))
+}
+
+/// Four numbers as values of the channels.
+fn per_channel<S: Strategy<Value = f64>>(of: impl Fn() -> S) -> impl Strategy<Value = Values> {
+    [of(), of(), of(), of()].prop_map(values)
+}
+
+/// A filter of a kind, tame or wild in its numbers.
+fn filter(kind: FilterKind, sensors: usize, decays: bool, wild: bool) -> impl Strategy<Value = FilterSettings> {
+    let eta = if decays { (0.001..2.0).boxed() } else { Just(0.0).boxed() };
+    let frequency = if wild { (-300.0..300.0).boxed() } else { prop_oneof![5 => 2.0..20.0, 1 => -20.0..-2.0].boxed() };
+    let spread = if wild { -6.0..3.0 } else { -2.0..0.5 };
+    let noise = if wild { -5.0..2.0 } else { -2.5..-1.0 };
+    (
+        prop_oneof![Just(1.0), 1.0..1.2],
+        eta,
+        proptest::collection::vec(size(noise), sensors),
+        (-1.0..1.0, -1.0..1.0, frequency, -0.1..1.0),
+        per_channel(move || zero_or(spread.clone())),
+        per_channel(|| zero_or(-9.0..-2.0)),
+        -3..4,
+    )
+        .prop_map(move |(fading, eta, sensor_std, (x, v, wn, zeta), initial_std, process_std, input_delay)| {
+            FilterSettings {
+                kind,
+                fading,
+                eta,
+                sensor_std,
+                initial_mean: values([x, v, wn, zeta]),
+                initial_std,
+                process_std,
+                input_delay,
+                ..FilterSettings::default()
+            }
+        })
+}
+
+/// A scenario whose filters differ in numbers only.
+fn ensemble() -> impl Strategy<Value = Scenario> {
+    let quantities = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
+    (
+        proptest::sample::subsequence(quantities.to_vec(), 0..=3).prop_shuffle(),
+        proptest::sample::select(vec![FilterKind::KF, FilterKind::EKF, FilterKind::UKF]),
+        (any::<bool>(), any::<bool>()),
+        (0..1_u64 << 40, size(-2.5..-0.7), 20_u32..200),
+        (1.0..20.0, 0.0..0.3, 0.5..5.0),
+        1_usize..17,
+    )
+        .prop_flat_map(|(measured, kind, (decays, wild), (seed, dt, steps), (wn, zeta, force), lanes)| {
+            let filters = proptest::collection::vec(filter(kind, measured.len(), decays, wild), lanes);
+            filters.prop_map(move |filters| {
+                let plant = kalmanscope_core::Plant::default();
+                let plant = plant.with(PARAMETERS[0], Signal::Constant(wn)).with(PARAMETERS[1], Signal::Constant(zeta));
+                let sensors = measured.iter().map(|&measures| Sensor { measures, noise_std: 0.02 }).collect();
+                Scenario {
+                    seed,
+                    dt,
+                    duration: f64::from(steps) * dt,
+                    plant,
+                    force: Force::WhiteNoise { std: force },
+                    sensors,
+                    filters,
+                    ..Scenario::default()
+                }
+            })
+        })
+}
+
+fn simulated(scenario: &Scenario) -> Record {
+    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
+    run.finish();
+    run.record().clone()
+}
+
+/// The same record where some measurements are missing, with or without its truth.
+fn with_gaps(record: &Record, keeps_truth: bool, is_missing: impl Fn(usize, usize) -> bool) -> Record {
+    let columns = record.sensors().iter().enumerate().map(|(sensor, &quantity)| {
+        let keep = |(k, &value): (usize, &f64)| if is_missing(sensor, k) { f64::NAN } else { value };
+        (quantity, record.measured(sensor).iter().enumerate().map(keep).collect())
+    });
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
+    let new = Record::new(record.dt(), input, columns.collect()).unwrap();
+    let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, PARAMETERS[0], PARAMETERS[1]];
+    let truth = channels.map(|channel| (channel, record.truth(channel).unwrap().to_vec()));
+    if keeps_truth { new.with_truth(truth.to_vec()).unwrap() } else { new }
+}
+
+/// Every number of an outcome, bit by bit; one NaN is as good as another.
+fn bits(outcome: &Outcome) -> (Vec<u64>, String) {
+    let Outcome { samples, nees, nis, log_likelihood, stop, diverged, channels, mean, std } = outcome;
+    let mut numbers = vec![nees.sum, nis.sum, *log_likelihood];
+    numbers.extend(mean.iter().chain(std));
+    for (_, score) in channels {
+        numbers.extend([score.error, score.std, score.rmse, score.share_inside]);
+    }
+    let settled: Vec<_> = channels.iter().map(|(channel, score)| (channel.key(), score.settled)).collect();
+    let counts = [nees.degrees, nees.samples, nis.degrees, nis.samples];
+    let rest = format!("{samples} {counts:?} {stop:?} {diverged} {settled:?}");
+    (numbers.iter().map(|x| if x.is_nan() { u64::MAX } else { x.to_bits() }).collect(), rest)
+}
+
+/// Holds every lane at every instruction set to the single filter. Returns the number of runs that stopped early.
+fn check(runs: &[LaneRun<'_>]) -> Result<usize, TestCaseError> {
+    let single: Vec<Outcome> =
+        runs.iter().map(|run| Outcome::of(run.scenario, run.place, run.record).unwrap()).collect();
+    for level in Level::available() {
+        let lanes = outcomes_with(level, runs).unwrap();
+        prop_assert_eq!(lanes.len(), single.len());
+        for (place, (lane, single)) in lanes.iter().zip(&single).enumerate() {
+            prop_assert_eq!(
+                bits(lane),
+                bits(single),
+                "run {} of {} at {:?}\n{:?}\n{:?}",
+                place,
+                runs.len(),
+                level,
+                lane,
+                single
+            );
+        }
+    }
+    Ok(single.iter().filter(|outcome| outcome.stop.is_some()).count())
+}
+
+fn all<'a>(scenario: &'a Scenario, record: &'a Record) -> Vec<LaneRun<'a>> {
+    (0..scenario.filters.len()).map(|place| LaneRun { scenario, place, record }).collect()
+}
+
+proptest! {
+    #![proptest_config(config(160))]
+
+    #[test]
+    fn lanes_have_the_bits_of_the_single_filter(scenario in ensemble(), gap in 2_usize..9, keeps_truth: bool) {
+        let record = simulated(&scenario);
+        check(&all(&scenario, &record))?;
+        let gaps = with_gaps(&record, keeps_truth, |sensor, k| k.wrapping_mul(2_654_435_761 + sensor) >> 3 & 7 < gap);
+        check(&all(&scenario, &gaps))?;
+    }
+
+    #[test]
+    fn a_record_of_its_own_for_each_lane(scenario in ensemble(), gap in 0_usize..4) {
+        let records: Vec<Record> = (0..scenario.filters.len())
+            .map(|i| {
+                let record = simulated(&Scenario { seed: scenario.seed + i as u64, ..scenario.clone() });
+                with_gaps(&record, true, |sensor, k| (k + i * sensor) % 7 < gap)
+            })
+            .collect();
+        let runs: Vec<LaneRun> = (records.iter().enumerate())
+            .map(|(place, record)| LaneRun { scenario: &scenario, place, record })
+            .collect();
+        check(&runs)?;
+    }
+}
+
+#[test]
+fn filters_that_stop_and_filters_that_do_not_share_a_batch() {
+    let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
+    let good = scenario.filters[0].clone();
+    // Lanes whose covariance overflows sooner or later, beside lanes that go on.
+    scenario.filters = (0..16)
+        .map(|i| {
+            let mut filter = good.clone();
+            if i % 3 == 1 {
+                filter.initial_mean[PARAMETERS[1]] = -40.0 * f64::from(i);
+                filter.initial_mean[PARAMETERS[0]] = 300.0;
+                filter.sensor_std = vec![1e3, 1e3];
+            }
+            filter
+        })
+        .collect();
+    let record = simulated(&scenario);
+    let stopped = check(&all(&scenario, &record)).unwrap();
+    assert!((1..16).contains(&stopped), "{stopped} of 16 filters stopped");
+}
+
+#[test]
+fn a_determinant_out_of_range_is_taken_from_the_covariance() {
+    let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    let good = scenario.filters[0].clone();
+    scenario.filters = [1e-80, 1.0, 1e-77, 1e40, 1e76, 1e-3, 1e60, 1e-40]
+        .map(|std| {
+            let mut filter = FilterSettings { sensor_std: vec![std; 2], ..good.clone() };
+            if std < 1e-20 {
+                filter.initial_std = values([std, std, 1e-9, 1e-9]);
+                filter.process_std = Values::ZERO;
+            }
+            filter
+        })
+        .to_vec();
+    let record = simulated(&scenario);
+    check(&all(&scenario, &record)).unwrap();
+}
+
+#[test]
+fn a_truth_that_is_missing_at_times_is_left_to_the_single_filter() {
+    let scenario = Scenario { duration: 4.0, ..Scenario::default() };
+    let record = simulated(&scenario);
+    let mut truth = record.truth(PARAMETERS[0]).unwrap().to_vec();
+    truth[100..150].fill(f64::NAN);
+    let whole = with_gaps(&record, true, |_, _| false);
+    let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, PARAMETERS[1]];
+    let mut columns = channels.map(|channel| (channel, whole.truth(channel).unwrap().to_vec())).to_vec();
+    columns.push((PARAMETERS[0], truth));
+    let record = with_gaps(&record, false, |_, _| false).with_truth(columns).unwrap();
+    let runs = [LaneRun { scenario: &scenario, place: 0, record: &record }; 3];
+    assert!(serves(&runs[0]).unwrap());
+    check(&runs).unwrap();
+}
+
+#[test]
+fn other_filters_run_by_themselves() {
+    let mut scenario = Scenario { duration: 3.0, ..Scenario::default() };
+    let good = scenario.filters[0].clone();
+    let of = |kind| FilterSettings { kind, ensemble_size: 30, ..good.clone() };
+    let logarithms = FilterSettings { log_parameters: true, ..good.clone() };
+    let other = [of(FilterKind::CKF), of(FilterKind::PF), logarithms, FilterSettings { substeps: 2, ..good.clone() }];
+    scenario.filters.extend(other);
+    let record = simulated(&scenario);
+    let runs = all(&scenario, &record);
+    let served: Vec<bool> = runs.iter().map(|run| serves(run).unwrap()).collect();
+    assert_eq!(served, [true, true, false, false, false, false]);
+    check(&runs).unwrap();
+    let missing = LaneRun { place: 9, ..runs[0] };
+    assert!(serves(&missing).is_err() && outcomes_with(Level::best(), &[runs[0], missing]).is_err());
+}
