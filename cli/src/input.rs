@@ -24,7 +24,7 @@ pub(crate) enum InputError {
     #[error("{}: {error}", shown(.file))]
     Import { file: PathBuf, error: ImportError },
     #[error("{}: {reason}", shown(.file))]
-    Sweep { file: PathBuf, reason: String },
+    Laboratory { file: PathBuf, reason: String },
     #[error("{}: it has {megabytes} MB, but at most {} MB are read; cut it before", shown(.file), LARGEST / 1_000_000)]
     TooLarge { file: PathBuf, megabytes: u64 },
     #[error("{}: {error}", shown(.file))]

@@ -11,6 +11,7 @@ mod prepared;
 mod record;
 mod run;
 mod sweep;
+mod tune;
 mod write_report;
 
 use std::io::{self, Write as _};
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
             .map(|is_written| if is_written { ExitCode::SUCCESS } else { ExitCode::FAILURE }),
         Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
         Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
+        Command::Tune(args) => tune::tune(&args).map(|()| ExitCode::SUCCESS),
         Command::Lesson(args) => {
             lesson::lesson(&args).map(|holds| if holds { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }

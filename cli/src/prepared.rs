@@ -63,6 +63,25 @@ impl Prepared {
     }
 }
 
+/// A scenario, and the measured record that it or the arguments name.
+pub(crate) fn scenario_and_record(
+    file: &Path,
+    record: Option<&PathBuf>,
+    map: Option<&PathBuf>,
+) -> Result<(Scenario, Option<Imported>), InputError> {
+    let mut scenario = read_scenario(file)?;
+    let source = SourceArgs {
+        scenario: file.to_owned(),
+        record: record.cloned(),
+        map: map.cloned(),
+        holdout: Vec::new(),
+        then: Vec::new(),
+        seed: None,
+    };
+    let imported = measured(&source, &mut scenario)?;
+    Ok((scenario, imported))
+}
+
 fn read_scenario(file: &Path) -> Result<Scenario, InputError> {
     Scenario::from_toml(&read_text(file)?).map_err(|error| InputError::Scenario { file: file.to_owned(), error })
 }

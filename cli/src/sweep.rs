@@ -15,9 +15,9 @@ use kalmanscope_core::import::hash;
 use kalmanscope_core::{Scenario, Source};
 use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, Plan, Runner, Spacing, channels};
 
-use crate::args::{Shard, SourceArgs, SweepArgs};
-use crate::input::{InputError, read_text};
-use crate::record::measured;
+use crate::args::{Shard, SweepArgs};
+use crate::input::InputError;
+use crate::prepared::scenario_and_record;
 
 use part::Part;
 use table::Format;
@@ -54,22 +54,12 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
 }
 
 fn bad(file: &Path, reason: impl ToString) -> InputError {
-    InputError::Sweep { file: file.to_owned(), reason: reason.to_string() }
+    InputError::Laboratory { file: file.to_owned(), reason: reason.to_string() }
 }
 
 fn runner(args: &SweepArgs) -> Result<Runner, InputError> {
     let SweepArgs { scenario: file, vary, seeds, score, filter, record, map, .. } = args;
-    let scenario = Scenario::from_toml(&read_text(file)?);
-    let mut scenario = scenario.map_err(|error| InputError::Scenario { file: file.clone(), error })?;
-    let source = SourceArgs {
-        scenario: file.clone(),
-        record: record.clone(),
-        map: map.clone(),
-        holdout: Vec::new(),
-        then: Vec::new(),
-        seed: None,
-    };
-    let imported = measured(&source, &mut scenario)?;
+    let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref())?;
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
     let filters = filters(&scenario, filter).map_err(|reason| bad(file, reason))?;
     let measures = if score.is_empty() {
@@ -110,9 +100,7 @@ fn cells(all: usize, Shard { number, of }: Shard) -> Range<usize> {
 
 /// A hash of everything that the rows follow from.
 fn fingerprint(args: &SweepArgs, ensemble: &Ensemble) -> Result<String, InputError> {
-    let scenario = ensemble.scenario();
-    let toml = scenario.to_toml().map_err(|error| InputError::Scenario { file: args.scenario.clone(), error })?;
-    let record = match (&args.record, &scenario.record) {
+    let record = match (&args.record, &ensemble.scenario().record) {
         (Some(path), _) => hash(&fs::read(path).map_err(|error| InputError::Read { file: path.clone(), error })?),
         (None, Some(mapping)) => {
             let beside = args.scenario.parent().map_or_else(PathBuf::new, Path::to_path_buf).join(&mapping.file);
@@ -122,7 +110,7 @@ fn fingerprint(args: &SweepArgs, ensemble: &Ensemble) -> Result<String, InputErr
     };
     let Shard { number, of } = args.shard;
     let version = env!("CARGO_PKG_VERSION");
-    let all = [version, &toml, &ensemble.plan().to_text(), &record, &format!("{number}/{of}")].join("\n");
+    let all = [version, &ensemble.to_json(), &record, &format!("{number}/{of}")].join("\n");
     Ok(hash(all.as_bytes()))
 }
 

@@ -65,8 +65,8 @@ pub enum EnsembleError {
     /// An axis would change a record that is given.
     #[error("the record is a measured one: only settings of filters can be varied, and `{0}` is none")]
     Fixed(String),
-    /// The plan cannot be read.
-    #[error("the plan of the ensemble cannot be read: {0}")]
+    /// The text is no ensemble.
+    #[error("the ensemble cannot be read: {0}")]
     Syntax(String),
 }
 
@@ -96,13 +96,18 @@ impl Ensemble {
         Ok(Self { scenario, plan, settings })
     }
 
-    /// The ensemble of a scenario's and a plan's text ([`Plan::to_text`]).
+    /// The ensemble as JSON, for another thread of a page: `[scenario, plan]`.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(&(&self.scenario, &self.plan)).unwrap_or_default()
+    }
+
+    /// The ensemble that [`Self::to_json`] has written. Unlike TOML files, which people write, it leaves nothing out.
     ///
     /// # Errors
-    /// As [`Self::new`], and [`EnsembleError::Syntax`] where the plan cannot be read.
-    pub fn from_text(scenario: &str, plan: &str) -> Result<Self, EnsembleError> {
-        let scenario = Scenario::from_toml(scenario).map_err(RunError::from)?;
-        let plan = toml::from_str(plan).map_err(|error| EnsembleError::Syntax(error.to_string()))?;
+    /// As [`Self::new`], and [`EnsembleError::Syntax`] where it cannot be read.
+    pub fn from_json(text: &str) -> Result<Self, EnsembleError> {
+        let read = serde_json::from_str(text).map_err(|error| EnsembleError::Syntax(error.to_string()));
+        let (scenario, plan) = read?;
         Self::new(scenario, plan)
     }
 
@@ -225,13 +230,6 @@ pub fn channels(scenario: &Scenario, filters: &[usize]) -> Vec<Channel> {
     channels
 }
 
-impl Plan {
-    /// The plan as text, which [`Ensemble::from_text`] reads.
-    pub fn to_text(&self) -> String {
-        toml::to_string(self).unwrap_or_default()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -263,10 +261,9 @@ mod tests {
     }
 
     #[test]
-    fn a_plan_is_read_as_it_was_written() {
+    fn an_ensemble_is_read_as_it_was_written() {
         let ensemble = ensemble(&["filters.*.process_std=0.01:100:8:log"]).unwrap();
-        let scenario = ensemble.scenario().to_toml().unwrap();
-        assert_eq!(Ensemble::from_text(&scenario, &ensemble.plan().to_text()).unwrap(), ensemble);
+        assert_eq!(Ensemble::from_json(&ensemble.to_json()).unwrap(), ensemble);
     }
 
     #[test]

@@ -30,6 +30,8 @@ mod runner;
 mod setting;
 mod sheet;
 mod trace;
+#[cfg(feature = "tune")]
+pub mod tune;
 
 pub use axis::{Axis, AxisError, MAX_COUNT, Spacing};
 #[cfg(feature = "threads")]

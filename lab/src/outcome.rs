@@ -8,6 +8,23 @@ use kalmanscope_core::{
 
 use crate::Measure;
 
+/// Any measures of the filter at `place` of a scenario over a record.
+///
+/// # Errors
+/// As [`of_history`].
+pub(crate) fn any(
+    scenario: &Scenario,
+    place: usize,
+    record: &Record,
+    measures: &[Measure],
+) -> Result<Vec<f64>, RunError> {
+    if measures.iter().any(|measure| measure.needs_history()) {
+        return of_history(scenario, place, record, measures);
+    }
+    let outcome = Outcome::of(scenario, place, record)?;
+    Ok(of_sums(scenario, place, record, measures, &outcome))
+}
+
 /// The measures of the filter at `place` of a scenario over a record, from all its estimates; NaN where one is not known.
 ///
 /// # Errors

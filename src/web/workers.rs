@@ -35,8 +35,7 @@ struct Team {
 
 /// The cells that are to be run.
 struct Task {
-    scenario: String,
-    plan: String,
+    ensemble: String,
     record: wasm_bindgen::JsValue,
     order: Vec<usize>,
     next: usize,
@@ -59,10 +58,8 @@ impl Engine for Workers {
         ctx: &Context,
     ) -> Result<Box<dyn Work>, EnsembleError> {
         Runner::new(ensemble.clone(), source.clone())?;
-        let scenario = ensemble.scenario().to_toml().map_err(kalmanscope_core::RunError::from)?;
         let task = Task {
-            scenario,
-            plan: ensemble.plan().to_text(),
+            ensemble: ensemble.to_json(),
             record: in_message(source),
             order,
             next: 0,
@@ -198,8 +195,8 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
 fn feed(member: &mut Member, job: u32, task: &mut Task) {
     while task.next < task.order.len() && member.wants_more() {
         if !member.knows(job) {
-            let Task { scenario, plan, record, .. } = task;
-            member.tell(&Array::of5(&"ensemble".into(), &job.into(), &(&*scenario).into(), &(&*plan).into(), record));
+            let Task { ensemble, record, .. } = task;
+            member.tell(&Array::of4(&"ensemble".into(), &job.into(), &(&*ensemble).into(), record));
             member.learn(job);
         }
         let end = (task.next + member.portion()).min(task.order.len());

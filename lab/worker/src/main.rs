@@ -3,10 +3,10 @@
 //! | from the page | from the worker |
 //! |---|---|
 //! | | `["ready"]` |
-//! | `["ensemble", job, scenario, plan, record]` | `["failed", job, reason]` where it cannot be used |
+//! | `["ensemble", job, ensemble, record]` | `["failed", job, reason]` where it cannot be used |
 //! | `["cells", job, Uint32Array]` | `["rows", job, Uint32Array, Float64Array]` |
 //!
-//! A job is a number. `record` is null, or `[dt, input, [key, column], …]` with a `Float64Array` for each column. Rows are
+//! A job is a number, an ensemble JSON. `record` is null, or `[dt, input, [key, column], …]` with a `Float64Array` for each column. Rows are
 //! handed over, not copied.
 
 #[cfg(target_arch = "wasm32")]

@@ -15,8 +15,8 @@ const TRUE: &str = "true_";
 ///
 /// # Errors
 /// The reason in words where it cannot be used.
-pub(crate) fn runner(scenario: &str, plan: &str, record: &JsValue) -> Result<Runner, String> {
-    let ensemble = Ensemble::from_text(scenario, plan).map_err(|error| error.to_string())?;
+pub(crate) fn runner(ensemble: &str, record: &JsValue) -> Result<Runner, String> {
+    let ensemble = Ensemble::from_json(ensemble).map_err(|error| error.to_string())?;
     let source = if record.is_null() || record.is_undefined() {
         Source::Simulated
     } else {

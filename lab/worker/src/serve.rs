@@ -20,7 +20,7 @@ pub(crate) fn serve() {
         let job = words.get(1).as_f64().unwrap_or(f64::NAN);
         match text(0).as_str() {
             "ensemble" => {
-                present = match runner(&text(2), &text(3), &words.get(4)) {
+                present = match runner(&text(2), &words.get(3)) {
                     Ok(runner) => Some((job, runner)),
                     Err(reason) => {
                         tell(&Array::of3(&"failed".into(), &job.into(), &reason.into()));

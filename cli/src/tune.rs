@@ -1,0 +1,79 @@
+//! The command `kalmanscope-cli tune`.
+
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::path::Path;
+use std::sync::Arc;
+
+use kalmanscope_core::Scenario;
+use kalmanscope_lab::tune::{Goal, Tuned, Tuner};
+use kalmanscope_lab::{Axis, Setting, simulate};
+
+use crate::args::TuneArgs;
+use crate::input::InputError;
+use crate::prepared::scenario_and_record;
+
+/// Tunes a filter, prints what came of it, and writes the scenario.
+pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
+    let TuneArgs { scenario: file, turn, filter, goal, record, map, out } = args;
+    let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref())?;
+    let place = match filter {
+        None => 0,
+        Some(name) => {
+            let place = scenario.filters.iter().position(|filter| filter.name == *name);
+            place.ok_or_else(|| bad(file, format!("the scenario has no filter `{name}`")))?
+        }
+    };
+    let axes = turn.iter().map(|text| axis(text, &scenario).map_err(|reason| bad(file, reason)));
+    let axes = axes.collect::<Result<Vec<_>, _>>()?;
+    let record = imported.map_or_else(|| simulate(&scenario), |imported| imported.record);
+    let tuner = Tuner::new(scenario, place, Arc::new(record), axes.clone(), *goal);
+    let mut tuner = tuner.map_err(|error| bad(file, error.to_string()))?;
+    tuner.advance(&mut || true);
+    let tuned = tuner.finish();
+    // A closed pipe needs no message.
+    let _ = io::stdout().write_all(report(&tuned, &axes, *goal).as_bytes());
+    if let Some(out) = out {
+        let toml = tuned.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;
+        std::fs::write(out, toml).map_err(|error| InputError::Read { file: out.clone(), error })?;
+    }
+    Ok(())
+}
+
+fn bad(file: &Path, reason: String) -> InputError {
+    InputError::Laboratory { file: file.to_owned(), reason }
+}
+
+/// The range of a setting, written as `KEY`, `KEY=FROM:TO` or `KEY=FROM:TO:log`.
+fn axis(text: &str, scenario: &Scenario) -> Result<Axis, String> {
+    let Some((key, range)) = text.rsplit_once('=') else {
+        let setting = Setting::new(scenario, text).map_err(|error| error.to_string())?;
+        return Ok(Axis::usual(&setting, scenario, 2));
+    };
+    let counted = match range.strip_suffix(":log") {
+        Some(range) => format!("{key}={range}:2:log"),
+        None => format!("{key}={range}:2"),
+    };
+    Axis::parse(&counted).map_err(|_| format!("`{text}` is not a range: write KEY=FROM:TO, and :log behind it for equal ratios"))
+}
+
+fn report(tuned: &Tuned, axes: &[Axis], goal: Goal) -> String {
+    let mut text = String::new();
+    let name = match goal {
+        Goal::Likelihood => "log likelihood".to_owned(),
+        Goal::FreeRun(sensor) => format!("-ln of the free run's error in {}", sensor.name()),
+        Goal::Consistency => "-|ln| of the mean NIS".to_owned(),
+    };
+    if let (Some(before), Some(after)) = (tuned.path.first(), tuned.path.last()) {
+        let _ = writeln!(text, "{name}: {:.6} before, {:.6} after {} runs", before.score, after.score, tuned.runs);
+        for (axis, (before, after)) in axes.iter().zip(before.values.iter().zip(&after.values)) {
+            let _ = writeln!(text, "{}: {before:.6e} before, {after:.6e} after", axis.key);
+        }
+    }
+    let verdict = tuned.verdict.map_or("not enough measurements for one", kalmanscope_core::VerdictKind::name);
+    let _ = writeln!(text, "verdict: {verdict}");
+    for remark in &tuned.remarks {
+        let _ = writeln!(text, "{remark}");
+    }
+    text
+}

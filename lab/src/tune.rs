@@ -1,0 +1,205 @@
+//! Tuning: the best values of some settings of one filter.
+
+mod cost;
+mod goal;
+mod remark;
+
+use std::sync::Arc;
+
+use argmin::core::{IterState, Problem, Solver, State as _, TerminationStatus};
+use argmin::solver::neldermead::NelderMead;
+use kalmanscope_core::{Record, Scenario, VerdictKind};
+
+use crate::{Axis, EnsembleError};
+use cost::{Cost, Objective};
+
+pub use goal::Goal;
+pub use remark::Remark;
+
+/// Values of a setting that are tried first, along its axis.
+const SCAN: usize = 9;
+
+/// Limits the iterations of the search.
+const ITERATIONS: u64 = 300;
+
+/// The size of the first simplex, as a share of each axis.
+const SIMPLEX: f64 = 0.08;
+
+/// The search ends where the scores of the simplex differ by less, relative to their size or absolutely.
+const TOLERANCE: f64 = 1e-7;
+
+/// A search for the settings of a filter with the best score, in small portions: first along each axis alone, then by the
+/// method of Nelder and Mead.
+///
+/// Source: Nelder and Mead (1965), A simplex method for function minimization.
+pub struct Tuner {
+    cost: Arc<Cost>,
+    stage: Stage,
+    /// The best place so far, in shares of the axes.
+    best: Vec<f64>,
+    path: Vec<Try>,
+    runs: u64,
+}
+
+enum Stage {
+    /// The axis, and the place on it, to try next.
+    Scanning(usize, usize),
+    Searching(Box<Search>),
+    Done,
+}
+
+struct Search {
+    solver: NelderMead<Vec<f64>, f64>,
+    problem: Problem<Objective>,
+    state: Option<IterState<Vec<f64>, (), (), (), (), f64>>,
+    iterations: u64,
+}
+
+/// A try that was better than all before.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Try {
+    /// The settings' values.
+    pub values: Vec<f64>,
+    /// The goal's number, of which more is better.
+    pub score: f64,
+}
+
+/// The result of a search.
+#[derive(Clone, Debug)]
+pub struct Tuned {
+    /// The scenario with the best values.
+    pub scenario: Scenario,
+    /// Each try that was better than all before; the scenario's own values come first.
+    pub path: Vec<Try>,
+    /// The verdict on the tuned filter, if there are enough measurements for one.
+    pub verdict: Option<VerdictKind>,
+    /// Warnings about the result.
+    pub remarks: Vec<Remark>,
+    /// The number of runs that it took.
+    pub runs: u64,
+}
+
+impl Tuner {
+    /// A search over the given axes for the filter at `place`, from the scenario's present values on. The axes' counts have
+    /// no effect.
+    ///
+    /// # Errors
+    /// [`EnsembleError`] where an axis is impossible or varies no number of a filter, or the record does not fit.
+    pub fn new(
+        scenario: Scenario,
+        place: usize,
+        record: Arc<Record>,
+        axes: Vec<Axis>,
+        goal: Goal,
+    ) -> Result<Self, EnsembleError> {
+        let cost = Arc::new(Cost::new(scenario, place, record, axes, goal)?);
+        let best = cost.present();
+        // The present values count even where they are beyond an axis.
+        let path = vec![Try { values: cost.present_values(), score: -cost.of_scenario(&cost.scenario) }];
+        Ok(Self { cost, stage: Stage::Scanning(0, 0), best, path, runs: 1 })
+    }
+
+    /// Tries settings until `while_time` returns false, which is called after each try or two. Returns whether the search is
+    /// done.
+    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        loop {
+            self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
+                Stage::Scanning(axis, place) => self.scan(axis, place),
+                Stage::Searching(search) => self.search(search),
+                Stage::Done => return true,
+            };
+            if !while_time() {
+                return matches!(self.stage, Stage::Done);
+            }
+        }
+    }
+
+    /// Each try that was better than all before; the scenario's own values come first.
+    pub fn path(&self) -> &[Try] {
+        &self.path
+    }
+
+    /// The share of the search that is done, at least, from 0 to 1.
+    pub fn progress(&self) -> f64 {
+        let axes = self.cost.axes.len().max(1) as f64;
+        match &self.stage {
+            Stage::Scanning(axis, place) => 0.2 * (*axis as f64 + *place as f64 / SCAN as f64) / axes,
+            Stage::Searching(search) => 0.2 + 0.8 * search.iterations as f64 / ITERATIONS as f64,
+            Stage::Done => 1.0,
+        }
+    }
+
+    /// The result so far.
+    pub fn finish(self) -> Tuned {
+        let Self { cost, path, runs, .. } = self;
+        let values = path.last().map(|best| best.values.clone()).unwrap_or_default();
+        let scenario = cost.with_values(&values);
+        let verdict = cost.verdict(&scenario);
+        let remarks = remark::all(&cost, &path, verdict);
+        Tuned { scenario, path, verdict, remarks, runs }
+    }
+
+    fn scan(&mut self, axis: usize, place: usize) -> Stage {
+        if axis >= self.cost.axes.len() {
+            return self.begin_search();
+        }
+        let mut shares = self.best.clone();
+        shares[axis] = place as f64 / (SCAN - 1) as f64;
+        let cost = self.cost.of(&shares);
+        self.runs += 1;
+        self.keep(&shares, cost);
+        if place + 1 < SCAN { Stage::Scanning(axis, place + 1) } else { Stage::Scanning(axis + 1, 0) }
+    }
+
+    fn begin_search(&mut self) -> Stage {
+        if self.best.is_empty() {
+            return Stage::Done;
+        }
+        let mut simplex = vec![self.best.clone()];
+        for axis in 0..self.best.len() {
+            let mut corner = self.best.clone();
+            corner[axis] += if corner[axis] > 0.5 { -SIMPLEX } else { SIMPLEX };
+            simplex.push(corner);
+        }
+        let mut solver = NelderMead::new(simplex);
+        let mut problem = Problem::new(Objective(Arc::clone(&self.cost)));
+        match solver.init(&mut problem, IterState::new()) {
+            Ok((state, _)) => Stage::Searching(Box::new(Search { solver, problem, state: Some(state), iterations: 0 })),
+            Err(_) => Stage::Done,
+        }
+    }
+
+    fn search(&mut self, mut search: Box<Search>) -> Stage {
+        let Search { solver, problem, state, iterations } = &mut *search;
+        let Some(before) = state.take() else { return Stage::Done };
+        let Ok((after, _)) = solver.next_iter(problem, before) else { return Stage::Done };
+        *iterations += 1;
+        let cost = after.get_cost();
+        if let Some(shares) = after.get_param().cloned() {
+            self.keep(&shares, cost);
+        }
+        let tolerance = TOLERANCE * cost.abs().max(1.0);
+        if let Ok(tolerant) = solver.clone().with_sd_tolerance(tolerance) {
+            *solver = tolerant;
+        }
+        let status = Solver::<Objective, _>::terminate(solver, &after);
+        let is_done = matches!(status, TerminationStatus::Terminated(_)) || *iterations >= ITERATIONS;
+        let runs = problem.counts.get("cost_count").copied().unwrap_or(0);
+        *state = Some(after);
+        if is_done {
+            self.runs += runs;
+            return Stage::Done;
+        }
+        Stage::Searching(search)
+    }
+
+    fn keep(&mut self, shares: &[f64], cost: f64) {
+        if self.path.last().is_none_or(|best| -cost > best.score || best.score.is_nan()) && cost < cost::FORBIDDEN {
+            self.best = shares.to_vec();
+            self.path.push(Try { values: self.cost.values(shares), score: -cost });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

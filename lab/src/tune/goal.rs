@@ -1,0 +1,47 @@
+//! What tuning is for.
+
+use kalmanscope_core::Quantity;
+
+use crate::Measure;
+
+/// The number that tuning makes as good as it can.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Goal {
+    /// The log likelihood of all measurements, from the innovations and their covariances.
+    ///
+    /// Source: Schweppe (1965), Evaluation of likelihood functions for Gaussian signals.
+    Likelihood,
+    /// The error of the identified model's free run, for one sensor.
+    FreeRun(Quantity),
+    /// The distance of the mean NIS from its expectation.
+    Consistency,
+}
+
+impl Goal {
+    /// The measure that it is about.
+    pub const fn measure(self) -> Measure {
+        match self {
+            Self::Likelihood => Measure::LogLikelihood,
+            Self::FreeRun(sensor) => Measure::FreeRun(sensor),
+            Self::Consistency => Measure::Nis,
+        }
+    }
+
+    /// The number, of which more is better, for a value of the measure.
+    pub(super) fn score(self, value: f64) -> f64 {
+        match self {
+            Self::Likelihood => value,
+            Self::FreeRun(_) => -libm::log(value),
+            Self::Consistency => -libm::log(value).abs(),
+        }
+    }
+
+    /// A change of the score that is too small to mean anything.
+    pub(super) const fn indifferent(self) -> f64 {
+        match self {
+            // A 95 % interval of one parameter: half the quantile 3.84 of χ² with one degree of freedom.
+            Self::Likelihood => 1.92,
+            Self::FreeRun(_) | Self::Consistency => 0.01,
+        }
+    }
+}

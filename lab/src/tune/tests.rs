@@ -1,0 +1,101 @@
+use super::*;
+use crate::{Setting, simulate};
+use kalmanscope_core::{Channel, Quantity};
+
+/// An oscillator that an unmeasured force disturbs, and an EKF that has Q and R wrong.
+fn scenario(seed: u64) -> Scenario {
+    let text = format!(
+        "seed = {seed}\nduration = 60.0\n[plant]\nnatural_frequency = 6.0\ndisturbance_std = 2.0\n[[sensors]]\n\
+         measures = \"displacement\"\nnoise_std = 0.02\n[[filters]]\nkind = \"ekf\"\nsensor_std = [0.1]\n\
+         [filters.initial_mean]\nnatural_frequency = 6.5\n[filters.process_std]\ndisplacement = 0.0\nvelocity = 0.002\n\
+         natural_frequency = 0.0\ndamping_ratio = 0.0\n"
+    );
+    Scenario::from_toml(&text).unwrap()
+}
+
+fn axes() -> Vec<Axis> {
+    let axes =
+        ["filters.EKF.sensor_std.displacement=0.0002:2:2:log", "filters.EKF.process_std.velocity=0.00002:2:2:log"];
+    axes.map(|text| Axis::parse(text).unwrap()).to_vec()
+}
+
+fn tune(scenario: Scenario, axes: Vec<Axis>, goal: Goal) -> Tuned {
+    let record = Arc::new(simulate(&scenario));
+    let mut tuner = Tuner::new(scenario, 0, record, axes, goal).unwrap();
+    while !tuner.advance(&mut || false) {
+        assert!((0.0..=1.0).contains(&tuner.progress()));
+    }
+    tuner.finish()
+}
+
+/// Seeds that played no part in the making.
+#[test]
+fn the_likelihood_finds_the_true_noise() {
+    let (mut sensors, mut process) = (Vec::new(), Vec::new());
+    for seed in 501..=520 {
+        let scenario = scenario(seed);
+        let (r, q) = scenario.true_noise();
+        let tuned = tune(scenario, axes(), Goal::Likelihood);
+        let filter = &tuned.scenario.filters[0];
+        sensors.push(filter.sensor_std[0] / r[0]);
+        process.push(filter.process_std[Channel::VELOCITY] / q[Channel::VELOCITY]);
+        assert_eq!(tuned.verdict, Some(VerdictKind::Consistent), "seed {seed}: {:?}", tuned.remarks);
+        assert!(tuned.runs < 300, "{}", tuned.runs);
+        assert!(tuned.path.windows(2).all(|pair| pair[0].score < pair[1].score));
+        assert_eq!(tuned.remarks, [], "seed {seed}");
+    }
+    assert!(sensors.iter().all(|ratio| (0.9..1.1).contains(&(ratio * ratio))), "R: {sensors:?}");
+    assert!(process.iter().all(|ratio| (0.5..2.0).contains(&(ratio * ratio))), "Q: {process:?}");
+}
+
+#[test]
+fn the_result_says_where_the_record_does_not_tell_a_setting() {
+    let calm = Scenario { duration: 20.0, ..scenario(1) };
+    let mut axes = axes();
+    axes[1] = Axis::parse("filters.EKF.initial_std.displacement=1e-7:1e-5:2:log").unwrap();
+    let tuned = tune(calm, axes, Goal::Likelihood);
+    let key = "filters.EKF.initial_std.displacement";
+    let is_told = |remark: &Remark| matches!(remark, Remark::Flat(of) | Remark::Edge(of) if of == key);
+    assert!(tuned.remarks.iter().any(is_told) || tuned.path.last().unwrap().values[1] == 0.0, "{:?}", tuned.remarks);
+}
+
+#[test]
+fn the_result_says_that_a_value_is_at_an_end() {
+    let mut axes = axes();
+    axes[0] = Axis::parse("filters.EKF.sensor_std.displacement=0.05:0.5:2:log").unwrap();
+    let tuned = tune(scenario(2), axes, Goal::Likelihood);
+    assert!(
+        tuned.remarks.contains(&Remark::Edge("filters.EKF.sensor_std.displacement".to_owned())),
+        "{:?}",
+        tuned.remarks
+    );
+    let said = tuned.remarks.iter().map(Remark::to_string).collect::<String>();
+    assert!(said.contains("widen the range"), "{said}");
+}
+
+#[test]
+fn the_likelihood_of_a_wrong_model_is_not_believed() {
+    let mut scenario = scenario(3);
+    scenario.plant.set(Channel::NATURAL_FREQUENCY, kalmanscope_core::Signal::Constant(6.0));
+    scenario.plant.disturbance_std = 0.0;
+    scenario.filters[0].input_delay = 12;
+    let tuned = tune(scenario, axes()[..1].to_vec(), Goal::Likelihood);
+    assert!(tuned.remarks.iter().any(|remark| matches!(remark, Remark::Inconsistent(..))), "{:?}", tuned.remarks);
+}
+
+#[test]
+fn other_goals_are_met_too() {
+    for goal in [Goal::Consistency, Goal::FreeRun(Quantity::DISPLACEMENT)] {
+        let tuned = tune(scenario(4), axes(), goal);
+        assert!(tuned.path.last().unwrap().score > tuned.path[0].score, "{goal:?}");
+    }
+}
+
+#[test]
+fn only_numbers_of_filters_are_tuned() {
+    let scenario = scenario(1);
+    let record = Arc::new(simulate(&scenario));
+    let axes = vec![Axis::parse("plant.damping_ratio=0:1:2").unwrap()];
+    assert!(Setting::new(&scenario, "plant.damping_ratio").is_ok());
+    assert!(matches!(Tuner::new(scenario, 0, record, axes, Goal::Likelihood), Err(EnsembleError::Fixed(_))));
+}
