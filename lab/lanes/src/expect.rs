@@ -70,32 +70,35 @@ pub(crate) fn linearised<T: Lane, const M: usize>(
     active: &[Active<T>; M],
     force: T,
 ) -> (Expected<T, M>, T::Mask) {
-    let &[x, _, wn, zeta] = &belief.mean;
+    let [x, _, wn, zeta] = belief.mean;
+    let zero = x.of(0.0);
     let [by_frequency, by_damping] = by_parameters(&belief.mean);
-    let jacobian: [Row<T>; M] = std::array::from_fn(|m| match active[m].output {
-        Output::State(i) => Row::Unit(i),
-        Output::Rate(_) => Row::Full([-wn * wn, x.of(-2.0) * zeta * wn, by_frequency, by_damping]),
-    });
-    let cross: [[T; M]; N] = std::array::from_fn(|i| {
-        let row: [T; N] = std::array::from_fn(|j| belief.cov(i, j));
-        std::array::from_fn(|m| match &jacobian[m] {
-            Row::Unit(j) => row[*j],
-            Row::Full(entries) => {
-                let mut sum = row[0] * entries[0];
-                for k in 1..N {
-                    sum = sum + row[k] * entries[k];
-                }
-                sum
+    let rate = Row::Full([-wn * wn, x.of(-2.0) * zeta * wn, by_frequency, by_damping]);
+    let (mut jacobian, mut mean) = ([rate; M], [zero; M]);
+    let (mut cross, mut cov) = ([[zero; M]; N], [[zero; M]; M]);
+    for m in 0..M {
+        if let Output::State(i) = active[m].output {
+            jacobian[m] = Row::Unit(i);
+        }
+        mean[m] = read(active[m].output, &belief.mean, force);
+        let mut column = [zero; N];
+        for i in 0..N {
+            for j in 0..N {
+                column[j] = belief.cov(i, j);
             }
-        })
-    });
-    let cov = std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            let entry = jacobian[i].times(&std::array::from_fn(|k| cross[k][j]));
-            if i == j { entry + active[i].variance } else { entry }
-        })
-    });
-    let mean = std::array::from_fn(|m| read(active[m].output, &belief.mean, force));
+            cross[i][m] = jacobian[m].times(&column);
+        }
+    }
+    for m in 0..M {
+        let mut column = [zero; N];
+        for i in 0..N {
+            column[i] = cross[i][m];
+        }
+        for i in 0..M {
+            cov[i][m] = jacobian[i].times(&column);
+        }
+        cov[m][m] = cov[m][m] + active[m].variance;
+    }
     (Expected { mean, cov, cross, view: View::Linear(jacobian) }, T::always(x.token()))
 }
 
@@ -110,16 +113,27 @@ pub(crate) fn by_sigma_points<T: Lane, const M: usize>(
     let weight = force.of(1.0 / (2.0 * SPREAD));
     let distance = force.of(SPREAD.sqrt());
     let (root, holds) = lower_root(&belief.cov);
-    let centre: [T; M] = std::array::from_fn(|m| read(active[m].output, &belief.mean, force));
+    let mut centre = [zero; M];
+    for m in 0..M {
+        centre[m] = read(active[m].output, &belief.mean, force);
+    }
     let mut sum = [zero; M];
     let mut cov = [[zero; M]; M];
     let mut cross = [[zero; M]; N];
     for point in 0..N {
-        let far: [T; N] = std::array::from_fn(|j| if j >= point { root[AT[j][point]] * distance } else { zero });
-        let high: [T; N] = std::array::from_fn(|j| belief.mean[j] + far[j]);
-        let low: [T; N] = std::array::from_fn(|j| belief.mean[j] - far[j]);
-        let high: [T; M] = std::array::from_fn(|m| read(active[m].output, &high, force) - centre[m]);
-        let low: [T; M] = std::array::from_fn(|m| read(active[m].output, &low, force) - centre[m]);
+        let (mut far, mut above, mut below) = ([zero; N], belief.mean, belief.mean);
+        for j in point..N {
+            far[j] = root[AT[j][point]] * distance;
+        }
+        for j in 0..N {
+            above[j] = belief.mean[j] + far[j];
+            below[j] = belief.mean[j] - far[j];
+        }
+        let (mut high, mut low) = ([zero; M], [zero; M]);
+        for m in 0..M {
+            high[m] = read(active[m].output, &above, force) - centre[m];
+            low[m] = read(active[m].output, &below, force) - centre[m];
+        }
         for m in 0..M {
             sum[m] = sum[m] + (high[m] + low[m]);
             for i in 0..M {
@@ -131,13 +145,16 @@ pub(crate) fn by_sigma_points<T: Lane, const M: usize>(
             }
         }
     }
-    let shift = sum.map(|sum| sum * weight);
+    let (mut shift, mut mean) = (sum, centre);
+    for m in 0..M {
+        shift[m] = sum[m] * weight;
+        mean[m] = centre[m] + shift[m];
+    }
     for m in 0..M {
         for i in 0..M {
             cov[i][m] = cov[i][m] * weight + shift[i] * shift[m];
         }
         cov[m][m] = cov[m][m] + active[m].variance;
     }
-    let mean = std::array::from_fn(|m| centre[m] + shift[m]);
     (Expected { mean, cov, cross, view: View::Curved }, holds)
 }

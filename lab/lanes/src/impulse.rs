@@ -71,11 +71,10 @@ impl<T: Lane> Impulse<T> {
         let back = alpha * alpha;
         let mut c = [[dt.of(1.0), beta], [beta * beta + alpha, beta * forward]];
         let (mut h, mut q) = ([zero; 2], [zero; 2]);
-        let whole = |h: [T; 2], q: [T; 2]| Self { h: (h[0] + h[1]) * dt, q: (q[0] + q[1]) * dt * dt };
         let mut early = Self { h: zero, q: zero };
         for n in (0..TERMS).step_by(2) {
             if n == EARLY {
-                early = whole(h, q);
+                early = Self::sum(h, q, dt);
             }
             for parity in 0..2 {
                 h[parity] = h[parity] + c[0][parity] * dt.of(INVERSE_FACTORIAL[n + parity + 1]);
@@ -84,7 +83,13 @@ impl<T: Lane> Impulse<T> {
             let next = [forward * c[1][0] - back * c[0][0], forward * c[1][1] - back * c[0][1]];
             c = [c[1], next];
         }
-        (early, whole(h, q))
+        (early, Self::sum(h, q, dt))
+    }
+
+    /// From the sums of even and odd terms.
+    #[inline(always)]
+    fn sum(h: [T; 2], q: [T; 2], dt: T) -> Self {
+        Self { h: (h[0] + h[1]) * dt, q: (q[0] + q[1]) * dt * dt }
     }
 
     /// By a classical fourth-order Runge-Kutta step.
@@ -94,7 +99,8 @@ impl<T: Lane> Impulse<T> {
         let (alpha, beta) = (a * step * step, b * step);
         let second = alpha + beta * beta;
         let third = beta * (second + alpha);
-        let [_, one, half, sixth, twenty_fourth, ..] = INVERSE_FACTORIAL.map(|c| a.of(c));
+        let [_, one, half, sixth, twenty_fourth, ..] = INVERSE_FACTORIAL;
+        let (one, half, sixth, twenty_fourth) = (a.of(one), a.of(half), a.of(sixth), a.of(twenty_fourth));
         Self {
             h: step * ((one + beta * half) + (second * sixth + third * twenty_fourth)),
             q: a.of(dt * dt) * ((half + beta * sixth) + second * twenty_fourth),

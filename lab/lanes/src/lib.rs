@@ -30,6 +30,11 @@
 //! # }
 //! ```
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "closures of iterators that are not inlined have no vector instructions; indices are those of the equations"
+)]
+
 mod array;
 mod batch;
 mod belief;

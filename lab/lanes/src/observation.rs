@@ -34,10 +34,17 @@ impl<'a> Column<'a> {
     pub(crate) fn at<T: Lane>(&self, token: T::Token, k: usize) -> T {
         match self {
             Self::Shared(column) => T::splat(token, column[k]),
-            Self::Own(columns) => T::from_array(token, std::array::from_fn(|lane| columns[lane][k])),
+            Self::Own(columns) => {
+                let mut numbers = [0.0; LANES];
+                for lane in 0..LANES {
+                    numbers[lane] = columns[lane][k];
+                }
+                T::from_array(token, numbers)
+            }
         }
     }
 
+    #[inline(always)]
     pub(crate) fn of_lane(&self, lane: usize, k: usize) -> f64 {
         match self {
             Self::Shared(column) => column[k],

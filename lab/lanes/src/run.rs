@@ -169,7 +169,8 @@ impl<T: Lane> Batch<'_, T> {
     #[inline(always)]
     fn compare(&mut self, token: T::Token, k: usize, recent: usize) {
         if let Some(truth) = &self.observations.truth {
-            let truth = std::array::from_fn(|i| truth[i].at(token, k));
+            let [x, v, wn, zeta] = truth;
+            let truth = [x.at(token, k), v.at(token, k), wn.at(token, k), zeta.at(token, k)];
             self.sums.compare(&self.belief, truth, k, k >= recent);
         }
     }

@@ -11,47 +11,92 @@ pub(crate) const SPREAD: f64 = 3.0;
 /// Carries the beliefs over one step; returns the lanes for which that holds.
 #[inline(always)]
 pub(crate) fn predict<T: Lane>(belief: &mut Belief<T>, force: T, dt: f64, noise: &Noise<T>) -> T::Mask {
-    predict_by::<T, 2>(belief, noise, |[x, v, wn, zeta]| {
-        let (a, b) = (-wn * wn, x.of(-2.0) * zeta * wn);
-        let acceleration = force + b * v + a * x;
-        let [x, v] = Impulse::runge_kutta(a, b, dt).advance(a, b, [x, v], acceleration);
-        [x, v, wn, zeta]
-    })
+    predict_by::<T, Held<T>, 2>(belief, noise, &Held { force, dt })
 }
 
 /// [`predict`] where the parameters decay.
 #[inline(always)]
 pub(crate) fn predict_decaying<T: Lane>(belief: &mut Belief<T>, force: T, dt: f64, noise: &Noise<T>) -> T::Mask {
-    let (half, whole, sixth) = (force.of(0.5 * dt), force.of(dt), force.of(dt / 6.0));
-    let rate = |[x, v, wn, zeta]: [T; N]| {
-        let acceleration = force - x.of(2.0) * zeta * wn * v - wn * wn * x;
-        [v, acceleration, -noise.eta * wn, -noise.eta * zeta]
-    };
-    let moved = |state: [T; N], rate: [T; N], dt: T| std::array::from_fn(|i| state[i] + rate[i] * dt);
-    // Apart, so that the program has the four stages once and not nine times.
-    let step = |state: [T; N]| {
-        let k1 = rate(state);
-        let k2 = rate(moved(state, k1, half));
-        let k3 = rate(moved(state, k2, half));
-        let k4 = rate(moved(state, k3, whole));
-        let two = force.of(2.0);
-        std::array::from_fn(|i| state[i] + (k1[i] + (k2[i] + k3[i]) * two + k4[i]) * sixth)
-    };
-    predict_by::<T, N>(belief, noise, |state| {
+    predict_by::<T, Decaying<T>, N>(belief, noise, &Decaying { force, dt, eta: noise.eta })
+}
+
+/// The step of one state. A trait and not a closure, since a closure that is not inlined has no vector instructions.
+trait Step<T> {
+    fn step(&self, state: [T; N]) -> [T; N];
+}
+
+/// With parameters that stay as they are.
+struct Held<T> {
+    force: T,
+    dt: f64,
+}
+
+impl<T: Lane> Step<T> for Held<T> {
+    #[inline(always)]
+    fn step(&self, [x, v, wn, zeta]: [T; N]) -> [T; N] {
+        let (a, b) = (-wn * wn, x.of(-2.0) * zeta * wn);
+        let acceleration = self.force + b * v + a * x;
+        let [x, v] = Impulse::runge_kutta(a, b, self.dt).advance(a, b, [x, v], acceleration);
+        [x, v, wn, zeta]
+    }
+}
+
+/// With parameters that decay at the rate η.
+struct Decaying<T> {
+    force: T,
+    dt: f64,
+    eta: T,
+}
+
+impl<T: Lane> Step<T> for Decaying<T> {
+    /// Apart, so that the program has the four stages once and not nine times.
+    #[inline(always)]
+    fn step(&self, state: [T; N]) -> [T; N] {
         T::apart(
-            force.token(),
+            self.force.token(),
             #[inline(always)]
-            || step(state),
+            || self.runge_kutta(state),
         )
-    })
+    }
+}
+
+impl<T: Lane> Decaying<T> {
+    #[inline(always)]
+    fn runge_kutta(&self, state: [T; N]) -> [T; N] {
+        let of = self.force;
+        let half = of.of(0.5 * self.dt);
+        let k1 = self.rate(state);
+        let k2 = self.rate(moved(state, k1, half));
+        let k3 = self.rate(moved(state, k2, half));
+        let k4 = self.rate(moved(state, k3, of.of(self.dt)));
+        let mut sum = k1;
+        for i in 0..N {
+            sum[i] = k1[i] + (k2[i] + k3[i]) * of.of(2.0) + k4[i];
+        }
+        moved(state, sum, of.of(self.dt / 6.0))
+    }
+
+    #[inline(always)]
+    fn rate(&self, [x, v, wn, zeta]: [T; N]) -> [T; N] {
+        let acceleration = self.force - x.of(2.0) * zeta * wn * v - wn * wn * x;
+        [v, acceleration, -self.eta * wn, -self.eta * zeta]
+    }
+}
+
+#[inline(always)]
+fn moved<T: Lane>(mut state: [T; N], rate: [T; N], dt: T) -> [T; N] {
+    for i in 0..N {
+        state[i] = state[i] + rate[i] * dt;
+    }
+    state
 }
 
 /// By the step of one state, of which the first `MOVING` components change.
 #[inline(always)]
-fn predict_by<T: Lane, const MOVING: usize>(
+fn predict_by<T: Lane, S: Step<T>, const MOVING: usize>(
     belief: &mut Belief<T>,
     noise: &Noise<T>,
-    step: impl Fn([T; N]) -> [T; N],
+    motion: &S,
 ) -> T::Mask {
     let m = belief.mean;
     let zero = m[0].of(0.0);
@@ -60,7 +105,7 @@ fn predict_by<T: Lane, const MOVING: usize>(
     let (half, inverse) = (m[0].of(0.5 * inverse), m[0].of(inverse));
     let (lower, holds) = lower_root(&belief.cov);
     let mut root = [[zero; N]; N];
-    let centre = step(m);
+    let centre = motion.step(m);
     let mut curved = [[zero; N]; 2];
     for point in 0..N {
         let (mut high, mut low) = (m, m);
@@ -70,7 +115,7 @@ fn predict_by<T: Lane, const MOVING: usize>(
             high[j] = m[j] + far;
             low[j] = m[j] - far;
         }
-        let (high, low) = (step(high), step(low));
+        let (high, low) = (motion.step(high), motion.step(low));
         for j in 0..2 {
             curved[j][point] = (high[j] + low[j] - zero.of(2.0) * centre[j]) * half;
         }

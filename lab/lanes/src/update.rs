@@ -25,27 +25,33 @@ pub(crate) fn by_components<T: Lane, const M: usize>(
     components: [usize; M],
     active: &[Active<T>; M],
 ) -> Correction<T> {
-    let at = |i: usize, j: usize| belief.cov(i, j);
-    let innovation: [T; M] = std::array::from_fn(|m| active[m].value - belief.mean[components[m]]);
-    let seen: [[T; M]; M] = std::array::from_fn(|i| std::array::from_fn(|j| at(components[i], components[j])));
+    let zero = belief.mean[0].of(0.0);
+    let (mut innovation, mut seen, mut cross) = ([zero; M], [[zero; M]; M], [[zero; M]; N]);
+    for m in 0..M {
+        innovation[m] = active[m].value - belief.mean[components[m]];
+        for k in 0..M {
+            seen[m][k] = belief.cov(components[m], components[k]);
+        }
+        for i in 0..N {
+            cross[i][m] = belief.cov(components[m], i);
+        }
+    }
     let mut s = seen;
     for m in 0..M {
         s[m][m] = s[m][m] + active[m].variance;
     }
     let factor = Factor::new(&s);
-    let cross: [[T; M]; N] = std::array::from_fn(|i| std::array::from_fn(|m| at(components[m], i)));
-    let gain = cross.map(|row| factor.divide(row));
-
-    // The columns of `P - K (P Hᵀ)ᵀ` that H picks.
-    let excess: [[T; M]; N] = std::array::from_fn(|i| {
-        std::array::from_fn(|m| {
-            let mut entry = cross[i][m];
+    let (mut gain, mut excess) = (cross, cross);
+    for i in 0..N {
+        gain[i] = factor.divide(cross[i]);
+        // The columns of `P - K (P Hᵀ)ᵀ` that H picks, less K R.
+        for m in 0..M {
             for k in 0..M {
-                entry = entry - gain[i][k] * seen[m][k];
+                excess[i][m] = excess[i][m] - gain[i][k] * seen[m][k];
             }
-            entry - gain[i][m] * active[m].variance
-        })
-    });
+            excess[i][m] = excess[i][m] - gain[i][m] * active[m].variance;
+        }
+    }
     for j in 0..N {
         for i in j..N {
             let mut entry = belief.cov(i, j);
@@ -69,53 +75,50 @@ pub(crate) fn by_expected<T: Lane, const M: usize>(
     active: &[Active<T>; M],
 ) -> Correction<T> {
     let Expected { mean, cov: s, cross, view } = expected;
-    let innovation: [T; M] = std::array::from_fn(|m| active[m].value - mean[m]);
+    let zero = belief.mean[0].of(0.0);
     let factor = Factor::new(s);
-    let gain = cross.map(|row| factor.divide(row));
-    match view {
-        View::Linear(jacobian) => {
-            let kept: [[T; N]; N] = std::array::from_fn(|i| {
-                std::array::from_fn(|j| {
-                    let mut entry = belief.cov(i, j);
+    let (mut innovation, mut gain) = ([zero; M], *cross);
+    for m in 0..M {
+        innovation[m] = active[m].value - mean[m];
+    }
+    for i in 0..N {
+        gain[i] = factor.divide(cross[i]);
+    }
+    let mut lower = belief.cov;
+    // Each row of `P - K (P Hᵀ)ᵀ`, or of P, and what the gains take from it.
+    for i in 0..N {
+        let (mut kept, mut taken) = ([zero; N], [zero; M]);
+        for j in 0..N {
+            kept[j] = belief.cov(i, j);
+        }
+        match view {
+            View::Linear(jacobian) => {
+                for j in 0..N {
                     for m in 0..M {
-                        entry = entry - gain[i][m] * cross[j][m];
+                        kept[j] = kept[j] - gain[i][m] * cross[j][m];
                     }
-                    entry
-                })
-            });
-            for i in 0..N {
-                let excess: [T; M] = std::array::from_fn(|m| {
-                    let seen = jacobian[m].times(&kept[i]);
-                    seen - gain[i][m] * active[m].variance
-                });
-                for j in 0..=i {
-                    let mut entry = kept[i][j];
-                    for m in 0..M {
-                        entry = entry - excess[m] * gain[j][m];
+                }
+                for m in 0..M {
+                    taken[m] = jacobian[m].times(&kept) - gain[i][m] * active[m].variance;
+                }
+            }
+            View::Curved => {
+                for m in 0..M {
+                    taken[m] = gain[i][0] * s[0][m];
+                    for k in 1..M {
+                        taken[m] = taken[m] + gain[i][k] * s[k][m];
                     }
-                    belief.cov[AT[i][j]] = entry;
                 }
             }
         }
-        View::Curved => {
-            for i in 0..N {
-                let product: [T; M] = std::array::from_fn(|m| {
-                    let mut sum = gain[i][0] * s[0][m];
-                    for k in 1..M {
-                        sum = sum + gain[i][k] * s[k][m];
-                    }
-                    sum
-                });
-                for j in 0..=i {
-                    let mut entry = belief.cov(i, j);
-                    for m in 0..M {
-                        entry = entry - product[m] * gain[j][m];
-                    }
-                    belief.cov[AT[i][j]] = entry;
-                }
+        for j in 0..=i {
+            for m in 0..M {
+                kept[j] = kept[j] - taken[m] * gain[j][m];
             }
+            lower[AT[i][j]] = kept[j];
         }
     }
+    belief.cov = lower;
     finish(belief, &gain, &innovation, &factor)
 }
 

@@ -109,9 +109,6 @@ impl<S: Simd> Lane for Vector<S> {
 
     #[inline(never)]
     fn apart<R>(token: S, work: impl FnOnce() -> R) -> R {
-        token.vectorize(
-            #[inline(always)]
-            || work(),
-        )
+        token.vectorize(work)
     }
 }

@@ -8,7 +8,8 @@ use kalmanscope_core::{
 };
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{RngSeed, TestRunner};
 
 const PARAMETERS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
@@ -181,6 +182,30 @@ proptest! {
             .collect();
         check(&runs)?;
     }
+}
+
+/// The random ensembles above are of all kinds: most go in lanes, some stop, some need doubled steps.
+#[test]
+fn random_ensembles_are_of_all_kinds() {
+    let mut runner = TestRunner::new(config(1));
+    let (mut all_runs, mut served, mut stopped, mut mirrored, mut long, mut left_over) = (0, 0, 0, 0, 0, 0);
+    for _ in 0..120 {
+        let scenario = ensemble().new_tree(&mut runner).unwrap().current();
+        let record = simulated(&scenario);
+        left_over += usize::from(scenario.filters.len() % 8 > 1);
+        for run in all(&scenario, &record) {
+            let outcome = Outcome::of(run.scenario, run.place, run.record).unwrap();
+            all_runs += 1;
+            served += usize::from(serves(&run).unwrap());
+            stopped += usize::from(outcome.stop.is_some());
+            mirrored += usize::from(outcome.mean[2] < 0.0);
+            let frequency = scenario.filters[run.place].initial_mean[PARAMETERS[0]];
+            long += usize::from(frequency.abs() * scenario.dt > 0.25);
+        }
+    }
+    let shares = [served, stopped, mirrored, long].map(|count| count as f64 / f64::from(all_runs));
+    assert!(shares[0] > 0.7 && shares[1..].iter().all(|share| *share > 0.05), "{shares:?} of {all_runs}");
+    assert!(left_over > 40, "{left_over} of 120 ensembles leave lanes over");
 }
 
 #[test]
