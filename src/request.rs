@@ -33,6 +33,8 @@ pub enum Request {
     Open(BuiltIn),
     /// Play a scenario from its start.
     OpenScenario(Box<Scenario>),
+    /// Let the user choose a file to open.
+    ChooseFile,
     /// Import a measured record from a file.
     ImportFile(Box<RawFile>),
     /// Choose another meaning of the columns of the record on screen.
