@@ -36,6 +36,21 @@ fn marks(screen: &Screen) -> [Option<f64>; 2] {
 }
 
 #[test]
+fn a_natural_frequency_is_told_in_hertz_too() {
+    let mut screen = whole();
+    // Where there is no room for it, the pointer tells it.
+    assert!(screen.query_by_label_contains("Hz)").is_none());
+    let value = screen.get_by_label("6.000").rect().center();
+    screen.hover_at(value);
+    screen.run_steps(60);
+    screen.get_by_label("truth: 6.000 (0.9549 Hz)");
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Parameters]);
+    screen.set_size(Vec2::new(2200.0, 800.0));
+    screen.run_steps(3);
+    screen.get_by_label("6.000 (0.9549 Hz)");
+}
+
+#[test]
 fn a_click_in_a_plot_goes_to_that_time() {
     let mut screen = whole();
     let time = |screen: &Screen| screen.state().session().time();
