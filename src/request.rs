@@ -201,7 +201,8 @@ pub enum Answer {
 }
 
 /// An entry of the legend of all plots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LegendEntry {
     /// The truth.
     Truth,
