@@ -355,6 +355,26 @@ fn a_filter_dropped_on_another_gives_it_its_numbers() {
 }
 
 #[test]
+fn a_number_dropped_on_another_filters_makes_it_the_same() {
+    let mut screen = whole();
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);
+    screen.run_steps(3);
+    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    let before = scenario(&screen).filters[0].clone();
+    let place = |screen: &Screen, label: &str| screen.get_by_label(label).rect().center();
+    let from = place(&screen, "Same as UKF: process std of natural frequency");
+    // A number of another row stays as it is.
+    let wrong = place(&screen, "EKF: fading factor");
+    drag(&mut screen, from, wrong - from);
+    assert_eq!(scenario(&screen).filters[0], before);
+    let to = place(&screen, "EKF: process std of natural frequency");
+    drag(&mut screen, from, to - from);
+    let mut expected = before;
+    expected.process_std[Channel::NATURAL_FREQUENCY] = 0.003;
+    assert_eq!(scenario(&screen).filters[0], expected);
+}
+
+#[test]
 fn two_marks_in_a_free_decay_tell_frequency_and_damping_by_hand() {
     let mut screen = whole();
     let free = kalmanscope_lessons::BuiltIn::named("free-vibration").unwrap().scenario().unwrap();
