@@ -1,7 +1,6 @@
 //! Files that LibreOffice 7.4 has written: a sheet of 121 rows, with the German locale and without the reading in row 18,
 //! converted by `soffice --headless --convert-to 'csv:Text - txt - csv (StarCalc):…,1031,…'` with the charsets UTF-8, UTF-16
 //! and Latin-1.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::import::{Builder, Decimal, Delimiter, Encoding, Imported, Mapping, read};
 use kalmanscope_core::{Hold, InputKind, Quantity};
