@@ -3,6 +3,7 @@
 mod apply;
 mod embed;
 mod export;
+mod files;
 mod import;
 mod lesson;
 pub mod link;
@@ -16,6 +17,7 @@ use kalmanscope_lessons::BuiltIn;
 use crate::drop;
 use crate::export::Deliver;
 use crate::import::Import;
+use crate::inbox::{Choose, Inbox};
 use crate::keys;
 use crate::layout::Layout;
 use crate::notice::Notice;
@@ -63,6 +65,10 @@ pub struct App {
     notice: Option<Notice>,
     /// The way to the user's files; none where there is none.
     deliver: Option<Deliver>,
+    /// The way to choose one of them; none where there is none.
+    choose: Option<Choose>,
+    /// The files that arrive from there.
+    inbox: Inbox,
     /// The address at which links begin; empty where no page is known.
     page: String,
     /// Whether another page embeds this one, which shows plots and transport only.
@@ -152,6 +158,8 @@ impl App {
             notice: None,
             importing: None,
             deliver: None,
+            choose: None,
+            inbox: Inbox::default(),
             page: link::PAGE.unwrap_or_default().to_owned(),
             embedded: false,
             unreadable: None,
@@ -204,11 +212,6 @@ impl App {
         self.notice.as_ref().map(|notice| notice.sentence.as_str())
     }
 
-    /// Opens a file with a lesson or a scenario, or says why it cannot be read.
-    pub fn open_file(&mut self, name: &str, contents: Result<Vec<u8>, String>) {
-        self.requests.push(drop::opened(name, contents));
-    }
-
     /// The ids of the filters whose causes are asked for.
     fn tried(&self) -> Vec<u32> {
         if !self.layout.in_sight().contains(&ViewKind::Diagnosis) {
@@ -246,6 +249,7 @@ impl eframe::App for App {
         theme::fit_targets(ctx);
         keys::keys(ctx, &self.session, &mut self.requests);
         drop::dropped(ctx, &mut self.requests);
+        self.take_files();
         link::pasted(ctx, &mut self.requests);
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);

@@ -52,7 +52,11 @@ impl Bar<'_> {
             if !presenting && ui.max_rect().width() > ROOMY {
                 ui.label(RichText::new("Kalmanscope").family(theme::strong()).size(17.0));
             }
-            scenario_menu_ui(ui, session, requests);
+            let is_roomy = ui.max_rect().width() > ROOMY;
+            if is_roomy {
+                choose_file_ui(ui, "Open…", requests);
+            }
+            scenario_menu_ui(ui, session, is_roomy, requests);
             views_menu_ui(ui, layout, requests);
             tutor::menu_ui(ui, catalogue, requests);
             export_menu::menu_ui(ui, narrow, requests);
@@ -77,8 +81,26 @@ impl Bar<'_> {
     }
 }
 
-fn scenario_menu_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
-    ui.menu_button("Scenario", |ui| {
+/// The way to a file of the user's own. Returns whether it was taken.
+fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool {
+    let button = ui.button(text).on_hover_text("A measured record, a scenario, a lesson or a session (Ctrl+O)");
+    button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Open a file"));
+    probe::remember(ui.ctx(), "Open a file", button.rect);
+    if button.clicked() {
+        requests.push(Request::ChooseFile);
+    }
+    button.clicked()
+}
+
+/// The scenarios that come along; with them the way to other files where the bar has no room for it.
+fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &mut Vec<Request>) {
+    let menu = ui.menu_button("Scenario", |ui| {
+        if !is_roomy {
+            if choose_file_ui(ui, "Open a file…", requests) {
+                ui.close();
+            }
+            ui.separator();
+        }
         for entry in BUILT_IN {
             if ui.button(entry.title).on_hover_text(entry.description()).clicked() {
                 requests.push(Request::Open(*entry));
@@ -97,6 +119,7 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>)
             ui.close();
         }
     });
+    probe::remember(ui.ctx(), "Scenario", menu.response.rect);
 }
 
 fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {

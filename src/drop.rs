@@ -1,16 +1,17 @@
-//! Files dropped on the window: lessons, scenarios, sessions and measured records.
+//! Files dropped on the window or chosen in a dialog: lessons, scenarios, sessions and measured records.
 
 use std::fs::File;
 use std::io::Read as _;
+use std::path::Path;
 
-use egui::{Context, DroppedFile};
+use egui::Context;
 use kalmanscope_lessons::File as Contents;
 
 use crate::import;
 use crate::request::{RawFile, Request};
 use crate::session_file;
 
-/// Limits the size of a dropped file \[bytes\].
+/// Limits the size of a file \[bytes\].
 pub const LARGEST: usize = import::LARGEST;
 
 /// Limits the size of a lesson or a scenario \[bytes\].
@@ -20,7 +21,7 @@ const LARGEST_TEXT: usize = 1_000_000;
 /// the others.
 pub(crate) fn dropped(ctx: &Context, requests: &mut Vec<Request>) {
     if let Some(file) = ctx.input(|input| input.raw.dropped_files.last().cloned()) {
-        requests.push(opened(&name(&*file), read(&*file)));
+        requests.push(opened(&file_name(file.path()), read_path(file.path())));
     }
 }
 
@@ -49,14 +50,17 @@ fn refused(name: &str, reason: &impl ToString) -> Request {
 }
 
 /// The file's name without its folder.
-pub fn name(file: &dyn DroppedFile) -> String {
-    file.path().file_name().map_or_else(|| "The file".to_owned(), |name| name.to_string_lossy().into_owned())
+pub fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(|| "The file".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// The file's contents, or a byte more than is allowed where it is too large.
-fn read(file: &dyn DroppedFile) -> Result<Vec<u8>, String> {
+/// The file's contents, or a byte more than [`LARGEST`] where it is too large.
+///
+/// # Errors
+/// The reason why it cannot be read.
+pub fn read_path(path: &Path) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    let read = File::open(file.path()).and_then(|file| file.take(LARGEST as u64 + 1).read_to_end(&mut bytes));
+    let read = File::open(path).and_then(|file| file.take(LARGEST as u64 + 1).read_to_end(&mut bytes));
     read.map(|_| bytes).map_err(|error| error.to_string())
 }
 

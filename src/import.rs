@@ -10,7 +10,7 @@ mod spectra;
 
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Reader, hash};
+use kalmanscope_core::import::{Hash, Reader};
 use kalmanscope_core::suggest::Suggest;
 use kalmanscope_core::{Record, Scenario};
 
@@ -28,6 +28,8 @@ pub struct Import {
 }
 
 enum Stage {
+    /// The bytes are hashed, up to a place.
+    Hashing(Vec<u8>, Hash, usize),
     /// The file is read; with it the hash of its bytes.
     Reading(Box<Reader>, String),
     /// Its columns are given a meaning.
@@ -51,12 +53,7 @@ pub struct Opened {
 impl Import {
     /// The import of a file's bytes.
     pub fn new(name: &str, bytes: Vec<u8>) -> Self {
-        let hash = hash(&bytes);
-        let stage = match Reader::new(bytes, None) {
-            Ok(reader) => Stage::Reading(Box::new(reader), hash),
-            Err(error) => Stage::Failed(error.to_string()),
-        };
-        Self { name: name.to_owned(), stage }
+        Self { name: name.to_owned(), stage: Stage::Hashing(bytes, Hash::default(), 0) }
     }
 
     /// The import of a file that has been read, as a scenario uses it now.
@@ -69,6 +66,7 @@ impl Import {
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Opened> {
         let stage = std::mem::replace(&mut self.stage, Stage::Failed(String::new()));
         self.stage = match stage {
+            Stage::Hashing(bytes, hash, done) => hashed(bytes, hash, done, while_time),
             Stage::Reading(mut reader, hash) => match reader.advance(while_time) {
                 Ok(false) => Stage::Reading(reader, hash),
                 Ok(true) => match reader.finish() {
@@ -88,14 +86,22 @@ impl Import {
                 }
                 Stage::Suggesting(draft, suggest)
             }
-            stage => stage,
+            Stage::Asking(mut draft) => {
+                draft.advance(while_time);
+                Stage::Asking(draft)
+            }
+            Stage::Failed(reason) => Stage::Failed(reason),
         };
         None
     }
 
     /// Whether something is computed.
     pub fn is_busy(&self) -> bool {
-        matches!(self.stage, Stage::Reading(..) | Stage::Suggesting(..))
+        match &self.stage {
+            Stage::Hashing(..) | Stage::Reading(..) | Stage::Suggesting(..) => true,
+            Stage::Asking(draft) => draft.is_behind(),
+            Stage::Failed(_) => false,
+        }
     }
 
     /// The file once it has been read.
@@ -125,5 +131,24 @@ impl Import {
             return None;
         }
         Some(Opened { file: Arc::clone(draft.file()), scenario, reasons: Vec::new() })
+    }
+}
+
+/// The bytes that are hashed between two looks at the clock: about a millisecond.
+const CHUNK: usize = 500_000;
+
+/// Hashes the next bytes; the reader comes after the last ones.
+fn hashed(bytes: Vec<u8>, mut hash: Hash, mut done: usize, while_time: &mut dyn FnMut() -> bool) -> Stage {
+    while done < bytes.len() {
+        let end = (done + CHUNK).min(bytes.len());
+        hash.add(&bytes[done..end]);
+        done = end;
+        if !while_time() {
+            return Stage::Hashing(bytes, hash, done);
+        }
+    }
+    match Reader::new(bytes, None) {
+        Ok(reader) => Stage::Reading(Box::new(reader), hash.text()),
+        Err(error) => Stage::Failed(error.to_string()),
     }
 }

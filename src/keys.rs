@@ -48,6 +48,13 @@ const SHORTCUTS: &[Shortcut] = &[
         Request::Edit(Box::new(comparison::with_other_gain(session.scenario())))
     }),
     plain("C", "copy a link to this picture", &[Key::C], |_| Request::CopyLink),
+    Shortcut {
+        name: "Ctrl+O",
+        what: "open a file: a record, a scenario, a lesson or a session",
+        keys: &[Key::O],
+        modifiers: Modifiers::COMMAND,
+        request: |_| Request::ChooseFile,
+    },
     plain("S", "show or hide the settings", &[Key::S], |_| Request::ToggleControls),
     plain("P", "presenter mode: large type", &[Key::P], |_| Request::TogglePresenter),
     plain("Page down", "the next view alone, then all", &[Key::PageDown], |_| Request::TurnView(true)),

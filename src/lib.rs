@@ -12,6 +12,7 @@ pub mod export;
 mod export_menu;
 pub mod figure;
 pub mod import;
+pub mod inbox;
 mod keys;
 pub mod layout;
 mod legend;

@@ -12,6 +12,8 @@ fn main() {
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
+    mod file_dialog;
+
     use std::error::Error;
     use std::io::{self, Write as _};
     use std::path::{Path, PathBuf};
@@ -20,6 +22,7 @@ mod native {
     use eframe::NativeOptions;
     use egui::{IconData, ViewportBuilder};
     use kalmanscope::App;
+    use kalmanscope::drop;
     use kalmanscope::export::folder;
     use kalmanscope::share::address::{self, Target};
     use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
@@ -76,13 +79,12 @@ mod native {
             .with_icon(icon());
         let options = NativeOptions { viewport, ..NativeOptions::default() };
         let creator: eframe::AppCreator<'_> = Box::new(|creation| {
-            let mut app = App::new(creation)?.delivering(Box::new(folder::write));
+            let mut app = App::new(creation)?.delivering(Box::new(folder::write)).choosing(Some(file_dialog::choose()));
             if let Some(address) = address {
                 app.open_address(&address);
             }
             if let Some(path) = file {
-                let name = path.file_name().map_or_else(Default::default, |name| name.to_string_lossy().into_owned());
-                app.open_file(&name, std::fs::read(&path).map_err(|error| error.to_string()));
+                app.open_file(&drop::file_name(&path), drop::read_path(&path));
             }
             Ok(Box::new(app))
         });
@@ -123,14 +125,12 @@ mod native {
 #[cfg(target_arch = "wasm32")]
 mod web {
     mod download;
+    mod file_input;
     mod messages;
     mod tables;
 
     use std::cell::RefCell;
-    use std::rc::Rc;
 
-    use egui::DroppedFileHandle;
-    use kalmanscope::drop;
     use kalmanscope::share::address;
     use wasm_bindgen::JsCast as _;
     use wasm_bindgen::prelude::*;
@@ -150,9 +150,6 @@ mod web {
         static RUNNER: RefCell<Option<(eframe::WebRunner, egui::Context)>> = const { RefCell::new(None) };
     }
 
-    /// A file's name, and its contents or the reason why it cannot be read.
-    type ReadFile = (String, Result<Vec<u8>, String>);
-
     /// The app, accessible from JavaScript, and its tables in the page.
     struct Page {
         app: kalmanscope::App,
@@ -161,38 +158,21 @@ mod web {
         fragment: String,
         /// The messages of the page that embeds this one.
         messages: Option<Messages>,
-        /// The dropped files that have been read and are to be opened.
-        files: Rc<RefCell<Vec<ReadFile>>>,
     }
 
     impl Page {
-        /// Reads the files that were dropped in this frame, and opens those that have been read.
-        fn open_dropped_files(&mut self, ctx: &egui::Context) {
-            for file in ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files)) {
-                let (files, ctx) = (Rc::clone(&self.files), ctx.clone());
-                wasm_bindgen_futures::spawn_local(async move {
-                    let read = (drop::name(&*file), read(&file).await);
-                    files.borrow_mut().push(read);
-                    ctx.request_repaint();
-                });
-            }
-            for (name, contents) in self.files.take() {
-                self.app.open_file(&name, contents);
+        /// Reads the files that were dropped in this frame.
+        fn read_dropped_files(&mut self, ctx: &egui::Context) {
+            let dropped = ctx.input_mut(|input| std::mem::take(&mut input.raw.dropped_files));
+            for file in dropped.iter().filter_map(|file| file.web_file()) {
+                file_input::open(file.clone(), ctx, self.app.inbox());
             }
         }
-    }
-
-    /// The contents of a file that is not too large.
-    async fn read(file: &DroppedFileHandle) -> Result<Vec<u8>, String> {
-        if file.web_file().is_some_and(|file| file.size() > drop::LARGEST as f64) {
-            return Err(drop::TOO_LARGE.to_owned());
-        }
-        file.bytes_async().await
     }
 
     impl eframe::App for Page {
         fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
-            self.open_dropped_files(ctx);
+            self.read_dropped_files(ctx);
             let fragment = &frame.info().web_info.location.hash;
             if *fragment != self.fragment {
                 self.fragment.clone_from(fragment);
@@ -272,6 +252,10 @@ mod web {
             let app = if embedded { kalmanscope::App::embedded(creation)? } else { kalmanscope::App::new(creation)? };
             let mut app =
                 app.on_cleared_window().delivering(Box::new(download::download)).at_page(address::page(&address));
+            let choose = web_sys::window()
+                .and_then(|window| window.document())
+                .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
+            app = app.choosing(choose);
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }
@@ -283,7 +267,7 @@ mod web {
                     *ctx = creation.egui_ctx.clone();
                 }
             });
-            Ok(Box::new(Page { app, tables, fragment, messages, files: Rc::default() }))
+            Ok(Box::new(Page { app, tables, fragment, messages }))
         });
         RUNNER.set(Some((runner.clone(), egui::Context::default())));
         // Dithering costs time for every pixel, and there are no gradients.

@@ -33,6 +33,8 @@ pub enum Request {
     Open(BuiltIn),
     /// Play a scenario from its start.
     OpenScenario(Box<Scenario>),
+    /// Let the user choose a file to open.
+    ChooseFile,
     /// Import a measured record from a file.
     ImportFile(Box<RawFile>),
     /// Choose another meaning of the columns of the record on screen.
@@ -199,7 +201,8 @@ pub enum Answer {
 }
 
 /// An entry of the legend of all plots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum LegendEntry {
     /// The truth.
     Truth,

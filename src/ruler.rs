@@ -1,5 +1,7 @@
 //! Two marked times, A and B.
 
+use serde::{Deserialize, Serialize};
+
 /// One of the two marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
@@ -23,7 +25,8 @@ impl End {
 }
 
 /// The times that the user has marked.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct Ruler {
     /// A and B \[s\], none where not set.
     times: [Option<f64>; 2],
@@ -60,6 +63,11 @@ impl Ruler {
     /// Takes both marks away.
     pub fn clear(&mut self) {
         self.times = [None; 2];
+    }
+
+    /// The marks in whole nanoseconds, which a text gives back as they were.
+    pub(crate) fn in_nanoseconds(self) -> Self {
+        Self { times: self.times.map(|time| time.map(|time| (time * 1e9).round() / 1e9)) }
     }
 
     /// Whether any mark is set.

@@ -16,8 +16,9 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::layout::Layout;
-use crate::request::ViewKind;
-use crate::session::Mode;
+use crate::request::{LegendEntry, ViewKind};
+use crate::ruler::Ruler;
+use crate::session::{Mode, Session};
 
 pub use outline::Outline;
 
@@ -43,6 +44,12 @@ pub struct Picture {
     pub mode: Mode,
     /// The time at which playback stands, from the first sample on \[s\].
     pub time: f64,
+    /// Simulated seconds per second.
+    pub speed: f64,
+    /// The marked times.
+    pub ruler: Ruler,
+    /// The entries of the legend that are hidden.
+    pub hidden: Vec<LegendEntry>,
 }
 
 /// The reason why a link cannot be read or made.
@@ -65,7 +72,8 @@ pub enum LinkError {
     Scenario(#[from] ScenarioError),
 }
 
-/// The first line of a link's text, as JSON. The scenario follows it.
+/// The first line of a link's text, as JSON. The scenario follows it. What is as usual is left out: the link is shorter, and
+/// a program that does not know the field reads it.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Screen {
@@ -74,12 +82,33 @@ struct Screen {
     enlarged: Option<ViewKind>,
     mode: Mode,
     time: f64,
+    #[serde(default = "usual_speed", skip_serializing_if = "is_usual_speed")]
+    speed: f64,
+    #[serde(default, skip_serializing_if = "is_unused")]
+    marks: Ruler,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    hidden: Vec<LegendEntry>,
+}
+
+const fn usual_speed() -> f64 {
+    Session::DEFAULT_SPEED
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
+fn is_usual_speed(speed: &f64) -> bool {
+    *speed == usual_speed()
+}
+
+fn is_unused(ruler: &Ruler) -> bool {
+    !ruler.is_used()
 }
 
 impl Picture {
-    /// The picture with these settings, views and playback.
+    /// The picture with these settings and views, at the usual speed, without marks, with all of the legend.
     pub(crate) fn new(scenario: Scenario, layout: &Layout, mode: Mode, time: f64) -> Self {
-        Self { scenario, views: Outline::of(layout.tree()), enlarged: layout.enlarged(), mode, time }
+        let (views, enlarged) = (Outline::of(layout.tree()), layout.enlarged());
+        let (speed, ruler, hidden) = (usual_speed(), Ruler::default(), Vec::new());
+        Self { scenario, views, enlarged, mode, time, speed, ruler, hidden }
     }
 
     /// The picture as a fragment, from `#` on.
@@ -88,8 +117,8 @@ impl Picture {
     /// [`LinkError::Scenario`] where the scenario cannot be written, [`LinkError::TooLong`] where the link would be too
     /// long.
     pub fn fragment(&self) -> Result<String, LinkError> {
-        let Self { scenario, views, enlarged, mode, time } = self;
-        let screen = Screen { views: views.clone(), enlarged: *enlarged, mode: *mode, time: *time };
+        let Self { scenario, views, enlarged, mode, time, speed, ruler, hidden } = self.clone();
+        let screen = Screen { views, enlarged, mode, time, speed, marks: ruler, hidden };
         let screen = serde_json::to_string(&screen).map_err(|error| LinkError::Screen(error.to_string()))?;
         let text = format!("{screen}\n{}", scenario.to_toml()?);
         let link = format!("{VERSION}.{}", base64url::encode(&packed::pack(&text)));
@@ -119,7 +148,7 @@ impl Picture {
     fn from_text(text: &str) -> Result<Self, LinkError> {
         let (screen, scenario) = text.split_once('\n').ok_or(LinkError::Damaged)?;
         let screen: Screen = serde_json::from_str(screen).map_err(|error| LinkError::Screen(error.to_string()))?;
-        let Screen { views, enlarged, mode, time } = screen;
+        let Screen { views, enlarged, mode, time, speed, marks: ruler, hidden } = screen;
         if let Some(views) = &views {
             views.validate().map_err(LinkError::Screen)?;
         }
@@ -127,10 +156,14 @@ impl Picture {
         if !time.is_finite() || time < 0.0 {
             return Err(LinkError::Screen(format!("the time is {time}, but must be 0 or more")));
         }
+        if !speed.is_finite() || speed <= 0.0 {
+            return Err(LinkError::Screen(format!("the speed is {speed}, but must be above 0")));
+        }
         if enlarged.as_ref().is_some_and(|view| !shown(view)) {
             return Err(LinkError::Screen("the view that is enlarged is not shown".to_owned()));
         }
-        Ok(Self { scenario: Scenario::from_toml(scenario)?, views, enlarged, mode, time })
+        let scenario = Scenario::from_toml(scenario)?;
+        Ok(Self { scenario, views, enlarged, mode, time, speed, ruler, hidden })
     }
 
     /// The views as tiles.

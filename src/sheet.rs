@@ -20,25 +20,37 @@ pub struct Column<'a> {
     pub owner: String,
     color: Color32,
     text: Box<dyn Fn(usize) -> Option<String> + 'a>,
+    /// The same number in another unit.
+    aside: Option<Box<dyn Fn(usize) -> Option<String> + 'a>>,
 }
 
 impl<'a> Column<'a> {
     /// `text` gives the text of a sample's number, if it has one.
     pub(crate) fn new(owner: &str, color: Color32, text: impl Fn(usize) -> Option<String> + 'a) -> Self {
-        Self { owner: owner.to_owned(), color, text: Box::new(text) }
+        Self { owner: owner.to_owned(), color, text: Box::new(text), aside: None }
+    }
+
+    /// `aside` gives the text of the same number in another unit, if there is one.
+    pub(crate) fn with_aside(self, aside: impl Fn(usize) -> Option<String> + 'a) -> Self {
+        Self { aside: Some(Box::new(aside)), ..self }
     }
 
     /// The text of the number at a sample, if it has one.
     pub fn text(&self, k: usize) -> Option<String> {
         (self.text)(k)
     }
+
+    /// The text of the same number in another unit, if it has one.
+    pub fn aside(&self, k: usize) -> Option<String> {
+        self.aside.as_ref()?(k)
+    }
 }
 
 /// The numbers at a sample, for the heading of a chart.
 pub(crate) fn readouts(columns: &[Column<'_>], k: usize) -> Vec<Readout> {
     let readout = |column: &Column<'_>| {
-        let (color, hint) = (column.color, column.owner.clone());
-        Some(Readout { text: column.text(k)?, color, hint })
+        let readout = Readout::new(column.text(k)?, column.color, column.owner.clone());
+        Some(Readout { aside: column.aside(k), ..readout })
     };
     columns.iter().filter_map(readout).collect()
 }

@@ -1,5 +1,7 @@
 //! Numbers for people to read.
 
+use std::f64::consts::TAU;
+
 use kalmanscope_core::Channel;
 
 /// A number with `digits` significant digits, in fixed-point notation where that is short, else with an exponent.
@@ -31,6 +33,11 @@ pub fn significant(x: f64, digits: usize) -> String {
 /// The same, padded with zeros so that its width is constant.
 pub fn fixed(x: f64, decimals: usize) -> String {
     if x.is_finite() && x.abs() < 1e6 { format!("{x:.decimals$}").replace('-', "−") } else { significant(x, 3) }
+}
+
+/// An angular frequency \[rad/s\] in hertz; `None` where the unit is another one.
+pub fn in_hertz(x: f64, unit: &str) -> Option<String> {
+    (unit == "rad/s").then(|| format!("{} Hz", significant(x / TAU, 4)))
 }
 
 /// Reads the output of [`significant`], and any number in Rust's notation.
@@ -97,6 +104,13 @@ mod tests {
         {
             assert_eq!(parse_clock(text), time, "{text}");
         }
+    }
+
+    #[test]
+    fn angular_frequencies_are_told_in_hertz() {
+        assert_eq!(in_hertz(6.0, "rad/s").as_deref(), Some("0.9549 Hz"));
+        assert_eq!(in_hertz(-0.1 * TAU, "rad/s").as_deref(), Some("−0.1 Hz"));
+        assert_eq!(in_hertz(6.0, "m/s"), None);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::ruler::Ruler;
 use crate::session::Session;
-use crate::sheet::Sheet;
+use crate::sheet::{Column, Sheet};
 use crate::text::significant;
 use crate::theme::Palette;
 use crate::trouble::{Trouble, troubles};
@@ -127,7 +127,11 @@ fn table(sheet: &Sheet<'_>, context: &ViewContext<'_>) -> Table {
     let ViewContext { session, axis, .. } = *context;
     let record = session.run().record();
     let row = |name: &str, k: usize| {
-        let texts = columns.iter().map(|column| column.text(k).unwrap_or_else(|| NONE.to_owned()));
+        let text = |column: &Column<'_>| {
+            let text = column.text(k)?;
+            Some(column.aside(k).map_or_else(|| text.clone(), |aside| format!("{text} ({aside})")))
+        };
+        let texts = columns.iter().map(|column| text(column).unwrap_or_else(|| NONE.to_owned()));
         std::iter::once(format!("{name}{} s", significant(record.time(k), 7))).chain(texts).collect()
     };
     let last = session.run().len().saturating_sub(1);

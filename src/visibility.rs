@@ -54,6 +54,31 @@ impl Visibility {
         if self.verdicts { Wanted::diagnostics(Depth::All) } else { Wanted::NOTHING }
     }
 
+    /// Everything but some entries of the legend.
+    pub(crate) fn without(hidden: &[LegendEntry]) -> Self {
+        let mut visible = Self::default();
+        for entry in hidden {
+            // Twice in the list is as good as once.
+            if !visible.hidden().contains(entry) {
+                visible.toggle(*entry);
+            }
+        }
+        visible
+    }
+
+    /// The entries of the legend that are hidden.
+    pub(crate) fn hidden(&self) -> Vec<LegendEntry> {
+        let Self { truth, measured, bands, verdicts, only: _, hidden_filters } = self;
+        let parts = [
+            (LegendEntry::Truth, *truth),
+            (LegendEntry::Measured, *measured),
+            (LegendEntry::Bands, *bands),
+            (LegendEntry::Verdicts, *verdicts),
+        ];
+        let parts = parts.into_iter().filter(|(_, shown)| !shown).map(|(entry, _)| entry);
+        parts.chain(hidden_filters.iter().map(|id| LegendEntry::Filter(*id))).collect()
+    }
+
     /// Shows everything again, but for verdicts that a lecturer has hidden.
     pub(crate) fn reset(&mut self) {
         *self = Self { verdicts: self.verdicts, ..Self::default() };

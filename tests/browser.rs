@@ -82,6 +82,7 @@ fn links_frames_and_files_work_in_a_browser() {
         share::names(&page, &address).await;
         embed::messages(&page, &address).await;
         starts(&page, &address).await;
+        import::a_record_is_chosen(&page, &driver.downloads()).await;
         import::a_record_is_opened_by_drop(&page).await;
     });
 }

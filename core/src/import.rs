@@ -28,6 +28,7 @@ mod dialect;
 mod encoding;
 mod error;
 mod guess;
+mod hash;
 mod length;
 mod mapping;
 mod reader;
@@ -41,6 +42,7 @@ pub use cell::{Cells, Decimal, Delimiter};
 pub use dialect::Dialect;
 pub use encoding::Encoding;
 pub use error::ImportError;
+pub use hash::Hash;
 pub use length::Length;
 pub use mapping::{MappedColumn, Mapping, MeanWord, Offset, Time};
 pub use reader::Reader;
@@ -58,11 +60,9 @@ pub fn read(bytes: impl Into<Vec<u8>>, dialect: Option<Dialect>) -> Result<Table
     reader.finish()
 }
 
-/// A hash of a file's bytes (FNV-1a, 64 bits, in hexadecimal), to tell whether a file is the same one; it is no protection
-/// against forgery.
+/// The [`Hash`] of a file's bytes, in one go.
 pub fn hash(bytes: &[u8]) -> String {
-    let sum = bytes
-        .iter()
-        .fold(0xCBF2_9CE4_8422_2325_u64, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3));
-    format!("{sum:016x}")
+    let mut hash = Hash::default();
+    hash.add(bytes);
+    hash.text()
 }

@@ -80,7 +80,7 @@ pub use diagnostics::{Diagnostics, Summary};
 pub use estimates::{Estimates, Stop};
 pub use filter::{Adaptation, FilterError, FilterKind, Propagation};
 pub use force::Force;
-pub use free_run::{Fit, FreeRun, Identified};
+pub use free_run::{Fit, FreeRun, Identified, Running};
 pub use job::{Job, Progress};
 pub use model::{Hold, InputKind, Model};
 pub use pass::Pass;

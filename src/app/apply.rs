@@ -40,6 +40,7 @@ impl App {
                 Err(error) => self.notice = Some(format!("“{}” cannot be opened: {error}.", built_in.title).into()),
             },
             Request::OpenScenario(scenario) => self.open(*scenario, ctx),
+            Request::ChooseFile => self.choose_file(ctx),
             Request::ImportFile(file) => self.import(*file),
             Request::ChangeColumns => self.change_columns(),
             Request::HoldOut => self.hold_out(),

@@ -9,6 +9,7 @@ use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
 use crate::share::address::{self, Target};
 use crate::share::{LinkError, Picture};
+use crate::visibility::Visibility;
 
 /// The page at which links of the desktop program begin. It is set when the program is built; without it a link is the
 /// fragment alone, which any page and any program opens.
@@ -41,9 +42,10 @@ impl App {
 
     /// The picture on screen.
     pub fn picture(&self) -> Picture {
-        let Self { session, layout, .. } = self;
+        let Self { session, layout, ruler, visible, .. } = self;
         let time = session.time() - session.run().record().time_of(0);
-        Picture::new(session.scenario().clone(), layout, session.mode(), time)
+        let picture = Picture::new(session.scenario().clone(), layout, session.mode(), time);
+        Picture { speed: session.speed(), ruler: ruler.in_nanoseconds(), hidden: visible.hidden(), ..picture }
     }
 
     /// A link to the picture on screen.
@@ -74,18 +76,20 @@ impl App {
     /// Shows the picture of a link, paused. The settings before it come back with undo.
     fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
-        let Picture { scenario, mode, time, .. } = picture;
+        let Picture { scenario, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;
         self.history.add_undo(self.session.scenario());
         self.session.set_scenario(scenario);
         self.session.begin_anew();
         self.session.set_mode(mode);
+        self.session.set_speed(speed);
         self.session.pause();
         self.session.seek(time);
         self.tutor = None;
         self.inviting = false;
         self.layout = layout;
         self.axis = TimeAxis::default();
-        self.visible.reset();
+        self.ruler = ruler;
+        self.visible = Visibility::without(&hidden);
         number::begin_anew(ctx);
     }
 }

@@ -1,11 +1,12 @@
 //! A filter's initial belief and assumed noise: initial mean and std, Q and R.
 
-use egui::{Grid, RichText, Ui, Vec2};
+use egui::{Grid, Response, RichText, Ui, Vec2};
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Sensor};
 
 use super::lit::lit;
 use super::number::{field, std_field};
+use crate::text::in_hertz;
 
 /// Width of the column of symbols \[points\].
 const SYMBOL_WIDTH: f32 = 22.0;
@@ -66,7 +67,10 @@ pub(super) fn belief_ui(
                     std_field(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
                 });
             });
-            unit_ui(ui, length.in_place_of(channel.unit()));
+            let unit = unit_ui(ui, length.in_place_of(channel.unit()));
+            if let Some(hertz) = in_hertz(*mean, channel.unit()) {
+                unit.on_hover_text(format!("The guess is {hertz}"));
+            }
             ui.end_row();
         }
         for (place, (std, sensor)) in sensor_std.iter_mut().zip(sensors).enumerate() {
@@ -89,11 +93,12 @@ pub(super) fn belief_ui(
 }
 
 /// A unit, cut where it is too long: a row that is wider than the panel would make the panel grow.
-fn unit_ui(ui: &mut Ui, unit: &str) {
+fn unit_ui(ui: &mut Ui, unit: &str) -> Response {
     ui.allocate_ui(Vec2::new(UNIT_WIDTH, ui.spacing().interact_size.y), |ui| {
         ui.set_width(UNIT_WIDTH);
-        ui.add(egui::Label::new(RichText::new(unit).weak()).truncate());
-    });
+        ui.add(egui::Label::new(RichText::new(unit).weak()).truncate())
+    })
+    .inner
 }
 
 /// A usual size of the channel's values: the usual initial standard deviation.

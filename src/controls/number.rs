@@ -3,7 +3,7 @@
 use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
 
 use crate::probe::remember;
-use crate::text::{parse, significant};
+use crate::text::{in_hertz, parse, significant};
 
 /// Width of the labels, so that all sliders are aligned \[points\].
 const LABEL_WIDTH: f32 = 100.0;
@@ -69,7 +69,10 @@ impl Number<'_> {
             announce(&field, &format!("{name}, value"));
             scroll(ui, &field, value, step(*value, low, high));
             reset(&field, value, initial);
-            ui.weak(unit);
+            let label = ui.weak(unit);
+            if let Some(hertz) = in_hertz(*value, unit) {
+                label.on_hover_text(format!("That is {hertz}"));
+            }
         });
         limit(ui, value, least, f64::INFINITY, name, unit);
     }

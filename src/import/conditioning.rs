@@ -38,8 +38,9 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
 
 /// The part that is used, and what is done to it.
 pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
-    let end = draft.outcome().map_or(10.0, |imported| imported.record.time(imported.record.len().saturating_sub(1)));
-    let nyquist = draft.outcome().map_or(50.0, |imported| 0.5 / imported.record.dt());
+    let made = draft.outcome().and_then(Result::ok);
+    let end = made.map_or(10.0, |imported| imported.record.time(imported.record.len().saturating_sub(1)));
+    let nyquist = made.map_or(50.0, |imported| 0.5 / imported.record.dt());
     egui::CollapsingHeader::new("Part, band and rate").id_salt("conditioning").show(ui, |ui| {
         let mapping = &mut draft.mapping;
         ui.horizontal_wrapped(|ui| {

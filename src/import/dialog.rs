@@ -10,6 +10,9 @@ use crate::request::Request;
 use crate::text::significant;
 use crate::theme::Palette;
 
+/// The share of the time for reading a file that its hash takes.
+const HASHING: f32 = 0.1;
+
 /// The choice of the user in this frame.
 enum Choice {
     Open,
@@ -49,7 +52,7 @@ impl Import {
             Some(Choice::Open) => {
                 let Stage::Asking(draft) = &mut self.stage else { return None };
                 let scenario = draft.scenario()?;
-                let record = draft.outcome().ok()?.record.clone();
+                let record = draft.outcome()?.ok()?.record.clone();
                 self.accept(record, scenario)
             }
             None => None,
@@ -59,9 +62,13 @@ impl Import {
     fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
         let Self { name, stage } = self;
         match stage {
+            Stage::Hashing(bytes, _, done) => {
+                ui.label(format!("Reading “{name}”"));
+                progress_ui(ui, HASHING * *done as f32 / bytes.len().max(1) as f32)
+            }
             Stage::Reading(reader, _) => {
                 ui.label(format!("Reading “{name}”"));
-                progress_ui(ui, reader.progress() as f32)
+                progress_ui(ui, HASHING + (1.0 - HASHING) * reader.progress() as f32)
             }
             Stage::Suggesting(_, suggest) => {
                 ui.label(format!("Making start values from “{name}”"));
@@ -105,8 +112,13 @@ impl Draft {
         ui.checkbox(&mut self.suggest, "make start values from the data: R, guess, gain, Q")
             .on_hover_text("From spectra and from the likelihood; every number can be changed afterwards");
         ui.add_space(4.0);
+        let is_behind = self.is_behind();
         let is_possible = match self.outcome() {
-            Ok(imported) => {
+            None => {
+                ui.label("Making the record…");
+                false
+            }
+            Some(Ok(imported)) => {
                 let record = &imported.record;
                 let [dt, rate] = [record.dt(), 1.0 / record.dt()].map(|x| significant(x, 5));
                 let [from, to] = [0, record.len() - 1].map(|k| significant(record.time(k), 5));
@@ -114,10 +126,9 @@ impl Draft {
                 for remark in &imported.remarks {
                     ui.weak(remark);
                 }
-                true
+                !is_behind
             }
-            Err(reason) => {
-                let reason = reason.to_owned();
+            Some(Err(reason)) => {
                 ui.colored_label(palette.warning, reason);
                 false
             }

@@ -1,8 +1,9 @@
 //! The meaning of a file's columns, as it is being chosen.
 
+use std::borrow::Borrow;
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Imported, MappedColumn, Mapping, Time};
+use kalmanscope_core::import::{Builder, Imported, MappedColumn, Mapping, Table, Time};
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
@@ -26,8 +27,10 @@ pub struct Draft {
     /// The scenario that goes on with another meaning of the columns, if there is one.
     base: Option<Scenario>,
     pub(super) sparks: Vec<Spark>,
-    /// The last choices, with their record or the reason why there is none.
+    /// The last choices that are complete, with their record or the reason why there is none.
     outcome: Option<(Choices, Result<Imported, String>)>,
+    /// The present choices, with their record in the making.
+    making: Option<(Choices, Builder<Shared>)>,
     /// The spectra without and with the conditioning, and the choices.
     spectra: Option<(Choices, [Vec<[f64; 2]>; 2])>,
 }
@@ -36,6 +39,16 @@ pub struct Draft {
 static NO_SPECTRA: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
 
 type Choices = (Mapping, InputKind, Hold);
+
+/// The table of a file that records are made of.
+#[derive(Debug)]
+struct Shared(Arc<RecordFile>);
+
+impl Borrow<Table> for Shared {
+    fn borrow(&self) -> &Table {
+        &self.0.table
+    }
+}
 
 /// The meaning of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,7 +71,19 @@ impl Draft {
         mapping.hash.clone_from(&file.hash);
         let sparks = file.table.columns.iter().map(|column| Spark::new(&column.values)).collect();
         let (hold, plant) = (Hold::First, PlantKind::SDOF);
-        Self { file, mapping, input, hold, plant, suggest: true, base: None, sparks, outcome: None, spectra: None }
+        Self {
+            file,
+            mapping,
+            input,
+            hold,
+            plant,
+            suggest: true,
+            base: None,
+            sparks,
+            outcome: None,
+            making: None,
+            spectra: None,
+        }
     }
 
     /// The meaning that a scenario gives the columns.
@@ -115,26 +140,45 @@ impl Draft {
         }
     }
 
-    /// The record that follows from the choices, or a sentence that says why there is none.
-    pub fn outcome(&mut self) -> Result<&Imported, &str> {
-        let Self { file, mapping, input, hold, outcome, .. } = self;
+    /// Goes on with the record that follows from the choices, column by column, until `while_time` returns false.
+    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
+        if !self.is_behind() {
+            return;
+        }
+        let Self { file, mapping, input, hold, outcome, making, .. } = self;
         let choices = (mapping.clone(), *input, *hold);
-        if outcome.as_ref().is_none_or(|(of, _)| *of != choices) {
-            let built = Builder::new(&file.table, mapping, *input, *hold).and_then(Builder::finish);
+        let under_way = making.take().filter(|(of, _)| *of == choices).map(|(_, builder)| Ok(builder));
+        let begun = under_way.unwrap_or_else(|| Builder::new(Shared(Arc::clone(file)), mapping, *input, *hold));
+        let built = begun.and_then(|mut builder| {
+            if builder.advance(while_time)? {
+                return builder.finish().map(Some);
+            }
+            *making = Some((choices.clone(), builder));
+            Ok(None)
+        });
+        if let Some(built) = built.transpose() {
             *outcome = Some((choices, built.map_err(|error| error.to_string())));
         }
-        match outcome {
-            Some((_, Ok(imported))) => Ok(imported),
-            Some((_, Err(reason))) => Err(reason),
-            None => Err(""),
-        }
+    }
+
+    /// Whether the record does not follow from the choices yet.
+    pub fn is_behind(&self) -> bool {
+        let Self { mapping, input, hold, outcome, .. } = self;
+        !outcome.as_ref().is_some_and(|((m, i, h), _)| m == mapping && i == input && h == hold)
+    }
+
+    /// The record that follows from the choices, or a sentence that says why there is none: the last one that is complete.
+    pub fn outcome(&self) -> Option<Result<&Imported, &str>> {
+        let (_, outcome) = self.outcome.as_ref()?;
+        Some(outcome.as_ref().map_err(String::as_str))
     }
 
     /// The spectrum of the first sensor without and with band-pass, decimation and interpolation.
     pub(super) fn spectra(&mut self) -> &[Vec<[f64; 2]>; 2] {
         let choices = (self.mapping.clone(), self.input, self.hold);
-        if self.spectra.as_ref().is_none_or(|(of, _)| *of != choices) {
-            let after = self.outcome().map(|imported| spectrum(&imported.record)).unwrap_or_default();
+        if !self.is_behind() && self.spectra.as_ref().is_none_or(|(of, _)| *of != choices) {
+            let made = self.outcome().and_then(Result::ok);
+            let after = made.map(|imported| spectrum(&imported.record)).unwrap_or_default();
             let plain = Mapping { band: None, every: 1, interpolate: 1, ..self.mapping.clone() };
             let built = Builder::new(&self.file.table, &plain, self.input, self.hold).and_then(Builder::finish);
             let before = built.map(|imported| spectrum(&imported.record)).unwrap_or_default();
@@ -147,8 +191,8 @@ impl Draft {
     }
 
     /// The scenario that the choices lead to.
-    pub fn scenario(&mut self) -> Option<Scenario> {
-        let record = &self.outcome().ok()?.record;
+    pub fn scenario(&self) -> Option<Scenario> {
+        let record = &self.outcome()?.ok()?.record;
         let fresh = scenario_for(record);
         let mut scenario = match self.base.clone() {
             Some(mut base) => {
@@ -170,5 +214,41 @@ impl Draft {
             scenario.set_plant(self.plant);
         }
         Some(scenario)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kalmanscope_core::import::read;
+
+    use super::*;
+
+    #[test]
+    fn the_record_is_made_by_columns_and_the_last_complete_one_stays() {
+        let table = read(&b"t,force,displacement,velocity\n0,1,2,3\n0.1,2,3,4\n0.2,1,2,2\n0.3,1,1,1\n"[..], None);
+        let table = table.expect("a table");
+        let file = RecordFile { name: "record.csv".to_owned(), hash: String::new(), table };
+        let mut draft = Draft::new(Arc::new(file));
+        let make = |draft: &mut Draft| {
+            let mut slices = 0;
+            while draft.is_behind() {
+                draft.advance(&mut || false);
+                slices += 1;
+            }
+            slices
+        };
+        let samples = |draft: &Draft| draft.outcome().and_then(Result::ok).map(|made| made.record.len());
+        assert!(draft.is_behind() && draft.outcome().is_none());
+        assert!(make(&mut draft) >= 3, "the input and two sensors");
+        assert_eq!(samples(&draft), Some(4));
+        draft.mapping.from = Some(0.1);
+        draft.advance(&mut || false);
+        assert_eq!((draft.is_behind(), samples(&draft)), (true, Some(4)));
+        draft.mapping.from = Some(0.2);
+        make(&mut draft);
+        assert_eq!(samples(&draft), Some(2));
+        draft.mapping.from = Some(9.0);
+        make(&mut draft);
+        assert!(draft.outcome().is_some_and(|outcome| outcome.is_err()));
     }
 }

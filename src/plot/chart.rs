@@ -60,8 +60,7 @@ impl Chart<'_> {
     /// Draws the chart with its heading into all of `ui`.
     pub(crate) fn show(self, ui: &mut Ui, input: &PlotInput<'_>, requests: &mut Vec<Request>) -> ChartResponse {
         let shown = time_text(input, input.axis.shown_time(input.session));
-        let time =
-            Readout { text: format!("t\u{a0}{shown}"), color: Color32::TRANSPARENT, hint: "time [s]".to_owned() };
+        let time = Readout::new(format!("t\u{a0}{shown}"), Color32::TRANSPARENT, "time [s]".to_owned());
         let medium = Medium::of(ui.ctx());
         let readouts: Vec<Readout> = match medium {
             Medium::Screen => std::iter::once(time).chain(self.readouts).collect(),

@@ -7,6 +7,8 @@ use crate::theme;
 /// A value in a heading.
 pub(crate) struct Readout {
     pub(crate) text: String,
+    /// The same in another unit, shown where there is room.
+    pub(crate) aside: Option<String>,
     /// The colour of its owner; transparent where it has none.
     pub(crate) color: Color32,
     /// The owner of the value.
@@ -14,6 +16,16 @@ pub(crate) struct Readout {
 }
 
 impl Readout {
+    /// A value of an owner with a colour.
+    pub(crate) fn new(text: String, color: Color32, hint: String) -> Self {
+        Self { text, aside: None, color, hint }
+    }
+
+    /// The value, and the same in another unit if it has one.
+    fn in_full(&self) -> String {
+        self.aside.as_ref().map_or_else(|| self.text.clone(), |aside| format!("{} ({aside})", self.text))
+    }
+
     fn has_owner(&self) -> bool {
         self.color != Color32::TRANSPARENT
     }
@@ -33,9 +45,10 @@ pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
         ui.spacing_mut().item_spacing.x = GAP;
         let label = ui.label(RichText::new(symbol).text_style(theme::symbol()));
         let room = ui.available_width();
-        let values = Values::new(ui, symbol, readouts, room);
         let unit = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
         let named = format!("{name} {unit}");
+        let name_width = width(ui, named.trim(), &TextStyle::Body) + GAP;
+        let values = Values::new(ui, symbol, readouts, [room, room - name_width]);
         let fits = |text: &&str| width(ui, text, &TextStyle::Body) + GAP <= room - values.total();
         if let Some(text) = [named.trim(), &unit].into_iter().find(fits) {
             ui.weak(text);
@@ -46,25 +59,32 @@ pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, read
     .inner
 }
 
-/// The values that fit, without their ±2σ where space is short.
+/// The values that fit: in a second unit where there is room beside the name, and without their ±2σ where space is short.
 struct Values<'a> {
     all: &'a [Readout],
     /// Text and width of the values that fit.
-    shown: Vec<(&'a str, f32)>,
+    shown: Vec<(String, f32)>,
 }
 
 impl<'a> Values<'a> {
-    fn new(ui: &Ui, symbol: &str, all: &'a [Readout], room: f32) -> Self {
+    /// `room` is the width for values alone, and beside the name.
+    fn new(ui: &Ui, symbol: &str, all: &'a [Readout], [room, beside_name]: [f32; 2]) -> Self {
         // A value keeps the largest width so far, so that nothing moves while it changes.
         let scope = ui.scope_id();
-        let sized = |(readout, text): (&Readout, &'a str)| {
+        let sized = |readout: &Readout, text: String, kind: &str| {
             let dot = if readout.has_owner() { DOT } else { 0.0 };
-            (text, steady(ui, scope.with((symbol, &readout.hint)), width(ui, text, &theme::readout()) + dot))
+            let width = width(ui, &text, &theme::readout()) + dot;
+            (text, steady(ui, scope.with((symbol, &readout.hint, kind)), width))
         };
-        let shown = all.iter().map(|r| (r, r.text.as_str())).map(sized).collect();
-        let mut values = Self { all, shown };
+        let mut values = Self { all, shown: Vec::new() };
+        if all.iter().any(|readout| readout.aside.is_some()) {
+            values.shown = all.iter().map(|readout| sized(readout, readout.in_full(), "in full")).collect();
+        }
+        if values.shown.is_empty() || values.total() > beside_name {
+            values.shown = all.iter().map(|readout| sized(readout, readout.text.clone(), "")).collect();
+        }
         if values.total() > room {
-            values.shown = all.iter().map(|r| (r, value(&r.text))).map(|(r, text)| sized((r, text))).collect();
+            values.shown = all.iter().map(|readout| sized(readout, value(&readout.text).to_owned(), "")).collect();
         }
         while values.total() > room && values.shown.pop().is_some() {}
         values
@@ -79,15 +99,15 @@ impl<'a> Values<'a> {
     fn ui(&self, ui: &mut Ui) {
         let Self { all, shown } = self;
         if shown.len() < all.len() {
-            let lines = all.iter().map(|r| format!("{}: {}", r.hint, r.text));
+            let lines = all.iter().map(|r| format!("{}: {}", r.hint, r.in_full()));
             ui.label(RichText::new("…").small()).on_hover_text(lines.collect::<Vec<_>>().join("\n"));
         }
         for (readout, (text, width)) in all.iter().zip(shown).rev() {
             let size = vec2(*width, ui.available_height());
             ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
                 ui.spacing_mut().item_spacing.x = 0.0;
-                let label = ui.label(RichText::new(*text).text_style(theme::readout()));
-                label.on_hover_text(format!("{}: {}", readout.hint, readout.text));
+                let label = ui.label(RichText::new(text).text_style(theme::readout()));
+                label.on_hover_text(format!("{}: {}", readout.hint, readout.in_full()));
                 // Text in a light colour is hard to read on a light ground: a dot has the colour.
                 if readout.has_owner() {
                     let (dot, _) = ui.allocate_exact_size(vec2(DOT, DOT), Sense::hover());

@@ -4,7 +4,7 @@ use egui::{Align2, Context, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 
 use super::{Decay, Reading};
 use crate::request::Request;
-use crate::text::{decimals, fixed, significant};
+use crate::text::{decimals, fixed, in_hertz, significant};
 use crate::theme;
 
 /// Limits the height of the rows \[points\].
@@ -67,7 +67,10 @@ fn rows_ui(ui: &mut Ui, reading: &Reading) {
             let digits = decimals(row.channel);
             let [a, b] = row.values;
             for value in [a, b, b - a] {
-                ui.label(fixed(value, digits));
+                let label = ui.label(fixed(value, digits));
+                if let Some(hertz) = in_hertz(value, row.channel.unit()) {
+                    label.on_hover_text(hertz);
+                }
             }
             ui.end_row();
         }
@@ -82,5 +85,7 @@ fn decay_ui(ui: &mut Ui, decay: &Decay) {
         significant(period, 4),
         significant(decrement, 3)
     ));
-    ui.label(format!("ωₙ {} rad/s, ζ {}", significant(natural_frequency, 4), significant(damping_ratio, 3)));
+    let [frequency, damping] = [significant(natural_frequency, 4), significant(damping_ratio, 3)];
+    let hertz = significant(natural_frequency / std::f64::consts::TAU, 4);
+    ui.label(format!("ωₙ {frequency} rad/s ({hertz} Hz), ζ {damping}"));
 }

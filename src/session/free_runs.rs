@@ -1,8 +1,9 @@
 //! Free runs of the identified models over the record on screen.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use kalmanscope_core::{Fit, FreeRun, Identified};
+use kalmanscope_core::{Estimates, Fit, FreeRun, Identified, Record, Running};
 
 use super::Session;
 
@@ -18,21 +19,40 @@ pub enum ModelTime {
     Over(f64, f64),
 }
 
+/// The picture's number, the samples that were done and the model.
+type Of = (u64, usize, ModelTime);
+
 /// Free runs, one for each filter.
 #[derive(Default)]
 pub(super) struct FreeRuns {
     wanted: Option<ModelTime>,
-    /// The picture's number, the samples that were done and the model.
-    of: Option<(u64, usize, ModelTime)>,
-    runs: Vec<Option<FreeRun>>,
-    /// The fits of each filter's model on the record that was held out, one a sensor.
-    held_out: Vec<Vec<Option<Fit>>>,
+    made: Vec<Made>,
+    next: Option<Next>,
+}
+
+/// A filter's free run.
+struct Made {
+    filter: u32,
+    of: Of,
+    run: FreeRun,
+    /// The fits on the record that was held out, one a sensor.
+    held_out: Vec<Option<Fit>>,
+}
+
+/// A filter's free run under way.
+struct Next {
+    filter: u32,
+    of: Of,
+    running: Running,
+    /// The run over the record that was held out, with that record.
+    other: Option<(Arc<Record>, Running)>,
 }
 
 impl FreeRuns {
     /// Forgets what has been made.
     pub(super) fn forget(&mut self) {
-        self.of = None;
+        self.made.clear();
+        self.next = None;
     }
 }
 
@@ -42,14 +62,23 @@ impl Session {
         self.free.wanted = wanted;
     }
 
-    /// The free run of the filter at a place, once it is known.
+    /// The free run of the filter at a place over the record on screen: the last one that is complete.
     pub fn free_run(&self, place: usize) -> Option<&FreeRun> {
-        self.free.runs.get(place)?.as_ref()
+        Some(&self.made_free_run(place)?.run)
     }
 
     /// The fit of the free run of the filter at a place to a sensor of the record that was held out.
     pub fn held_out_fit(&self, place: usize, sensor: usize) -> Option<Fit> {
-        *self.free.held_out.get(place)?.get(sensor)?
+        *self.made_free_run(place)?.held_out.get(sensor)?
+    }
+
+    fn made_free_run(&self, place: usize) -> Option<&Made> {
+        let run = self.study.run();
+        let id = run.estimates().get(place)?.id();
+        let made = self.free.made.iter().find(|made| made.filter == id)?;
+        // A run over another record is none over this one.
+        let sensors = run.record().sensors().len();
+        (made.run.part.len() == run.record().len() && made.run.predicted.len() == sensors).then_some(made)
     }
 
     /// Whether a free run is yet to be made.
@@ -57,49 +86,122 @@ impl Session {
         self.free_due().is_some()
     }
 
-    /// The picture and the model of the free runs that are still to be made; none if all are there.
-    fn free_due(&self) -> Option<(u64, usize, ModelTime)> {
+    /// The place of the next filter whose free run is to be made, and its picture and model; none if all are there.
+    fn free_due(&self) -> Option<(usize, Of)> {
         let run = self.study.run();
         // A record that grows is over by the time its free run is known.
         let is_still = run.done() == run.samples() && !self.behind() && run.record().forgotten() == 0;
         let wanted = self.free.wanted.filter(|_| is_still)?;
-        let due = (self.generation, run.done(), wanted);
-        let is_there = self.free.of == Some(due) && self.free.runs.len() == run.estimates().len();
-        (!is_there).then_some(due)
+        let of = (self.generation, run.done(), wanted);
+        let is_due = |estimates: &Estimates| {
+            let id = estimates.id();
+            !estimates.is_empty() && !self.free.made.iter().any(|made| made.filter == id && made.of == of)
+        };
+        Some((run.estimates().iter().position(is_due)?, of))
     }
 
-    /// Makes the free run of the next filter.
+    /// Goes on with the free runs, one filter after the other, for one slice. What is complete stays until then.
     pub(super) fn run_freely(&mut self) {
-        let Some(due) = self.free_due() else {
-            if self.free.wanted.is_none() || self.behind() {
-                self.free.of = None;
+        let mut while_time = self.budget.slice();
+        while let Some((place, of)) = self.free_due() {
+            let filter = self.study.run().estimates()[place].id();
+            let next = self.free.next.take().filter(|next| next.filter == filter && next.of == of);
+            let Some(mut next) = next.or_else(|| self.begin_free_run(place, of)) else { return };
+            let record = self.study.run().record();
+            if !next.advance(record, &mut while_time) {
+                self.free.next = Some(next);
+                return;
             }
-            return;
-        };
-        if self.free.of != Some(due) {
-            (self.free.of, self.free.runs) = (Some(due), Vec::new());
-            self.free.held_out.clear();
+            let made = next.finish(record);
+            self.free.made.retain(|before| before.filter != filter);
+            self.free.made.push(made);
+            self.drawn += 1;
+            if !while_time() {
+                return;
+            }
         }
-        let place = self.free.runs.len();
+    }
+
+    /// The free run of the filter at a place, before its first piece.
+    fn begin_free_run(&self, place: usize, of: Of) -> Option<Next> {
         let run = self.study.run();
-        let (Some(settings), Some(estimates)) = (run.scenario().filters.get(place), run.estimates().get(place)) else {
-            return;
+        let (settings, estimates) = (run.scenario().filters.get(place)?, run.estimates().get(place)?);
+        let last = estimates.len().checked_sub(1)?;
+        let at = |time: f64| self.sample_at(time).min(last);
+        let samples: Range<usize> = match of.2 {
+            ModelTime::Last => last..last + 1,
+            ModelTime::At(time) => at(time)..at(time) + 1,
+            ModelTime::Over(from, to) => at(from.min(to))..at(from.max(to)) + 1,
         };
-        let record = run.record();
-        let last = estimates.len().checked_sub(1);
-        let model = last.map(|last| {
-            let at = |time: f64| self.sample_at(time).min(last);
-            let samples: Range<usize> = match due.2 {
-                ModelTime::Last => last..last + 1,
-                ModelTime::At(time) => at(time)..at(time) + 1,
-                ModelTime::Over(from, to) => at(from.min(to))..at(from.max(to)) + 1,
-            };
-            Identified::over(run.scenario(), settings, estimates, samples)
-        });
-        let free = model.as_ref().map(|model| model.run(record, 0..record.len()));
-        let other = model.zip(self.library.held_out()).map(|(model, (_, other))| model.run(other, 0..other.len()).fits);
-        self.free.held_out.push(other.unwrap_or_default());
-        self.free.runs.push(free);
-        self.drawn += 1;
+        let model = Identified::over(run.scenario(), settings, estimates, samples);
+        let over = |record: &Record| model.running(record, 0..record.len());
+        let other = self.library.held_out().map(|(_, record)| (Arc::clone(record), over(record)));
+        Some(Next { filter: estimates.id(), of, running: over(run.record()), other })
+    }
+}
+
+impl Next {
+    /// Goes on with the run over the record, then with that over the record that was held out. Returns whether both are
+    /// done.
+    fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
+        if !self.running.advance(record, while_time) {
+            return false;
+        }
+        self.other.as_mut().is_none_or(|(record, running)| running.advance(record, while_time))
+    }
+
+    fn finish(self, record: &Record) -> Made {
+        let Self { filter, of, running, other } = self;
+        let held_out = other.map_or_else(Vec::new, |(record, running)| running.finish(&record).fits);
+        Made { filter, of, run: running.finish(record), held_out }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kalmanscope_core::Scenario;
+
+    use super::super::{Budget, Mode};
+    use super::*;
+
+    /// Two filters over a whole record of a Duffing oscillator.
+    fn session(budget: Budget) -> Session {
+        let text =
+            "duration = 10.0\n[plant]\nkind = \"duffing\"\n[[filters]]\nkind = \"ekf\"\n[[filters]]\nkind = \"ukf\"\n";
+        let mut session = Session::new(Scenario::from_toml(text).expect("it is valid")).expect("it can be run");
+        session.set_mode(Mode::Whole);
+        session.want_free_runs(Some(ModelTime::Last));
+        session.set_budget(budget);
+        session
+    }
+
+    #[test]
+    fn free_runs_advance_by_slices_and_the_last_complete_ones_stay() {
+        let mut at_once = session(Budget::Unlimited);
+        at_once.advance(0.0);
+        assert!(!at_once.is_free_run_behind());
+
+        let mut session = session(Budget::Pieces(2));
+        let mut slices = 0;
+        while session.is_free_run_behind() {
+            session.advance(0.0);
+            slices += 1;
+        }
+        assert!(slices > 15, "{slices}");
+        for place in 0..2 {
+            assert!(session.free_run(place).is_some());
+            assert_eq!(session.free_run(place), at_once.free_run(place));
+        }
+        let before = [0, 1].map(|place| session.free_run(place).cloned());
+        session.want_free_runs(Some(ModelTime::At(0.5)));
+        for _ in 0..3 {
+            session.advance(0.0);
+            assert!(session.is_free_run_behind());
+            assert_eq!([0, 1].map(|place| session.free_run(place).cloned()), before);
+        }
+        while session.is_free_run_behind() {
+            session.advance(0.0);
+        }
+        assert_ne!([0, 1].map(|place| session.free_run(place).cloned()), before);
     }
 }

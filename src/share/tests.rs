@@ -53,6 +53,20 @@ fn an_old_link_can_be_read() {
     assert_eq!((picture.mode, picture.time, picture.enlarged), (Mode::Live, 7.25, Some(ViewKind::Scores)));
     assert_eq!((picture.views, picture.scenario.seed), (Some(views), 2026));
     assert_eq!(picture.scenario.filters[0].fading, 1.0375);
+    let rest = (picture.speed, picture.ruler, picture.hidden);
+    assert_eq!(rest, (Session::DEFAULT_SPEED, Ruler::default(), Vec::new()), "it says nothing of these");
+}
+
+#[test]
+fn marks_speed_and_hidden_entries_come_along_and_cost_nothing_where_they_are_not_used() {
+    let plain = picture();
+    let (screen, _) = text();
+    assert!(["speed", "marks", "hidden"].iter().all(|field| !screen.contains(field)), "{screen}");
+    let mut ruler = Ruler::default();
+    ruler.place(crate::ruler::End::B, 2.5);
+    let hidden = vec![LegendEntry::Truth, LegendEntry::Verdicts, LegendEntry::Filter(2)];
+    let marked = Picture { speed: 0.25, ruler, hidden, ..plain };
+    assert_eq!(read(&marked.fragment().expect("it is short")).expect("it is whole"), marked);
 }
 
 #[test]
@@ -130,6 +144,9 @@ fn impossible_pictures_are_refused_with_their_reason() {
         (nested(1000), "recursion limit"),
         (screen.replace("12.34", "-1"), "the time is -1"),
         (screen.replace("12.34", "1e999"), "number out of range"),
+        (screen.replace("12.34", "1,\"speed\":-1"), "the speed is -1"),
+        (screen.replace("12.34", "1,\"marks\":[1,2,3]"), "trailing characters"),
+        (screen.replace("12.34", "1,\"hidden\":[\"all\"]"), "unknown variant `all`"),
         (screen.replace("12.34", "1,\"enlarged\":\"Phase\""), "enlarged is not shown"),
         (screen.replace("12.34", "1,\"more\":1"), "unknown field `more`"),
     ] {

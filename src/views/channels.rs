@@ -9,7 +9,7 @@ use crate::plot::layers::{Layer, line_width};
 use crate::plot::series::{Band, Series};
 use crate::request::Request;
 use crate::sheet::{Column, Sheet, readouts};
-use crate::text::{decimals, fixed};
+use crate::text::{decimals, fixed, in_hertz};
 use crate::view::{View, ViewContext};
 use crate::views::handles;
 
@@ -150,11 +150,10 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
 fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
     let ViewContext { session, palette, .. } = *context;
     let decimals = decimals(channel);
-    let truth = session
-        .run()
-        .record()
-        .truth(channel)
-        .map(|truth| Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals))));
+    let truth = session.run().record().truth(channel).map(|truth| {
+        let column = Column::new("truth", palette.truth, move |k| Some(fixed(*truth.get(k)?, decimals)));
+        column.with_aside(move |k| in_hertz(*truth.get(k)?, channel.unit()))
+    });
     let filters = context.filters().filter_map(|(_, estimates)| {
         let at = estimates.place(channel)?;
         let text = move |k: usize| {
@@ -162,7 +161,9 @@ fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
             format!("{mean} ±{}", fixed(2.0 * estimates.std(k, at), decimals))
         };
         let color = palette.shade(estimates.color());
-        Some(Column::new(estimates.name(), color, move |k| (k < estimates.len()).then(|| text(k))))
+        let column = Column::new(estimates.name(), color, move |k| (k < estimates.len()).then(|| text(k)));
+        let mean = move |k: usize| (k < estimates.len()).then(|| estimates.canonical_mean(k, at));
+        Some(column.with_aside(move |k| in_hertz(mean(k)?, channel.unit())))
     });
     truth.into_iter().chain(filters).collect()
 }

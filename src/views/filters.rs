@@ -1,6 +1,6 @@
 //! The numbers of all filters side by side.
 
-use egui::{Grid, RichText, ScrollArea, Ui, vec2};
+use egui::{Grid, Id, RichText, ScrollArea, Ui, vec2};
 use kalmanscope_core::{Channel, FilterSettings, InputKind, Scenario};
 
 use crate::controls::color::color_of;
@@ -9,8 +9,15 @@ use crate::request::Request;
 use crate::theme::{self, Palette};
 use crate::view::{View, ViewContext};
 
-/// The width of a cell \[points\].
+/// The width of a number \[points\].
 const CELL: f32 = 72.0;
+
+/// A number under way from one filter to another.
+struct Dragged {
+    /// The name of its row.
+    row: String,
+    value: f64,
+}
 
 /// Rows are numbers, columns filters.
 pub(super) struct Filters;
@@ -24,7 +31,7 @@ impl View for Filters {
         [
             "What the filters are told, side by side: rows are numbers, columns filters; each number can be dragged or typed.",
             "Numbers that differ from the first filter's are tinted, so that it is plain in what two filters differ.",
-            "The name of a filter can be dragged onto another: that one then has the same numbers.",
+            "The sign = beside a number can be dragged onto another filter's number of that row, and the name of a filter onto another: that is then the same.",
         ]
     }
 
@@ -57,7 +64,7 @@ fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {
     let mut same = None;
     for (place, filter) in scenario.filters.iter().enumerate() {
         let color = palette.shade(color_of(filter));
-        let source = ui.dnd_drag_source(egui::Id::unique(("numbers of", filter.id)), filter.id, |ui| {
+        let source = ui.dnd_drag_source(Id::unique(("numbers of", filter.id)), filter.id, |ui| {
             ui.label(RichText::new(&filter.name).family(theme::strong()).color(color));
         });
         let name = source.response.on_hover_text("Drag it onto another filter, which then has the same numbers");
@@ -142,19 +149,37 @@ fn row_ui(ui: &mut Ui, row: &Row, filters: &mut [FilterSettings], palette: &Pale
     let first = filters.first_mut().and_then(|filter| (row.of)(filter).copied());
     for filter in filters {
         let name = format!("{}: {}", filter.name, row.name);
-        let size = vec2(CELL, ui.spacing().interact_size.y);
-        ui.allocate_ui(size, |ui| {
+        let id = filter.id;
+        ui.horizontal(|ui| {
             let Some(value) = (row.of)(filter) else {
                 ui.weak("known");
                 return;
             };
-            ui.set_width(CELL);
-            if first.is_some_and(|first| first != *value) {
-                let tint = palette.accent.gamma_multiply(0.3);
-                ui.visuals_mut().widgets.inactive.weak_bg_fill = tint;
-                ui.visuals_mut().widgets.inactive.bg_fill = tint;
+            ui.spacing_mut().item_spacing.x = 3.0;
+            same_ui(ui, id, row, *value, &name);
+            let size = vec2(CELL, ui.spacing().interact_size.y);
+            let cell = ui.allocate_ui(size, |ui| {
+                ui.set_width(CELL);
+                if first.is_some_and(|first| first != *value) {
+                    let tint = palette.accent.gamma_multiply(0.3);
+                    ui.visuals_mut().widgets.inactive.weak_bg_fill = tint;
+                    ui.visuals_mut().widgets.inactive.bg_fill = tint;
+                }
+                field(ui, value, row.least, row.scale, &name, &row.name)
+            });
+            if let Some(dragged) = cell.inner.dnd_release_payload::<Dragged>().filter(|dragged| dragged.row == row.name)
+            {
+                *value = dragged.value.max(row.least);
             }
-            field(ui, value, row.least, row.scale, &name, &row.name);
         });
     }
+}
+
+/// The sign by which a number is dragged to another filter.
+fn same_ui(ui: &mut Ui, filter: u32, row: &Row, value: f64, name: &str) {
+    let dragged = Dragged { row: row.name.clone(), value };
+    let source = ui.dnd_drag_source(Id::unique(("same as", filter, &row.name)), dragged, |ui| ui.weak("="));
+    let (sign, grip) = (source.inner, source.response);
+    sign.ctx.accesskit_node_builder(sign.id, |node| node.set_value(format!("Same as {name}")));
+    grip.on_hover_text("Drag it onto another filter's number of this row, which is then the same");
 }

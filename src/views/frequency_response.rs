@@ -12,7 +12,7 @@ use kalmanscope_core::frequency_response::Believed;
 use crate::plot::heading::{Readout, heading_ui};
 use crate::plot::plane::log_plane_ui;
 use crate::request::Request;
-use crate::text::significant;
+use crate::text::{in_hertz, significant};
 use crate::view::{Proportions, View, ViewContext};
 use curves::Curves;
 
@@ -72,17 +72,12 @@ impl View for FrequencyResponse {
 /// The frequency at a place and the magnitudes there.
 fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout> {
     let ViewContext { session, palette, visible, .. } = *context;
-    let mut readouts = vec![Readout {
-        text: format!("at {} rad/s", significant(curves.frequencies[i], 3)),
-        color: palette.weak,
-        hint: "The frequency under the pointer, else that of the peak".to_owned(),
-    }];
+    let frequency = curves.frequencies[i];
+    let hint = "The frequency under the pointer, else that of the peak".to_owned();
+    let at = Readout::new(format!("at {} rad/s", significant(frequency, 3)), palette.weak, hint);
+    let mut readouts = vec![Readout { aside: in_hertz(frequency, "rad/s"), ..at }];
     let truth = curves.truth.iter().filter(|_| visible.truth);
-    readouts.extend(truth.map(|truth| Readout {
-        text: significant(truth[i], 3),
-        color: palette.truth,
-        hint: "truth".to_owned(),
-    }));
+    readouts.extend(truth.map(|truth| Readout::new(significant(truth[i], 3), palette.truth, "truth".to_owned())));
     for (believed, estimates) in curves.filters.iter().zip(session.run().estimates()) {
         let Some(believed) = believed else { continue };
         let name = estimates.name();
@@ -90,11 +85,7 @@ fn readouts(curves: &Curves, i: usize, context: &ViewContext<'_>) -> Vec<Readout
             || name.to_owned(),
             |(low, high)| format!("{name}, 95 %: {} to {}", significant(low[i], 3), significant(high[i], 3)),
         );
-        readouts.push(Readout {
-            text: significant(believed.mean[i], 3),
-            color: palette.shade(estimates.color()),
-            hint,
-        });
+        readouts.push(Readout::new(significant(believed.mean[i], 3), palette.shade(estimates.color()), hint));
     }
     readouts
 }

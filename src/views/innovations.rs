@@ -100,11 +100,8 @@ fn chart<'a>(
         }
         if k < estimates.len() {
             let [innovation, std] = [estimates.innovation(k)[sensor], variance(k).sqrt()].map(|x| significant(x, 2));
-            readouts.push(Readout {
-                text: format!("{innovation} (√S {std})"),
-                color: palette.shade(estimates.color()),
-                hint: estimates.name().to_owned(),
-            });
+            let (text, color) = (format!("{innovation} (√S {std})"), palette.shade(estimates.color()));
+            readouts.push(Readout::new(text, color, estimates.name().to_owned()));
         }
     }
     layers.push(Layer::Level { value: 0.0, color: palette.weak, label: "" });

@@ -115,8 +115,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
     }
     let k = axis.readout(session);
     let now = all.get(k).filter(|value| !value.is_nan());
-    let readouts =
-        now.map(|value| Readout { text: significant(*value, 4), color: palette.measured, hint: "measured".to_owned() });
+    let readouts = now.map(|value| Readout::new(significant(*value, 4), palette.measured, "measured".to_owned()));
     Chart {
         key: format!("measured {}", quantity.key()),
         title: format!("{} measured and predicted", quantity.name()),
@@ -151,13 +150,13 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last
         });
         if let Some(fit) = free.fits[sensor] {
             let text = format!("{} rms, fit {:.1} %", significant(fit.rms, 3), fit.percent);
-            readouts.push(Readout { text, color, hint: format!("free run of {}", estimates.name()) });
+            readouts.push(Readout::new(text, color, format!("free run of {}", estimates.name())));
         }
         let held_out = session.library().held_out().zip(session.held_out_fit(place, sensor));
         if let Some(((name, _), fit)) = held_out {
             let text = format!("held out {:.1} %", fit.percent);
             let hint = format!("fit of {} on “{name}”: {} rms", estimates.name(), significant(fit.rms, 3));
-            readouts.push(Readout { text, color, hint });
+            readouts.push(Readout::new(text, color, hint));
         }
     }
     Chart {

@@ -1,6 +1,7 @@
-//! A measured record that is dropped on the page.
+//! A measured record that is chosen, or dropped on the page.
 
 use std::fmt::Write as _;
+use std::path::Path;
 use std::time::Duration;
 
 use kalmanscope_core::{Run, Scenario};
@@ -23,6 +24,24 @@ fn sheet() -> String {
         writeln!(sheet, "{}", row.replace('.', ",")).unwrap();
     }
     sheet
+}
+
+/// The button asks the browser for a file, and the file that is chosen there is read.
+pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
+    // No test can answer the browser's own dialog.
+    page.value("(window.asked = 0, document.getElementById('file').click = () => { window.asked += 1; })").await;
+    page.click("Open a file", 0.5).await;
+    page.wait_until("window.asked === 1", PATIENCE).await.unwrap();
+    std::fs::create_dir_all(folder).unwrap();
+    let path = folder.join("chosen.csv");
+    std::fs::write(&path, sheet()).unwrap();
+    page.choose_file("#file", &path).await;
+    let button = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Cancel the import')";
+    page.wait_until(button, PATIENCE).await.unwrap();
+    // The window grows to its size and moves to the middle meanwhile.
+    tokio::time::sleep(Duration::from_secs(1)).await;
+    page.click("Cancel the import", 0.5).await;
+    page.wait_until(&format!("!{button}"), PATIENCE).await.unwrap();
 }
 
 /// A dropped file opens with one click, and its natural frequency is found.

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use fantoccini::Client;
 use fantoccini::actions::{InputSource as _, MouseActions, PointerAction, WheelAction, WheelActions};
 use fantoccini::wd::WebDriverCompatibleCommand;
+use fantoccini::{Client, Locator};
 use serde_json::{Value, json};
 
 /// A browser's only page.
@@ -92,6 +92,12 @@ impl Page {
         let resized = format!("innerWidth === {width} && innerHeight === {height}");
         self.wait_until(&resized, Duration::from_secs(10)).await.expect("the window can be resized");
         self.settle().await;
+    }
+
+    /// Fills an input of the page with a file.
+    pub(crate) async fn choose_file(&self, selector: &str, path: &Path) {
+        let input = self.client.find(Locator::Css(selector)).await.expect("the input exists");
+        input.send_keys(&path.display().to_string()).await.expect("the file can be chosen");
     }
 
     /// Clicks a control at a fraction of its width.

@@ -1,9 +1,10 @@
-//! Files dropped on the window.
+//! Files dropped on the window, or chosen in a dialog.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use kalmanscope::inbox::{Arrival, Choose};
 use kalmanscope_lessons::BUILT_IN;
 
 use super::*;
@@ -89,4 +90,55 @@ fn a_file_that_cannot_be_opened_is_reported_and_changes_nothing() {
     screen.run_steps(4);
     let notice = screen.state().notice().expect("it is reported");
     assert!(notice.starts_with("“none.toml” cannot be opened: "), "{notice}");
+}
+
+/// A screen on which a file is chosen at once, with the number of times that one was asked for.
+fn screen_with_file(size: Vec2, name: &'static str, contents: &'static [u8]) -> (Screen, Arc<AtomicU32>) {
+    let asked = Arc::new(AtomicU32::new(0));
+    let count = Arc::clone(&asked);
+    let choose: Choose = Box::new(move |ctx, inbox| {
+        count.fetch_add(1, Ordering::Relaxed);
+        inbox.put(Arrival::File(name.to_owned(), Ok(contents.to_vec())), ctx);
+    });
+    let mut screen = Harness::builder()
+        .with_size(size)
+        .with_theme(Theme::Light)
+        .build_eframe(|creation| App::new(creation).expect("the default scenario can be run").choosing(Some(choose)));
+    screen.run_steps(3);
+    (screen, asked)
+}
+
+#[test]
+fn a_file_is_chosen_by_the_button_or_by_its_keys() {
+    for (size, by_key) in [(DESKTOP, false), (DESKTOP, true), (PHONE, false)] {
+        let (mut screen, asked) = screen_with_file(size, "record.csv", b"t,force,x\n0,1,2\n1,2,3\n2,3,1\n");
+        if by_key {
+            screen.key_press_modifiers(Modifiers::COMMAND, Key::O);
+        } else {
+            if size == PHONE {
+                screen.get_by_label("Scenario").click();
+                screen.run_steps(3);
+            }
+            screen.get_by_label("Open a file").click();
+        }
+        screen.run_steps(6);
+        screen.get_by_label("Open a measured record");
+        assert_eq!(asked.load(Ordering::Relaxed), 1);
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_chosen_is_said() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    screen.run_steps(3);
+    assert_eq!(screen.state().notice(), Some("A file cannot be chosen here: drop it on the window."));
+    let ctx = screen.ctx.clone();
+    screen.state().inbox().put(Arrival::Failure("No dialog opens.".to_owned()), &ctx);
+    screen.run_steps(3);
+    assert_eq!(screen.state().notice(), Some("No dialog opens."));
+    let unreadable = Arrival::File("record.csv".to_owned(), Err("it is gone".to_owned()));
+    screen.state().inbox().put(unreadable, &ctx);
+    screen.run_steps(3);
+    screen.get_by_label("“record.csv” cannot be opened: it is gone.");
 }

@@ -36,6 +36,21 @@ fn marks(screen: &Screen) -> [Option<f64>; 2] {
 }
 
 #[test]
+fn a_natural_frequency_is_told_in_hertz_too() {
+    let mut screen = whole();
+    // Where there is no room for it, the pointer tells it.
+    assert!(screen.query_by_label_contains("Hz)").is_none());
+    let value = screen.get_by_label("6.000").rect().center();
+    screen.hover_at(value);
+    screen.run_steps(60);
+    screen.get_by_label("truth: 6.000 (0.9549 Hz)");
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Parameters]);
+    screen.set_size(Vec2::new(2200.0, 800.0));
+    screen.run_steps(3);
+    screen.get_by_label("6.000 (0.9549 Hz)");
+}
+
+#[test]
 fn a_click_in_a_plot_goes_to_that_time() {
     let mut screen = whole();
     let time = |screen: &Screen| screen.state().session().time();
@@ -337,6 +352,26 @@ fn a_filter_dropped_on_another_gives_it_its_numbers() {
     assert_eq!(one.process_std[Channel::NATURAL_FREQUENCY], 0.003);
     assert_eq!((one.id, &*one.name, one.kind), (1, "EKF", FilterKind::EKF), "its name and kind stay");
     assert_eq!(one.sensor_std, other.sensor_std);
+}
+
+#[test]
+fn a_number_dropped_on_another_filters_makes_it_the_same() {
+    let mut screen = whole();
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);
+    screen.run_steps(3);
+    set(&mut screen, "UKF: process std of natural frequency", 0.003);
+    let before = scenario(&screen).filters[0].clone();
+    let place = |screen: &Screen, label: &str| screen.get_by_label(label).rect().center();
+    let from = place(&screen, "Same as UKF: process std of natural frequency");
+    // A number of another row stays as it is.
+    let wrong = place(&screen, "EKF: fading factor");
+    drag(&mut screen, from, wrong - from);
+    assert_eq!(scenario(&screen).filters[0], before);
+    let to = place(&screen, "EKF: process std of natural frequency");
+    drag(&mut screen, from, to - from);
+    let mut expected = before;
+    expected.process_std[Channel::NATURAL_FREQUENCY] = 0.003;
+    assert_eq!(scenario(&screen).filters[0], expected);
 }
 
 #[test]

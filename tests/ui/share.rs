@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 use egui::{Event, OutputCommand};
+use kalmanscope::request::LegendEntry;
 use kalmanscope::share::MARK;
 use serde_json::{Value, json};
 
@@ -51,7 +52,14 @@ fn unusual(mode: Mode) -> Screen {
     state.session_mut().set_mode(mode);
     state.session_mut().pause();
     state.session_mut().seek(13.37);
+    state.session_mut().set_speed(0.25);
     screen.run_steps(4);
+    // The truth and the first filter are hidden, the present time is marked as A.
+    screen.get_by_label("Show truth").click();
+    for key in [Key::Num1, Key::A] {
+        screen.key_press(key);
+        screen.run_steps(2);
+    }
     screen
 }
 
@@ -72,6 +80,9 @@ fn another_screen_shows_the_same_picture_with_the_same_bits() {
         assert_eq!(checksum(&other), checksum(&one));
         let session = other.state().session();
         assert_eq!((session.mode(), session.position(), session.playing()), (mode, 1337, false));
+        assert_eq!((session.speed(), other.state().ruler().time(End::A)), (0.25, Some(13.37)));
+        let hidden = [LegendEntry::Truth, LegendEntry::Filter(1)];
+        assert_eq!(other.state().picture().hidden, hidden);
         assert_eq!(copy(&mut other), link, "the link to the picture of a link is that link");
     }
 }

@@ -1,5 +1,6 @@
 //! The screen in words and tables: the numbers of the plots, verdicts and news.
 
+use kalmanscope::text::significant;
 use kalmanscope::twin::{Part, Table, Twin};
 
 use super::*;
@@ -39,9 +40,11 @@ fn a_table_has_the_numbers_of_its_plot() {
     let at = run.estimates()[0].place(frequency).unwrap();
     for (row, k) in [("At playback, 60 s", 6000), ("0 s", 0), ("6 s", 600), ("60 s", 6000)] {
         let [mean, band] = [run.estimates()[0].canonical_mean(k, at), 2.0 * run.estimates()[0].std(k, at)];
-        assert_eq!(cell(table, row, "EKF"), format!("{mean:.3} ±{band:.3}"), "{row}");
+        let hertz = significant(mean / std::f64::consts::TAU, 4);
+        assert_eq!(cell(table, row, "EKF"), format!("{mean:.3} ±{band:.3} ({hertz} Hz)"), "{row}");
     }
-    assert_eq!([cell(table, "24 s", "truth"), cell(table, "30 s", "truth")], ["6.000", "4.800"], "the truth changes");
+    let truths = [cell(table, "24 s", "truth"), cell(table, "30 s", "truth")];
+    assert_eq!(truths, ["6.000 (0.9549 Hz)", "4.800 (0.7639 Hz)"], "the truth changes");
     let oscillator = part(&twin, "Oscillator");
     assert!(oscillator.tables.is_empty() && oscillator.about.ends_with("No numbers by time."), "{oscillator:?}");
 }

@@ -1,5 +1,7 @@
 //! A record from a file's columns.
 
+use std::borrow::Borrow;
+
 use super::butterworth::band_pass;
 use super::mapping::{MappedColumn, Offset};
 use super::timing::{FEWEST, MOST, Timing};
@@ -17,11 +19,11 @@ pub struct Imported {
     pub remarks: Vec<String>,
 }
 
-/// A record in the making, column by column.
+/// A record in the making, column by column, from a table that it borrows or shares.
 #[derive(Debug)]
-pub struct Builder<'a> {
-    table: &'a Table,
-    mapping: &'a Mapping,
+pub struct Builder<T> {
+    table: T,
+    mapping: Mapping,
     kind: InputKind,
     hold: Hold,
     timing: Timing,
@@ -30,13 +32,14 @@ pub struct Builder<'a> {
     remarks: Vec<String>,
 }
 
-impl<'a> Builder<'a> {
+impl<T: Borrow<Table>> Builder<T> {
     /// The record of a table's columns with the meaning that a mapping gives them.
     ///
     /// # Errors
     /// [`ImportError`] where a setting is impossible, a column is missing or the times are not usable.
-    pub fn new(table: &'a Table, mapping: &'a Mapping, kind: InputKind, hold: Hold) -> Result<Self, ImportError> {
+    pub fn new(source: T, mapping: &Mapping, kind: InputKind, hold: Hold) -> Result<Self, ImportError> {
         mapping.validate()?;
+        let table = source.borrow();
         if mapping.sensors.is_empty() {
             return Err(ImportError::NoSensor);
         }
@@ -57,7 +60,8 @@ impl<'a> Builder<'a> {
         };
         let mut remarks = table.remarks.clone();
         remarks.extend(timing.remark.clone());
-        Ok(Self { table, mapping, kind, hold, timing, input: None, sensors: Vec::new(), remarks })
+        let (mapping, sensors) = (mapping.clone(), Vec::new());
+        Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, remarks })
     }
 
     /// Makes the next columns until `while_time` returns false, which is called after each. Returns whether all are
@@ -74,9 +78,9 @@ impl<'a> Builder<'a> {
         }
         while self.sensors.len() < self.mapping.sensors.len() {
             let next = self.mapping.sensors.iter().nth(self.sensors.len());
-            let Some((quantity, mapped)) = next else { break };
+            let Some((&quantity, mapped)) = next else { break };
             let values = self.sensor(mapped)?;
-            self.sensors.push((*quantity, values));
+            self.sensors.push((quantity, values));
             if !while_time() {
                 break;
             }
@@ -122,7 +126,7 @@ impl<'a> Builder<'a> {
     }
 
     fn dt(&self) -> f64 {
-        let Mapping { every, interpolate, .. } = self.mapping;
+        let Mapping { every, interpolate, .. } = &self.mapping;
         let dt = self.timing.dt;
         if *every == 1 && *interpolate == 1 { dt } else { dt * *every as f64 / *interpolate as f64 }
     }
@@ -145,7 +149,7 @@ impl<'a> Builder<'a> {
         Ok(resample::interpolate(&values, self.mapping.interpolate))
     }
 
-    fn sensor(&mut self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
+    fn sensor(&self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
         let mut values = self.mapped(mapped)?;
         let mut missing: Vec<f64> = values.clone();
         let changes = self.mapping.band.is_some() || self.mapping.every > 1;
@@ -188,13 +192,14 @@ impl<'a> Builder<'a> {
 
     /// A column at even times, with unit, gain, offset and delay.
     fn mapped(&self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
-        let column = &self.table.columns[place(self.table, &mapped.column)?];
+        let table = self.table.borrow();
+        let column = &table.columns[place(table, &mapped.column)?];
         if let Some(text) = &column.text {
             let (line, text) = (text.line, text.text.clone());
             return Err(ImportError::Text { line, column: mapped.column.clone(), text });
         }
         if let Some(row) = column.values.iter().position(|value| value.is_infinite()) {
-            return Err(ImportError::Infinite { line: self.table.line(row), column: mapped.column.clone() });
+            return Err(ImportError::Infinite { line: table.line(row), column: mapped.column.clone() });
         }
         let mut values = self.timing.spread(&column.values);
         let offset = match mapped.offset {
@@ -216,14 +221,15 @@ impl<'a> Builder<'a> {
 
     /// The columns with the truth of a simulated record.
     fn truth(&self) -> Result<Vec<(Channel, Vec<f64>)>, ImportError> {
-        let Mapping { every, interpolate, .. } = self.mapping;
+        let Mapping { every, interpolate, .. } = &self.mapping;
         if *every > 1 || *interpolate > 1 {
             return Ok(Vec::new());
         }
+        let table = self.table.borrow();
         let mut truth = Vec::new();
         for &channel in Channel::all() {
-            if let Some(place) = self.table.place(&format!("true_{}", channel.key())) {
-                let mut values = self.timing.spread(&self.table.columns[place].values);
+            if let Some(place) = table.place(&format!("true_{}", channel.key())) {
+                let mut values = self.timing.spread(&table.columns[place].values);
                 self.cut(&mut values);
                 truth.push((channel, values));
             }

@@ -1,7 +1,7 @@
 //! Suggestions that are tried out: the making of a [`Suggestion`], a slice after the other.
 
 use super::Suggestion;
-use crate::{Identified, Record, Run, Scenario};
+use crate::{FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
 
 /// The samples of which the likelihood is taken.
 const LIKELY: usize = 4096;
@@ -23,6 +23,8 @@ pub struct Suggest {
     record: Record,
     stage: Stage,
     trial: Option<Run>,
+    /// The free run of the trial's model.
+    free: Option<Running>,
     likelihoods: Vec<(f64, f64)>,
     /// The errors of the free run with the settings so far, and those with other settings.
     errors: Vec<f64>,
@@ -48,8 +50,8 @@ impl Suggest {
     /// Suggestions for a scenario on a record, before the first look at it.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new() };
-        let (trial, likelihoods, errors) = Default::default();
-        Self { suggestion, record, stage: Stage::Data, trial, likelihoods, errors }
+        let (trial, free, likelihoods, errors) = Default::default();
+        Self { suggestion, record, stage: Stage::Data, trial, free, likelihoods, errors }
     }
 
     /// The share that is done, from 0 to 1.
@@ -94,25 +96,22 @@ impl Suggest {
                 }
                 Stage::FreeRun => {
                     let scenario = || first_alone(&self.suggestion.scenario);
-                    match follow(&mut self.trial, scenario, &self.record, FREE, while_time) {
+                    match follow_freely(&mut self.trial, &mut self.free, scenario, &self.record, while_time) {
                         None => return false,
-                        Some(run) => match run.and_then(|run| free_error(&run)) {
-                            Some(errors) => {
-                                self.errors = errors;
-                                Stage::ModelError
-                            }
-                            None => Stage::Done,
-                        },
+                        Some(Some((_, errors))) => {
+                            self.errors = errors;
+                            Stage::ModelError
+                        }
+                        Some(None) => Stage::Done,
                     }
                 }
                 Stage::ModelError => {
                     let scenario = || first_alone(&self.suggestion.with_error(&self.errors));
-                    match follow(&mut self.trial, scenario, &self.record, FREE, while_time) {
+                    match follow_freely(&mut self.trial, &mut self.free, scenario, &self.record, while_time) {
                         None => return false,
-                        Some(run) => {
-                            let after = run.and_then(|run| Some((free_error(&run)?, surprise(&run))));
-                            if let Some((after, surprise)) = after {
-                                self.suggestion.model_error(&self.errors, &after, surprise);
+                        Some(after) => {
+                            if let Some((run, after)) = after {
+                                self.suggestion.model_error(&self.errors, &after, surprise(&run));
                             }
                             Stage::Done
                         }
@@ -156,6 +155,47 @@ fn follow(
     Some(trial.take())
 }
 
+/// Runs a trial, then its final model freely over the same samples, with the model's error for each of the scenario's
+/// sensors. `None` while it is under way, `Some(None)` where it is impossible.
+#[expect(clippy::option_option, reason = "a trial is under way, impossible or done")]
+fn follow_freely(
+    trial: &mut Option<Run>,
+    free: &mut Option<Running>,
+    scenario: impl FnOnce() -> Scenario,
+    record: &Record,
+    while_time: &mut dyn FnMut() -> bool,
+) -> Option<Option<(Run, Vec<f64>)>> {
+    if free.is_none() {
+        *trial = follow(trial, scenario, record, FREE, while_time)?;
+        *free = trial.as_ref().and_then(begin_freely);
+    }
+    if let (Some(running), Some(run)) = (free.as_mut(), &*trial)
+        && !running.advance(run.record(), while_time)
+    {
+        return None;
+    }
+    let done = trial.take().zip(free.take());
+    Some(done.and_then(|(run, running)| {
+        let errors = errors(&run, &running.finish(run.record()))?;
+        Some((run, errors))
+    }))
+}
+
+/// The free run of the first filter's final model, before its first piece; none where the filter has stopped.
+fn begin_freely(run: &Run) -> Option<Running> {
+    let (scenario, record) = (run.scenario(), run.record());
+    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
+    let model = Identified::at(scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?);
+    Some(model.running(record, 0..record.len()))
+}
+
+/// The error of a free run for each of the scenario's sensors, if the model has not run away.
+fn errors(run: &Run, free: &FreeRun) -> Option<Vec<f64>> {
+    let of = |sensor: &Sensor| free.fit(run.record(), sensor.measures).map(|fit| fit.rms);
+    let errors = run.scenario().sensors.iter().map(of).collect::<Option<Vec<f64>>>();
+    errors.filter(|errors| errors.iter().all(|error| error.is_finite()))
+}
+
 /// The log likelihood of all innovations, if the filter went through.
 fn likelihood(run: &Run) -> Option<f64> {
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
@@ -179,14 +219,4 @@ fn surprise(run: &Run) -> f64 {
 /// The scenario with its first filter alone.
 pub(super) fn first_alone(scenario: &Scenario) -> Scenario {
     Scenario { filters: scenario.filters.iter().take(1).cloned().collect(), ..scenario.clone() }
-}
-
-/// The error of the free run of the first filter's final model, for each of the scenario's sensors.
-fn free_error(run: &Run) -> Option<Vec<f64>> {
-    let (scenario, record) = (run.scenario(), run.record());
-    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
-    let model = Identified::at(scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?);
-    let free = model.run(record, 0..record.len());
-    let errors = scenario.sensors.iter().map(|sensor| free.fit(record, sensor.measures).map(|fit| fit.rms));
-    errors.collect::<Option<Vec<f64>>>().filter(|errors| errors.iter().all(|error| error.is_finite()))
 }

@@ -1,0 +1,89 @@
+//! A free run under way, a piece after the other.
+
+use std::ops::Range;
+
+use super::beginning::Beginning;
+use super::course::Course;
+use super::{FreeRun, Identified, fit};
+use crate::Record;
+use crate::model::Reading;
+
+/// The samples between two looks at the clock: at most about a millisecond.
+const CHUNK: usize = 64;
+
+/// A free run under way. The record is the same in all calls; the result does not depend on how the work is divided.
+pub struct Running {
+    identified: Identified,
+    part: Range<usize>,
+    readings: Vec<Option<Reading>>,
+    beginning: Beginning,
+    /// The motion at the next sample, once the motion at the beginning is fitted.
+    course: Option<Course>,
+    predicted: Vec<Vec<f64>>,
+    /// The number of samples that are done.
+    done: usize,
+}
+
+impl Running {
+    pub(super) fn new(identified: Identified, record: &Record, part: Range<usize>) -> Self {
+        let part = part.start..part.end.min(record.len());
+        let readings: Vec<Option<Reading>> = record.sensors().iter().map(|&q| identified.model.reading(q)).collect();
+        let beginning = Beginning::new(&identified, record, &part, &readings);
+        let predicted = vec![Vec::with_capacity(part.len()); readings.len()];
+        Self { identified, part, readings, beginning, course: None, predicted, done: 0 }
+    }
+
+    /// Goes on until `while_time` returns false, which is called after each piece of about a millisecond. Returns whether
+    /// all samples are done.
+    pub fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
+        while self.done < self.part.len() {
+            match &self.course {
+                Some(_) => self.piece(record),
+                None if self.beginning.advance(&self.identified, record, &self.readings) => {
+                    self.course = Some(Course::new(&self.identified, &self.beginning.motion));
+                }
+                None => {}
+            }
+            if !while_time() {
+                break;
+            }
+        }
+        self.done >= self.part.len()
+    }
+
+    /// The next samples.
+    fn piece(&mut self, record: &Record) {
+        let Self { identified, part, readings, course: Some(course), predicted, done, .. } = self else { return };
+        let end = (*done + CHUNK).min(part.len());
+        for k in part.start + *done..part.start + end {
+            let Some(state) = course.state() else {
+                // The model has run away: no prediction follows.
+                *done = part.len();
+                return;
+            };
+            for (column, reading) in predicted.iter_mut().zip(readings.iter()) {
+                column.push(identified.read(reading.as_ref(), state, record, k));
+            }
+            course.advance(identified, record, k);
+        }
+        *done = end;
+    }
+
+    /// The share that is done, from 0 to 1.
+    pub fn progress(&self) -> f64 {
+        self.done as f64 / self.part.len().max(1) as f64
+    }
+
+    /// The free run, as far as it is done.
+    pub fn finish(self, record: &Record) -> FreeRun {
+        let Self { part, readings, beginning, mut predicted, .. } = self;
+        predicted.iter_mut().for_each(|column| column.resize(part.len(), f64::NAN));
+        let fitted = beginning.part.len();
+        let fits = (0..readings.len()).map(|sensor| {
+            let measured = &record.measured(sensor)[part.clone()];
+            readings[sensor].as_ref()?;
+            fit(&measured[fitted..], &predicted[sensor][fitted..])
+        });
+        FreeRun { fits: fits.collect(), fitted, predicted, part }
+    }
+}

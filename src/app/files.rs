@@ -1,0 +1,44 @@
+//! Files to open that do not come by drop.
+
+use egui::Context;
+
+use super::App;
+use crate::drop;
+use crate::inbox::{Arrival, Choose, Inbox};
+use crate::request::Request;
+
+impl App {
+    /// The explorer with a way to choose one of the user's files.
+    #[must_use]
+    pub fn choosing(self, choose: Option<Choose>) -> Self {
+        Self { choose, ..self }
+    }
+
+    /// The place where files arrive that the explorer is to open.
+    pub fn inbox(&self) -> &Inbox {
+        &self.inbox
+    }
+
+    /// Opens a lesson, a scenario, a session or a record, or says why it cannot be read.
+    pub fn open_file(&mut self, name: &str, contents: Result<Vec<u8>, String>) {
+        self.requests.push(drop::opened(name, contents));
+    }
+
+    /// Lets the user choose a file.
+    pub(super) fn choose_file(&mut self, ctx: &Context) {
+        match &mut self.choose {
+            Some(choose) => choose(ctx, &self.inbox),
+            None => self.notice = Some("A file cannot be chosen here: drop it on the window.".to_owned().into()),
+        }
+    }
+
+    /// Opens the files that have arrived.
+    pub(super) fn take_files(&mut self) {
+        for arrival in self.inbox.take() {
+            match arrival {
+                Arrival::File(name, contents) => self.open_file(&name, contents),
+                Arrival::Failure(sentence) => self.requests.push(Request::Report(sentence)),
+            }
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! The page's input that chooses a file.
+
+use egui::Context;
+use kalmanscope::drop;
+use kalmanscope::inbox::{Arrival, Choose, Inbox};
+use wasm_bindgen::JsCast as _;
+use wasm_bindgen::prelude::*;
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{Document, File, HtmlInputElement};
+
+/// Asks for a file by the input of the page, where it has one. The file comes the same way when something else fills the
+/// input.
+pub(super) fn choose(document: &Document, ctx: &Context, inbox: &Inbox) -> Option<Choose> {
+    let input: HtmlInputElement = document.get_element_by_id("file")?.dyn_into().ok()?;
+    let (own, ctx, inbox) = (input.clone(), ctx.clone(), inbox.clone());
+    let listener = Closure::<dyn FnMut()>::new(move || {
+        let file = own.files().and_then(|files| files.get(0));
+        if let Some(file) = file {
+            open(file, &ctx, &inbox);
+        }
+        // The same file can be chosen again.
+        own.set_value("");
+    });
+    input.add_event_listener_with_callback("change", listener.as_ref().unchecked_ref()).ok()?;
+    // The page listens for as long as the function lives.
+    Some(Box::new(move |_, _| {
+        let _listens = &listener;
+        input.click();
+    }))
+}
+
+/// Reads a file, which arrives once it has been read.
+pub(super) fn open(file: File, ctx: &Context, inbox: &Inbox) {
+    let (ctx, inbox) = (ctx.clone(), inbox.clone());
+    wasm_bindgen_futures::spawn_local(async move {
+        let contents = read(&file).await;
+        inbox.put(Arrival::File(file.name(), contents), &ctx);
+    });
+}
+
+/// The contents of a file that is not too large.
+async fn read(file: &File) -> Result<Vec<u8>, String> {
+    if file.size() > drop::LARGEST as f64 {
+        return Err(drop::TOO_LARGE.to_owned());
+    }
+    let buffer = JsFuture::from(file.array_buffer()).await;
+    let buffer = buffer.map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
+    Ok(js_sys::Uint8Array::new(&buffer).to_vec())
+}
