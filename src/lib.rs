@@ -13,6 +13,7 @@ mod export_menu;
 pub mod figure;
 pub mod import;
 mod keys;
+pub mod laboratory;
 pub mod layout;
 mod legend;
 mod notice;

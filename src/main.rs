@@ -12,6 +12,8 @@ fn main() {
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
+    mod threads;
+
     use std::error::Error;
     use std::io::{self, Write as _};
     use std::path::{Path, PathBuf};
@@ -76,7 +78,7 @@ mod native {
             .with_icon(icon());
         let options = NativeOptions { viewport, ..NativeOptions::default() };
         let creator: eframe::AppCreator<'_> = Box::new(|creation| {
-            let mut app = App::new(creation)?.delivering(Box::new(folder::write));
+            let mut app = App::new(creation)?.delivering(Box::new(folder::write)).computing_with(threads::engine());
             if let Some(address) = address {
                 app.open_address(&address);
             }

@@ -15,6 +15,7 @@ use kalmanscope_core::{Scenario, ScenarioError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::laboratory::Choice;
 use crate::layout::Layout;
 use crate::request::ViewKind;
 use crate::session::Mode;
@@ -39,6 +40,8 @@ pub struct Picture {
     pub views: Option<Outline>,
     /// The view that is enlarged.
     pub enlarged: Option<ViewKind>,
+    /// The map of the laboratory, if a view shows it.
+    pub map: Option<Choice>,
     /// Live, or the whole record.
     pub mode: Mode,
     /// The time at which playback stands, from the first sample on \[s\].
@@ -72,6 +75,8 @@ struct Screen {
     views: Option<Outline>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     enlarged: Option<ViewKind>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    map: Option<Choice>,
     mode: Mode,
     time: f64,
 }
@@ -79,7 +84,13 @@ struct Screen {
 impl Picture {
     /// The picture with these settings, views and playback.
     pub(crate) fn new(scenario: Scenario, layout: &Layout, mode: Mode, time: f64) -> Self {
-        Self { scenario, views: Outline::of(layout.tree()), enlarged: layout.enlarged(), mode, time }
+        Self { scenario, views: Outline::of(layout.tree()), enlarged: layout.enlarged(), map: None, mode, time }
+    }
+
+    /// The picture with a map.
+    #[must_use]
+    pub(crate) fn with_map(self, map: Option<Choice>) -> Self {
+        Self { map, ..self }
     }
 
     /// The picture as a fragment, from `#` on.
@@ -88,8 +99,9 @@ impl Picture {
     /// [`LinkError::Scenario`] where the scenario cannot be written, [`LinkError::TooLong`] where the link would be too
     /// long.
     pub fn fragment(&self) -> Result<String, LinkError> {
-        let Self { scenario, views, enlarged, mode, time } = self;
-        let screen = Screen { views: views.clone(), enlarged: *enlarged, mode: *mode, time: *time };
+        let Self { scenario, views, enlarged, map, mode, time } = self;
+        let (views, map) = (views.clone(), map.clone());
+        let screen = Screen { views, enlarged: *enlarged, map, mode: *mode, time: *time };
         let screen = serde_json::to_string(&screen).map_err(|error| LinkError::Screen(error.to_string()))?;
         let text = format!("{screen}\n{}", scenario.to_toml()?);
         let link = format!("{VERSION}.{}", base64url::encode(&packed::pack(&text)));
@@ -119,7 +131,7 @@ impl Picture {
     fn from_text(text: &str) -> Result<Self, LinkError> {
         let (screen, scenario) = text.split_once('\n').ok_or(LinkError::Damaged)?;
         let screen: Screen = serde_json::from_str(screen).map_err(|error| LinkError::Screen(error.to_string()))?;
-        let Screen { views, enlarged, mode, time } = screen;
+        let Screen { views, enlarged, map, mode, time } = screen;
         if let Some(views) = &views {
             views.validate().map_err(LinkError::Screen)?;
         }
@@ -130,7 +142,11 @@ impl Picture {
         if enlarged.as_ref().is_some_and(|view| !shown(view)) {
             return Err(LinkError::Screen("the view that is enlarged is not shown".to_owned()));
         }
-        Ok(Self { scenario: Scenario::from_toml(scenario)?, views, enlarged, mode, time })
+        let scenario = Scenario::from_toml(scenario)?;
+        if let Some(map) = &map {
+            map.check(&scenario).map_err(LinkError::Screen)?;
+        }
+        Ok(Self { scenario, views, enlarged, map, mode, time })
     }
 
     /// The views as tiles.

@@ -9,6 +9,7 @@ use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
 use crate::share::address::{self, Target};
 use crate::share::{LinkError, Picture};
+use crate::views::view;
 
 /// The page at which links of the desktop program begin. It is set when the program is built; without it a link is the
 /// fragment alone, which any page and any program opens.
@@ -41,9 +42,11 @@ impl App {
 
     /// The picture on screen.
     pub fn picture(&self) -> Picture {
-        let Self { session, layout, .. } = self;
+        let Self { session, layout, laboratory, .. } = self;
         let time = session.time() - session.run().record().time_of(0);
-        Picture::new(session.scenario().clone(), layout, session.mode(), time)
+        let shows_map = layout.shown().iter().any(|kind| view(*kind).is_of_laboratory());
+        let map = laboratory.choice().filter(|_| shows_map).cloned();
+        Picture::new(session.scenario().clone(), layout, session.mode(), time).with_map(map)
     }
 
     /// A link to the picture on screen.
@@ -74,7 +77,7 @@ impl App {
     /// Shows the picture of a link, paused. The settings before it come back with undo.
     fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
-        let Picture { scenario, mode, time, .. } = picture;
+        let Picture { scenario, map, mode, time, .. } = picture;
         self.history.add_undo(self.session.scenario());
         self.session.set_scenario(scenario);
         self.session.begin_anew();
@@ -84,6 +87,9 @@ impl App {
         self.tutor = None;
         self.inviting = false;
         self.layout = layout;
+        if map.is_some() {
+            self.laboratory.choose(map);
+        }
         self.axis = TimeAxis::default();
         self.visible.reset();
         number::begin_anew(ctx);

@@ -41,7 +41,9 @@ pub(super) fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format:
     let mut visible = context.visible.clone();
     visible.verdicts = false;
     let axis = TimeAxis { pointed: None, ..*context.axis };
-    let context = &ViewContext::new(context.session, &palette, &visible, &axis, context.ruler);
+    let laboratory = context.laboratory;
+    let context = ViewContext::new(context.session, &palette, &visible, &axis, context.ruler);
+    let context = &context.in_laboratory(laboratory);
     let rows: Vec<&[ViewKind]> = if geometry.is_narrow {
         rows.iter().flatten().map(std::slice::from_ref).collect()
     } else {

@@ -1,0 +1,115 @@
+//! A score over two settings: each cell is a whole run of the filter.
+
+mod bar;
+mod cells;
+mod contour;
+mod head;
+mod legend;
+mod marks;
+mod panel;
+mod picture;
+mod scale;
+
+use egui::{Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
+
+use crate::laboratory::{Choice, Laboratory, Survey};
+use crate::plot::medium::Medium;
+use crate::request::Request;
+use crate::view::{Proportions, View, ViewContext};
+use head::head_ui;
+use panel::PanelView;
+
+pub(super) use legend::score_text;
+pub(super) use marks::said;
+
+/// The map.
+pub(super) struct Map;
+
+/// Limits the width of a panel below which panels are one below the other \[points\].
+const LEAST: f32 = 215.0;
+
+/// Limits the height of a panel from below, where panels are one below the other \[points\].
+const LOW: f32 = 150.0;
+
+/// Space between panels \[points\].
+const GAP: f32 = 6.0;
+
+impl View for Map {
+    fn name(&self) -> &'static str {
+        "Map"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "Each cell is a run of the filter over the whole record, with the settings of its place; the colour is its score.",
+            "Drag the dot: the settings and all plots follow. Point at a cell for its numbers; a click takes its settings.",
+            "The line surrounds the settings with which the filter is consistent: its mean NIS is within its 99 % interval.",
+        ]
+    }
+
+    fn is_of_laboratory(&self) -> bool {
+        true
+    }
+
+    fn proportions(&self) -> Proportions {
+        Proportions::Square
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        let Some((laboratory, choice, survey)) = contents(ui, context) else { return None };
+        let medium = Medium::of(ui.ctx());
+        if medium == Medium::Screen {
+            head_ui(ui, context, laboratory, choice, requests);
+        }
+        let (room, _) = ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::hover());
+        progress_ui(ui, room, laboratory, context);
+        let panels = picture::panels(ui.ctx(), laboratory, survey, choice.measure, context.palette);
+        let lines = legend::lines(room.width()) as f32 * legend::LINE;
+        let (area, below) = room.split_top_bottom_at_y((room.bottom() - lines).max(room.top() + 1.0));
+        let area = area.with_min_y((area.top() + 3.0).min(area.bottom()));
+        let rooms = rooms(area, panels.len());
+        let mut has_truth = false;
+        for (at, (panel, room)) in panels.iter().zip(rooms).enumerate() {
+            let same_bar = panels.get(at + 1).is_some_and(|next| next.colors == panel.colors);
+            let is_old = laboratory.is_shown_old();
+            let view = PanelView { panel, survey, measure: choice.measure, is_old, has_bar: !same_bar };
+            has_truth |= view.ui(ui, room, context, requests);
+        }
+        legend::legend_ui(ui, below.translate(vec2(4.0, 0.0)), &panels, (has_truth, choice.measure), context.palette);
+        None
+    }
+}
+
+/// The laboratory with its choice and the survey to show. Where there is none, says why.
+pub(super) fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
+    let laboratory = context.laboratory?;
+    if let Some(problem) = laboratory.problem() {
+        ui.weak(problem);
+    }
+    laboratory.choice().zip(laboratory.shown()).map(|(choice, survey)| (laboratory, choice, survey))
+}
+
+/// A line above the panels, as long as the share of the map that is known.
+fn progress_ui(ui: &Ui, room: Rect, laboratory: &Laboratory, context: &ViewContext<'_>) {
+    let Some(share) = laboratory.progress().filter(|_| Medium::of(ui.ctx()) == Medium::Screen) else { return };
+    let y = room.top() + 1.0;
+    let color = context.palette.accent;
+    let end = room.left() + share as f32 * room.width();
+    ui.painter().hline(room.x_range(), y, Stroke::new(2.0, color.gamma_multiply(0.25)));
+    ui.painter().line_segment([pos2(room.left(), y), pos2(end, y)], Stroke::new(2.0, color));
+}
+
+/// The rooms of panels: side by side where they have the width for that.
+fn rooms(area: Rect, count: usize) -> Vec<Rect> {
+    let count = count.max(1);
+    let gaps = GAP * (count - 1) as f32;
+    let beside = (area.width() - gaps) / count as f32;
+    if beside >= LEAST || area.height() < LOW * count as f32 {
+        let size = vec2(beside, area.height());
+        return (0..count)
+            .map(|i| Rect::from_min_size(area.min + vec2((beside + GAP) * i as f32, 0.0), size))
+            .collect();
+    }
+    let size = vec2(area.width(), (area.height() - gaps) / count as f32);
+    (0..count).map(|i| Rect::from_min_size(area.min + vec2(0.0, (size.y + GAP) * i as f32), size)).collect()
+}
