@@ -143,4 +143,6 @@ pub enum Proportions {
     Square,
     /// A picture that is much wider than high.
     Flat,
+    /// A picture with choices above it, which needs more height than others.
+    Tall,
 }

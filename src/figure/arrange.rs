@@ -116,6 +116,7 @@ impl Sheet<'_> {
         match view(kind).proportions() {
             Proportions::Flat => (0.26 * width).clamp(70.0, 120.0),
             Proportions::Square => (0.72 * width).clamp(150.0, 270.0),
+            Proportions::Tall => (0.8 * width).clamp(170.0, 300.0),
             Proportions::Wide => {
                 Medium::take_plots(self.canvas.ctx());
                 self.canvas.draw(vec2(width, AMPLE), |ui| self.view_ui(ui, kind));

@@ -26,7 +26,7 @@ pub(super) use marks::said;
 pub(super) struct Map;
 
 /// Limits the width of a panel below which panels are one below the other \[points\].
-const LEAST: f32 = 215.0;
+const LEAST: f32 = 160.0;
 
 /// Limits the height of a panel from below, where panels are one below the other \[points\].
 const LOW: f32 = 150.0;
@@ -52,7 +52,7 @@ impl View for Map {
     }
 
     fn proportions(&self) -> Proportions {
-        Proportions::Square
+        Proportions::Tall
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
@@ -67,12 +67,14 @@ impl View for Map {
         let lines = legend::lines(room.width()) as f32 * legend::LINE;
         let (area, below) = room.split_top_bottom_at_y((room.bottom() - lines).max(room.top() + 1.0));
         let area = area.with_min_y((area.top() + 3.0).min(area.bottom()));
-        let rooms = rooms(area, panels.len());
+        let bars: Vec<bool> = (0..panels.len())
+            .map(|at| panels.get(at + 1).is_none_or(|next| next.colors != panels[at].colors))
+            .collect();
+        let (rooms, are_beside) = rooms(area, &bars);
         let mut has_truth = false;
         for (at, (panel, room)) in panels.iter().zip(rooms).enumerate() {
-            let same_bar = panels.get(at + 1).is_some_and(|next| next.colors == panel.colors);
             let is_old = laboratory.is_shown_old();
-            let view = PanelView { panel, survey, measure: choice.measure, is_old, has_bar: !same_bar };
+            let view = PanelView { panel, survey, measure: choice.measure, is_old, has_bar: bars[at] || !are_beside };
             has_truth |= view.ui(ui, room, context, requests);
         }
         legend::legend_ui(ui, below.translate(vec2(4.0, 0.0)), &panels, (has_truth, choice.measure), context.palette);
@@ -99,17 +101,24 @@ fn progress_ui(ui: &Ui, room: Rect, laboratory: &Laboratory, context: &ViewConte
     ui.painter().line_segment([pos2(room.left(), y), pos2(end, y)], Stroke::new(2.0, color));
 }
 
-/// The rooms of panels: side by side where they have the width for that.
-fn rooms(area: Rect, count: usize) -> Vec<Rect> {
-    let count = count.max(1);
-    let gaps = GAP * (count - 1) as f32;
-    let beside = (area.width() - gaps) / count as f32;
-    if beside >= LEAST || area.height() < LOW * count as f32 {
-        let size = vec2(beside, area.height());
-        return (0..count)
-            .map(|i| Rect::from_min_size(area.min + vec2((beside + GAP) * i as f32, 0.0), size))
-            .collect();
+/// The rooms of panels, and whether they are side by side, as they are where they have the width for that. Then panels with the
+/// same bar of colours share it, and their plots are equally wide.
+fn rooms(area: Rect, bars: &[bool]) -> (Vec<Rect>, bool) {
+    let count = bars.len().max(1) as f32;
+    let gaps = GAP * (count - 1.0);
+    let bar = |has_bar: bool| if has_bar { bar::ROOM } else { 0.0 };
+    let plot = (area.width() - gaps - bars.iter().map(|has_bar| bar(*has_bar)).sum::<f32>()) / count;
+    let mut corner = area.min;
+    let mut next = |size: Vec2, step: Vec2| {
+        let room = Rect::from_min_size(corner, size);
+        corner += step;
+        room
+    };
+    if plot >= LEAST || area.height() < LOW * count {
+        let size = |has_bar: &bool| vec2(plot + bar(*has_bar), area.height());
+        let rooms = bars.iter().map(|has_bar| next(size(has_bar), vec2(size(has_bar).x + GAP, 0.0))).collect();
+        return (rooms, true);
     }
-    let size = vec2(area.width(), (area.height() - gaps) / count as f32);
-    (0..count).map(|i| Rect::from_min_size(area.min + vec2(0.0, (size.y + GAP) * i as f32), size)).collect()
+    let size = vec2(area.width(), (area.height() - gaps) / count);
+    (bars.iter().map(|_| next(size, vec2(0.0, size.y + GAP))).collect(), false)
 }

@@ -93,7 +93,7 @@ impl Slice<'_> {
         let font = TextStyle::Small.resolve(ui.style());
         let other = super::map::said(survey.axes()[1 - at], present[1 - at], survey);
         let title = pos2(graph.rect.left(), room.top() + 0.5 * TITLE);
-        ui.painter_at(room).text(title, Align2::LEFT_CENTER, format!("where {other}"), font, palette.weak);
+        ui.painter_at(room).text(title, Align2::LEFT_CENTER, other, font, palette.weak);
         let painter = ui.painter_at(graph.rect.expand(1.0));
         let here = graph.at([present[at], f64::NAN]).x;
         if here.is_finite() {
@@ -104,11 +104,13 @@ impl Slice<'_> {
             let id = survey.filters()[filter];
             let own = context.session.scenario().filters.iter().find(|filter| filter.id == id);
             let color = own.map_or(palette.text, |filter| palette.shade(color_of(filter)));
+            // A line that coincides with the one before leaves that in sight.
+            let width = if filter == 0 && lines.len() > 1 { 4.0 } else { 1.8 };
             for part in line.split(|[_, value]| !value.is_finite()) {
                 let points: Vec<Pos2> = part.iter().map(|point| graph.at(*point)).collect();
                 match points[..] {
                     [alone] => _ = painter.circle_filled(alone, 1.5, color),
-                    _ => _ = painter.add(Shape::line(points, Stroke::new(2.0, color))),
+                    _ => _ = painter.add(Shape::line(points, Stroke::new(width, color))),
                 }
             }
         }

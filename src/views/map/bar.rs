@@ -8,7 +8,7 @@ use crate::text::significant;
 use crate::theme::Palette;
 
 /// Room for a bar with its numbers \[points\].
-pub(super) const ROOM: f32 = 62.0;
+pub(super) const ROOM: f32 = 46.0;
 
 /// The width of the bar, and its distance from the panel \[points\].
 const WIDTH: f32 = 11.0;

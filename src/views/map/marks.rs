@@ -26,13 +26,32 @@ fn line(ui: &Ui, points: Vec<egui::Pos2>, width: f32) -> [Shape; 2] {
     ]
 }
 
-/// Draws the edge of the consistent region.
+/// The length of the ticks on the inner side of an edge, and the least distance between them \[points\].
+const TICK: f32 = 5.0;
+const APART: f32 = 13.0;
+
+/// Draws the edge of the consistent region, with ticks that point into it.
 pub(super) fn contour_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], contour: &[Piece]) {
     let counts = axes.map(|axis| axis.count as f64);
     let at = |[x, y]: [f64; 2]| graph.at_shares([(x + 0.5) / counts[0], (y + 0.5) / counts[1]]);
+    let size = [graph.rect.width(), graph.rect.height()].map(f64::from);
+    let every = [0, 1].map(|way| (f64::from(APART) * counts[way] / size[way]).ceil().max(1.0) as usize);
+    let mut lines = Vec::new();
+    for Piece { ends: [from, to], inwards } in contour {
+        let (from, to) = (at(*from), at(*to));
+        lines.push(line(ui, vec![from, to], 1.4));
+        // On the screen, where a cell is not square.
+        let inwards = vec2((inwards[0] * counts[0] / size[0]) as f32, -(inwards[1] * counts[1] / size[1]) as f32);
+        let middle = from + 0.5 * (to - from);
+        let shares = graph.shares(middle);
+        let way = usize::from((to - from).x.abs() < (to - from).y.abs());
+        let is_ticked = ((shares[way] * counts[way] - 0.5).max(0.0) as usize).is_multiple_of(every[way]);
+        if is_ticked && inwards.length() > 0.0 {
+            lines.push(line(ui, vec![middle, middle + TICK * inwards.normalized()], 1.0));
+        }
+    }
+    let (under, over): (Vec<Shape>, Vec<Shape>) = lines.into_iter().map(|[under, over]| (under, over)).unzip();
     let painter = ui.painter_at(graph.rect);
-    let pieces = contour.iter().map(|[from, to]| line(ui, vec![at(*from), at(*to)], 1.4));
-    let (under, over): (Vec<Shape>, Vec<Shape>) = pieces.map(|[under, over]| (under, over)).unzip();
     painter.extend(under);
     painter.extend(over);
 }

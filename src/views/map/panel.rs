@@ -41,7 +41,8 @@ impl PanelView<'_> {
         let mut ui = ui.new_child(UiBuilder::new().id_salt(self.key()).max_rect(room));
         let ui = &mut ui;
         self.title_ui(ui, room, context);
-        let below = Rect::from_min_max(room.min + vec2(0.0, TITLE), room.max - vec2(bar::ROOM - 12.0, 0.0));
+        let bar = if has_bar { bar::ROOM } else { 0.0 };
+        let below = Rect::from_min_max(room.min + vec2(0.0, TITLE), room.max - vec2(bar, 0.0));
         let [x, y] =
             axes.map(|axis| Scale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
         let graph = Graph::new(below, x, y);
