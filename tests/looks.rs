@@ -77,14 +77,13 @@ fn it_looks_as_it_did() {
     screen.snapshot_options("marks-light", &options);
     results.extend_harness(&mut screen);
     for kind in ViewKind::ALL {
-        let mut screen = Harness::builder()
-            .with_size(Vec2::new(900.0, 620.0))
-            .with_theme(Theme::Light)
-            .wgpu()
-            .build_eframe(|creation| {
-                let app = App::new(creation).expect("the default scenario can be run");
-                app.computing_with(Box::new(Slices(Budget::Unlimited)))
-            });
+        let mut screen =
+            Harness::builder().with_size(Vec2::new(900.0, 620.0)).with_theme(Theme::Light).wgpu().build_eframe(
+                |creation| {
+                    let app = App::new(creation).expect("the default scenario can be run");
+                    app.computing_with(Box::new(Slices(Budget::Unlimited)))
+                },
+            );
         let layout = screen.state_mut().layout_mut();
         for shown in layout.shown().into_iter().chain([kind]) {
             layout.toggle(shown);

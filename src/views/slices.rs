@@ -1,6 +1,6 @@
 //! A score over one setting at a time: the row and the column of the map through the setting on screen.
 
-use egui::{Align2, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Ui, UiBuilder, Vec2, pos2, vec2};
+use egui::{Align2, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, UiBuilder, Vec2, pos2, vec2};
 use kalmanscope_lab::{Axis, Measure, Spacing};
 
 use super::map::contents;
@@ -48,6 +48,10 @@ impl View for Slices {
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
         let Some((_, choice, survey)) = contents(ui, context) else { return None };
+        if choice.measure == Measure::Verdict {
+            ui.weak("A verdict is no number: choose another score above the map.");
+            return None;
+        }
         let (room, _) = ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::hover());
         let present = survey.present(context.session.scenario());
         for (at, room) in rooms(room).into_iter().enumerate() {
@@ -147,7 +151,10 @@ impl Slice<'_> {
         let place = ((graph.shares(pointer)[0] * count as f64).max(0.0) as usize).min(count.saturating_sub(1));
         let Some([value, _]) = lines.first().and_then(|line| line.get(place)) else { return };
         let names = survey.ensemble().scenario().filters.iter().map(|filter| &filter.name);
-        response.clone().on_hover_ui_at_pointer(|ui| {
+        if !response.hovered() {
+            return;
+        }
+        Tooltip::for_widget(response).at_pointer().gap(12.0).show(|ui| {
             ui.label(super::map::said(survey.axes()[at], *value, survey));
             for (name, line) in names.zip(lines) {
                 ui.label(format!("{name}: {}", super::map::score_text(measure, line[place][1])));

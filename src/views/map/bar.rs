@@ -7,8 +7,9 @@ use crate::plot::graph::Graph;
 use crate::text::significant;
 use crate::theme::Palette;
 
-/// Room for a bar with its numbers \[points\].
-pub(super) const ROOM: f32 = 46.0;
+/// Room for a bar with its numbers, and for one with the names of kinds \[points\].
+const NUMBERS: f32 = 46.0;
+const NAMES: f32 = 104.0;
 
 /// The width of the bar, and its distance from the panel \[points\].
 const WIDTH: f32 = 11.0;
@@ -16,6 +17,11 @@ const APART: f32 = 6.0;
 
 /// The steps of the bar.
 const STEPS: usize = 64;
+
+/// The room of a bar \[points\].
+pub(super) fn room(colors: &Colors) -> f32 {
+    if matches!(colors, Colors::Kinds(names) if names.len() > 2) { NAMES } else { NUMBERS }
+}
 
 /// Draws the bar beside a frame.
 pub(super) fn bar_ui(ui: &Ui, graph: &Graph, colors: &Colors, palette: &Palette) {
@@ -49,11 +55,8 @@ fn kinds_ui(ui: &Ui, graph: &Graph, colors: &Colors, names: &[&str], palette: &P
         let at = pos2(graph.rect.right() + APART, graph.rect.top() + line * place as f32);
         let rect = Rect::from_min_size(at + vec2(0.0, 1.0), vec2(WIDTH, line - 2.0));
         painter.rect_filled(rect, 0.0, colors.kind(place));
-        // Long names are said in full at the pointer.
-        let short: String = name.chars().take(9).collect();
-        let text = if short.len() < name.len() { format!("{}…", short.trim_end()) } else { short };
-        let at = rect.right_center() + vec2(3.0, 0.0);
-        painter.text(at, Align2::LEFT_CENTER, text, font.clone(), palette.weak);
+        let at = rect.right_center() + vec2(4.0, 0.0);
+        painter.text(at, Align2::LEFT_CENTER, *name, font.clone(), palette.weak);
     }
 }
 

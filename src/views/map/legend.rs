@@ -76,7 +76,12 @@ impl Mark {
         let line = Stroke::new(1.4, palette.text);
         let (left, right) = (rect.left_center(), rect.right_center());
         match self {
-            Self::Line => _ = painter.line_segment([left, right], line),
+            Self::Line => {
+                painter.line_segment([left, right], line);
+                for x in [4.0, 12.0] {
+                    painter.line_segment([left + vec2(x, 0.0), left + vec2(x, 4.0)], Stroke::new(1.0, palette.text));
+                }
+            }
             Self::Dashes => {
                 painter.line_segment([left, left + vec2(6.0, 0.0)], line);
                 painter.line_segment([right - vec2(6.0, 0.0), right], line);

@@ -180,11 +180,12 @@ fn stepped(axis: &Axis, value: f64, steps: f64) -> f64 {
 }
 
 /// Draws the hatching of cells that lost the truth.
-pub(super) fn hatching_ui(ui: &Ui, lines: &[[egui::Pos2; 2]]) {
+pub(super) fn hatching_ui(ui: &Ui, graph: &Graph, lines: &[[egui::Pos2; 2]]) {
     let stroke = Stroke::new(0.8, Color32::from_black_alpha(150));
     let light = Stroke::new(0.8, Color32::from_white_alpha(150));
+    let painter = ui.painter_at(graph.rect);
     for line in lines {
-        ui.painter().line_segment(line.map(|at| at + vec2(1.0, 0.0)), light);
-        ui.painter().line_segment(*line, stroke);
+        painter.line_segment(line.map(|at| at + vec2(1.0, 0.0)), light);
+        painter.line_segment(*line, stroke);
     }
 }

@@ -1,6 +1,6 @@
 //! One panel: its title, the cells, the axes, the bar of colours, and what a hand does with it.
 
-use egui::{Align2, Rect, RichText, Sense, TextStyle, Ui, UiBuilder, pos2, vec2};
+use egui::{Rect, RichText, Sense, TextStyle, Tooltip, Ui, UiBuilder, pos2, vec2};
 use kalmanscope_lab::{Measure, Spacing};
 
 use super::bar::{self, bar_ui};
@@ -41,7 +41,7 @@ impl PanelView<'_> {
         let mut ui = ui.new_child(UiBuilder::new().id_salt(self.key()).max_rect(room));
         let ui = &mut ui;
         self.title_ui(ui, room, context);
-        let bar = if has_bar { bar::ROOM } else { 0.0 };
+        let bar = if has_bar { bar::room(&panel.colors) } else { 0.0 };
         let below = Rect::from_min_max(room.min + vec2(0.0, TITLE), room.max - vec2(bar, 0.0));
         let [x, y] =
             axes.map(|axis| Scale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
@@ -49,7 +49,7 @@ impl PanelView<'_> {
         let scenario = survey.ensemble().scenario();
         let names = axes.map(|axis| setting_label(&axis.key, scenario));
         ui.painter().extend(panel.shapes(&graph, if is_old { OLD } else { 1.0 }));
-        hatching_ui(ui, &panel.hatching(&graph));
+        hatching_ui(ui, &graph, &panel.hatching(&graph));
         graph.axes_ui(ui, names.each_ref().map(String::as_str), context.palette, false);
         contour_ui(ui, &graph, axes, &panel.contour);
         let has_truth = truth_ui(ui, &graph, axes, context);
@@ -91,8 +91,17 @@ impl PanelView<'_> {
             }
         }
         let font = TextStyle::Small.resolve(ui.style());
-        let clip = ui.painter().with_clip_rect(room);
-        clip.text(start, Align2::LEFT_CENTER, text, font, context.palette.text);
+        let galley = |text: String| ui.painter().layout_no_wrap(text, font.clone(), context.palette.text);
+        let whole = galley(text);
+        // Where there is no room for the score, the menu above says it.
+        let text = match (panel.contents, &filters[..]) {
+            (Contents::Filter(at), [_, _, ..]) if start.x + whole.size().x > room.right() => {
+                galley(filters[at].name.clone())
+            }
+            _ => whole,
+        };
+        let corner = start - vec2(0.0, 0.5 * text.size().y);
+        ui.painter().galley(corner, text, context.palette.text);
     }
 
     /// Pointing shows the numbers of a cell, a click takes its settings.
@@ -113,7 +122,9 @@ impl PanelView<'_> {
             let chosen = survey.with(context.session.scenario(), [values[0], values[1]]);
             requests.extend(chosen.map(|scenario| Request::Edit(Box::new(scenario))));
         }
-        response.on_hover_ui_at_pointer(|ui| self.cell_ui(ui, cell, &values));
+        if response.hovered() {
+            Tooltip::for_widget(&response).at_pointer().gap(12.0).show(|ui| self.cell_ui(ui, cell, &values));
+        }
     }
 
     fn cell_ui(&self, ui: &mut Ui, cell: usize, values: &[f64]) {

@@ -8,6 +8,7 @@ use super::cells::{Cell, End, is_ratio};
 use crate::plot::graph::Scale;
 use crate::theme::Palette;
 use crate::theme::ramps::{diverging, kind, sequential};
+use crate::verdict::word;
 
 /// The limit of a consistent filter's mean NIS: its distance from 1, in standard deviations, with 99 % probability.
 pub(super) const CONSISTENT: f64 = 2.575_829_303_548_901;
@@ -38,7 +39,7 @@ impl Colors {
         let values = sorted(cells);
         match measure {
             Measure::Diverged | Measure::Stopped => Self::Kinds(vec!["no", "yes"]),
-            Measure::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| kind.name()).collect()),
+            Measure::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| word(*kind)).collect()),
             Measure::Inside(_) => Self::Sequential(Scale::new(0.0, 1.0, false)),
             Measure::Nis | Measure::Nees => Self::about_one(&values),
             Measure::Consistency => {
