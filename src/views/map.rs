@@ -18,6 +18,7 @@ use crate::plot::medium::Medium;
 use crate::request::Request;
 use crate::view::{Proportions, View, ViewContext};
 use head::head_ui;
+use legend::Legend;
 use panel::PanelView;
 use places::{Place, arrange};
 
@@ -26,6 +27,9 @@ pub(super) use marks::said;
 
 /// The map.
 pub(super) struct Map;
+
+/// Room for the line of the progress \[points\].
+const PROGRESS: f32 = 3.0;
 
 impl View for Map {
     fn name(&self) -> &'static str {
@@ -49,7 +53,7 @@ impl View for Map {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let Some((laboratory, choice, survey)) = contents(ui, context) else { return None };
+        let (laboratory, choice, survey) = contents(ui, context)?;
         let medium = Medium::of(ui.ctx());
         if medium == Medium::Screen {
             head_ui(ui, context, laboratory, choice, requests);
@@ -58,16 +62,16 @@ impl View for Map {
         progress_ui(ui, room, laboratory, context);
         let panels = picture::panels(ui.ctx(), laboratory, survey, choice.measure, context.palette);
         medium.note_plots(ui.ctx(), panels.len());
-        let lines = legend::lines(room.width()) as f32 * legend::LINE;
-        let (area, below) = room.split_top_bottom_at_y((room.bottom() - lines).max(room.top() + 1.0));
-        let area = area.with_min_y((area.top() + 3.0).min(area.bottom()));
-        let mut has_truth = false;
+        let has_truth = !marks::truths(survey.axes(), context).is_empty();
+        let legend = Legend::new(ui, &panels, (has_truth, choice.measure), room.width(), context.palette);
+        let bottom = (room.bottom() - legend.height).max(room.top() + PROGRESS);
+        let area = Rect::from_min_max(room.min + vec2(0.0, PROGRESS), pos2(room.right(), bottom));
         for Place { at, room, has_bar } in arrange(ui, area, &panels, survey) {
             let is_old = laboratory.is_shown_old();
             let view = PanelView { panel: &panels[at], survey, measure: choice.measure, is_old, has_bar };
-            has_truth |= view.ui(ui, room, context, requests);
+            view.ui(ui, room, context, requests);
         }
-        legend::legend_ui(ui, below.translate(vec2(4.0, 0.0)), &panels, (has_truth, choice.measure), context.palette);
+        legend.ui(ui, pos2(room.left() + 4.0, bottom), context.palette);
         None
     }
 }

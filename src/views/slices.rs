@@ -47,7 +47,7 @@ impl View for Slices {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
-        let Some((_, choice, survey)) = contents(ui, context) else { return None };
+        let (_, choice, survey) = contents(ui, context)?;
         if choice.measure == Measure::Verdict {
             ui.weak("A verdict is no number: choose another score above the map.");
             return None;

@@ -1,6 +1,8 @@
 //! The lines under the panels that say what their marks mean, and scores in words.
 
-use egui::{Color32, Rect, Stroke, TextStyle, Ui, pos2, vec2};
+use std::sync::Arc;
+
+use egui::{Color32, Galley, Pos2, Rect, Stroke, TextStyle, Ui, Vec2, vec2};
 use kalmanscope_core::VerdictKind;
 use kalmanscope_lab::Measure;
 
@@ -10,10 +12,11 @@ use crate::text::significant;
 use crate::theme::Palette;
 
 /// The height of a line \[points\].
-pub(super) const LINE: f32 = 16.0;
+const LINE: f32 = 16.0;
 
-/// The size of a sample, and the space after an entry \[points\].
-const SAMPLE: egui::Vec2 = vec2(16.0, 9.0);
+/// The size of a sample, the space after it, and that after an entry \[points\].
+const SAMPLE: Vec2 = vec2(16.0, 9.0);
+const SPACE: f32 = 4.0;
 const GAP: f32 = 14.0;
 
 /// The sample of an entry.
@@ -26,48 +29,63 @@ enum Mark {
     Dot,
 }
 
-/// The marks of some panels.
-fn entries(panels: &[Panel], has_truth: bool, measure: Measure) -> Vec<(Mark, &'static str)> {
-    let any = |end: End| panels.iter().any(|panel| panel.has(end));
-    let has_contour = panels.iter().any(|panel| !panel.contour.is_empty());
-    let is_never = matches!(measure, Measure::Settled(_));
-    let entries = [
-        (true, Mark::Dot, "setting on screen"),
-        (has_contour, Mark::Line, "consistent: mean NIS in its 99 % interval"),
-        (has_truth, Mark::Dashes, "truth"),
-        (any(End::Lost), Mark::Hatching, "lost the truth"),
-        (any(End::Stopped), Mark::Grey, if is_never { "stopped, or never settled" } else { "stopped" }),
-        (is_never && !any(End::Stopped), Mark::Grey, "never settled"),
-    ];
-    entries.into_iter().filter(|(is_there, ..)| *is_there).map(|(_, mark, text)| (mark, text)).collect()
+/// An entry in its place, from the left upper corner of the legend.
+struct Entry {
+    mark: Mark,
+    text: Arc<Galley>,
+    at: Vec2,
 }
 
-/// The number of lines that a legend of any marks may need in a width.
-pub(super) fn lines(width: f32) -> usize {
-    if width > 560.0 { 1 } else { 2 }
+/// The lines under the panels.
+pub(super) struct Legend {
+    entries: Vec<Entry>,
+    pub(super) height: f32,
 }
 
-/// Draws the legend into a room.
-pub(super) fn legend_ui(
-    ui: &Ui,
-    room: Rect,
-    panels: &[Panel],
-    (has_truth, measure): (bool, Measure),
-    palette: &Palette,
-) {
-    let painter = ui.painter().with_clip_rect(room.expand(2.0));
-    let font = TextStyle::Small.resolve(ui.style());
-    let mut at = room.left_top();
-    for (mark, text) in entries(panels, has_truth, measure) {
-        let galley = painter.layout_no_wrap(text.to_owned(), font.clone(), palette.weak);
-        let width = SAMPLE.x + 4.0 + galley.size().x;
-        if at.x > room.left() && at.x + width > room.right() {
-            at = pos2(room.left(), at.y + LINE);
+impl Legend {
+    /// The legend of some panels, in as many lines as it needs.
+    pub(super) fn new(
+        ui: &Ui,
+        panels: &[Panel],
+        (has_truth, measure): (bool, Measure),
+        width: f32,
+        palette: &Palette,
+    ) -> Self {
+        let any = |end: End| panels.iter().any(|panel| panel.has(end));
+        let has_contour = panels.iter().any(|panel| !panel.contour.is_empty());
+        let is_never = matches!(measure, Measure::Settled(_));
+        let all = [
+            (true, Mark::Dot, "setting on screen"),
+            (has_contour, Mark::Line, "consistent: mean NIS in its 99 % interval"),
+            (has_truth, Mark::Dashes, "truth"),
+            (any(End::Lost), Mark::Hatching, "lost the truth"),
+            (any(End::Stopped), Mark::Grey, if is_never { "stopped, or never settled" } else { "stopped" }),
+            (is_never && !any(End::Stopped), Mark::Grey, "never settled"),
+        ];
+        let font = TextStyle::Small.resolve(ui.style());
+        let mut at = Vec2::ZERO;
+        let mut entries = Vec::new();
+        for (_, mark, text) in all.into_iter().filter(|(is_there, ..)| *is_there) {
+            let text = ui.painter().layout_no_wrap(text.to_owned(), font.clone(), palette.weak);
+            let end = SAMPLE.x + SPACE + text.size().x;
+            if at.x > 0.0 && at.x + end > width {
+                at = vec2(0.0, at.y + LINE);
+            }
+            entries.push(Entry { mark, text, at });
+            at.x += end + GAP;
         }
-        let middle = pos2(at.x + 0.5 * SAMPLE.x, at.y + 0.5 * LINE);
-        mark.paint(&painter, Rect::from_center_size(middle, SAMPLE), palette);
-        painter.galley(pos2(at.x + SAMPLE.x + 4.0, middle.y - 0.5 * galley.size().y), galley, palette.weak);
-        at.x += width + GAP;
+        Self { entries, height: at.y + LINE }
+    }
+
+    /// Draws the legend at a left upper corner.
+    pub(super) fn ui(&self, ui: &Ui, corner: Pos2, palette: &Palette) {
+        let painter = ui.painter();
+        for Entry { mark, text, at } in &self.entries {
+            let left = corner + *at + vec2(0.0, 0.5 * LINE);
+            mark.paint(painter, Rect::from_center_size(left + vec2(0.5 * SAMPLE.x, 0.0), SAMPLE), palette);
+            let start = left + vec2(SAMPLE.x + SPACE, -0.5 * text.size().y);
+            painter.galley(start, Arc::clone(text), palette.weak);
+        }
     }
 }
 

@@ -64,32 +64,33 @@ fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
     }
 }
 
-/// Draws the truth on the axes that are guesses of it. Returns whether there is one.
-pub(super) fn truth_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], context: &ViewContext<'_>) -> bool {
-    let scenario = context.session.scenario();
+/// The truth of each axis that is a guess of it, with the axis' place; those beyond the map's cells are left out.
+pub(super) fn truths(axes: [&Axis; 2], context: &ViewContext<'_>) -> Vec<(usize, f64)> {
     if !context.visible.truth || context.session.is_measured() {
-        return false;
+        return Vec::new();
     }
+    let scenario = context.session.scenario();
+    let truths = axes.into_iter().enumerate().filter_map(|(at, axis)| Some((at, truth(axis, scenario)?, axis)));
+    truths.filter(|(_, value, axis)| axis.place_of(*value).is_some()).map(|(at, value, _)| (at, value)).collect()
+}
+
+/// Draws the truth on the axes that are guesses of it.
+pub(super) fn truth_ui(ui: &Ui, graph: &Graph, truths: &[(usize, f64)]) {
     let rect = graph.rect;
-    let mut is_there = false;
-    for (at, axis) in axes.into_iter().enumerate() {
-        let Some(value) = truth(axis, scenario) else { continue };
-        let place = graph.at(if at == 0 { [value, f64::NAN] } else { [f64::NAN, value] });
-        let ends = if at == 0 {
-            [pos2(place.x, rect.top()), pos2(place.x, rect.bottom())]
+    for (at, value) in truths {
+        let ends = if *at == 0 {
+            let x = graph.at([*value, f64::NAN]).x;
+            [pos2(x, rect.top()), pos2(x, rect.bottom())]
         } else {
-            [pos2(rect.left(), place.y), pos2(rect.right(), place.y)]
+            let y = graph.at([f64::NAN, *value]).y;
+            [pos2(rect.left(), y), pos2(rect.right(), y)]
         };
-        if rect.expand(0.5).contains_rect(Rect::from_two_pos(ends[0], ends[1])) {
-            is_there = true;
-            for dash in Shape::dashed_line(&ends, Stroke::NONE, 6.0, 4.0) {
-                if let Shape::LineSegment { points, .. } = dash {
-                    ui.painter().extend(line(ui, points.to_vec(), 1.2));
-                }
+        for dash in Shape::dashed_line(&ends, Stroke::NONE, 6.0, 4.0) {
+            if let Shape::LineSegment { points, .. } = dash {
+                ui.painter().extend(line(ui, points.to_vec(), 1.2));
             }
         }
     }
-    is_there
 }
 
 /// Shows the dot of the present setting, which is dragged, or moved by the arrows while it has the focus. Outside the map it

@@ -5,7 +5,7 @@ use kalmanscope_lab::{Measure, Spacing};
 
 use super::bar::{self, bar_ui};
 use super::cells::is_ratio;
-use super::marks::{contour_ui, dot_ui, hatching_ui, said, truth_ui};
+use super::marks::{contour_ui, dot_ui, hatching_ui, said, truth_ui, truths};
 use super::picture::{Contents, Panel};
 use super::scale::CONSISTENT;
 use crate::controls::color::color_of;
@@ -34,8 +34,8 @@ pub(super) struct PanelView<'a> {
 }
 
 impl PanelView<'_> {
-    /// Draws the panel into a room. Returns whether the truth is marked.
-    pub(super) fn ui(&self, ui: &mut Ui, room: Rect, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> bool {
+    /// Draws the panel into a room.
+    pub(super) fn ui(&self, ui: &mut Ui, room: Rect, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
         let Self { panel, survey, measure: _, is_old, has_bar } = *self;
         let axes = survey.axes();
         let mut ui = ui.new_child(UiBuilder::new().id_salt(self.key()).max_rect(room));
@@ -52,7 +52,7 @@ impl PanelView<'_> {
         hatching_ui(ui, &graph, &panel.hatching(&graph));
         graph.axes_ui(ui, names.each_ref().map(String::as_str), context.palette, false);
         contour_ui(ui, &graph, axes, &panel.contour);
-        let has_truth = truth_ui(ui, &graph, axes, context);
+        truth_ui(ui, &graph, &truths(axes, context));
         if has_bar {
             bar_ui(ui, &graph, &panel.colors, context.palette);
         }
@@ -60,7 +60,6 @@ impl PanelView<'_> {
             self.gestures(ui, &graph, context, requests);
         }
         dot_ui(ui, &self.key(), &graph, survey, context, requests);
-        has_truth
     }
 
     /// The filter's name, or `comparison`.
@@ -129,6 +128,8 @@ impl PanelView<'_> {
 
     fn cell_ui(&self, ui: &mut Ui, cell: usize, values: &[f64]) {
         let Self { survey, measure, .. } = self;
+        ui.style_mut().override_text_style = Some(TextStyle::Small);
+        ui.spacing_mut().item_spacing.y = 1.0;
         for (axis, value) in survey.axes().into_iter().zip(values) {
             ui.label(said(axis, *value, survey));
         }
