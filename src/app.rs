@@ -19,6 +19,7 @@ use crate::export::Deliver;
 use crate::import::Import;
 use crate::inbox::{Choose, Inbox};
 use crate::keys;
+use crate::laboratory::{Engine, Laboratory};
 use crate::layout::Layout;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
@@ -43,6 +44,7 @@ pub struct App {
     ruler: Ruler,
     visible: Visibility,
     layout: Layout,
+    laboratory: Laboratory,
     catalogue: Catalogue,
     tutor: Option<Tutor>,
     history: Undoer<Scenario>,
@@ -112,6 +114,7 @@ impl App {
         app.session.set_speed(saved.speed);
         app.presenting = saved.presenting;
         app.layout = saved.layout;
+        app.laboratory.choose(saved.map);
         app.inviting = new_here;
         app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
@@ -144,6 +147,7 @@ impl App {
             ruler: Ruler::default(),
             visible: Visibility::default(),
             layout: Layout::default(),
+            laboratory: Laboratory::default(),
             catalogue: Catalogue::default(),
             tutor: None,
             history: Undoer::default(),
@@ -180,6 +184,24 @@ impl App {
     #[must_use]
     pub fn on_cleared_window(self) -> Self {
         Self { cleared: true, ..self }
+    }
+
+    /// The explorer with an engine for its laboratory, in place of slices of the frames.
+    #[must_use]
+    pub fn computing_with(self, engine: Box<dyn Engine>) -> Self {
+        let mut laboratory = Laboratory::new(engine);
+        laboratory.choose(self.laboratory.choice().cloned());
+        Self { laboratory, ..self }
+    }
+
+    /// The maps.
+    pub fn laboratory(&self) -> &Laboratory {
+        &self.laboratory
+    }
+
+    /// The maps, for tests to set up.
+    pub fn laboratory_mut(&mut self) -> &mut Laboratory {
+        &mut self.laboratory
     }
 
     /// The session on screen.
@@ -231,6 +253,12 @@ impl App {
         })
     }
 
+    /// Maps follow the session while they are in sight.
+    fn follow_laboratory(&mut self, ctx: &egui::Context) {
+        let is_in_sight = self.layout.in_sight().iter().any(|kind| views::view(*kind).is_of_laboratory());
+        self.laboratory.follow(&self.session, is_in_sight, self.width < window::NARROW, ctx);
+    }
+
     /// The screen in words and tables.
     pub fn twin(&self) -> Twin {
         let Self { session, visible, axis, layout, .. } = self;
@@ -266,6 +294,7 @@ impl eframe::App for App {
         self.session.rest(if ctx.input(|input| input.pointer.any_down()) { 0.0 } else { elapsed });
         self.session.advance(elapsed);
         self.follow_import(ctx);
+        self.follow_laboratory(ctx);
         let Self { session, .. } = self;
         if session.playing()
             || session.behind()
@@ -292,7 +321,8 @@ impl eframe::App for App {
             return;
         }
         let studies = self.studies();
-        let Self { session, layout, presenting, theme, unreadable, .. } = self;
-        saved::save(storage, session, layout, &studies, *presenting, *theme, unreadable.as_deref());
+        let Self { session, layout, laboratory, presenting, theme, unreadable, .. } = self;
+        let screen = (&*layout, laboratory.choice());
+        saved::save(storage, session, screen, &studies, *presenting, *theme, unreadable.as_deref());
     }
 }

@@ -8,9 +8,9 @@ use std::fmt::Display;
 use kalmanscope_cli::write_estimates;
 
 use crate::figure::Figure;
+use crate::laboratory::Laboratory;
 use crate::layout::Layout;
 use crate::request::{Export, Picture};
-use crate::session::Session;
 use crate::session_file;
 use crate::view::ViewContext;
 
@@ -30,7 +30,7 @@ pub type Deliver = Box<dyn Fn(&File) -> Result<String, String>>;
 
 impl Export {
     /// The files of results, in the menu's order.
-    pub const DATA: [Self; 5] = [Self::Estimates, Self::Record, Self::Scenario, Self::All, Self::Session];
+    pub const DATA: [Self; 6] = [Self::Estimates, Self::Record, Self::Map, Self::Scenario, Self::All, Self::Session];
 
     /// Its name in the menu.
     pub(crate) fn name(self) -> String {
@@ -39,6 +39,7 @@ impl Export {
             Self::Figure(format, Picture::Png) => format!("{} (PNG)", format.name()),
             Self::Estimates => "Estimates (CSV)".to_owned(),
             Self::Record => "Record (CSV)".to_owned(),
+            Self::Map => "Map (CSV)".to_owned(),
             Self::Scenario => "Scenario (TOML)".to_owned(),
             Self::All => "Everything (JSON)".to_owned(),
             Self::Session => "Session, to open again".to_owned(),
@@ -51,6 +52,7 @@ impl Export {
             Self::Figure(_, Picture::Svg) => "The views on screen as outlines and text, for a document",
             Self::Figure(_, Picture::Png) => "The views on screen as pixels",
             Self::Estimates => "Every mean, standard deviation, innovation and prediction of every filter",
+            Self::Map => "Every score of every cell of the map in the laboratory",
             Self::Record => "Force, measurements and truth, as the command line reads them",
             Self::Scenario => "The settings, for the command line or to be dropped on this window",
             Self::All => "Version, scenario, record, estimates and diagnosis, for a program",
@@ -76,16 +78,24 @@ pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Resul
         }
         Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
         Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
+        Export::Map => text("map.csv", "text/csv", map(context)?),
         Export::Scenario => text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?),
         Export::All => text("kalmanscope.json", JSON, everything::json(session).map_err(reason)?),
-        Export::Session => text("kalmanscope-session.json", JSON, written(session, layout)?),
+        Export::Session => text("kalmanscope-session.json", JSON, written(context, layout)?),
     })
 }
 
 const JSON: &str = "application/json";
 
-fn written(session: &Session, layout: &Layout) -> Result<String, String> {
-    session_file::text(session, layout).map_err(|error| error.to_string())
+fn written(context: &ViewContext<'_>, layout: &Layout) -> Result<String, String> {
+    let choice = context.laboratory.and_then(Laboratory::choice);
+    session_file::text(context.session, layout, choice).map_err(|error| error.to_string())
+}
+
+/// The numbers of the map on screen.
+fn map(context: &ViewContext<'_>) -> Result<String, String> {
+    let survey = context.laboratory.and_then(Laboratory::shown);
+    Ok(survey.ok_or("there is no map yet: show the view Map")?.to_csv())
 }
 
 fn text(name: &str, kind: &'static str, text: String) -> File {

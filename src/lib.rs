@@ -14,6 +14,7 @@ pub mod figure;
 pub mod import;
 pub mod inbox;
 mod keys;
+pub mod laboratory;
 pub mod layout;
 mod legend;
 mod notice;

@@ -13,6 +13,7 @@ fn main() {
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
     mod file_dialog;
+    mod threads;
 
     use std::error::Error;
     use std::io::{self, Write as _};
@@ -79,7 +80,8 @@ mod native {
             .with_icon(icon());
         let options = NativeOptions { viewport, ..NativeOptions::default() };
         let creator: eframe::AppCreator<'_> = Box::new(|creation| {
-            let mut app = App::new(creation)?.delivering(Box::new(folder::write)).choosing(Some(file_dialog::choose()));
+            let app = App::new(creation)?.delivering(Box::new(folder::write)).choosing(Some(file_dialog::choose()));
+            let mut app = app.computing_with(threads::engine());
             if let Some(address) = address {
                 app.open_address(&address);
             }

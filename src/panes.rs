@@ -17,6 +17,9 @@ const LOW: f32 = 340.0;
 /// Relative height of a flat view in a column of views.
 const FLAT: f32 = 0.3;
 
+/// Relative height of a tall view in a column of views.
+const TALL: f32 = 1.7;
+
 /// The side of a button above a view, at least \[points\].
 const TARGET: f32 = 24.0;
 
@@ -85,11 +88,15 @@ impl Panes<'_> {
     /// Shows views in one column, which scrolls where they would be too low.
     fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
         let height = ui.available_height();
-        let scrolls = height <= ENOUGH * kinds.len() as f32;
+        let share = |kind: ViewKind| match view(kind).proportions() {
+            Proportions::Flat => FLAT,
+            Proportions::Tall => TALL,
+            Proportions::Wide | Proportions::Square => 1.0,
+        };
+        let all: f32 = kinds.iter().map(|kind| share(*kind)).sum();
+        let scrolls = height <= ENOUGH * all.max(kinds.len() as f32);
         let least = if scrolls { LEAST_HEIGHT.min(height) } else { 1.0 };
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            let share = |kind: ViewKind| if view(kind).proportions() == Proportions::Flat { FLAT } else { 1.0 };
-            let all: f32 = kinds.iter().map(|kind| share(*kind)).sum();
             let gaps = ui.spacing().item_spacing.y * kinds.len() as f32;
             let width = ui.available_width() - if scrolls { ui.spacing().scroll.bar_width } else { 0.0 };
             for &kind in kinds {

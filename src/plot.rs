@@ -10,6 +10,7 @@ mod cursor;
 mod decoration;
 mod drawing;
 pub(crate) mod frame;
+pub(crate) mod graph;
 mod grid;
 pub(crate) mod handles;
 pub(crate) mod heading;

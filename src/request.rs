@@ -7,6 +7,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 use serde::{Deserialize, Serialize};
 
+use crate::laboratory::Choice;
 use crate::ruler::End;
 use crate::session::Mode;
 
@@ -119,6 +120,10 @@ pub enum Request {
     Export(Export),
     /// Open or close the menu of exports.
     ToggleExports,
+    /// Show another map in the laboratory.
+    ChooseMap(Box<Choice>),
+    /// Compute the map, or stop that.
+    ComputeMap(bool),
     /// Restore a session from a file.
     OpenSession(Box<SavedScreen>),
 }
@@ -136,6 +141,8 @@ pub struct SavedScreen {
     pub time: f64,
     /// The views.
     pub tree: Tree<ViewKind>,
+    /// The map of the laboratory, if there was one.
+    pub map: Option<Choice>,
 }
 
 /// A file that leaves the explorer.
@@ -143,6 +150,8 @@ pub struct SavedScreen {
 pub enum Export {
     /// The views on screen.
     Figure(FigureFormat, Picture),
+    /// The map of the laboratory, as CSV.
+    Map,
     /// Every estimate of every filter, as CSV.
     Estimates,
     /// The record, as CSV.
@@ -253,11 +262,15 @@ pub enum ViewKind {
     Filters,
     /// Verdicts with their evidence, causes and knobs.
     Diagnosis,
+    /// A score over two settings.
+    Map,
+    /// The same over one setting at a time.
+    Slices,
 }
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 19] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -275,6 +288,8 @@ impl ViewKind {
         Self::Scores,
         Self::Filters,
         Self::Diagnosis,
+        Self::Map,
+        Self::Slices,
     ];
 }
 
@@ -287,11 +302,13 @@ pub enum Arrangement {
     Tune,
     /// For comparing filters: scores, parameters, errors, their settings, the parameter plane.
     Compare,
+    /// For seeing many settings at once: the map, slices through it, and the states of the setting on screen.
+    Laboratory,
 }
 
 impl Arrangement {
     /// Every arrangement.
-    pub const ALL: [Self; 3] = [Self::Teach, Self::Tune, Self::Compare];
+    pub const ALL: [Self; 4] = [Self::Teach, Self::Tune, Self::Compare, Self::Laboratory];
 
     /// Its name in the menu.
     pub const fn name(self) -> &'static str {
@@ -299,6 +316,7 @@ impl Arrangement {
             Self::Teach => "Teach",
             Self::Tune => "Tune",
             Self::Compare => "Compare",
+            Self::Laboratory => "Laboratory",
         }
     }
 }

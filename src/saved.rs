@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
+use crate::laboratory::Choice;
 use crate::layout::Layout;
 use crate::session::{Mode, Session};
 use crate::tutor::Studies;
@@ -29,6 +30,7 @@ pub(crate) struct Saved {
     /// The theme; the system's if none was chosen.
     dark: Option<bool>,
     pub(crate) layout: Layout,
+    pub(crate) map: Option<Choice>,
     pub(crate) studies: Studies,
 }
 
@@ -53,6 +55,7 @@ struct Written<'a> {
     presenting: bool,
     dark: Option<bool>,
     layout: &'a Layout,
+    map: Option<&'a Choice>,
     lessons: &'a Studies,
 }
 
@@ -65,6 +68,7 @@ impl Default for Saved {
             presenting: false,
             dark: None,
             layout: Layout::default(),
+            map: None,
             studies: Studies::default(),
         }
     }
@@ -103,6 +107,7 @@ impl Saved {
             presenting: reader.part("presenting", usual.presenting),
             dark: reader.part("dark", usual.dark),
             layout: reader.layout(version),
+            map: reader.part("map", usual.map),
             studies: reader.part("lessons", usual.studies),
         };
         (saved, reader.problems)
@@ -158,7 +163,7 @@ impl Reader {
 pub(crate) fn save(
     storage: &mut dyn eframe::Storage,
     session: &Session,
-    layout: &Layout,
+    (layout, map): (&Layout, Option<&Choice>),
     studies: &Studies,
     presenting: bool,
     theme: ThemePreference,
@@ -178,8 +183,17 @@ pub(crate) fn save(
     };
     let (mode, speed) = (session.mode(), session.speed());
     let lessons = studies;
-    match serde_json::to_string(&Written { version: VERSION, scenario, mode, speed, presenting, dark, layout, lessons })
-    {
+    match serde_json::to_string(&Written {
+        version: VERSION,
+        scenario,
+        mode,
+        speed,
+        presenting,
+        dark,
+        layout,
+        map,
+        lessons,
+    }) {
         Ok(text) => storage.set_string(KEY, text),
         Err(error) => log::error!("The session is not saved: {error}"),
     }

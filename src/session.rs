@@ -26,6 +26,7 @@ pub use before::Before;
 pub use budget::Budget;
 pub use free_runs::ModelTime;
 pub use kalmanscope_core::{Bound, Wanted};
+pub(crate) use library::is_same;
 pub use library::{Library, RecordFile, name_of};
 pub use setting::Setting;
 pub use trying::Attempt;

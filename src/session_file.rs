@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::laboratory::Choice;
 use crate::layout::Layout;
 use crate::request::{SavedScreen, ViewKind};
 use crate::session::{Mode, Session};
@@ -27,6 +28,8 @@ pub(crate) enum SessionFileError {
     Scenario(#[from] kalmanscope_core::ScenarioError),
     #[error("`{key}` is {value}, but must be a finite number{more}")]
     Number { key: &'static str, value: f64, more: &'static str },
+    #[error("its map: {0}")]
+    Map(String),
     #[error("a view of its layout has two places")]
     Layout,
 }
@@ -43,10 +46,12 @@ struct Written {
     speed: f64,
     time: f64,
     layout: Tree<ViewKind>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    map: Option<Choice>,
 }
 
 /// The text of the file.
-pub(crate) fn text(session: &Session, layout: &Layout) -> Result<String, SessionFileError> {
+pub(crate) fn text(session: &Session, layout: &Layout, map: Option<&Choice>) -> Result<String, SessionFileError> {
     Ok(serde_json::to_string_pretty(&Written {
         kalmanscope_session: VERSION,
         program: env!("CARGO_PKG_VERSION").to_owned(),
@@ -55,6 +60,7 @@ pub(crate) fn text(session: &Session, layout: &Layout) -> Result<String, Session
         speed: session.speed(),
         time: session.time() - session.run().record().time_of(0),
         layout: layout.tree().clone(),
+        map: map.cloned(),
     })?)
 }
 
@@ -69,7 +75,7 @@ pub(crate) fn read(bytes: &[u8]) -> Option<Result<SavedScreen, SessionFileError>
 }
 
 fn saved(value: Value) -> Result<SavedScreen, SessionFileError> {
-    let Written { scenario, mode, speed, time, layout, .. } = serde_json::from_value(value)?;
+    let Written { scenario, mode, speed, time, layout, map, .. } = serde_json::from_value(value)?;
     if !(speed.is_finite() && speed > 0.0) {
         return Err(SessionFileError::Number { key: "speed", value: speed, more: " above 0" });
     }
@@ -79,5 +85,9 @@ fn saved(value: Value) -> Result<SavedScreen, SessionFileError> {
     if Layout::of_tree(layout.clone()).is_none() {
         return Err(SessionFileError::Layout);
     }
-    Ok(SavedScreen { scenario: Scenario::from_toml(&scenario)?, mode, speed, time, tree: layout })
+    let scenario = Scenario::from_toml(&scenario)?;
+    if let Some(map) = &map {
+        map.check(&scenario).map_err(SessionFileError::Map)?;
+    }
+    Ok(SavedScreen { scenario, mode, speed, time, tree: layout, map })
 }

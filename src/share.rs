@@ -15,6 +15,7 @@ use kalmanscope_core::{Scenario, ScenarioError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::laboratory::Choice;
 use crate::layout::Layout;
 use crate::request::{LegendEntry, ViewKind};
 use crate::ruler::Ruler;
@@ -40,6 +41,8 @@ pub struct Picture {
     pub views: Option<Outline>,
     /// The view that is enlarged.
     pub enlarged: Option<ViewKind>,
+    /// The map of the laboratory, if a view shows it.
+    pub map: Option<Choice>,
     /// Live, or the whole record.
     pub mode: Mode,
     /// The time at which playback stands, from the first sample on \[s\].
@@ -80,6 +83,8 @@ struct Screen {
     views: Option<Outline>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     enlarged: Option<ViewKind>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    map: Option<Choice>,
     mode: Mode,
     time: f64,
     #[serde(default = "usual_speed", skip_serializing_if = "is_usual_speed")]
@@ -108,7 +113,7 @@ impl Picture {
     pub(crate) fn new(scenario: Scenario, layout: &Layout, mode: Mode, time: f64) -> Self {
         let (views, enlarged) = (Outline::of(layout.tree()), layout.enlarged());
         let (speed, ruler, hidden) = (usual_speed(), Ruler::default(), Vec::new());
-        Self { scenario, views, enlarged, mode, time, speed, ruler, hidden }
+        Self { scenario, views, enlarged, map: None, mode, time, speed, ruler, hidden }
     }
 
     /// The picture as a fragment, from `#` on.
@@ -117,8 +122,8 @@ impl Picture {
     /// [`LinkError::Scenario`] where the scenario cannot be written, [`LinkError::TooLong`] where the link would be too
     /// long.
     pub fn fragment(&self) -> Result<String, LinkError> {
-        let Self { scenario, views, enlarged, mode, time, speed, ruler, hidden } = self.clone();
-        let screen = Screen { views, enlarged, mode, time, speed, marks: ruler, hidden };
+        let Self { scenario, views, enlarged, map, mode, time, speed, ruler, hidden } = self.clone();
+        let screen = Screen { views, enlarged, map, mode, time, speed, marks: ruler, hidden };
         let screen = serde_json::to_string(&screen).map_err(|error| LinkError::Screen(error.to_string()))?;
         let text = format!("{screen}\n{}", scenario.to_toml()?);
         let link = format!("{VERSION}.{}", base64url::encode(&packed::pack(&text)));
@@ -148,7 +153,7 @@ impl Picture {
     fn from_text(text: &str) -> Result<Self, LinkError> {
         let (screen, scenario) = text.split_once('\n').ok_or(LinkError::Damaged)?;
         let screen: Screen = serde_json::from_str(screen).map_err(|error| LinkError::Screen(error.to_string()))?;
-        let Screen { views, enlarged, mode, time, speed, marks: ruler, hidden } = screen;
+        let Screen { views, enlarged, map, mode, time, speed, marks: ruler, hidden } = screen;
         if let Some(views) = &views {
             views.validate().map_err(LinkError::Screen)?;
         }
@@ -163,7 +168,10 @@ impl Picture {
             return Err(LinkError::Screen("the view that is enlarged is not shown".to_owned()));
         }
         let scenario = Scenario::from_toml(scenario)?;
-        Ok(Self { scenario, views, enlarged, mode, time, speed, ruler, hidden })
+        if let Some(map) = &map {
+            map.check(&scenario).map_err(LinkError::Screen)?;
+        }
+        Ok(Self { scenario, views, enlarged, map, mode, time, speed, ruler, hidden })
     }
 
     /// The views as tiles.

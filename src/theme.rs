@@ -2,6 +2,7 @@
 
 mod fonts;
 mod palette;
+pub mod ramps;
 mod texels;
 
 pub use palette::Palette;

@@ -6,6 +6,7 @@ use egui::Ui;
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, Diagnostics, Estimates};
 
+use crate::laboratory::Laboratory;
 use crate::plot::input::PlotInput;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
@@ -28,6 +29,8 @@ pub struct ViewContext<'a> {
     pub axis: &'a TimeAxis,
     /// The marked times.
     pub ruler: &'a Ruler,
+    /// The maps, where there are some.
+    pub laboratory: Option<&'a Laboratory>,
     /// A version number of everything that is drawn over time.
     version: u64,
 }
@@ -46,7 +49,13 @@ impl<'a> ViewContext<'a> {
         (session.generation(), session.drawn(), session.run().len(), session.bounds().len(), visible, palette)
             .hash(&mut hasher);
         session.run().estimates().iter().for_each(|estimates| estimates.color().hash(&mut hasher));
-        Self { session, palette, visible, axis, ruler, version: hasher.finish() }
+        Self { session, palette, visible, axis, ruler, laboratory: None, version: hasher.finish() }
+    }
+
+    /// The context with maps, where there are some.
+    #[must_use]
+    pub fn in_laboratory(self, laboratory: Option<&'a Laboratory>) -> Self {
+        Self { laboratory, ..self }
     }
 
     /// A unit, with that of the record's motion in place of metres.
@@ -56,7 +65,7 @@ impl<'a> ViewContext<'a> {
 
     /// The part for charts.
     pub(crate) fn plot_input(&self) -> PlotInput<'a> {
-        let Self { session, palette, visible, axis, ruler, version } = *self;
+        let Self { session, palette, visible, axis, ruler, laboratory: _, version } = *self;
         PlotInput { session, palette, visible, axis, ruler, version }
     }
 
@@ -106,6 +115,11 @@ pub trait View: Sync {
         false
     }
 
+    /// Whether it shows maps of the laboratory.
+    fn is_of_laboratory(&self) -> bool {
+        false
+    }
+
     /// The preferred shape.
     fn proportions(&self) -> Proportions {
         Proportions::Wide
@@ -129,4 +143,6 @@ pub enum Proportions {
     Square,
     /// A picture that is much wider than high.
     Flat,
+    /// A picture with choices above it, which needs more height than others.
+    Tall,
 }

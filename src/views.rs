@@ -10,12 +10,14 @@ mod frequency_response;
 mod gain;
 mod handles;
 mod innovations;
+mod map;
 mod matrices;
 mod measured;
 mod oscillator;
 mod parameter_plane;
 mod phase;
 mod scores;
+mod slices;
 mod spectrogram;
 
 use crate::request::ViewKind;
@@ -42,6 +44,8 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Scores => &scores::Scores,
         ViewKind::Filters => &filters::Filters,
         ViewKind::Diagnosis => &diagnosis::Diagnosis,
+        ViewKind::Map => &map::Map,
+        ViewKind::Slices => &slices::Slices,
     }
 }
 

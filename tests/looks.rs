@@ -4,9 +4,10 @@ use egui::{Theme, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, SnapshotOptions, SnapshotResults};
 use kalmanscope::App;
+use kalmanscope::laboratory::Slices;
 use kalmanscope::layout::Layout;
 use kalmanscope::request::{Arrangement, ViewKind};
-use kalmanscope::session::Mode;
+use kalmanscope::session::{Budget, Mode};
 use kalmanscope::views::view;
 use kalmanscope_core::Scenario;
 
@@ -76,11 +77,13 @@ fn it_looks_as_it_did() {
     screen.snapshot_options("marks-light", &options);
     results.extend_harness(&mut screen);
     for kind in ViewKind::ALL {
-        let mut screen = Harness::builder()
-            .with_size(Vec2::new(900.0, 620.0))
-            .with_theme(Theme::Light)
-            .wgpu()
-            .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+        let mut screen =
+            Harness::builder().with_size(Vec2::new(900.0, 620.0)).with_theme(Theme::Light).wgpu().build_eframe(
+                |creation| {
+                    let app = App::new(creation).expect("the default scenario can be run");
+                    app.computing_with(Box::new(Slices(Budget::Unlimited)))
+                },
+            );
         let layout = screen.state_mut().layout_mut();
         for shown in layout.shown().into_iter().chain([kind]) {
             layout.toggle(shown);

@@ -54,7 +54,8 @@ fn axis(text: &str, scenario: &Scenario) -> Result<Axis, String> {
         Some(range) => format!("{key}={range}:2:log"),
         None => format!("{key}={range}:2"),
     };
-    Axis::parse(&counted).map_err(|_| format!("`{text}` is not a range: write KEY=FROM:TO, and :log behind it for equal ratios"))
+    Axis::parse(&counted)
+        .map_err(|_| format!("`{text}` is not a range: write KEY=FROM:TO, and :log behind it for equal ratios"))
 }
 
 fn report(tuned: &Tuned, axes: &[Axis], goal: Goal) -> String {

@@ -12,6 +12,7 @@ use crate::Measure;
 ///
 /// # Errors
 /// As [`of_history`].
+#[cfg(feature = "tune")]
 pub(crate) fn any(
     scenario: &Scenario,
     place: usize,

@@ -15,7 +15,7 @@ use crate::tutor::Tutor;
 impl App {
     /// Applies the request of a view, a menu or a key.
     pub(super) fn apply(&mut self, request: Request, ctx: &egui::Context) {
-        let Self { session, axis, visible, layout, history, .. } = self;
+        let Self { session, axis, visible, layout, laboratory, history, .. } = self;
         match request {
             Request::TogglePlay => session.toggle_play(),
             Request::Play(playing) => {
@@ -84,7 +84,7 @@ impl App {
             Request::Report(sentence) => self.notice = Some(sentence.into()),
             Request::DismissNotice => self.notice = None,
             Request::Leave => {
-                if !std::mem::take(&mut self.keys_open) && !session.cancel() {
+                if !std::mem::take(&mut self.keys_open) && !session.cancel() && !laboratory.set_stopped(true) {
                     layout.leave_enlarged();
                 }
             }
@@ -110,6 +110,10 @@ impl App {
             Request::ClearMarks => self.ruler.clear(),
             Request::Export(export) => self.export(export),
             Request::ToggleExports => export_menu::toggle(ctx),
+            Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),
+            Request::ComputeMap(wanted) => {
+                laboratory.set_stopped(!wanted);
+            }
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }
     }

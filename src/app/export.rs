@@ -25,8 +25,8 @@ impl App {
     }
 
     fn figure_context<'a>(&'a self, palette: &'a Palette) -> ViewContext<'a> {
-        let Self { session, visible, axis, ruler, .. } = self;
-        ViewContext::new(session, palette, visible, axis, ruler)
+        let Self { session, visible, axis, ruler, laboratory, .. } = self;
+        ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory))
     }
 
     /// Makes a file and delivers it; says where it is, or why it cannot be written.
@@ -43,9 +43,10 @@ impl App {
 
     /// Restores a session from a file.
     pub(super) fn open_session(&mut self, saved: SavedScreen, ctx: &Context) {
-        let SavedScreen { scenario, mode, speed, time, tree } = saved;
+        let SavedScreen { scenario, mode, speed, time, tree, map } = saved;
         let record = scenario.record.as_ref().map(|mapping| mapping.file.clone()).filter(|file| !file.is_empty());
         self.open(scenario, ctx);
+        self.laboratory.choose(map);
         self.session.set_mode(mode);
         self.session.set_speed(speed);
         self.session.pause();

@@ -9,6 +9,7 @@ use crate::plot::time_axis::TimeAxis;
 use crate::request::Request;
 use crate::share::address::{self, Target};
 use crate::share::{LinkError, Picture};
+use crate::views::view;
 use crate::visibility::Visibility;
 
 /// The page at which links of the desktop program begin. It is set when the program is built; without it a link is the
@@ -42,10 +43,12 @@ impl App {
 
     /// The picture on screen.
     pub fn picture(&self) -> Picture {
-        let Self { session, layout, ruler, visible, .. } = self;
+        let Self { session, layout, laboratory, ruler, visible, .. } = self;
         let time = session.time() - session.run().record().time_of(0);
+        let shows_map = layout.shown().iter().any(|kind| view(*kind).is_of_laboratory());
+        let map = laboratory.choice().filter(|_| shows_map).cloned();
         let picture = Picture::new(session.scenario().clone(), layout, session.mode(), time);
-        Picture { speed: session.speed(), ruler: ruler.in_nanoseconds(), hidden: visible.hidden(), ..picture }
+        Picture { map, speed: session.speed(), ruler: ruler.in_nanoseconds(), hidden: visible.hidden(), ..picture }
     }
 
     /// A link to the picture on screen.
@@ -76,7 +79,7 @@ impl App {
     /// Shows the picture of a link, paused. The settings before it come back with undo.
     fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
-        let Picture { scenario, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;
+        let Picture { scenario, map, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;
         self.history.add_undo(self.session.scenario());
         self.session.set_scenario(scenario);
         self.session.begin_anew();
@@ -87,6 +90,9 @@ impl App {
         self.tutor = None;
         self.inviting = false;
         self.layout = layout;
+        if map.is_some() {
+            self.laboratory.choose(map);
+        }
         self.axis = TimeAxis::default();
         self.ruler = ruler;
         self.visible = Visibility::without(&hidden);

@@ -108,7 +108,7 @@ impl App {
 
     /// Legend and views.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, ruler, visible, layout, requests, inviting, notice, .. } = self;
+        let Self { session, axis, ruler, visible, layout, laboratory, requests, inviting, notice, .. } = self;
         if let Some(notice) = notice {
             notice_ui(ui, notice, palette, requests);
         }
@@ -117,7 +117,8 @@ impl App {
                 tutor::invitation_ui(ui, requests);
             }
         });
-        panes_ui(ui, layout, &ViewContext::new(session, palette, visible, axis, ruler), requests, narrow);
+        let context = ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory));
+        panes_ui(ui, layout, &context, requests, narrow);
         if let Some(reading) = Reading::of(ruler, session, visible, palette) {
             reading::table_ui(ui.ctx(), &reading, requests);
         }

@@ -41,7 +41,9 @@ pub(super) fn arrange(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format:
     let mut visible = context.visible.clone();
     visible.verdicts = false;
     let axis = TimeAxis { pointed: None, ..*context.axis };
-    let context = &ViewContext::new(context.session, &palette, &visible, &axis, context.ruler);
+    let laboratory = context.laboratory;
+    let context = ViewContext::new(context.session, &palette, &visible, &axis, context.ruler);
+    let context = &context.in_laboratory(laboratory);
     let rows: Vec<&[ViewKind]> = if geometry.is_narrow {
         rows.iter().flatten().map(std::slice::from_ref).collect()
     } else {
@@ -114,14 +116,23 @@ impl Sheet<'_> {
         match view(kind).proportions() {
             Proportions::Flat => (0.26 * width).clamp(70.0, 120.0),
             Proportions::Square => (0.72 * width).clamp(150.0, 270.0),
+            Proportions::Tall => {
+                let rows = if width < TWO_COLUMNS { self.plots(kind, width) } else { 1 };
+                rows as f32 * (0.62 * width).clamp(190.0, 290.0)
+            }
             Proportions::Wide => {
-                Medium::take_plots(self.canvas.ctx());
-                self.canvas.draw(vec2(width, AMPLE), |ui| self.view_ui(ui, kind));
-                let plots = Medium::take_plots(self.canvas.ctx()).unwrap_or(1);
+                let plots = self.plots(kind, width);
                 let columns = if width < TWO_COLUMNS { 1 } else { 2.min(plots.max(1)) };
                 plots.div_ceil(columns).max(1) as f32 * PLOT + Medium::Figure.axis_height()
             }
         }
+    }
+
+    /// The number of plots of a view.
+    fn plots(&self, kind: ViewKind, width: f32) -> usize {
+        Medium::take_plots(self.canvas.ctx());
+        self.canvas.draw(vec2(width, AMPLE), |ui| self.view_ui(ui, kind));
+        Medium::take_plots(self.canvas.ctx()).unwrap_or(1)
     }
 
     /// The size of a view that is text: as wide as its tables, and as high as its lines. None for a picture.

@@ -24,7 +24,7 @@ impl Medium {
     }
 
     /// Notes how many plots a view has, for who makes room for it.
-    pub(super) fn note_plots(self, ctx: &Context, count: usize) {
+    pub(crate) fn note_plots(self, ctx: &Context, count: usize) {
         if self == Self::Figure {
             ctx.data_mut(|data| data.insert_temp(plots(), count));
         }

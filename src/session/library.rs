@@ -143,7 +143,7 @@ pub fn name_of(mapping: &Mapping) -> &str {
 }
 
 /// Whether two sources are the same one.
-pub(super) fn is_same(a: &Source, b: &Source) -> bool {
+pub(crate) fn is_same(a: &Source, b: &Source) -> bool {
     match (a, b) {
         (Source::Simulated, Source::Simulated) => true,
         (Source::Measured(a), Source::Measured(b)) => Arc::ptr_eq(a, b),

@@ -6,25 +6,13 @@ use kalmanscope_core::{Channel, Spectrogram};
 
 use crate::plot::frame::sense;
 use crate::request::Request;
+use crate::theme::ramps::sequential;
 use crate::view::{View, ViewContext};
 
 /// The range of colours \[dB\].
 const RANGE: f32 = 60.0;
 /// Limits the points of a line.
 const POINTS: usize = 600;
-
-/// Colours from dark to light that readers with any colour vision can tell apart (viridis).
-const COLORS: [[u8; 3]; 9] = [
-    [68, 1, 84],
-    [71, 44, 122],
-    [59, 81, 139],
-    [44, 113, 142],
-    [33, 144, 141],
-    [39, 173, 129],
-    [92, 200, 99],
-    [170, 220, 50],
-    [253, 231, 37],
-];
 
 /// The power of the first sensor over time and frequency.
 pub(super) struct SpectrogramView;
@@ -118,7 +106,7 @@ fn picture(ui: &Ui, spectrogram: &Spectrogram) -> (TextureHandle, [f64; 4]) {
     let (columns, rows) = (spectrogram.decibels.len(), spectrogram.decibels[0].len());
     let pixel = |place: usize| {
         let (row, column) = (rows - 1 - place / columns, place % columns);
-        color(1.0 + spectrogram.decibels[column][row] / RANGE)
+        sequential(1.0 + spectrogram.decibels[column][row] / RANGE)
     };
     let image = ColorImage::new([columns, rows], (0..columns * rows).map(pixel).collect());
     let texture = ui.ctx().load_texture("spectrogram", image, TextureOptions::LINEAR);
@@ -126,16 +114,4 @@ fn picture(ui: &Ui, spectrogram: &Spectrogram) -> (TextureHandle, [f64; 4]) {
     let end = spectrogram.start + (columns - 1) as f64 * spectrogram.step;
     let hertz = spectrogram.resolution / std::f64::consts::TAU;
     (texture, [spectrogram.start - half, end + half, 0.0, (rows as f64 - 0.5) * hertz])
-}
-
-/// The colour of a share from 0, dark, to 1, light.
-fn color(share: f32) -> Color32 {
-    let place = share.clamp(0.0, 1.0) * (COLORS.len() - 1) as f32;
-    let (low, part) = ((place as usize).min(COLORS.len() - 2), place.fract());
-    let part = if place as usize > COLORS.len() - 2 { 1.0 } else { part };
-    let [r, g, b] = std::array::from_fn(|i| {
-        let (from, to) = (f32::from(COLORS[low][i]), f32::from(COLORS[low + 1][i]));
-        (from + part * (to - from)) as u8
-    });
-    Color32::from_rgb(r, g, b)
 }

@@ -69,6 +69,26 @@ fn results_are_exported_by_the_menu() {
 }
 
 #[test]
+fn the_map_of_the_laboratory_is_exported_as_numbers_and_as_a_figure() {
+    let (mut screen, files) = exporting();
+    screen.state_mut().layout_mut().toggle(ViewKind::Map);
+    screen.run_steps(3);
+    let table = text(exported(&mut screen, &files, "Map (CSV)"));
+    let mut lines = table.lines();
+    let header = lines.next().expect("there is a header");
+    assert!(header.starts_with("filters.EKF.initial_mean.natural_frequency,filters.EKF.process_std,EKF.nis,"));
+    let width = header.split(',').count();
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 32 * 32);
+    assert!(rows.iter().all(|row| row.len() == width));
+    assert!(rows.iter().any(|row| row[2].parse().is_ok_and(|nis: f64| nis > 0.0)), "some cells are known");
+    let figure = text(exported(&mut screen, &files, "Paper, 174 mm (SVG)"));
+    for label in ["guess of", "factor on", "setting on screen"] {
+        assert!(figure.contains(label), "{label}");
+    }
+}
+
+#[test]
 fn everything_is_one_json() {
     let (mut screen, files) = exporting();
     let all: Value =

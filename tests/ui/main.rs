@@ -9,6 +9,7 @@ mod hand;
 mod identity;
 mod keyboard;
 mod lessons;
+mod map;
 mod memory;
 mod playback;
 mod progress;

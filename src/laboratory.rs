@@ -1,0 +1,194 @@
+//! The laboratory: maps of scores over two settings, beside the session that they follow.
+//!
+//! ```text
+//! Session ──scenario, source──▶ Survey ──cells──▶ Engine ──rows──▶ Sheet ──▶ views
+//! ```
+//! A change of the scenario begins another survey. The one before stays in sight until the new one covers the map. A change of
+//! the axes' own settings moves a dot and begins nothing.
+
+mod choice;
+mod engine;
+mod measures;
+mod settings;
+mod slices;
+mod survey;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use egui::Context;
+use kalmanscope_core::{Run, Source};
+
+pub(crate) use choice::part_of;
+pub use choice::{Choice, MOST};
+pub use engine::{Engine, Rows, Work};
+pub(crate) use measures::{label as measure_label, name as measure_name, offered};
+pub(crate) use settings::{candidates, collide, guessed, label as setting_label, name as setting_name};
+pub use slices::Slices;
+pub use survey::Survey;
+
+use crate::session::Session;
+
+/// The values on each axis of a map for a small screen.
+const FEW: usize = 32;
+
+/// The maps of the session on screen.
+pub struct Laboratory {
+    engine: Box<dyn Engine>,
+    /// The user's choice; none until a map is in sight.
+    choice: Option<Choice>,
+    survey: Option<Survey>,
+    /// The survey before, until the present one covers the map.
+    before: Option<Survey>,
+    /// Whether the user has stopped the work.
+    is_stopped: bool,
+    problem: Option<String>,
+    version: u64,
+}
+
+impl Laboratory {
+    /// An empty laboratory.
+    pub fn new(engine: Box<dyn Engine>) -> Self {
+        Self { engine, choice: None, survey: None, before: None, is_stopped: false, problem: None, version: 0 }
+    }
+
+    /// The axes, score and filters; none until a map has been in sight.
+    pub fn choice(&self) -> Option<&Choice> {
+        self.choice.as_ref()
+    }
+
+    /// Takes over a choice, or forgets it.
+    pub fn choose(&mut self, choice: Option<Choice>) {
+        self.choice = choice;
+        self.is_stopped = false;
+    }
+
+    /// The survey to show: the present one, or the one before as long as that covers more.
+    pub fn shown(&self) -> Option<&Survey> {
+        self.before.as_ref().or(self.survey.as_ref())
+    }
+
+    /// Whether the survey to show is of earlier settings.
+    pub fn is_shown_old(&self) -> bool {
+        self.before.is_some()
+    }
+
+    /// The share of the present map that is known, from 0 to 1; none where it is complete or there is none.
+    pub fn progress(&self) -> Option<f64> {
+        let sheet = self.survey.as_ref()?.sheet();
+        (!sheet.is_complete()).then(|| sheet.done() as f64 / sheet.len() as f64)
+    }
+
+    /// Whether cells are being run.
+    pub fn is_working(&self) -> bool {
+        self.survey.as_ref().is_some_and(Survey::is_working)
+    }
+
+    /// Whether the user has stopped the work.
+    pub fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
+    /// Why there is no map, if so.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// A number that changes with what is to be shown.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Stops the work, or goes on with it. Returns whether that changes anything.
+    pub fn set_stopped(&mut self, stopped: bool) -> bool {
+        let changes = self.is_stopped != stopped && self.progress().is_some();
+        if changes {
+            self.is_stopped = stopped;
+            self.rest();
+        }
+        changes
+    }
+
+    /// Follows the session while a view of the laboratory is in sight, and rests otherwise. A new map is coarse on a small
+    /// screen.
+    pub fn follow(&mut self, session: &Session, is_in_sight: bool, is_small: bool, ctx: &Context) {
+        if !is_in_sight {
+            return self.rest();
+        }
+        let run = session.run();
+        match self.fit(run, session.is_measured(), is_small) {
+            Err(problem) => {
+                (self.survey, self.before) = (None, None);
+                self.problem = Some(problem);
+                self.version += 1;
+            }
+            Ok(choice) => {
+                let source = run.source();
+                if !self.survey.as_ref().is_some_and(|survey| survey.is_of(run.scenario(), &source, &choice)) {
+                    self.begin(run, source, &choice);
+                }
+                self.choice = Some(choice);
+                self.work(ctx);
+            }
+        }
+    }
+
+    /// The choice as far as the run has what it names.
+    fn fit(&self, run: &Run, is_measured: bool, is_small: bool) -> Result<Choice, String> {
+        if run.samples() > Session::LONGEST_WHOLE + 1 {
+            return Err(format!("The record has {} samples: too many to run it for every cell.", run.samples()));
+        }
+        let (scenario, record) = (run.scenario(), run.record());
+        let count = if is_small { FEW } else { self.engine.usual_count() };
+        let fitted = self.choice.as_ref().and_then(|choice| choice.fitted(scenario, record, is_measured));
+        let choice = fitted.or_else(|| Choice::usual(scenario, record, is_measured, count));
+        choice.ok_or_else(|| "There is no filter whose settings could be varied.".to_owned())
+    }
+
+    /// Begins another survey. The present one stays in sight if it covers the map.
+    fn begin(&mut self, run: &Run, source: Source, choice: &Choice) {
+        self.is_stopped = false;
+        self.version += 1;
+        match Survey::new(run.scenario(), source, choice, self.survey.as_ref()) {
+            Ok(survey) => {
+                self.problem = None;
+                if let Some(mut last) = self.survey.replace(survey).filter(|last| last.sheet().covers_all()) {
+                    last.rest();
+                    self.before = Some(last);
+                }
+                // Another score than it has cannot be shown.
+                self.before = self.before.take().filter(|before| before.has(choice.measure));
+            }
+            Err(problem) => {
+                (self.survey, self.before) = (None, None);
+                self.problem = Some(format!("There is no map: {problem}."));
+            }
+        }
+    }
+
+    fn work(&mut self, ctx: &Context) {
+        let Self { engine, survey, before, is_stopped, problem, version, .. } = self;
+        let Some(survey) = survey.as_mut().filter(|_| !*is_stopped) else { return };
+        match survey.follow(&**engine, ctx) {
+            Ok(has_come) => *version += u64::from(has_come),
+            Err(error) => *problem = Some(format!("There is no map: {error}.")),
+        }
+        if before.is_some() && survey.sheet().covers_all() {
+            *before = None;
+            *version += 1;
+        }
+    }
+
+    fn rest(&mut self) {
+        if let Some(survey) = &mut self.survey {
+            survey.rest();
+        }
+    }
+}
+
+impl Default for Laboratory {
+    /// A laboratory in slices of the frames.
+    fn default() -> Self {
+        Self::new(Box::new(Slices::FRAME))
+    }
+}

@@ -1,0 +1,125 @@
+//! What the user wants to see in the laboratory, as plain data.
+
+use kalmanscope_core::{Channel, Record, Scenario};
+use kalmanscope_lab::{Axis, Measure, Setting};
+use serde::{Deserialize, Serialize};
+
+use super::measures;
+use super::settings::{candidates, collide, is_possible};
+
+/// The most values on an axis of a map.
+pub const MOST: usize = 256;
+
+/// The axes of a map, the score that is shown, and the filters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Choice {
+    /// The settings across and up. Those of filters have `*` for the filter's name: all filters of the map get the value.
+    pub axes: [Axis; 2],
+    /// The score.
+    pub measure: Measure,
+    /// The id of the filter.
+    pub filter: u32,
+    /// The id of a second filter beside it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second: Option<u32>,
+}
+
+impl Choice {
+    /// The usual map of a scenario's first filter: the guess of the first parameter and the factor on Q. None where there is
+    /// no filter, or there are no two settings to vary.
+    pub fn usual(scenario: &Scenario, record: &Record, is_measured: bool, count: usize) -> Option<Self> {
+        let filter = scenario.filters.first()?.id;
+        let part = part_of(scenario, &[filter]);
+        let axes = usual_axes(&part, is_measured, [None, None], count)?;
+        Some(Self { axes, measure: usual_measure(&part, record), filter, second: None })
+    }
+
+    /// The same as far as the scenario has its filters, settings and scores; the usual in place of the rest.
+    pub(crate) fn fitted(&self, scenario: &Scenario, record: &Record, is_measured: bool) -> Option<Self> {
+        let exists = |id: u32| scenario.filters.iter().any(|filter| filter.id == id);
+        let filter = if exists(self.filter) { self.filter } else { scenario.filters.first()?.id };
+        let second = self.second.filter(|second| *second != filter && exists(*second));
+        let part = part_of(scenario, &[Some(filter), second].into_iter().flatten().collect::<Vec<_>>());
+        let is_free = |key: &str| !is_measured || Setting::new(&part, key).is_ok_and(|setting| setting.is_of_filters());
+        let kept =
+            self.axes.each_ref().map(|axis| Some(axis).filter(|a| is_possible(&part, &a.key) && is_free(&a.key)));
+        let count = self.axes[0].count;
+        let axes = match kept {
+            [Some(x), Some(y)] if !collide(&x.key, &y.key) => [x.clone(), y.clone()],
+            kept => usual_axes(&part, is_measured, kept, count)?,
+        };
+        let is_offered = measures::offered(&part, record).contains(&self.measure);
+        let measure = if is_offered { self.measure } else { usual_measure(&part, record) };
+        Some(Self { axes, measure, filter, second })
+    }
+
+    /// Whether a map of this choice can be made of a scenario.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong.
+    pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        for id in self.filters() {
+            if !scenario.filters.iter().any(|filter| filter.id == id) {
+                return Err(format!("the map is of filter number {id}, which the scenario lacks"));
+            }
+        }
+        let part = part_of(&scenario, &self.filters());
+        for axis in &self.axes {
+            axis.check().map_err(|error| error.to_string())?;
+            if axis.count > MOST {
+                return Err(format!("an axis of the map has {} values, and may have {MOST}", axis.count));
+            }
+            Setting::new(&part, &axis.key).map_err(|error| error.to_string())?;
+        }
+        let [x, y] = &self.axes;
+        if collide(&x.key, &y.key) {
+            return Err(format!("both axes of the map set `{}`", x.key));
+        }
+        Ok(())
+    }
+
+    /// The ids of the filters.
+    pub fn filters(&self) -> Vec<u32> {
+        [Some(self.filter), self.second].into_iter().flatten().collect()
+    }
+}
+
+/// A scenario with some of its filters, in the given order and in no particular colour.
+pub(crate) fn part_of(scenario: &Scenario, filters: &[u32]) -> Scenario {
+    let filter = |id: &u32| scenario.filters.iter().find(|filter| filter.id == *id).cloned();
+    let mut filters: Vec<_> = filters.iter().filter_map(filter).collect();
+    filters.iter_mut().for_each(|filter| filter.color = None);
+    Scenario { filters, ..scenario.clone() }
+}
+
+/// The axes that are kept, and usual ones in place of the others.
+fn usual_axes(part: &Scenario, is_measured: bool, kept: [Option<&Axis>; 2], count: usize) -> Option<[Axis; 2]> {
+    const WISHES: [[&str; 2]; 2] = [
+        ["filters.*.initial_mean.natural_frequency", "filters.*.fading"],
+        ["filters.*.process_std", "filters.*.sensor_std"],
+    ];
+    let candidates = candidates(part, is_measured);
+    let choose = |wishes: [&str; 2], other: Option<&str>| -> Option<Axis> {
+        let wished = wishes.into_iter().filter(|wish| candidates.iter().any(|key| key == wish));
+        let keys = wished.chain(candidates.iter().map(String::as_str));
+        let key = keys.into_iter().find(|key| other.is_none_or(|other| !collide(key, other)))?;
+        let setting = Setting::new(part, key).ok()?;
+        Some(Axis::usual(&setting, part, count))
+    };
+    let [x, y] = kept.map(Option::<&Axis>::cloned);
+    let first = x.map_or_else(|| choose(WISHES[0], y.as_ref().map(|y| y.key.as_str())), Some)?;
+    let free = y.filter(|y| !collide(&y.key, &first.key));
+    let second = free.map_or_else(|| choose(WISHES[1], Some(&first.key)), Some)?;
+    Some([first, second])
+}
+
+/// The error of the natural frequency, or of another parameter, where its truth is known; else the mean NIS.
+fn usual_measure(part: &Scenario, record: &Record) -> Measure {
+    let wish = Measure::Rmse(Channel::NATURAL_FREQUENCY);
+    let offered = measures::offered(part, record);
+    let is_error = |measure: &&Measure| matches!(measure, Measure::Rmse(channel) if channel.is_parameter());
+    if offered.contains(&wish) { wish } else { offered.iter().find(is_error).copied().unwrap_or(Measure::Nis) }
+}

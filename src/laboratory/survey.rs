@@ -1,0 +1,195 @@
+//! One ensemble of a map, with the rows that are known of it.
+
+use egui::Context;
+use kalmanscope_core::scenario::Values;
+use kalmanscope_core::{FilterSettings, Scenario, Source};
+use kalmanscope_lab::{Axis, Ensemble, Measure, Plan, Setting, Sheet};
+
+use super::choice::{Choice, part_of};
+use super::engine::{Engine, Work};
+use super::measures;
+use crate::session::is_same;
+
+/// An ensemble under way, or complete.
+pub struct Survey {
+    ensemble: Ensemble,
+    source: Source,
+    filters: Vec<u32>,
+    order: Vec<usize>,
+    sheet: Sheet,
+    work: Option<Box<dyn Work>>,
+}
+
+impl Survey {
+    /// The survey of a scenario and the source of its samples. Factors stay relative to the numbers that they had before, so
+    /// that the map does not move.
+    ///
+    /// # Errors
+    /// A sentence where the map is impossible.
+    pub(super) fn new(
+        scenario: &Scenario,
+        source: Source,
+        choice: &Choice,
+        before: Option<&Self>,
+    ) -> Result<Self, String> {
+        let filters = choice.filters();
+        let mut part = part_of(scenario, &filters);
+        if let Some(before) = before.filter(|before| before.filters == filters && before.has_its_factors(&part)) {
+            for (_, setting) in before.factors() {
+                setting.set(&mut part, 1.0);
+            }
+        }
+        let mut measures = measures::taken(&part);
+        if !measures.contains(&choice.measure) {
+            measures.push(choice.measure);
+        }
+        let plan = Plan { filters: (0..filters.len()).collect(), measures, axes: choice.axes.to_vec(), times: 0 };
+        let ensemble = Ensemble::new(part, plan).map_err(|error| error.to_string())?;
+        let (order, sheet) = (ensemble.coarse_to_fine(), Sheet::new(&ensemble));
+        Ok(Self { ensemble, source, filters, order, sheet, work: None })
+    }
+
+    /// The ensemble: its scenario has the filters of the map only, and its axes are those across and up.
+    pub fn ensemble(&self) -> &Ensemble {
+        &self.ensemble
+    }
+
+    /// The rows that are known.
+    pub fn sheet(&self) -> &Sheet {
+        &self.sheet
+    }
+
+    /// The axes across and up.
+    pub fn axes(&self) -> [&Axis; 2] {
+        [0, 1].map(|at| &self.ensemble.plan().axes[at])
+    }
+
+    /// The ids of the filters.
+    pub fn filters(&self) -> &[u32] {
+        &self.filters
+    }
+
+    /// Whether the score is among those that are taken.
+    pub fn has(&self, measure: Measure) -> bool {
+        self.ensemble.plan().measures.contains(&measure)
+    }
+
+    /// The score of a filter, by its place in the map, in a cell or in the one that stands for it; none where it is not known
+    /// yet.
+    pub fn value(&self, cell: usize, filter: usize, measure: Measure) -> Option<f64> {
+        let measures = &self.ensemble.plan().measures;
+        let at = measures.iter().position(|other| *other == measure)?;
+        self.sheet.shown(cell)?.get(filter * measures.len() + at).copied()
+    }
+
+    /// The values that a scenario has of the axes' settings; NaN where it has none.
+    pub fn present(&self, scenario: &Scenario) -> [f64; 2] {
+        let part = part_of(scenario, &self.filters);
+        [0, 1].map(|at| self.ensemble.settings().get(at).map_or(f64::NAN, |setting| setting.get(&part)))
+    }
+
+    /// The scenario with these values of the axes' settings, if it is possible.
+    pub fn with(&self, scenario: &Scenario, values: [f64; 2]) -> Option<Scenario> {
+        let mut part = part_of(scenario, &self.filters);
+        if part.filters.len() != self.filters.len() {
+            return None;
+        }
+        for (setting, value) in self.ensemble.settings().iter().zip(values) {
+            setting.set(&mut part, value);
+        }
+        let mut changed = scenario.clone();
+        for filter in part.filters.drain(..) {
+            if let Some(place) = changed.filters.iter_mut().find(|other| other.id == filter.id) {
+                *place = FilterSettings { color: place.color, ..filter };
+            }
+        }
+        let changed = Scenario { filters: changed.filters, ..part };
+        changed.validate().ok().map(|()| changed)
+    }
+
+    /// Whether this is the survey of a scenario, a source and a choice, whatever the present values of the axes' settings.
+    pub(super) fn is_of(&self, scenario: &Scenario, source: &Source, choice: &Choice) -> bool {
+        let same_plan = self.filters == choice.filters()
+            && self.ensemble.plan().axes == choice.axes
+            && self.has(choice.measure)
+            && is_same(&self.source, source);
+        if !same_plan {
+            return false;
+        }
+        let part = part_of(scenario, &self.filters);
+        part.filters.len() == self.filters.len() && self.has_its_factors(&part) && {
+            let base = self.ensemble.scenario();
+            let moved = |scenario: &Scenario| {
+                let mut moved = scenario.clone();
+                self.ensemble.settings().iter().for_each(|setting| setting.set(&mut moved, setting.get(base)));
+                moved
+            };
+            moved(&part) == moved(base)
+        }
+    }
+
+    /// The axes' settings that multiply a table, with the table's name.
+    fn factors(&self) -> impl Iterator<Item = (&str, &Setting)> {
+        let factors = self.ensemble.settings().iter().filter(|setting| setting.is_factor());
+        factors.map(|setting| (setting.key().rsplit('.').next().unwrap_or_default(), setting))
+    }
+
+    /// Whether each table with a factor is that factor times the table of this survey, in every filter.
+    fn has_its_factors(&self, part: &Scenario) -> bool {
+        self.factors().all(|(table, setting)| {
+            let factor = setting.get(part);
+            let mut expected = self.ensemble.scenario().clone();
+            setting.set(&mut expected, factor);
+            let pairs = part.filters.iter().zip(&expected.filters);
+            factor.is_finite()
+                && pairs.into_iter().all(|(now, then)| are_close(&numbers(now, table), &numbers(then, table)))
+        })
+    }
+
+    /// Goes on where there is something to do. Returns whether rows have come.
+    ///
+    /// # Errors
+    /// A sentence where the cells cannot be run.
+    pub(super) fn follow(&mut self, engine: &dyn Engine, ctx: &Context) -> Result<bool, String> {
+        if self.sheet.is_complete() {
+            self.work = None;
+            return Ok(false);
+        }
+        let work = match &mut self.work {
+            Some(work) => work,
+            none => {
+                let missing = self.sheet.missing(&self.order).collect();
+                let work = engine.start(&self.ensemble, &self.source, missing, ctx);
+                none.insert(work.map_err(|error| error.to_string())?)
+            }
+        };
+        let rows = work.poll();
+        rows.iter().for_each(|rows| self.sheet.fill(&rows.cells, &rows.numbers));
+        Ok(!rows.is_empty())
+    }
+
+    /// Gives up the work on cells that are not known; [`Self::follow`] goes on with them.
+    pub(super) fn rest(&mut self) {
+        self.work = None;
+    }
+
+    /// Whether cells are being run.
+    pub(super) fn is_working(&self) -> bool {
+        self.work.is_some()
+    }
+}
+
+/// The numbers of a filter's table of standard deviations.
+fn numbers(filter: &FilterSettings, table: &str) -> Vec<f64> {
+    let values = |values: &Values| values.iter().map(|(_, std)| std).collect();
+    match table {
+        "sensor_std" => filter.sensor_std.clone(),
+        "initial_std" => values(&filter.initial_std),
+        _ => values(&filter.process_std),
+    }
+}
+
+/// Whether numbers are equal up to rounding.
+fn are_close(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs())
+}

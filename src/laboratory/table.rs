@@ -1,0 +1,39 @@
+//! The numbers of a map as CSV.
+
+use std::fmt::Write as _;
+
+use super::Survey;
+
+impl Survey {
+    /// One row a cell: the values of the axes, named by their keys, then the scores of each filter. A cell that is not known
+    /// and a score that is no number are empty.
+    pub fn to_csv(&self) -> String {
+        let ensemble = self.ensemble();
+        let [only, ..] = &ensemble.scenario().filters[..] else { return String::new() };
+        let key = |key: &str| match (self.filters().len(), key.strip_prefix("filters.*.")) {
+            (1, Some(rest)) => format!("filters.{}.{rest}", only.name),
+            _ => key.to_owned(),
+        };
+        let keys = ensemble.plan().axes.iter().map(|axis| key(&axis.key));
+        let names: Vec<String> = keys.chain(ensemble.columns()).map(|name| quoted(&name)).collect();
+        let mut text = names.join(",");
+        text.push('\n');
+        for cell in 0..ensemble.cells() {
+            let row = self.sheet().row(cell);
+            let unknown = vec![f64::NAN; ensemble.width()];
+            let numbers = ensemble.values(cell).into_iter().chain(row.unwrap_or(&unknown).iter().copied());
+            for (at, number) in numbers.enumerate() {
+                let comma = if at > 0 { "," } else { "" };
+                // Writing to a string cannot fail.
+                let _ = if number.is_nan() { write!(text, "{comma}") } else { write!(text, "{comma}{number}") };
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// A cell of text, in quotation marks where it needs them.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}

@@ -1,0 +1,290 @@
+use egui::Context;
+use kalmanscope_core::{Channel, FilterSettings, Scenario};
+use kalmanscope_lab::{Axis, Measure, Runner, Spacing};
+
+use super::*;
+use crate::session::Budget;
+
+/// A session of two seconds.
+fn session() -> Session {
+    Session::new(Scenario { duration: 2.0, ..Scenario::default() }).unwrap()
+}
+
+/// A laboratory that runs one cell a frame.
+fn slow() -> Laboratory {
+    let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Pieces(1))));
+    laboratory.choose(Some(choice()));
+    laboratory
+}
+
+fn choice() -> Choice {
+    let axes = ["filters.*.initial_mean.natural_frequency=2:14:5", "filters.*.process_std=0.1:10:3:log"];
+    let axes = axes.map(|text| Axis::parse(text).unwrap());
+    Choice { axes, measure: Measure::Rmse(Channel::NATURAL_FREQUENCY), filter: 1, second: None }
+}
+
+/// Follows the session for some frames.
+fn follow(laboratory: &mut Laboratory, session: &Session, frames: usize) {
+    let ctx = Context::default();
+    (0..frames).for_each(|_| laboratory.follow(session, true, false, &ctx));
+}
+
+fn done(laboratory: &Laboratory) -> usize {
+    laboratory.shown().unwrap().sheet().done()
+}
+
+fn with(session: &mut Session, change: impl FnOnce(&mut Scenario)) {
+    let mut scenario = session.scenario().clone();
+    change(&mut scenario);
+    session.set_scenario(scenario);
+}
+
+fn ekf(scenario: &mut Scenario) -> &mut FilterSettings {
+    &mut scenario.filters[0]
+}
+
+#[test]
+fn a_map_fills_and_is_that_of_the_whole_scenario() {
+    let session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 1);
+    assert_eq!((done(&laboratory), laboratory.progress()), (1, Some(1.0 / 15.0)));
+    follow(&mut laboratory, &session, 20);
+    assert_eq!(laboratory.progress(), None);
+    assert!(!laboratory.is_working());
+    let survey = laboratory.shown().unwrap();
+    // The same cells, of the scenario with all its filters.
+    let plan = kalmanscope_lab::Plan { filters: vec![0], ..survey.ensemble().plan().clone() };
+    let axes: Vec<Axis> =
+        plan.axes.iter().map(|axis| Axis { key: axis.key.replace('*', "EKF"), ..axis.clone() }).collect();
+    let plan = kalmanscope_lab::Plan { axes, ..plan };
+    let whole = kalmanscope_lab::Ensemble::new(session.scenario().clone(), plan).unwrap();
+    let runner = Runner::new(whole, Source::Simulated).unwrap();
+    for cell in 0..15 {
+        let bits = |row: &[f64]| row.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(survey.sheet().row(cell).unwrap()), bits(&runner.rows(&[cell])), "cell {cell}");
+    }
+}
+
+#[test]
+fn a_moved_dot_restarts_nothing() {
+    let mut session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 7);
+    for (guess, factor) in [(3.0, 1.0), (7.5, 0.2), (20.0, 8.0)] {
+        let moved = laboratory.shown().unwrap().with(session.scenario(), [guess, factor]).unwrap();
+        session.set_scenario(moved);
+        let before = done(&laboratory);
+        follow(&mut laboratory, &session, 1);
+        assert_eq!(done(&laboratory), before + 1, "it goes on");
+        assert!(!laboratory.is_shown_old());
+        let [x, y] = laboratory.shown().unwrap().present(session.scenario());
+        assert!((x - guess).abs() < 1e-12 && (y - factor).abs() < 1e-9, "{x} {y}");
+    }
+    let base = Scenario::default();
+    let factor =
+        session.scenario().filters[0].process_std[Channel::VELOCITY] / base.filters[0].process_std[Channel::VELOCITY];
+    assert!((factor - 8.0).abs() < 1e-9, "{factor}");
+    assert_eq!(
+        session.scenario().filters[1],
+        Session::new(base).unwrap().scenario().filters[1],
+        "the other filter stays"
+    );
+}
+
+#[test]
+fn another_filter_or_its_colour_changes_no_map() {
+    let mut session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 4);
+    with(&mut session, |scenario| {
+        scenario.filters[1].fading = 1.02;
+        scenario.filters[0].color = Some(kalmanscope_core::FilterColor::ALL[3]);
+    });
+    follow(&mut laboratory, &session, 1);
+    assert_eq!(done(&laboratory), 5);
+}
+
+#[test]
+fn an_edit_restarts_and_the_old_map_stays_until_the_new_one_covers() {
+    let mut session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 20);
+    let fading = |laboratory: &Laboratory| laboratory.shown().unwrap().ensemble().scenario().filters[0].fading;
+    with(&mut session, |scenario| ekf(scenario).fading = 1.03);
+    let mut frames = 0;
+    loop {
+        follow(&mut laboratory, &session, 1);
+        frames += 1;
+        assert!(laboratory.shown().unwrap().sheet().covers_all(), "there always is a whole picture");
+        if !laboratory.is_shown_old() {
+            break;
+        }
+        assert_eq!((fading(&laboratory), done(&laboratory)), (1.005, 15));
+        assert!(frames < 15, "the new map covers long before it is complete");
+    }
+    assert_eq!((fading(&laboratory), done(&laboratory)), (1.03, frames));
+    follow(&mut laboratory, &session, 20);
+    assert_eq!(laboratory.progress(), None);
+}
+
+#[test]
+fn a_number_of_a_scaled_table_that_changes_alone_restarts() {
+    let mut session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 20);
+    with(&mut session, |scenario| ekf(scenario).process_std[Channel::VELOCITY] *= 2.0);
+    follow(&mut laboratory, &session, 20);
+    let survey = laboratory.shown().unwrap();
+    let [_, factor] = survey.present(session.scenario());
+    assert!((factor - 1.0).abs() < 1e-12, "{factor}");
+    assert_eq!(survey.ensemble().scenario().filters[0].process_std, session.scenario().filters[0].process_std);
+    assert!(survey.sheet().is_complete());
+}
+
+#[test]
+fn a_factor_keeps_its_base_when_something_else_changes() {
+    let mut session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 20);
+    let moved = laboratory.shown().unwrap().with(session.scenario(), [6.0, 4.0]).unwrap();
+    session.set_scenario(moved);
+    with(&mut session, |scenario| scenario.seed += 1);
+    follow(&mut laboratory, &session, 20);
+    let [_, factor] = laboratory.shown().unwrap().present(session.scenario());
+    assert!((factor - 4.0).abs() < 1e-9, "the dot stays where it is: {factor}");
+}
+
+#[test]
+fn out_of_sight_it_rests_and_goes_on_later() {
+    let session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 6);
+    let ctx = Context::default();
+    for _ in 0..5 {
+        laboratory.follow(&session, false, false, &ctx);
+    }
+    assert!(!laboratory.is_working());
+    assert_eq!(done(&laboratory), 6);
+    follow(&mut laboratory, &session, 1);
+    assert_eq!(done(&laboratory), 7);
+}
+
+#[test]
+fn it_is_stopped_and_goes_on() {
+    let mut session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 6);
+    assert!(laboratory.set_stopped(true));
+    follow(&mut laboratory, &session, 5);
+    assert_eq!((done(&laboratory), laboratory.is_working()), (6, false));
+    assert!(laboratory.set_stopped(false));
+    follow(&mut laboratory, &session, 1);
+    assert_eq!(done(&laboratory), 7);
+    laboratory.set_stopped(true);
+    with(&mut session, |scenario| scenario.seed += 1);
+    follow(&mut laboratory, &session, 2);
+    assert!(!laboratory.is_stopped(), "another scenario begins");
+}
+
+#[test]
+fn another_score_is_shown_at_once_unless_it_needs_every_estimate() {
+    let session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 20);
+    laboratory.choose(Some(Choice { measure: Measure::LogLikelihood, ..choice() }));
+    follow(&mut laboratory, &session, 1);
+    assert_eq!(done(&laboratory), 15);
+    laboratory.choose(Some(Choice { measure: Measure::Verdict, ..choice() }));
+    follow(&mut laboratory, &session, 1);
+    assert_eq!(done(&laboratory), 1);
+    follow(&mut laboratory, &session, 20);
+    laboratory.choose(Some(choice()));
+    follow(&mut laboratory, &session, 1);
+    assert_eq!(done(&laboratory), 15, "what has been computed serves the other scores too");
+}
+
+#[test]
+fn two_filters_get_the_same_values() {
+    let session = session();
+    let mut laboratory = slow();
+    laboratory.choose(Some(Choice { second: Some(2), ..choice() }));
+    follow(&mut laboratory, &session, 20);
+    let survey = laboratory.shown().unwrap();
+    let cell = survey.ensemble().at(14);
+    let guess = |at: usize| cell.filters[at].initial_mean[Channel::NATURAL_FREQUENCY];
+    assert_eq!([guess(0), guess(1)], [14.0, 14.0]);
+    let value = |filter| survey.value(14, filter, Measure::Nis).unwrap();
+    assert!(value(0) > 0.0 && value(1) > 0.0 && value(0) != value(1));
+    let set = survey.with(session.scenario(), [9.0, 1.0]).unwrap();
+    assert!(set.filters.iter().all(|filter| filter.initial_mean[Channel::NATURAL_FREQUENCY] == 9.0));
+}
+
+#[test]
+fn the_usual_map_is_of_a_guess_and_q() {
+    let session = session();
+    let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Pieces(1))));
+    follow(&mut laboratory, &session, 1);
+    let choice = laboratory.choice().unwrap();
+    let keys = choice.axes.each_ref().map(|axis| axis.key.as_str());
+    assert_eq!(keys, ["filters.*.initial_mean.natural_frequency", "filters.*.process_std"]);
+    assert_eq!(choice.measure, Measure::Rmse(Channel::NATURAL_FREQUENCY));
+    assert_eq!(choice.axes[1].spacing, Spacing::Logarithmic);
+    assert!(choice.check(session.scenario()).is_ok());
+}
+
+#[test]
+fn a_filter_that_is_removed_gives_way_to_another() {
+    let mut session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 3);
+    with(&mut session, |scenario| _ = scenario.filters.remove(0));
+    follow(&mut laboratory, &session, 3);
+    assert_eq!(laboratory.choice().unwrap().filter, 2);
+    with(&mut session, |scenario| scenario.filters.clear());
+    follow(&mut laboratory, &session, 1);
+    assert!(laboratory.problem().unwrap().contains("no filter") && laboratory.shown().is_none());
+}
+
+#[test]
+fn an_impossible_choice_is_refused_with_a_reason() {
+    let scenario = session().scenario().clone();
+    let with_axis = |text: &str| {
+        let [_, y] = choice().axes;
+        Choice { axes: [Axis::parse(text).unwrap(), y], ..choice() }
+    };
+    for (choice, reason) in [
+        (with_axis("seed=1:999:999"), "may have 256"),
+        (with_axis("filters.*.mass=1:2:3"), "filters.*.mass"),
+        (with_axis("filters.*.process_std.velocity=1:2:3"), "both axes"),
+        (Choice { second: Some(7), ..choice() }, "filter number 7"),
+    ] {
+        let error = choice.check(&scenario).unwrap_err();
+        assert!(error.contains(reason), "{error}");
+    }
+    assert_eq!(choice().check(&scenario), Ok(()));
+}
+
+#[test]
+fn the_table_has_one_row_a_cell() {
+    let session = session();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 20);
+    let survey = laboratory.shown().unwrap();
+    let text = survey.to_csv();
+    let mut lines = text.lines();
+    let header = lines.next().unwrap();
+    assert!(
+        header.starts_with("filters.EKF.initial_mean.natural_frequency,filters.EKF.process_std,EKF.nis,"),
+        "{header}"
+    );
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 15);
+    let column = header.split(',').position(|name| name == "EKF.rmse.natural_frequency").unwrap();
+    for (cell, row) in rows.iter().enumerate() {
+        let values = survey.ensemble().values(cell);
+        assert_eq!([row[0].parse(), row[1].parse()], [Ok(values[0]), Ok(values[1])]);
+        let value = survey.value(cell, 0, Measure::Rmse(Channel::NATURAL_FREQUENCY)).unwrap();
+        assert_eq!(row[column].parse(), Ok(value));
+    }
+}

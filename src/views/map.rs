@@ -1,0 +1,96 @@
+//! A score over two settings: each cell is a whole run of the filter.
+
+mod bar;
+mod cells;
+mod contour;
+mod head;
+mod legend;
+mod marks;
+mod panel;
+mod picture;
+mod places;
+mod scale;
+
+use egui::{Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
+
+use crate::laboratory::{Choice, Laboratory, Survey};
+use crate::plot::medium::Medium;
+use crate::request::Request;
+use crate::view::{Proportions, View, ViewContext};
+use head::head_ui;
+use legend::Legend;
+use panel::PanelView;
+use places::{Place, arrange};
+
+pub(super) use legend::score_text;
+pub(super) use marks::said;
+
+/// The map.
+pub(super) struct Map;
+
+/// Room for the line of the progress \[points\].
+const PROGRESS: f32 = 3.0;
+
+impl View for Map {
+    fn name(&self) -> &'static str {
+        "Map"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "Each cell is a run of the filter over the whole record, with the settings of its place; the colour is its score.",
+            "Drag the dot: the settings and all plots follow. Point at a cell for its numbers; a click takes its settings.",
+            "The line surrounds the settings with which the filter is consistent: its mean NIS is within its 99 % interval.",
+        ]
+    }
+
+    fn is_of_laboratory(&self) -> bool {
+        true
+    }
+
+    fn proportions(&self) -> Proportions {
+        Proportions::Tall
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        let (laboratory, choice, survey) = contents(ui, context)?;
+        let medium = Medium::of(ui.ctx());
+        if medium == Medium::Screen {
+            head_ui(ui, context, laboratory, choice, requests);
+        }
+        let (room, _) = ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::hover());
+        progress_ui(ui, room, laboratory, context);
+        let panels = picture::panels(ui.ctx(), laboratory, survey, choice.measure, context.palette);
+        medium.note_plots(ui.ctx(), panels.len());
+        let has_truth = !marks::truths(survey.axes(), context).is_empty();
+        let legend = Legend::new(ui, &panels, (has_truth, choice.measure), room.width(), context.palette);
+        let bottom = (room.bottom() - legend.height).max(room.top() + PROGRESS);
+        let area = Rect::from_min_max(room.min + vec2(0.0, PROGRESS), pos2(room.right(), bottom));
+        for Place { at, room, has_bar } in arrange(ui, area, &panels, survey) {
+            let is_old = laboratory.is_shown_old();
+            let view = PanelView { panel: &panels[at], survey, measure: choice.measure, is_old, has_bar };
+            view.ui(ui, room, context, requests);
+        }
+        legend.ui(ui, pos2(room.left() + 4.0, bottom), context.palette);
+        None
+    }
+}
+
+/// The laboratory with its choice and the survey to show. Where there is none, says why.
+pub(super) fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
+    let laboratory = context.laboratory?;
+    if let Some(problem) = laboratory.problem() {
+        ui.weak(problem);
+    }
+    laboratory.choice().zip(laboratory.shown()).map(|(choice, survey)| (laboratory, choice, survey))
+}
+
+/// A line above the panels, as long as the share of the map that is known.
+fn progress_ui(ui: &Ui, room: Rect, laboratory: &Laboratory, context: &ViewContext<'_>) {
+    let Some(share) = laboratory.progress().filter(|_| Medium::of(ui.ctx()) == Medium::Screen) else { return };
+    let y = room.top() + 1.0;
+    let color = context.palette.accent;
+    let end = room.left() + share as f32 * room.width();
+    ui.painter().hline(room.x_range(), y, Stroke::new(2.0, color.gamma_multiply(0.25)));
+    ui.painter().line_segment([pos2(room.left(), y), pos2(end, y)], Stroke::new(2.0, color));
+}

@@ -1,0 +1,69 @@
+//! The numbers of a map's cells, and what came of the runs.
+
+use kalmanscope_lab::Measure;
+
+use crate::laboratory::Survey;
+
+/// A cell of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cell {
+    /// The score, without the sign of an error; NaN where there is none.
+    pub(super) value: f64,
+    pub(super) end: End,
+}
+
+/// What came of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    /// It is not known yet.
+    Unknown,
+    /// The filter stopped, or the settings are impossible.
+    Stopped,
+    /// The filter lost the truth.
+    Lost,
+    /// The filter followed to the end.
+    Followed,
+}
+
+/// The cells of one filter.
+pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec<Cell> {
+    let is = |cell: usize, measure: Measure| survey.value(cell, filter, measure) == Some(1.0);
+    let end = |cell: usize| match survey.value(cell, filter, Measure::Stopped) {
+        None => End::Unknown,
+        Some(stopped) if stopped != 0.0 => End::Stopped,
+        Some(_) if is(cell, Measure::Diverged) => End::Lost,
+        Some(_) => End::Followed,
+    };
+    let value = |cell: usize| {
+        let value = survey.value(cell, filter, measure).unwrap_or(f64::NAN);
+        if matches!(measure, Measure::Error(_)) { value.abs() } else { value }
+    };
+    let cell = |cell: usize| Cell { value: value(cell), end: end(cell) };
+    (0..survey.ensemble().cells()).map(cell).collect()
+}
+
+/// The ratio or the difference of two filters' cells.
+pub(super) fn compared(a: &[Cell], b: &[Cell], measure: Measure) -> Vec<Cell> {
+    let is_ratio = is_ratio(measure);
+    let worst = |a: End, b: End| [End::Unknown, End::Stopped, End::Lost].into_iter().find(|end| [a, b].contains(end));
+    let cell = |(a, b): (&Cell, &Cell)| Cell {
+        value: if is_ratio { a.value / b.value } else { a.value - b.value },
+        end: worst(a.end, b.end).unwrap_or(End::Followed),
+    };
+    a.iter().zip(b).map(cell).collect()
+}
+
+/// Whether two filters' scores are compared by their ratio: sizes are, numbers with a sign are not.
+pub(super) fn is_ratio(measure: Measure) -> bool {
+    matches!(
+        measure,
+        Measure::Nis
+            | Measure::Nees
+            | Measure::Error(_)
+            | Measure::Rmse(_)
+            | Measure::Std(_)
+            | Measure::Settled(_)
+            | Measure::FreeRun(_)
+            | Measure::OneStep(_)
+    )
+}

@@ -1,0 +1,175 @@
+//! The line above the panels: axes, score, filters, ranges, and the progress.
+
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{ComboBox, Grid, PopupCloseBehavior, Ui, vec2};
+use kalmanscope_core::Scenario;
+use kalmanscope_lab::{Axis, Setting, Spacing};
+
+use crate::controls::number::field;
+use crate::laboratory::{Choice, Laboratory, MOST, candidates, collide, measure_name, offered, part_of, setting_name};
+use crate::request::Request;
+use crate::view::ViewContext;
+
+/// The values on both axes that have a button.
+const COUNTS: [usize; 4] = [32, 64, 128, 256];
+
+/// The names of the axes, for labels.
+const WAYS: [&str; 2] = ["across", "up"];
+
+/// Shows the choices, and requests another map where one of them changes.
+pub(super) fn head_ui(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    laboratory: &Laboratory,
+    choice: &Choice,
+    requests: &mut Vec<Request>,
+) {
+    let run = context.session.run();
+    let part = part_of(run.scenario(), &choice.filters());
+    let keys = candidates(&part, context.session.is_measured());
+    let mut next = choice.clone();
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        for at in [0, 1] {
+            ui.weak(["→", "↑"][at]);
+            axis_ui(ui, &mut next, at, &part, &keys);
+        }
+        measure_ui(ui, &mut next, &offered(&part, run.record()));
+        filters_ui(ui, &mut next, run.scenario());
+        ranges_ui(ui, &mut next, &part);
+        work_ui(ui, laboratory, requests);
+    });
+    if &next != choice {
+        requests.push(Request::ChooseMap(Box::new(next)));
+    }
+}
+
+/// A combo box with an accessible name.
+fn combo(ui: &mut Ui, label: &str, text: String, width: f32, add: impl FnOnce(&mut Ui)) {
+    let combo = ComboBox::from_id_salt(label).selected_text(text).width(width).height(420.0).show_ui(ui, add);
+    ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label(label));
+}
+
+fn axis_ui(ui: &mut Ui, choice: &mut Choice, at: usize, part: &Scenario, keys: &[String]) {
+    let present = choice.axes[at].key.clone();
+    let other = choice.axes[1 - at].key.clone();
+    combo(ui, &format!("Setting {}", WAYS[at]), setting_name(&present), 118.0, |ui| {
+        for key in keys.iter().filter(|key| **key == other || !collide(key, &other)) {
+            if !ui.selectable_label(*key == present, setting_name(key)).clicked() || *key == present {
+                continue;
+            }
+            if *key == other {
+                choice.axes.swap(0, 1);
+            } else if let Ok(setting) = Setting::new(part, key) {
+                choice.axes[at] = Axis::usual(&setting, part, choice.axes[at].count);
+            }
+        }
+    });
+}
+
+fn measure_ui(ui: &mut Ui, choice: &mut Choice, offered: &[kalmanscope_lab::Measure]) {
+    combo(ui, "Score", measure_name(choice.measure), 150.0, |ui| {
+        for measure in offered {
+            ui.selectable_value(&mut choice.measure, *measure, measure_name(*measure));
+        }
+    });
+}
+
+fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
+    let name = |id: u32| {
+        let filter = scenario.filters.iter().find(|filter| filter.id == id);
+        filter.map_or(String::new(), |filter| filter.name.clone())
+    };
+    let Choice { filter: first, second, .. } = choice;
+    combo(ui, "Filter of the map", name(*first), 58.0, |ui| {
+        for filter in &scenario.filters {
+            if ui.selectable_label(*first == filter.id, &filter.name).clicked() {
+                if *second == Some(filter.id) {
+                    *second = Some(*first);
+                }
+                *first = filter.id;
+            }
+        }
+    });
+    if scenario.filters.len() < 2 {
+        return;
+    }
+    ui.weak("and");
+    combo(ui, "Second filter", second.map_or_else(|| "no other".to_owned(), name), 66.0, |ui| {
+        ui.selectable_value(second, None, "no other");
+        for filter in scenario.filters.iter().filter(|filter| filter.id != *first) {
+            ui.selectable_value(second, Some(filter.id), &filter.name);
+        }
+    });
+}
+
+/// The ranges of the axes and the numbers of their values, in a popup.
+fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario) {
+    let [x, y] = choice.axes.each_ref().map(|axis| axis.count);
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let (button, _) = MenuButton::new(format!("{x} × {y}")).config(stays).ui(ui, |ui| {
+        Grid::new("ranges of the map").spacing([8.0, 4.0]).show(ui, |ui| {
+            for text in ["", "from", "to", "values", ""] {
+                ui.weak(text);
+            }
+            ui.end_row();
+            for (at, axis) in choice.axes.iter_mut().enumerate() {
+                range_ui(ui, axis, WAYS[at], part);
+                ui.end_row();
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.weak("both");
+            for count in COUNTS {
+                if ui.button(format!("{count} × {count}")).clicked() {
+                    choice.axes.iter_mut().for_each(|axis| axis.count = count);
+                }
+            }
+            if ui.button("Usual ranges").clicked() {
+                for axis in &mut choice.axes {
+                    if let Ok(setting) = Setting::new(part, &axis.key) {
+                        *axis = Axis::usual(&setting, part, axis.count);
+                    }
+                }
+            }
+        });
+    });
+    let button = button.on_hover_text("Ranges of the axes, and the numbers of their values");
+    button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Ranges of the map"));
+}
+
+fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
+    let before = axis.clone();
+    ui.label(setting_name(&axis.key));
+    let unit = Setting::new(part, &axis.key).map_or("", |setting| setting.unit(part));
+    let size = vec2(72.0, ui.spacing().interact_size.y);
+    for (value, end) in [(&mut axis.from, "first"), (&mut axis.to, "last")] {
+        let scale = value.abs().max(1e-9);
+        let name = format!("{end} value {way}");
+        ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, &name, &format!("{name} {unit}")));
+    }
+    let count = ui.add(egui::DragValue::new(&mut axis.count).range(2..=MOST));
+    ui.ctx().accesskit_node_builder(count.id, |node| node.set_label(format!("Values {way}")));
+    let mut is_logarithmic = axis.spacing == Spacing::Logarithmic;
+    let hint = "Equal ratios between the values, in place of equal differences";
+    if ui.checkbox(&mut is_logarithmic, "logarithmic").on_hover_text(hint).changed() {
+        axis.spacing = if is_logarithmic { Spacing::Logarithmic } else { Spacing::Linear };
+        if is_logarithmic && axis.from <= 0.0 && axis.to > 0.0 {
+            axis.from = axis.to / 1000.0;
+        }
+    }
+    // Half-typed ranges that no axis can have wait for the rest.
+    if axis.check().is_err() || axis.from >= axis.to {
+        *axis = before;
+    }
+}
+
+/// Stops the work, and goes on with it; says how far it is.
+fn work_ui(ui: &mut Ui, laboratory: &Laboratory, requests: &mut Vec<Request>) {
+    let Some(share) = laboratory.progress() else { return };
+    let is_stopped = laboratory.is_stopped();
+    let button = ui.button(if is_stopped { "Go on" } else { "Stop" });
+    if button.on_hover_text(format!("{:.0} % of the cells are known", 100.0 * share)).clicked() {
+        requests.push(Request::ComputeMap(is_stopped));
+    }
+}

@@ -1,0 +1,192 @@
+//! Marks on a panel: the truth, the consistent region, and the dot of the present setting, which is dragged.
+
+use egui::{Color32, CursorIcon, EventFilter, Id, InputState, Key, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
+use kalmanscope_core::{Scenario, Signal};
+use kalmanscope_lab::Axis;
+
+use super::contour::Piece;
+use crate::laboratory::{Survey, guessed, setting_name};
+use crate::plot::graph::Graph;
+use crate::plot::medium::Medium;
+use crate::request::Request;
+use crate::text::{parse, significant};
+use crate::theme::Palette;
+use crate::view::ViewContext;
+
+/// The radius of the dot, and of the room in which it is grasped by a pointer or a finger \[points\].
+const RADIUS: f32 = 6.0;
+const GRASP: (f32, f32) = (11.0, 22.0);
+
+/// Draws a line that is seen on any colour.
+fn line(ui: &Ui, points: Vec<egui::Pos2>, width: f32) -> [Shape; 2] {
+    let width = if Medium::of(ui.ctx()) == Medium::Figure { 0.8 * width } else { width };
+    [
+        Shape::line(points.clone(), Stroke::new(width + 1.8, Color32::from_white_alpha(200))),
+        Shape::line(points, Stroke::new(width, Color32::BLACK)),
+    ]
+}
+
+/// The length of the ticks on the inner side of an edge, and the least distance between them \[points\].
+const TICK: f32 = 5.0;
+const APART: f32 = 13.0;
+
+/// Draws the edge of the consistent region, with ticks that point into it.
+pub(super) fn contour_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], contour: &[Piece]) {
+    let counts = axes.map(|axis| axis.count as f64);
+    let at = |[x, y]: [f64; 2]| graph.at_shares([(x + 0.5) / counts[0], (y + 0.5) / counts[1]]);
+    let size = [graph.rect.width(), graph.rect.height()].map(f64::from);
+    let every = [0, 1].map(|way| (f64::from(APART) * counts[way] / size[way]).ceil().max(1.0) as usize);
+    let mut lines = Vec::new();
+    for Piece { ends: [from, to], inwards } in contour {
+        let (from, to) = (at(*from), at(*to));
+        lines.push(line(ui, vec![from, to], 1.4));
+        // On the screen, where a cell is not square.
+        let inwards = vec2((inwards[0] * counts[0] / size[0]) as f32, -(inwards[1] * counts[1] / size[1]) as f32);
+        let middle = from + 0.5 * (to - from);
+        let shares = graph.shares(middle);
+        let way = usize::from((to - from).x.abs() < (to - from).y.abs());
+        let is_ticked = ((shares[way] * counts[way] - 0.5).max(0.0) as usize).is_multiple_of(every[way]);
+        if is_ticked && inwards.length() > 0.0 {
+            lines.push(line(ui, vec![middle, middle + TICK * inwards.normalized()], 1.0));
+        }
+    }
+    let (under, over): (Vec<Shape>, Vec<Shape>) = lines.into_iter().map(|[under, over]| (under, over)).unzip();
+    let painter = ui.painter_at(graph.rect);
+    painter.extend(under);
+    painter.extend(over);
+}
+
+/// The constant truth of the parameter whose guess an axis is.
+fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
+    match scenario.plant.parameter(guessed(&axis.key)?)? {
+        Signal::Constant(value) => Some(value),
+        _ => None,
+    }
+}
+
+/// The truth of each axis that is a guess of it, with the axis' place; those beyond the map's cells are left out.
+pub(super) fn truths(axes: [&Axis; 2], context: &ViewContext<'_>) -> Vec<(usize, f64)> {
+    if !context.visible.truth || context.session.is_measured() {
+        return Vec::new();
+    }
+    let scenario = context.session.scenario();
+    let truths = axes.into_iter().enumerate().filter_map(|(at, axis)| Some((at, truth(axis, scenario)?, axis)));
+    truths.filter(|(_, value, axis)| axis.place_of(*value).is_some()).map(|(at, value, _)| (at, value)).collect()
+}
+
+/// Draws the truth on the axes that are guesses of it.
+pub(super) fn truth_ui(ui: &Ui, graph: &Graph, truths: &[(usize, f64)]) {
+    let rect = graph.rect;
+    for (at, value) in truths {
+        let ends = if *at == 0 {
+            let x = graph.at([*value, f64::NAN]).x;
+            [pos2(x, rect.top()), pos2(x, rect.bottom())]
+        } else {
+            let y = graph.at([f64::NAN, *value]).y;
+            [pos2(rect.left(), y), pos2(rect.right(), y)]
+        };
+        for dash in Shape::dashed_line(&ends, Stroke::NONE, 6.0, 4.0) {
+            if let Shape::LineSegment { points, .. } = dash {
+                ui.painter().extend(line(ui, points.to_vec(), 1.2));
+            }
+        }
+    }
+}
+
+/// Shows the dot of the present setting, which is dragged, or moved by the arrows while it has the focus. Outside the map it
+/// is at the edge.
+pub(super) fn dot_ui(
+    ui: &Ui,
+    key: &str,
+    graph: &Graph,
+    survey: &Survey,
+    context: &ViewContext<'_>,
+    requests: &mut Vec<Request>,
+) {
+    let palette = context.palette;
+    let scenario = context.session.scenario();
+    let present = survey.present(scenario);
+    let at = graph.at(present);
+    if !at.x.is_finite() || !at.y.is_finite() {
+        return;
+    }
+    let place = graph.rect.clamp(at);
+    if Medium::of(ui.ctx()) == Medium::Figure {
+        return paint(ui, place, false, place == at, palette);
+    }
+    let reach = if ui.input(InputState::has_touch_screen) { GRASP.1 } else { GRASP.0 };
+    let id = Id::unique(("dot of the map", key));
+    let response = ui.interact(Rect::from_center_size(place, Vec2::splat(2.0 * reach)), id, Sense::drag());
+    let [x, y] = [0, 1].map(|at| said(survey.axes()[at], present[at], survey));
+    let name = format!("Setting on screen, {key}: {x}, {y}");
+    response.ctx.accesskit_node_builder(id, |node| node.set_label(name));
+    paint(ui, place, response.hovered() || response.dragged() || response.has_focus(), place == at, palette);
+    let response = response.on_hover_cursor(CursorIcon::Grab);
+    let mut moved = None;
+    if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+        let shares = graph.shares(graph.rect.clamp(pointer));
+        moved = Some([0, 1].map(|at| dragged(survey, at, shares[at])));
+    }
+    if response.has_focus() {
+        let filter = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
+        let steps = ui.input(|input| {
+            let count = |key: Key| input.num_presses(key) as f64;
+            [count(Key::ArrowRight) - count(Key::ArrowLeft), count(Key::ArrowUp) - count(Key::ArrowDown)]
+        });
+        if steps != [0.0; 2] {
+            moved = Some([0, 1].map(|at| stepped(survey.axes()[at], present[at], steps[at])));
+        }
+    }
+    if let Some(scenario) = moved.and_then(|values| survey.with(scenario, values))
+        && &scenario != context.session.scenario()
+    {
+        requests.push(Request::Edit(Box::new(scenario)));
+    }
+}
+
+fn paint(ui: &Ui, at: egui::Pos2, is_lit: bool, is_inside: bool, palette: &Palette) {
+    let painter = ui.painter();
+    let radius = if is_lit { RADIUS + 1.5 } else { RADIUS };
+    let fill = if is_inside { palette.warning } else { Color32::TRANSPARENT };
+    painter.circle(at, radius, fill, Stroke::new(2.0, Color32::WHITE));
+    painter.circle_stroke(at, radius + 1.4, Stroke::new(1.2, Color32::BLACK));
+}
+
+/// An axis' name with a value.
+pub(in crate::views) fn said(axis: &Axis, value: f64, survey: &Survey) -> String {
+    let setting = survey.ensemble().settings().iter().find(|setting| setting.key() == axis.key);
+    let unit = setting.map_or("", |setting| setting.unit(survey.ensemble().scenario()));
+    format!("{} {} {unit}", setting_name(&axis.key), significant(value, 4)).trim_end().to_owned()
+}
+
+/// The value that a hand sets at a share of an axis' scale: at most three digits, and not beyond the middles of the last cells.
+fn dragged(survey: &Survey, at: usize, share: f64) -> f64 {
+    let axis = survey.axes()[at];
+    let steps = axis.count.saturating_sub(1).max(1) as f64;
+    let value = axis.at_share(((share * axis.count as f64 - 0.5) / steps).clamp(0.0, 1.0));
+    let rounded = parse(&significant(value, 3)).unwrap_or(value);
+    let is_whole = survey.ensemble().settings().get(at).is_some_and(kalmanscope_lab::Setting::is_whole);
+    if is_whole { value.round() } else { rounded }
+}
+
+/// The value some cells further, from the nearest cell on.
+fn stepped(axis: &Axis, value: f64, steps: f64) -> f64 {
+    if steps == 0.0 {
+        return value;
+    }
+    let last = axis.count.saturating_sub(1);
+    let place = (axis.share_of(value).clamp(0.0, 1.0) * last as f64).round() + steps;
+    axis.value((place.max(0.0) as usize).min(last))
+}
+
+/// Draws the hatching of cells that lost the truth.
+pub(super) fn hatching_ui(ui: &Ui, graph: &Graph, lines: &[[egui::Pos2; 2]]) {
+    let stroke = Stroke::new(0.8, Color32::from_black_alpha(150));
+    let light = Stroke::new(0.8, Color32::from_white_alpha(150));
+    let painter = ui.painter_at(graph.rect);
+    for line in lines {
+        painter.line_segment(line.map(|at| at + vec2(1.0, 0.0)), light);
+        painter.line_segment(*line, stroke);
+    }
+}

@@ -1,0 +1,154 @@
+//! One panel: its title, the cells, the axes, the bar of colours, and what a hand does with it.
+
+use egui::{Rect, RichText, Sense, TextStyle, Tooltip, Ui, UiBuilder, pos2, vec2};
+use kalmanscope_lab::{Measure, Spacing};
+
+use super::bar::{self, bar_ui};
+use super::cells::is_ratio;
+use super::marks::{contour_ui, dot_ui, hatching_ui, said, truth_ui, truths};
+use super::picture::{Contents, Panel};
+use super::scale::CONSISTENT;
+use crate::controls::color::color_of;
+use crate::laboratory::{Survey, measure_label, setting_label};
+use crate::plot::graph::{Graph, Scale};
+use crate::plot::medium::Medium;
+use crate::request::Request;
+use crate::text::significant;
+use crate::theme;
+use crate::view::ViewContext;
+
+/// The height of a panel's title \[points\].
+const TITLE: f32 = 17.0;
+
+/// The opacity of a picture of earlier settings.
+const OLD: f32 = 0.55;
+
+/// A panel with what it is made of.
+pub(super) struct PanelView<'a> {
+    pub(super) panel: &'a Panel,
+    pub(super) survey: &'a Survey,
+    pub(super) measure: Measure,
+    pub(super) is_old: bool,
+    /// Whether the panel beside it has the same bar.
+    pub(super) has_bar: bool,
+}
+
+impl PanelView<'_> {
+    /// Draws the panel into a room.
+    pub(super) fn ui(&self, ui: &mut Ui, room: Rect, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
+        let Self { panel, survey, measure: _, is_old, has_bar } = *self;
+        let axes = survey.axes();
+        let mut ui = ui.new_child(UiBuilder::new().id_salt(self.key()).max_rect(room));
+        let ui = &mut ui;
+        self.title_ui(ui, room, context);
+        let bar = if has_bar { bar::room(&panel.colors) } else { 0.0 };
+        let below = Rect::from_min_max(room.min + vec2(0.0, TITLE), room.max - vec2(bar, 0.0));
+        let [x, y] =
+            axes.map(|axis| Scale::of_cells(axis.from, axis.to, axis.count, axis.spacing == Spacing::Logarithmic));
+        let graph = Graph::new(below, x, y);
+        let scenario = survey.ensemble().scenario();
+        let names = axes.map(|axis| setting_label(&axis.key, scenario));
+        ui.painter().extend(panel.shapes(&graph, if is_old { OLD } else { 1.0 }));
+        hatching_ui(ui, &graph, &panel.hatching(&graph));
+        graph.axes_ui(ui, names.each_ref().map(String::as_str), context.palette, false);
+        contour_ui(ui, &graph, axes, &panel.contour);
+        truth_ui(ui, &graph, &truths(axes, context));
+        if has_bar {
+            bar_ui(ui, &graph, &panel.colors, context.palette);
+        }
+        if Medium::of(ui.ctx()) == Medium::Screen {
+            self.gestures(ui, &graph, context, requests);
+        }
+        dot_ui(ui, &self.key(), &graph, survey, context, requests);
+    }
+
+    /// The filter's name, or `comparison`.
+    fn key(&self) -> String {
+        match self.panel.contents {
+            Contents::Filter(at) => self.survey.ensemble().scenario().filters[at].name.clone(),
+            Contents::Comparison => "comparison".to_owned(),
+        }
+    }
+
+    fn title_ui(&self, ui: &Ui, room: Rect, context: &ViewContext<'_>) {
+        let Self { panel, survey, measure, .. } = self;
+        let filters = &survey.ensemble().scenario().filters;
+        let label = measure_label(*measure);
+        let text = match (panel.contents, &filters[..]) {
+            (Contents::Comparison, [a, b, ..]) if is_ratio(*measure) => format!("{} ÷ {}", a.name, b.name),
+            (Contents::Comparison, [a, b, ..]) => format!("{} − {}", a.name, b.name),
+            (Contents::Filter(at), _) if filters.len() > 1 => format!("{}: {label}", filters[at].name),
+            _ => label,
+        };
+        let left = pos2(room.left() + 58.0, room.top() + 0.5 * TITLE);
+        let mut start = left;
+        if let (Contents::Filter(at), true) = (panel.contents, filters.len() > 1) {
+            let own = context.session.scenario().filters.iter().find(|filter| filter.id == survey.filters()[at]);
+            if let Some(own) = own {
+                ui.painter().circle_filled(left + vec2(4.0, 0.0), 4.0, context.palette.shade(color_of(own)));
+                start.x += 13.0;
+            }
+        }
+        let font = TextStyle::Small.resolve(ui.style());
+        let galley = |text: String| ui.painter().layout_no_wrap(text, font.clone(), context.palette.text);
+        let whole = galley(text);
+        // Where there is no room for the score, the menu above says it.
+        let text = match (panel.contents, &filters[..]) {
+            (Contents::Filter(at), [_, _, ..]) if start.x + whole.size().x > room.right() => {
+                galley(filters[at].name.clone())
+            }
+            _ => whole,
+        };
+        let corner = start - vec2(0.0, 0.5 * text.size().y);
+        ui.painter().galley(corner, text, context.palette.text);
+    }
+
+    /// Pointing shows the numbers of a cell, a click takes its settings.
+    fn gestures(&self, ui: &Ui, graph: &Graph, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
+        let Self { survey, measure, .. } = self;
+        let id = egui::Id::unique(("cells of the map", self.key()));
+        let response = ui.interact(graph.rect, id, Sense::click());
+        let name = format!("Map of {}, {}", self.key(), measure_label(*measure));
+        response.ctx.accesskit_node_builder(id, |node| node.set_label(name));
+        let Some(pointer) = response.hover_pos().or(response.interact_pointer_pos()) else { return };
+        let shares = graph.shares(graph.rect.clamp(pointer));
+        let ensemble = survey.ensemble();
+        let counts = ensemble.counts();
+        let place = |at: usize| ((shares[at] * counts[at] as f64) as usize).min(counts[at] - 1);
+        let cell = ensemble.cell(&[place(0), place(1)]);
+        let values = ensemble.values(cell);
+        if response.clicked() {
+            let chosen = survey.with(context.session.scenario(), [values[0], values[1]]);
+            requests.extend(chosen.map(|scenario| Request::Edit(Box::new(scenario))));
+        }
+        if response.hovered() {
+            Tooltip::for_widget(&response).at_pointer().gap(12.0).show(|ui| self.cell_ui(ui, cell, &values));
+        }
+    }
+
+    fn cell_ui(&self, ui: &mut Ui, cell: usize, values: &[f64]) {
+        let Self { survey, measure, .. } = self;
+        ui.style_mut().override_text_style = Some(TextStyle::Small);
+        ui.spacing_mut().item_spacing.y = 1.0;
+        for (axis, value) in survey.axes().into_iter().zip(values) {
+            ui.label(said(axis, *value, survey));
+        }
+        for (at, filter) in survey.ensemble().scenario().filters.iter().enumerate() {
+            let value = |measure: Measure| survey.value(cell, at, measure).unwrap_or(f64::NAN);
+            ui.label(RichText::new(&filter.name).family(theme::strong()));
+            let score = super::legend::score_text(*measure, value(*measure));
+            ui.label(format!("{}: {score}", crate::laboratory::measure_name(*measure)));
+            let is_inside = value(Measure::Consistency).abs() < CONSISTENT;
+            let end = if value(Measure::Stopped) == 1.0 {
+                "it stopped".to_owned()
+            } else if value(Measure::Diverged) == 1.0 {
+                "it lost the truth".to_owned()
+            } else {
+                let nis = significant(value(Measure::Nis), 3);
+                format!("mean NIS {nis}, {} its 99 % interval", if is_inside { "inside" } else { "outside" })
+            };
+            ui.label(end);
+        }
+        ui.weak("Click: this setting");
+    }
+}

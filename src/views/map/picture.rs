@@ -1,0 +1,172 @@
+//! The picture of a map: cells and lines of each filter and of their comparison, made anew when rows have come.
+
+use std::sync::Arc;
+
+use egui::{Color32, ColorImage, Context, Id, Mesh, Rect, Shape, TextureHandle, TextureOptions, Theme, pos2};
+use kalmanscope_lab::Measure;
+
+use super::cells::{Cell, End, compared, of_filter};
+use super::contour::{Piece, consistent};
+use super::scale::Colors;
+use crate::laboratory::{Laboratory, Survey};
+use crate::plot::graph::Graph;
+use crate::plot::medium::Medium;
+use crate::theme::Palette;
+
+/// What a panel shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Contents {
+    /// The filter at a place of the map.
+    Filter(usize),
+    /// The first filter over the second, or minus it.
+    Comparison,
+}
+
+/// One panel of a picture.
+pub(super) struct Panel {
+    pub(super) contents: Contents,
+    pub(super) colors: Colors,
+    pub(super) cells: Vec<Cell>,
+    /// The edge of the region in which the filter is consistent.
+    pub(super) contour: Vec<Piece>,
+    /// Cells across and up.
+    counts: [usize; 2],
+    /// One texel a cell; none for a figure.
+    texture: Option<TextureHandle>,
+    shades: Vec<Option<Color32>>,
+}
+
+/// The panels, which are kept until something else is to be seen.
+pub(super) fn panels(
+    ctx: &Context,
+    laboratory: &Laboratory,
+    survey: &Survey,
+    measure: Measure,
+    palette: &Palette,
+) -> Arc<Vec<Panel>> {
+    type Kept = ((u64, Measure, Theme), Arc<Vec<Panel>>);
+    let key = (laboratory.version(), measure, ctx.theme());
+    let id = Id::unique("panels of the map");
+    if let Some((_, panels)) = ctx.data(|data| data.get_temp::<Kept>(id)).filter(|(of, _)| *of == key) {
+        return panels;
+    }
+    let panels = Arc::new(made(ctx, survey, measure, palette));
+    ctx.data_mut(|data| data.insert_temp(id, (key, Arc::clone(&panels))));
+    panels
+}
+
+fn made(ctx: &Context, survey: &Survey, measure: Measure, palette: &Palette) -> Vec<Panel> {
+    let filters: Vec<Vec<Cell>> = (0..survey.filters().len()).map(|at| of_filter(survey, at, measure)).collect();
+    let colors = Colors::of(measure, &filters.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let comparison = match &filters[..] {
+        [a, b] if measure != Measure::Verdict => Some(compared(a, b, measure)),
+        _ => None,
+    };
+    let comparison = comparison.map(|cells| (Contents::Comparison, Colors::of_comparison(measure, &cells), cells));
+    let filters = filters.into_iter().enumerate().map(|(at, cells)| (Contents::Filter(at), colors.clone(), cells));
+    let counts = survey.axes().map(|axis| axis.count);
+    let panel = |(contents, colors, cells): (Contents, Colors, Vec<Cell>)| {
+        let contour = match contents {
+            Contents::Filter(at) => consistent(survey, at),
+            Contents::Comparison => Vec::new(),
+        };
+        let shades: Vec<_> = cells.iter().map(|cell| colors.of_cell(*cell, palette)).collect();
+        let texture = (Medium::of(ctx) == Medium::Screen).then(|| texture(ctx, contents, &shades, counts));
+        Panel { contents, colors, cells, contour, counts, texture, shades }
+    };
+    filters.chain(comparison).map(panel).collect()
+}
+
+fn texture(ctx: &Context, contents: Contents, shades: &[Option<Color32>], [across, up]: [usize; 2]) -> TextureHandle {
+    let texel = |place: usize| {
+        let (row, column) = (up - 1 - place / across, place % across);
+        shades[column * up + row].unwrap_or(Color32::TRANSPARENT)
+    };
+    let image = ColorImage::new([across, up], (0..across * up).map(texel).collect());
+    ctx.load_texture(format!("map, {contents:?}"), image, TextureOptions::NEAREST)
+}
+
+impl Panel {
+    /// The cells as shapes in a frame.
+    pub(super) fn shapes(&self, graph: &Graph, opacity: f32) -> Vec<Shape> {
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        match &self.texture {
+            Some(texture) => {
+                vec![Shape::image(texture.id(), graph.rect, whole, Color32::WHITE.gamma_multiply(opacity))]
+            }
+            None => self.areas(graph),
+        }
+    }
+
+    /// One mesh of rectangles for each colour, which a figure can carry. Neighbours of one colour are one rectangle, and each
+    /// overlaps the next, so that no seams are seen.
+    fn areas(&self, graph: &Graph) -> Vec<Shape> {
+        const OVERLAP: f32 = 0.25;
+        let [across, up] = self.counts;
+        let mut meshes: Vec<(Color32, Mesh)> = Vec::new();
+        let corner = |x: usize, y: usize| graph.at_shares([x as f64 / across as f64, y as f64 / up as f64]);
+        for x in 0..across {
+            let column = &self.shades[x * up..(x + 1) * up];
+            let mut from = 0;
+            for run in column.chunk_by(PartialEq::eq) {
+                let to = from + run.len();
+                if let Some(color) = run[0] {
+                    let (low, high) = (corner(x, from), corner(x + 1, to));
+                    let max = pos2(high.x + OVERLAP, low.y + OVERLAP).min(graph.rect.max);
+                    let rect = Rect::from_min_max(pos2(low.x, high.y), max);
+                    let place = meshes.iter().position(|(other, _)| *other == color).unwrap_or_else(|| {
+                        meshes.push((color, Mesh::default()));
+                        meshes.len() - 1
+                    });
+                    meshes[place].1.add_colored_rect(rect, color);
+                }
+                from = to;
+            }
+        }
+        meshes.into_iter().map(|(_, mesh)| Shape::mesh(mesh)).collect()
+    }
+
+    /// Lines across the cells of filters that lost the truth.
+    pub(super) fn hatching(&self, graph: &Graph) -> Vec<[egui::Pos2; 2]> {
+        const APART: f32 = 7.0;
+        let (rect, [across, up]) = (graph.rect, self.counts);
+        let is_lost = |at: egui::Pos2| {
+            let [x, y] = graph.shares(at);
+            let place = |share: f64, count: usize| ((share * count as f64) as usize).min(count - 1);
+            self.cells[place(x, across) * up + place(y, up)].end == End::Lost
+        };
+        let step = (rect.width() / across as f32).min(rect.height() / up as f32).clamp(1.0, 4.0);
+        let mut lines = Vec::new();
+        if !self.cells.iter().any(|cell| cell.end == End::Lost) {
+            return lines;
+        }
+        let mut start = rect.left() - rect.height();
+        while start < rect.right() {
+            let mut from = None;
+            let mut t = 0.0;
+            while t <= rect.height() {
+                let at = pos2(start + t, rect.bottom() - t);
+                let is_in = rect.x_range().contains(at.x) && is_lost(at);
+                match (is_in, from) {
+                    (true, None) => from = Some(at),
+                    (false, Some(begin)) => {
+                        lines.push([begin, at]);
+                        from = None;
+                    }
+                    _ => {}
+                }
+                t += step;
+            }
+            if let Some(begin) = from {
+                lines.push([begin, pos2(start + t - step, rect.bottom() - t + step)]);
+            }
+            start += APART * std::f32::consts::SQRT_2;
+        }
+        lines
+    }
+
+    /// Whether a cell ended so.
+    pub(super) fn has(&self, end: End) -> bool {
+        self.cells.iter().any(|cell| cell.end == end)
+    }
+}

@@ -1,0 +1,164 @@
+//! From scores to colours.
+
+use egui::Color32;
+use kalmanscope_core::VerdictKind;
+use kalmanscope_lab::Measure;
+
+use super::cells::{Cell, End, is_ratio};
+use crate::plot::graph::Scale;
+use crate::theme::Palette;
+use crate::theme::ramps::{diverging, kind, sequential};
+use crate::verdict::word;
+
+/// The limit of a consistent filter's mean NIS: its distance from 1, in standard deviations, with 99 % probability.
+pub(super) const CONSISTENT: f64 = 2.575_829_303_548_901;
+
+/// The ratio of the largest to the smallest score beyond which colours are logarithmic.
+const DECADES: f64 = 20.0;
+
+/// Limits the scores that the range of colours is taken from, and the share of them beyond either end.
+const MOST: usize = 4096;
+const BEYOND: f64 = 0.02;
+
+/// The range of a score's colours.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Colors {
+    /// From dark to light, along a scale.
+    Sequential(Scale),
+    /// About a middle.
+    Diverging(Scale),
+    /// The distance of a mean NIS from 1 in standard deviations, finest about zero.
+    Distance(f64),
+    /// A colour for each kind, with its name.
+    Kinds(Vec<&'static str>),
+}
+
+impl Colors {
+    /// The colours of a score of one or two filters.
+    pub(super) fn of(measure: Measure, cells: &[&[Cell]]) -> Self {
+        let values = sorted(cells);
+        match measure {
+            Measure::Diverged | Measure::Stopped => Self::Kinds(vec!["no", "yes"]),
+            Measure::Verdict => Self::Kinds(VerdictKind::ALL.iter().map(|kind| word(*kind)).collect()),
+            Measure::Inside(_) => Self::Sequential(Scale::new(0.0, 1.0, false)),
+            Measure::Nis | Measure::Nees => Self::about_one(&values),
+            Measure::Consistency => {
+                let most = quantile(&values, 0.0).abs().max(quantile(&values, 1.0).abs());
+                Self::Distance(most.clamp(2.0 * CONSISTENT, 1e6))
+            }
+            Measure::LogLikelihood => {
+                let (middle, best) = (quantile(&values, 0.5), quantile(&values, 1.0));
+                linear(best - (best - middle).max(10.0), best)
+            }
+            Measure::Settled(_) => linear(0.0, quantile(&values, 1.0)),
+            Measure::Estimate(_) => linear(quantile(&values, BEYOND), quantile(&values, 1.0 - BEYOND)),
+            _ => sizes(&values),
+        }
+    }
+
+    /// The colours of a comparison of two filters.
+    pub(super) fn of_comparison(measure: Measure, cells: &[Cell]) -> Self {
+        let values = sorted(&[cells]);
+        if is_ratio(measure) {
+            return Self::about_one(&values);
+        }
+        let most = quantile(&values, BEYOND).abs().max(quantile(&values, 1.0 - BEYOND).abs());
+        let most = if most > 0.0 { most } else { 1.0 };
+        Self::Diverging(Scale::new(-most, most, false))
+    }
+
+    /// Logarithmic and as far below 1 as above it.
+    fn about_one(values: &[f64]) -> Self {
+        let ends = [quantile(values, BEYOND), quantile(values, 1.0 - BEYOND)];
+        let far = ends.map(|end| if end > 0.0 { end.ln().abs() } else { 0.0 });
+        let most = far[0].max(far[1]).clamp(2.0_f64.ln(), 100.0_f64.ln()).exp();
+        Self::Diverging(Scale::new(1.0 / most, most, true))
+    }
+
+    /// The scale of the bar; none where each kind has a colour.
+    pub(super) fn scale(&self) -> Option<Scale> {
+        match self {
+            Self::Sequential(scale) | Self::Diverging(scale) => Some(*scale),
+            Self::Distance(_) | Self::Kinds(_) => None,
+        }
+    }
+
+    /// The share of the range at which a score lies, from 0 to 1.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        match self {
+            Self::Sequential(scale) | Self::Diverging(scale) => scale.share(value),
+            Self::Distance(most) => 0.5 + 0.5 * spread(value) / spread(*most),
+            Self::Kinds(_) => 0.0,
+        }
+    }
+
+    /// The colour of a share of the range.
+    pub(super) fn at(&self, share: f64, palette: &Palette) -> Color32 {
+        let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) as f32 };
+        match self {
+            Self::Sequential(..) => sequential(share),
+            Self::Diverging(..) | Self::Distance(_) => diverging(share, palette),
+            Self::Kinds(_) => self.kind(0),
+        }
+    }
+
+    /// The colour of the kind at a place. The quiet one of two is the second.
+    pub(super) fn kind(&self, place: usize) -> Color32 {
+        match self {
+            Self::Kinds(names) if names.len() == 2 => {
+                if place == 0 {
+                    kind(0)
+                } else {
+                    kind(6)
+                }
+            }
+            _ => kind(place),
+        }
+    }
+
+    /// The colour of a cell; none where it is not known, and grey where there is no score.
+    pub(super) fn of_cell(&self, cell: Cell, palette: &Palette) -> Option<Color32> {
+        let Cell { value, end } = cell;
+        match (self, end) {
+            (_, End::Unknown) => None,
+            (Self::Kinds(_), _) if !value.is_nan() => Some(self.kind(value as usize)),
+            (_, End::Stopped) => Some(palette.grid),
+            _ if value.is_nan() || value == f64::INFINITY => Some(palette.grid),
+            _ => Some(self.at(self.share(value), palette)),
+        }
+    }
+}
+
+/// Makes small distances wide and large ones narrow, with a sign.
+pub(super) fn spread(distance: f64) -> f64 {
+    (distance / CONSISTENT).asinh()
+}
+
+fn linear(from: f64, to: f64) -> Colors {
+    let to = if to > from { to } else { from + 1.0 };
+    Colors::Sequential(Scale::new(from, to, false))
+}
+
+/// Sizes are logarithmic where they span decades.
+fn sizes(values: &[f64]) -> Colors {
+    let positive: Vec<f64> = values.iter().copied().filter(|value| *value > 0.0).collect();
+    let (low, high) = (quantile(&positive, BEYOND), quantile(&positive, 1.0 - BEYOND));
+    if high > DECADES * low && low > 0.0 { Colors::Sequential(Scale::new(low, high, true)) } else { linear(0.0, high) }
+}
+
+/// Some of the finite scores of runs that did not stop, in order.
+fn sorted(cells: &[&[Cell]]) -> Vec<f64> {
+    let all = cells.iter().map(|cells| cells.len()).sum::<usize>();
+    let step = all.div_ceil(MOST).max(1);
+    let is_used = |cell: &&Cell| cell.value.is_finite() && !matches!(cell.end, End::Unknown | End::Stopped);
+    let values = cells.iter().flat_map(|cells| cells.iter()).step_by(step).filter(is_used);
+    let mut values: Vec<f64> = values.map(|cell| cell.value).collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// The value below which a share of sorted values lies; 1 where there are none.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share * sorted.len().saturating_sub(1) as f64;
+    sorted.get(place.round() as usize).copied().unwrap_or(1.0)
+}

@@ -1,0 +1,213 @@
+//! The laboratory: a map that fills, a dot that is dragged, cells that are clicked.
+
+use egui::Pos2;
+use kalmanscope::laboratory::{Choice, Slices};
+use kalmanscope_core::Source;
+use kalmanscope_lab::{Axis, Ensemble, Measure, Plan, Runner};
+
+use super::*;
+
+/// A paused screen of a short record with a coarse map; each frame computes all of it.
+fn laboratory(size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
+    let mut screen =
+        Harness::builder().with_size(size).with_theme(theme).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
+            let app = App::new(creation).expect("the default scenario can be run");
+            app.computing_with(Box::new(Slices(Budget::Unlimited)))
+        });
+    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Laboratory);
+    let session = screen.state_mut().session_mut();
+    session.set_budget(Budget::Unlimited);
+    session.set_scenario(Scenario { duration: 5.0, ..Scenario::default() });
+    session.set_mode(Mode::Whole);
+    session.pause();
+    session.seek(5.0);
+    let axes = ["filters.*.initial_mean.natural_frequency=2:14:9", "filters.*.process_std=0.01:100:7:log"];
+    let axes = axes.map(|text| Axis::parse(text).expect("it is an axis"));
+    let measure = Measure::Rmse(Channel::NATURAL_FREQUENCY);
+    screen.state_mut().laboratory_mut().choose(Some(Choice { axes, measure, filter: 1, second }));
+    screen.run_steps(4);
+    screen
+}
+
+/// The place of a filter's cells on screen.
+fn map_rect(screen: &Screen, filter: &str) -> egui::Rect {
+    screen.get_by_label(&format!("Map of {filter}, RMS error of ωₙ [rad/s]")).rect()
+}
+
+/// The middle of a cell, counted from the left lower corner.
+fn middle(screen: &Screen, [across, up]: [usize; 2]) -> Pos2 {
+    let rect = map_rect(screen, "EKF");
+    let share = |place: usize, count: usize| (place as f32 + 0.5) / count as f32;
+    egui::pos2(rect.left() + share(across, 9) * rect.width(), rect.bottom() - share(up, 7) * rect.height())
+}
+
+fn guess(screen: &Screen, filter: usize) -> f64 {
+    scenario(screen).filters[filter].initial_mean[Channel::NATURAL_FREQUENCY]
+}
+
+fn dot(screen: &Screen) -> Pos2 {
+    screen.get_by_label_contains("Setting on screen, EKF").rect().center()
+}
+
+#[test]
+fn the_map_has_the_numbers_of_a_sweep_of_the_scenario() {
+    let screen = laboratory(DESKTOP, Theme::Light, Some(2));
+    let laboratory = screen.state().laboratory();
+    assert_eq!((laboratory.progress(), laboratory.problem()), (None, None));
+    let survey = laboratory.shown().expect("there is a map");
+    for (at, name) in ["EKF", "UKF"].into_iter().enumerate() {
+        let axes = survey.axes().map(|axis| Axis { key: axis.key.replace('*', name), ..axis.clone() }).to_vec();
+        let measures = vec![Measure::Rmse(Channel::NATURAL_FREQUENCY), Measure::Nis, Measure::Diverged];
+        let plan = Plan { filters: vec![at], measures: measures.clone(), axes };
+        let ensemble = Ensemble::new(scenario(&screen).clone(), plan).expect("it is possible");
+        let runner = Runner::new(ensemble, Source::Simulated).expect("it is possible");
+        for cell in 0..63 {
+            let shown = measures.iter().map(|measure| survey.value(cell, at, *measure).map(f64::to_bits));
+            let expected = runner.rows(&[cell]).into_iter().map(|number| Some(number.to_bits()));
+            assert!(shown.eq(expected), "cell {cell} of {name}");
+        }
+    }
+}
+
+#[test]
+fn the_dot_is_dragged_and_everything_follows_in_one_step_of_undo() {
+    let mut screen = laboratory(DESKTOP, Theme::Light, None);
+    screen.run_steps(90);
+    let checksum = screen.state().session().run().checksum();
+    let known = screen.state().laboratory().version();
+    let (from, to) = (dot(&screen), middle(&screen, [5, 2]));
+    screen.hover_at(from);
+    screen.run_steps(2);
+    screen.drag_at(from);
+    screen.run_steps(2);
+    for step in 1..=5 {
+        screen.hover_at(from + (to - from) * (step as f32 / 5.0));
+        screen.run_steps(2);
+    }
+    screen.drop_at(to);
+    screen.run_steps(3);
+    assert!((guess(&screen, 0) - 9.5).abs() < 0.05, "{}", guess(&screen, 0));
+    let factor = scenario(&screen).filters[0].process_std[Channel::VELOCITY]
+        / Scenario::default().filters[0].process_std[Channel::VELOCITY];
+    // The legend has a new entry, so that the map has moved under the hand.
+    let rect = map_rect(&screen, "EKF");
+    let share = f64::from((rect.bottom() - to.y) / rect.height());
+    let expected = 10_f64.powf(-2.0 + 4.0 * (7.0 * share - 0.5) / 6.0);
+    assert!((factor / expected - 1.0).abs() < 0.02, "{factor} instead of {expected}");
+    assert_eq!(guess(&screen, 1), 8.0, "the filter that is not on the map stays");
+    assert_ne!(screen.state().session().run().checksum(), checksum, "the run follows");
+    assert_eq!(screen.state().laboratory().version(), known, "the map stays");
+    assert!((dot(&screen) - to).length() < 2.0);
+    screen.run_steps(90);
+    screen.get_by_label("Undo").click();
+    screen.run_steps(3);
+    assert_eq!(guess(&screen, 0), 8.0);
+}
+
+#[test]
+fn a_click_on_a_cell_takes_its_setting() {
+    let mut screen = laboratory(DESKTOP, Theme::Light, Some(2));
+    let at = middle(&screen, [6, 1]);
+    screen.hover_at(at);
+    screen.run_steps(3);
+    assert!(screen.query_by_label_contains("guess of ωₙ 11 rad/s").is_some(), "pointing shows the cell");
+    screen.drag_at(at);
+    screen.drop_at(at);
+    screen.run_steps(4);
+    assert_eq!([guess(&screen, 0), guess(&screen, 1)], [11.0, 11.0], "both filters are on the map");
+    let run = screen.state().session().run();
+    let estimates = &run.estimates()[1];
+    let expected = kalmanscope_core::Diagnostics::new(estimates, run.record()).mean_nis().expect("it is measured");
+    let survey = screen.state().laboratory().shown().expect("there is a map");
+    let shown = survey.value(survey.ensemble().cell(&[6, 1]), 1, Measure::Nis).expect("it is known");
+    assert!((shown - expected.mean / expected.expected).abs() < 1e-12 * shown, "the run is that of the cell");
+}
+
+#[test]
+fn axes_score_and_filters_are_chosen_by_menus_and_the_dot_moves_by_arrows() {
+    let mut screen = laboratory(DESKTOP, Theme::Light, None);
+    choose(&mut screen, "Score", "log likelihood");
+    choose(&mut screen, "Setting up", "fading factor λ");
+    choose(&mut screen, "Second filter", "UKF");
+    let choice = screen.state().laboratory().choice().expect("there is one").clone();
+    assert_eq!((choice.measure, choice.second), (Measure::LogLikelihood, Some(2)));
+    assert_eq!(choice.axes[1].key, "filters.*.fading");
+    for name in ["EKF", "UKF", "comparison"] {
+        assert!(screen.query_by_label(&format!("Map of {name}, log likelihood")).is_some(), "{name}");
+    }
+    screen.get_by_label_contains("Setting on screen, EKF").focus();
+    screen.run_steps(2);
+    let time = screen.state().session().time();
+    screen.key_press(Key::ArrowRight);
+    screen.run_steps(3);
+    assert_eq!(guess(&screen, 0), 9.5, "the next cell");
+    assert_eq!(screen.state().session().time(), time, "playback stays");
+}
+
+#[test]
+fn a_link_shows_the_same_map_and_old_links_show_none() {
+    let mut screen = laboratory(DESKTOP, Theme::Light, Some(2));
+    let link = share::copy(&mut screen);
+    let choice = screen.state().laboratory().choice().cloned();
+    let mut other = super::screen(DESKTOP, Theme::Light);
+    assert_eq!(other.state().picture().map, None, "no view of it is shown");
+    other.event(egui::Event::Paste(link));
+    other.run_steps(4);
+    assert_eq!((other.state().notice(), other.state().laboratory().choice().cloned()), (None, choice));
+    assert_eq!(other.state().picture(), screen.state().picture());
+}
+
+#[test]
+fn out_of_sight_the_laboratory_rests() {
+    let mut screen = laboratory(DESKTOP, Theme::Light, None);
+    let done = screen.state().laboratory().version();
+    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
+    screen.state_mut().session_mut().set_scenario(Scenario { duration: 6.0, ..Scenario::default() });
+    screen.run_steps(4);
+    assert_eq!(screen.state().laboratory().version(), done);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Slices]);
+    screen.run_steps(4);
+    let shown = screen.state().laboratory().shown().expect("there is a map");
+    assert_eq!(shown.ensemble().scenario().duration, 6.0);
+    assert!(shown.sheet().is_complete());
+    assert!(screen.query_by_label("Slice along guess of ωₙ [rad/s]: RMS error of ωₙ [rad/s]").is_some());
+}
+
+#[test]
+fn zz_pictures() {
+    for (name, size, theme, second, measure) in [
+        ("light", DESKTOP, Theme::Light, None, "nis"),
+        ("dark", DESKTOP, Theme::Dark, Some(2), "rmse.natural_frequency"),
+        ("phone", PHONE, Theme::Light, None, "rmse.natural_frequency"),
+        ("phone2", PHONE, Theme::Dark, Some(2), "error.damping_ratio"),
+        ("verdict", DESKTOP, Theme::Light, Some(2), "verdict"),
+        ("lost", DESKTOP, Theme::Light, Some(2), "settled.natural_frequency"),
+        ("loglik", DESKTOP, Theme::Dark, None, "consistency"),
+    ] {
+        let mut screen = laboratory(size, theme, second);
+        let mut wanted = Scenario { duration: 20.0, ..Scenario::default() };
+        wanted.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
+        if name == "lost" || name == "phone2" {
+            wanted.remove_sensor(Quantity::VELOCITY);
+            wanted.filters.iter_mut().for_each(|f| f.initial_std[Channel::NATURAL_FREQUENCY] = 0.5);
+        }
+        screen.state_mut().session_mut().set_scenario(wanted);
+        let mut choice = screen.state().laboratory().choice().unwrap().clone();
+        choice.axes[0].to = 24.0;
+        choice.axes.iter_mut().for_each(|axis| axis.count = 32);
+        choice.measure = measure.parse().unwrap();
+        screen.state_mut().laboratory_mut().choose(Some(choice));
+        screen.run_steps(6);
+        if name == "dark" {
+            let at = middle(&screen, [6, 5]);
+            screen.hover_at(at);
+            screen.run_steps(30);
+        }
+        screen.render().unwrap().save(format!("/tmp/h/map-{name}.png")).unwrap();
+        if name == "lost" {
+            let figure = screen.state().figure(kalmanscope::request::FigureFormat::Column);
+            std::fs::write("/tmp/h/map-figure.png", figure.png().unwrap()).unwrap();
+            std::fs::write("/tmp/h/map-figure.svg", figure.svg()).unwrap();
+        }
+    }
+}
