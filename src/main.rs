@@ -130,6 +130,7 @@ mod web {
     mod file_input;
     mod messages;
     mod tables;
+    mod workers;
 
     use std::cell::RefCell;
 
@@ -257,7 +258,7 @@ mod web {
             let choose = web_sys::window()
                 .and_then(|window| window.document())
                 .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
-            app = app.choosing(choose);
+            app = app.choosing(choose).computing_with(Box::new(workers::Workers::new()));
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }

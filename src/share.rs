@@ -99,7 +99,7 @@ const fn usual_speed() -> f64 {
     Session::DEFAULT_SPEED
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference")]
+#[cfg_attr(target_pointer_width = "64", expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks by reference"))]
 fn is_usual_speed(speed: &f64) -> bool {
     *speed == usual_speed()
 }

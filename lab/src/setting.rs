@@ -50,15 +50,15 @@ enum Member {
     InitialMean(Channel),
     InitialStd(Channel),
     ProcessStd(Channel),
-    Factor(Table, Vec<FilterSettings>),
+    Factor(Stds, Vec<FilterSettings>),
 }
 
 /// A table of standard deviations that a factor multiplies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Table {
-    SensorStd,
-    InitialStd,
-    ProcessStd,
+enum Stds {
+    Sensor,
+    Initial,
+    Process,
 }
 
 impl Setting {
@@ -214,13 +214,13 @@ impl Member {
     }
 }
 
-impl Table {
+impl Stds {
     /// The numbers of a filter, sensors or set channels.
     fn values(self, filter: &FilterSettings) -> Vec<f64> {
         match self {
-            Self::SensorStd => filter.sensor_std.clone(),
-            Self::InitialStd => filter.initial_std.iter().map(|(_, std)| std).collect(),
-            Self::ProcessStd => filter.process_std.iter().map(|(_, std)| std).collect(),
+            Self::Sensor => filter.sensor_std.clone(),
+            Self::Initial => filter.initial_std.iter().map(|(_, std)| std).collect(),
+            Self::Process => filter.process_std.iter().map(|(_, std)| std).collect(),
         }
     }
 
@@ -240,9 +240,9 @@ impl Table {
             }
         };
         match self {
-            Self::SensorStd => filter.sensor_std = base.sensor_std.iter().map(|std| factor * std).collect(),
-            Self::InitialStd => scaled(&mut filter.initial_std, &base.initial_std),
-            Self::ProcessStd => scaled(&mut filter.process_std, &base.process_std),
+            Self::Sensor => filter.sensor_std = base.sensor_std.iter().map(|std| factor * std).collect(),
+            Self::Initial => scaled(&mut filter.initial_std, &base.initial_std),
+            Self::Process => scaled(&mut filter.process_std, &base.process_std),
         }
     }
 }
@@ -290,9 +290,9 @@ fn filters(scenario: &Scenario, key: &str) -> Option<Place> {
         ["input_delay"] => Member::InputDelay,
         ["ensemble_size"] => Member::EnsembleSize,
         ["iterations"] => Member::Iterations,
-        ["sensor_std"] => factor(Table::SensorStd),
-        ["initial_std"] => factor(Table::InitialStd),
-        ["process_std"] => factor(Table::ProcessStd),
+        ["sensor_std"] => factor(Stds::Sensor),
+        ["initial_std"] => factor(Stds::Initial),
+        ["process_std"] => factor(Stds::Process),
         ["sensor_std", sensor] => Member::SensorStd(sensor_place(scenario, sensor)?),
         ["initial_mean", key] => Member::InitialMean(channel(key)?),
         ["initial_std", key] => Member::InitialStd(channel(key)?),

@@ -2,6 +2,7 @@
 
 mod cost;
 mod goal;
+mod point;
 mod remark;
 
 use std::sync::Arc;
@@ -12,6 +13,7 @@ use kalmanscope_core::{Record, Scenario, VerdictKind};
 
 use crate::{Axis, EnsembleError};
 use cost::{Cost, Objective};
+use point::Point;
 
 pub use goal::Goal;
 pub use remark::Remark;
@@ -49,9 +51,9 @@ enum Stage {
 }
 
 struct Search {
-    solver: NelderMead<Vec<f64>, f64>,
+    solver: NelderMead<Point, f64>,
     problem: Problem<Objective>,
-    state: Option<IterState<Vec<f64>, (), (), (), (), f64>>,
+    state: Option<IterState<Point, (), (), (), (), f64>>,
     iterations: u64,
 }
 
@@ -155,11 +157,11 @@ impl Tuner {
         if self.best.is_empty() {
             return Stage::Done;
         }
-        let mut simplex = vec![self.best.clone()];
+        let mut simplex = vec![Point(self.best.clone())];
         for axis in 0..self.best.len() {
             let mut corner = self.best.clone();
             corner[axis] += if corner[axis] > 0.5 { -SIMPLEX } else { SIMPLEX };
-            simplex.push(corner);
+            simplex.push(Point(corner));
         }
         let mut solver = NelderMead::new(simplex);
         let mut problem = Problem::new(Objective(Arc::clone(&self.cost)));
@@ -175,8 +177,8 @@ impl Tuner {
         let Ok((after, _)) = solver.next_iter(problem, before) else { return Stage::Done };
         *iterations += 1;
         let cost = after.get_cost();
-        if let Some(shares) = after.get_param().cloned() {
-            self.keep(&shares, cost);
+        if let Some(Point(shares)) = after.get_param() {
+            self.keep(shares, cost);
         }
         let tolerance = TOLERANCE * cost.abs().max(1.0);
         if let Ok(tolerant) = solver.clone().with_sd_tolerance(tolerance) {

@@ -6,6 +6,7 @@ use argmin::core::{CostFunction, Error};
 use kalmanscope_core::{Pass, Record, Scenario, VerdictKind};
 
 use super::Goal;
+use super::point::Point;
 use crate::{Axis, EnsembleError, Measure, Setting, outcome};
 
 /// The cost of settings that are impossible, beyond their axes, or stop the filter.
@@ -21,15 +22,15 @@ pub(super) struct Cost {
     pub(super) goal: Goal,
 }
 
-/// The cost of places, in shares of the axes.
+/// The cost of points.
 pub(super) struct Objective(pub(super) Arc<Cost>);
 
 impl CostFunction for Objective {
-    type Param = Vec<f64>;
+    type Param = Point;
     type Output = f64;
 
-    fn cost(&self, shares: &Vec<f64>) -> Result<f64, Error> {
-        Ok(self.0.of(shares))
+    fn cost(&self, point: &Point) -> Result<f64, Error> {
+        Ok(self.0.of(&point.0))
     }
 }
 

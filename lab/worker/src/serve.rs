@@ -11,7 +11,7 @@ use crate::message::{cells, runner};
 /// Answers messages for as long as the worker lives.
 pub(crate) fn serve() {
     std::panic::set_hook(Box::new(|panic| {
-        tell(&Array::of3(&"failed".into(), &JsValue::NULL, &panic.to_string().into()))
+        tell(&Array::of3(&"failed".into(), &JsValue::NULL, &panic.to_string().into()));
     }));
     let mut present: Option<(f64, Runner)> = None;
     let hear = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {

@@ -9,7 +9,7 @@ pub(super) fn in_message(source: &Source) -> JsValue {
     let Source::Measured(record) = source else { return JsValue::NULL };
     let numbers = |values: &[f64]| JsValue::from(Float64Array::from(values));
     let message = Array::of2(&record.dt().into(), &numbers(record.input()));
-    let mut push = |key: &str, values: &[f64]| {
+    let push = |key: &str, values: &[f64]| {
         message.push(&Array::of2(&key.into(), &numbers(values)));
     };
     for (place, quantity) in record.sensors().iter().enumerate() {
