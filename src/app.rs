@@ -268,7 +268,7 @@ impl App {
     /// The state of the screen, as data.
     pub fn screen_state(&self, ctx: &egui::Context) -> ScreenState {
         let lesson = self.tutor.as_ref().map(|tutor| (tutor.title().to_owned(), tutor.step() + 1));
-        ScreenState::new(&self.session, lesson, ctx)
+        ScreenState::new(&self.session, lesson, self.laboratory.shown(), ctx)
     }
 }
 

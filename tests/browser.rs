@@ -12,6 +12,8 @@ mod export;
 mod frames;
 #[path = "browser/import.rs"]
 mod import;
+#[path = "browser/laboratory.rs"]
+mod laboratory;
 #[path = "browser/loading.rs"]
 mod loading;
 #[path = "browser/page.rs"]
@@ -58,6 +60,8 @@ fn the_page_works_in_a_browser() {
         accessible::tables_tell_what_the_canvas_shows(&page).await;
         a_slider_moves_the_estimates(&page).await;
         export::a_figure_is_downloaded(&page, &driver.downloads()).await;
+        laboratory::a_map_is_made_in_workers(&page).await;
+        draws(&page, &pictures.join("laboratory.png")).await;
         page.resize(390, 844).await;
         draws(&page, &pictures.join("phone.png")).await;
         reports_no_problems(&page, &address).await;

@@ -57,6 +57,13 @@ impl Sheet {
         None
     }
 
+    /// A hash of all rows, to compare platforms.
+    pub fn checksum(&self) -> u64 {
+        // NaN has many forms.
+        let bits = |number: &f64| if number.is_nan() { u64::MAX } else { number.to_bits() };
+        self.rows.iter().fold(0, |sum: u64, number| sum.rotate_left(5) ^ bits(number))
+    }
+
     /// The number of values on each axis.
     pub fn counts(&self) -> &[usize] {
         &self.counts

@@ -4,6 +4,7 @@ use kalmanscope_core::{Channel, Estimates};
 use serde::Serialize;
 
 use super::places;
+use crate::laboratory::Survey;
 use crate::session::{Mode, Session};
 
 /// The state of the screen.
@@ -21,10 +22,34 @@ pub struct ScreenState {
     pub filters: Vec<Latest>,
     /// Checksum of all estimates shown, as 16 hexadecimal digits.
     pub checksum: String,
+    /// The map, if one has been made.
+    pub map: Option<MapState>,
     /// Frames drawn since the start.
     pub frames: u64,
     /// Positions of the named controls.
     pub controls: Vec<Control>,
+}
+
+/// The state of the map.
+#[derive(Clone, Debug, Serialize)]
+pub struct MapState {
+    /// The number of cells.
+    pub cells: usize,
+    /// Those that are known.
+    pub done: usize,
+    /// Checksum of all of them, as 16 hexadecimal digits.
+    pub checksum: String,
+    /// The ensemble, as [`Ensemble::to_json`](kalmanscope_lab::Ensemble::to_json) writes it.
+    pub ensemble: String,
+}
+
+impl MapState {
+    /// The present state of a map.
+    pub fn of(survey: &Survey) -> Self {
+        let sheet = survey.sheet();
+        let checksum = format!("{:016x}", sheet.checksum());
+        Self { cells: sheet.len(), done: sheet.done(), checksum, ensemble: survey.ensemble().to_json() }
+    }
 }
 
 /// A filter's latest estimate.
@@ -64,7 +89,7 @@ pub struct Control {
 
 impl ScreenState {
     /// The present state.
-    pub fn new(session: &Session, lesson: Option<(String, usize)>, ctx: &egui::Context) -> Self {
+    pub fn new(session: &Session, lesson: Option<(String, usize)>, map: Option<&Survey>, ctx: &egui::Context) -> Self {
         let estimates = session.run().estimates();
         Self {
             mode: match session.mode() {
@@ -76,6 +101,7 @@ impl ScreenState {
             samples: session.run().len(),
             filters: estimates.iter().map(Latest::of).collect(),
             checksum: format!("{:016x}", session.run().checksum()),
+            map: map.map(MapState::of),
             frames: ctx.cumulative_frame_nr(),
             controls: places::all(ctx).into_iter().map(control).collect(),
         }
