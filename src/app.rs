@@ -295,7 +295,7 @@ impl eframe::App for App {
         }
         let studies = self.studies();
         let Self { session, layout, laboratory, presenting, theme, unreadable, .. } = self;
-        let screen = (&*layout, laboratory.choice());
-        saved::save(storage, session, screen, &studies, *presenting, *theme, unreadable.as_deref());
+        let map = laboratory.choice();
+        saved::save(storage, session, (layout, map), &studies, *presenting, *theme, unreadable.as_deref());
     }
 }
