@@ -5,6 +5,7 @@ mod embed;
 mod export;
 mod files;
 mod import;
+mod laboratory;
 mod lesson;
 pub mod link;
 mod window;
@@ -19,7 +20,7 @@ use crate::export::Deliver;
 use crate::import::Import;
 use crate::inbox::{Choose, Inbox};
 use crate::keys;
-use crate::laboratory::{Engine, Laboratory};
+use crate::laboratory::Laboratory;
 use crate::layout::Layout;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
@@ -186,24 +187,6 @@ impl App {
         Self { cleared: true, ..self }
     }
 
-    /// The explorer with an engine for its laboratory, in place of slices of the frames.
-    #[must_use]
-    pub fn computing_with(self, engine: Box<dyn Engine>) -> Self {
-        let mut laboratory = Laboratory::new(engine);
-        laboratory.choose(self.laboratory.choice().cloned());
-        Self { laboratory, ..self }
-    }
-
-    /// The maps.
-    pub fn laboratory(&self) -> &Laboratory {
-        &self.laboratory
-    }
-
-    /// The maps, for tests to set up.
-    pub fn laboratory_mut(&mut self) -> &mut Laboratory {
-        &mut self.laboratory
-    }
-
     /// The session on screen.
     pub fn session(&self) -> &Session {
         &self.session
@@ -251,12 +234,6 @@ impl App {
             (Some(time), None) | (None, Some(time)) => ModelTime::At(time),
             (None, None) => ModelTime::Last,
         })
-    }
-
-    /// Maps follow the session while they are in sight.
-    fn follow_laboratory(&mut self, ctx: &egui::Context) {
-        let is_in_sight = self.layout.in_sight().iter().any(|kind| views::view(*kind).is_of_laboratory());
-        self.laboratory.follow(&self.session, is_in_sight, self.width < window::NARROW, ctx);
     }
 
     /// The screen in words and tables.
@@ -322,7 +299,7 @@ impl eframe::App for App {
         }
         let studies = self.studies();
         let Self { session, layout, laboratory, presenting, theme, unreadable, .. } = self;
-        let screen = (&*layout, laboratory.choice());
-        saved::save(storage, session, screen, &studies, *presenting, *theme, unreadable.as_deref());
+        let map = laboratory.choice();
+        saved::save(storage, session, (layout, map), &studies, *presenting, *theme, unreadable.as_deref());
     }
 }

@@ -43,13 +43,24 @@ pub struct Laboratory {
     /// Whether the user has stopped the work.
     is_stopped: bool,
     problem: Option<String>,
+    /// Counts the surveys that have been shown, and the changes of what is shown.
+    edition: u64,
     version: u64,
 }
 
 impl Laboratory {
     /// An empty laboratory.
     pub fn new(engine: Box<dyn Engine>) -> Self {
-        Self { engine, choice: None, survey: None, before: None, is_stopped: false, problem: None, version: 0 }
+        Self {
+            engine,
+            choice: None,
+            survey: None,
+            before: None,
+            is_stopped: false,
+            problem: None,
+            edition: 0,
+            version: 0,
+        }
     }
 
     /// The axes, score and filters; none until a map has been in sight.
@@ -94,7 +105,12 @@ impl Laboratory {
         self.problem.as_deref()
     }
 
-    /// A number that changes with what is to be shown.
+    /// A number that changes when another survey is to be shown.
+    pub fn edition(&self) -> u64 {
+        self.edition
+    }
+
+    /// A number that changes with what is to be shown, also when rows have come.
     pub fn version(&self) -> u64 {
         self.version
     }
@@ -148,6 +164,7 @@ impl Laboratory {
     /// Begins another survey. The present one stays in sight if it covers the map.
     fn begin(&mut self, run: &Run, source: Source, choice: &Choice) {
         self.is_stopped = false;
+        self.edition += 1;
         self.version += 1;
         match Survey::new(run.scenario(), source, choice, self.survey.as_ref()) {
             Ok(survey) => {
@@ -167,7 +184,7 @@ impl Laboratory {
     }
 
     fn work(&mut self, ctx: &Context) {
-        let Self { engine, survey, before, is_stopped, problem, version, .. } = self;
+        let Self { engine, survey, before, is_stopped, problem, edition, version, .. } = self;
         let Some(survey) = survey.as_mut().filter(|_| !*is_stopped) else { return };
         match survey.follow(&**engine, ctx) {
             Ok(has_come) => *version += u64::from(has_come),
@@ -175,6 +192,7 @@ impl Laboratory {
         }
         if before.is_some() && survey.sheet().covers_all() {
             *before = None;
+            *edition += 1;
             *version += 1;
         }
     }

@@ -74,12 +74,17 @@ impl Survey {
         self.ensemble.plan().measures.contains(&measure)
     }
 
+    /// The place in a row of a filter's score; the filter is meant by its place in the map.
+    pub fn column(&self, filter: usize, measure: Measure) -> Option<usize> {
+        let measures = &self.ensemble.plan().measures;
+        let at = measures.iter().position(|other| *other == measure)?;
+        (filter < self.filters.len()).then_some(filter * measures.len() + at)
+    }
+
     /// The score of a filter, by its place in the map, in a cell or in the one that stands for it; none where it is not known
     /// yet.
     pub fn value(&self, cell: usize, filter: usize, measure: Measure) -> Option<f64> {
-        let measures = &self.ensemble.plan().measures;
-        let at = measures.iter().position(|other| *other == measure)?;
-        self.sheet.shown(cell)?.get(filter * measures.len() + at).copied()
+        self.sheet.shown(cell)?.get(self.column(filter, measure)?).copied()
     }
 
     /// The values that a scenario has of the axes' settings; NaN where it has none.

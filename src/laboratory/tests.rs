@@ -288,3 +288,31 @@ fn the_table_has_one_row_a_cell() {
         assert_eq!(row[column].parse(), Ok(value));
     }
 }
+
+#[test]
+fn every_ready_made_scenario_has_a_map() {
+    for built_in in kalmanscope_lessons::BUILT_IN {
+        let session = Session::new(built_in.scenario().unwrap()).unwrap();
+        let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Pieces(1))));
+        follow(&mut laboratory, &session, 2);
+        assert_eq!(laboratory.problem(), None, "{}", built_in.title);
+        assert_eq!(done(&laboratory), 2, "{}: nothing begins again", built_in.title);
+        let choice = laboratory.choice().unwrap();
+        if session.is_measured() {
+            assert!(choice.axes.iter().all(|axis| axis.key.starts_with("filters.")), "{}", built_in.title);
+            assert_eq!(choice.measure, Measure::Nis, "{}", built_in.title);
+        }
+        let [x, y] = laboratory.shown().unwrap().present(session.scenario());
+        assert!(x.is_finite() && y.is_finite(), "{}: there is a dot", built_in.title);
+    }
+}
+
+#[test]
+fn a_record_that_is_too_long_has_no_map() {
+    let long = Scenario { duration: 3600.0, ..Scenario::default() };
+    let session = Session::new(long).unwrap();
+    let mut laboratory = slow();
+    follow(&mut laboratory, &session, 2);
+    let problem = laboratory.problem().unwrap();
+    assert!(problem.contains("360001 samples") && laboratory.shown().is_none(), "{problem}");
+}

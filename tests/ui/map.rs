@@ -128,7 +128,7 @@ fn axes_score_and_filters_are_chosen_by_menus_and_the_dot_moves_by_arrows() {
     let mut screen = laboratory(DESKTOP, Theme::Light, None);
     choose(&mut screen, "Score", "log likelihood");
     choose(&mut screen, "Setting up", "fading factor λ");
-    choose(&mut screen, "Second filter", "UKF");
+    choose(&mut screen, "Second filter", "and UKF");
     let choice = screen.state().laboratory().choice().expect("there is one").clone();
     assert_eq!((choice.measure, choice.second), (Measure::LogLikelihood, Some(2)));
     assert_eq!(choice.axes[1].key, "filters.*.fading");
@@ -174,40 +174,27 @@ fn out_of_sight_the_laboratory_rests() {
 }
 
 #[test]
-fn zz_pictures() {
-    for (name, size, theme, second, measure) in [
-        ("light", DESKTOP, Theme::Light, None, "nis"),
-        ("dark", DESKTOP, Theme::Dark, Some(2), "rmse.natural_frequency"),
-        ("phone", PHONE, Theme::Light, None, "rmse.natural_frequency"),
-        ("phone2", PHONE, Theme::Dark, Some(2), "error.damping_ratio"),
-        ("verdict", DESKTOP, Theme::Light, Some(2), "verdict"),
-        ("lost", DESKTOP, Theme::Light, Some(2), "settled.natural_frequency"),
-        ("loglik", DESKTOP, Theme::Dark, None, "consistency"),
-    ] {
-        let mut screen = laboratory(size, theme, second);
-        let mut wanted = Scenario { duration: 20.0, ..Scenario::default() };
-        wanted.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-        if name == "lost" || name == "phone2" {
-            wanted.remove_sensor(Quantity::VELOCITY);
-            wanted.filters.iter_mut().for_each(|f| f.initial_std[Channel::NATURAL_FREQUENCY] = 0.5);
-        }
-        screen.state_mut().session_mut().set_scenario(wanted);
-        let mut choice = screen.state().laboratory().choice().unwrap().clone();
-        choice.axes[0].to = 24.0;
-        choice.axes.iter_mut().for_each(|axis| axis.count = 32);
-        choice.measure = measure.parse().unwrap();
-        screen.state_mut().laboratory_mut().choose(Some(choice));
-        screen.run_steps(6);
-        if name == "dark" {
-            let at = middle(&screen, [6, 5]);
-            screen.hover_at(at);
-            screen.run_steps(30);
-        }
-        screen.render().unwrap().save(format!("/tmp/h/map-{name}.png")).unwrap();
-        if name == "lost" {
-            let figure = screen.state().figure(kalmanscope::request::FigureFormat::Column);
-            std::fs::write("/tmp/h/map-figure.png", figure.png().unwrap()).unwrap();
-            std::fs::write("/tmp/h/map-figure.svg", figure.svg()).unwrap();
-        }
-    }
+fn a_saved_session_comes_back_with_its_map() {
+    let mut screen = laboratory(DESKTOP, Theme::Light, Some(2));
+    let choice = screen.state().laboratory().choice().cloned();
+    assert!(choice.is_some());
+    let mut storage = Memory::default();
+    screen.state_mut().save(&mut storage);
+    let restored = App::restored(Some(&storage)).expect("it can be run");
+    assert_eq!(restored.laboratory().choice().cloned(), choice);
+    assert_eq!(restored.notice(), None);
+}
+
+#[test]
+fn ranges_and_numbers_of_values_are_set_in_a_popup() {
+    let mut screen = laboratory(DESKTOP, Theme::Light, None);
+    screen.get_by_label("Ranges of the map").click();
+    screen.run_steps(4);
+    set(&mut screen, "last value across", 20.0);
+    set(&mut screen, "Values up", 5.0);
+    screen.run_steps(3);
+    let shown = screen.state().laboratory().shown().expect("there is a map");
+    let [x, y] = shown.axes();
+    assert_eq!((x.from, x.to, x.count, y.count), (2.0, 20.0, 9, 5));
+    assert!(shown.sheet().is_complete() && shown.sheet().len() == 45);
 }

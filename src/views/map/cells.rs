@@ -27,18 +27,18 @@ pub(super) enum End {
 
 /// The cells of one filter.
 pub(super) fn of_filter(survey: &Survey, filter: usize, measure: Measure) -> Vec<Cell> {
-    let is = |cell: usize, measure: Measure| survey.value(cell, filter, measure) == Some(1.0);
-    let end = |cell: usize| match survey.value(cell, filter, Measure::Stopped) {
-        None => End::Unknown,
-        Some(stopped) if stopped != 0.0 => End::Stopped,
-        Some(_) if is(cell, Measure::Diverged) => End::Lost,
-        Some(_) => End::Followed,
+    let columns = [measure, Measure::Stopped, Measure::Diverged].map(|measure| survey.column(filter, measure));
+    let cell = |cell: usize| {
+        let Some(row) = survey.sheet().shown(cell) else { return Cell { value: f64::NAN, end: End::Unknown } };
+        let [value, stopped, diverged] = columns.map(|column| column.map_or(f64::NAN, |at| row[at]));
+        let value = if matches!(measure, Measure::Error(_)) { value.abs() } else { value };
+        let end = match (stopped == 0.0, diverged == 1.0) {
+            (false, _) => End::Stopped,
+            (true, true) => End::Lost,
+            (true, false) => End::Followed,
+        };
+        Cell { value, end }
     };
-    let value = |cell: usize| {
-        let value = survey.value(cell, filter, measure).unwrap_or(f64::NAN);
-        if matches!(measure, Measure::Error(_)) { value.abs() } else { value }
-    };
-    let cell = |cell: usize| Cell { value: value(cell), end: end(cell) };
     (0..survey.ensemble().cells()).map(cell).collect()
 }
 

@@ -8,6 +8,7 @@ use kalmanscope_lab::{Axis, Setting, Spacing};
 use crate::controls::number::field;
 use crate::laboratory::{Choice, Laboratory, MOST, candidates, collide, measure_name, offered, part_of, setting_name};
 use crate::request::Request;
+use crate::theme::Palette;
 use crate::view::ViewContext;
 
 /// The values on both axes that have a button.
@@ -36,7 +37,7 @@ pub(super) fn head_ui(
         }
         measure_ui(ui, &mut next, &offered(&part, run.record()));
         filters_ui(ui, &mut next, run.scenario());
-        ranges_ui(ui, &mut next, &part);
+        ranges_ui(ui, &mut next, &part, context.palette);
         work_ui(ui, laboratory, requests);
     });
     if &next != choice {
@@ -94,20 +95,22 @@ fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
     if scenario.filters.len() < 2 {
         return;
     }
-    ui.weak("and");
-    combo(ui, "Second filter", second.map_or_else(|| "no other".to_owned(), name), 66.0, |ui| {
-        ui.selectable_value(second, None, "no other");
+    let text = second.map_or_else(|| "alone".to_owned(), |id| format!("and {}", name(id)));
+    combo(ui, "Second filter", text, 66.0, |ui| {
+        ui.selectable_value(second, None, "alone");
         for filter in scenario.filters.iter().filter(|filter| filter.id != *first) {
-            ui.selectable_value(second, Some(filter.id), &filter.name);
+            ui.selectable_value(second, Some(filter.id), format!("and {}", filter.name));
         }
     });
 }
 
 /// The ranges of the axes and the numbers of their values, in a popup.
-fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario) {
+fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, palette: &Palette) {
     let [x, y] = choice.axes.each_ref().map(|axis| axis.count);
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new(format!("{x} × {y}")).config(stays).ui(ui, |ui| {
+        // Fields and buttons of a menu have no ground of their own.
+        ui.visuals_mut().widgets.inactive.weak_bg_fill = palette.faint;
         Grid::new("ranges of the map").spacing([8.0, 4.0]).show(ui, |ui| {
             for text in ["", "from", "to", "values", ""] {
                 ui.weak(text);

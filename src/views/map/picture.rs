@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Context, Id, Mesh, Rect, Shape, TextureHandle, TextureOptions, Theme, pos2};
 use kalmanscope_lab::Measure;
+use web_time::{Duration, Instant};
 
 use super::cells::{Cell, End, compared, of_filter};
 use super::contour::{Piece, consistent};
@@ -36,6 +37,21 @@ pub(super) struct Panel {
     shades: Vec<Option<Color32>>,
 }
 
+/// Panels that have been made.
+#[derive(Clone)]
+struct Kept {
+    /// What they show: survey, score and theme.
+    of: (u64, Measure, Theme),
+    version: u64,
+    panels: Arc<Vec<Panel>>,
+    /// When they were made, and how long that took.
+    made: Instant,
+    cost: Duration,
+}
+
+/// The panels are made anew at most this share of the time while rows come.
+const SHARE: u32 = 5;
+
 /// The panels, which are kept until something else is to be seen.
 pub(super) fn panels(
     ctx: &Context,
@@ -44,14 +60,23 @@ pub(super) fn panels(
     measure: Measure,
     palette: &Palette,
 ) -> Arc<Vec<Panel>> {
-    type Kept = ((u64, Measure, Theme), Arc<Vec<Panel>>);
-    let key = (laboratory.version(), measure, ctx.theme());
+    let of = (laboratory.edition(), measure, ctx.theme());
+    let version = laboratory.version();
     let id = Id::unique("panels of the map");
-    if let Some((_, panels)) = ctx.data(|data| data.get_temp::<Kept>(id)).filter(|(of, _)| *of == key) {
-        return panels;
+    if let Some(kept) = ctx.data(|data| data.get_temp::<Kept>(id)).filter(|kept| kept.of == of) {
+        let rest = (SHARE * kept.cost).saturating_sub(kept.made.elapsed());
+        if kept.version == version {
+            return kept.panels;
+        }
+        if !rest.is_zero() {
+            ctx.request_repaint_after(rest);
+            return kept.panels;
+        }
     }
+    let begin = Instant::now();
     let panels = Arc::new(made(ctx, survey, measure, palette));
-    ctx.data_mut(|data| data.insert_temp(id, (key, Arc::clone(&panels))));
+    let kept = Kept { of, version, panels: Arc::clone(&panels), made: Instant::now(), cost: begin.elapsed() };
+    ctx.data_mut(|data| data.insert_temp(id, kept));
     panels
 }
 

@@ -1,0 +1,34 @@
+//! The laboratory beside the session.
+
+use egui::Context;
+
+use super::App;
+use super::window::NARROW;
+use crate::laboratory::{Engine, Laboratory};
+use crate::views::view;
+
+impl App {
+    /// The explorer with an engine for its laboratory, in place of slices of the frames.
+    #[must_use]
+    pub fn computing_with(self, engine: Box<dyn Engine>) -> Self {
+        let mut laboratory = Laboratory::new(engine);
+        laboratory.choose(self.laboratory.choice().cloned());
+        Self { laboratory, ..self }
+    }
+
+    /// The maps.
+    pub fn laboratory(&self) -> &Laboratory {
+        &self.laboratory
+    }
+
+    /// The maps, for tests to set up.
+    pub fn laboratory_mut(&mut self) -> &mut Laboratory {
+        &mut self.laboratory
+    }
+
+    /// Maps follow the session while they are in sight.
+    pub(super) fn follow_laboratory(&mut self, ctx: &Context) {
+        let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory());
+        self.laboratory.follow(&self.session, is_in_sight, self.width < NARROW, ctx);
+    }
+}
