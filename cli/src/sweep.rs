@@ -25,13 +25,13 @@ use table::Format;
 /// Runs all cells of a shard and writes their table. Goes on where an earlier call of the same sweep was ended.
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let SweepArgs { scenario: file, out, shard, threads, .. } = args;
-    let format = Format::of(out).ok_or_else(|| bad(out, "the table must be a .csv or a .parquet file"))?;
+    let format = Format::of(out).ok_or_else(|| bad(out, &"the table must be a .csv or a .parquet file"))?;
     let runner = Arc::new(runner(args)?);
     let ensemble = runner.ensemble();
     let cells = cells(ensemble.cells(), *shard);
     let fingerprint = fingerprint(args, ensemble)?;
-    let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len()).map_err(|error| bad(out, error))?;
-    let crew = Crew::new(*threads).map_err(|error| bad(file, error))?;
+    let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len()).map_err(|error| bad(out, &error))?;
+    let crew = Crew::new(*threads).map_err(|error| bad(file, &error))?;
     let bar = bar(cells.len(), done);
     let order: Vec<usize> = (cells.start + done..cells.end).collect();
     let work = crew.start(&runner, order, || {});
@@ -43,17 +43,17 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
         waiting.insert(slice.cells[0], slice);
         while let Some(slice) = waiting.remove(&next) {
             next += slice.cells.len();
-            part.append(ensemble, &slice).map_err(|error| bad(out, error))?;
+            part.append(ensemble, &slice).map_err(|error| bad(out, &error))?;
         }
     }
     if next != cells.end {
-        return Err(bad(out, "a thread ended before its work was done"));
+        return Err(bad(out, &"a thread ended before its work was done"));
     }
     bar.finish_and_clear();
-    part.finish(out, format, ensemble).map_err(|error| bad(out, error))
+    part.finish(out, format, ensemble).map_err(|error| bad(out, &error))
 }
 
-fn bad(file: &Path, reason: impl ToString) -> InputError {
+fn bad(file: &Path, reason: &dyn ToString) -> InputError {
     InputError::Laboratory { file: file.to_owned(), reason: reason.to_string() }
 }
 
@@ -61,7 +61,7 @@ fn runner(args: &SweepArgs) -> Result<Runner, InputError> {
     let SweepArgs { scenario: file, vary, seeds, score, filter, record, map, .. } = args;
     let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref())?;
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
-    let filters = filters(&scenario, filter).map_err(|reason| bad(file, reason))?;
+    let filters = filters(&scenario, filter).map_err(|reason| bad(file, &reason))?;
     let measures = if score.is_empty() {
         let is_known = |measure: &Measure| !measure.needs_truth() || matches!(source, Source::Simulated);
         Measure::of_sums(&channels(&scenario, &filters)).into_iter().filter(is_known).collect()
@@ -77,7 +77,7 @@ fn runner(args: &SweepArgs) -> Result<Runner, InputError> {
     });
     let axes = vary.iter().cloned().chain(seeds).collect();
     let ensemble = Ensemble::new(scenario, Plan { filters, measures, axes, ..Plan::default() });
-    ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(file, error))
+    ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(file, &error))
 }
 
 /// The places of the filters with these names; of all where there is none.

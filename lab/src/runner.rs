@@ -150,8 +150,8 @@ mod tests {
                 let diagnostics = Diagnostics::new(estimates, run.record());
                 let place = estimates.place(channel).unwrap();
                 let expected = [
-                    per_degree(diagnostics.mean_nis().unwrap()),
-                    per_degree(diagnostics.mean_nees().unwrap()),
+                    per_degree(&diagnostics.mean_nis().unwrap()),
+                    per_degree(&diagnostics.mean_nees().unwrap()),
                     diagnostics.log_likelihood(),
                     diagnostics.tally(channel, 0..estimates.len()).unwrap().rmse(),
                     estimates.canonical_mean(estimates.len() - 1, place),
@@ -163,7 +163,7 @@ mod tests {
         }
     }
 
-    fn per_degree(mean: MeanSquare) -> f64 {
+    fn per_degree(mean: &MeanSquare) -> f64 {
         mean.mean / mean.expected
     }
 
