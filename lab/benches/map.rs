@@ -1,0 +1,116 @@
+//! The time of a whole map and of Monte Carlo, by one thread and by all, beside single filters, in one run.
+//!
+//! ```text
+//! cargo bench -p kalmanscope-lab --features threads
+//! ```
+//!
+//! Each number is the least of a few repeats.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{Scenario, Source};
+use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels, simulate};
+
+/// Cells along each axis of the map, and samples of its record.
+const SIDE: usize = 128;
+const SAMPLES: usize = 2000;
+
+/// Monte Carlo: seeds, and samples of each record.
+const SEEDS: usize = 10_000;
+const LONG: usize = 6000;
+
+const REPEATS: usize = 3;
+
+fn main() {
+    for kind in ["EKF", "UKF"] {
+        let runner = map(kind);
+        let steps = (SIDE * SIDE * SAMPLES) as f64;
+        let scenario = runner.ensemble().scenario();
+        let record = simulate(scenario);
+        let single = least(|| {
+            let begin = Instant::now();
+            let outcome = Outcome::of(scenario, 0, &record);
+            assert!(outcome.is_ok_and(|outcome| outcome.samples == record.len()));
+            begin.elapsed()
+        });
+        println!("{kind}: a single filter, {:.0} ns a step", nanoseconds(single) / SAMPLES as f64);
+        let mut alone = 0.0;
+        for threads in [1, 0] {
+            let Ok(crew) = Crew::new(threads) else { continue };
+            let mut first = Duration::MAX;
+            let all = least(|| {
+                let (coarse, all) = fill(&crew, &runner);
+                first = first.min(coarse);
+                all
+            });
+            if threads == 1 {
+                alone = nanoseconds(all);
+            }
+            println!(
+                "{kind}: map {SIDE} × {SIDE} × {SAMPLES}, {} threads: first picture {:.0} ms, all {:.2} s, {:.0} ns a step, {:.2} \
+                 times as fast as one thread",
+                crew.threads(),
+                nanoseconds(first) / 1e6,
+                all.as_secs_f64(),
+                nanoseconds(all) / steps,
+                alone / nanoseconds(all),
+            );
+        }
+    }
+    let scenario = Scenario { duration: LONG as f64 * 0.01, ..Scenario::default() };
+    for times in [0, 60] {
+        let Ok(ensemble) = MonteCarlo::ensemble(scenario.clone(), vec![0], SEEDS, times) else { continue };
+        let Ok(runner) = Runner::new(ensemble, Source::Simulated).map(Arc::new) else { continue };
+        let Ok(crew) = Crew::new(0) else { continue };
+        let (_, all) = fill(&crew, &runner);
+        println!(
+            "Monte Carlo of {SEEDS} seeds × {LONG} samples, looked at at {times} times, {} threads: {:.1} s, {:.0} ns a sample",
+            crew.threads(),
+            all.as_secs_f64(),
+            nanoseconds(all) / (SEEDS * LONG) as f64
+        );
+    }
+}
+
+fn map(kind: &str) -> Arc<Runner> {
+    let mut scenario = Scenario { duration: (SAMPLES - 1) as f64 * 0.01, ..Scenario::default() };
+    scenario.filters.retain(|filter| filter.name == kind);
+    let axes = [
+        format!("filters.{kind}.initial_mean.natural_frequency=2:14:{SIDE}"),
+        format!("filters.{kind}.process_std=0.01:100:{SIDE}:log"),
+    ];
+    let axes = axes.iter().flat_map(|text| Axis::parse(text)).collect();
+    let measures = Measure::of_sums(&channels(&scenario, &[0]));
+    let plan = Plan { filters: vec![0], measures, axes, ..Plan::default() };
+    let runner = Ensemble::new(scenario, plan).and_then(|ensemble| Runner::new(ensemble, Source::Simulated));
+    match runner {
+        Ok(runner) => Arc::new(runner),
+        Err(error) => panic!("the map is possible: {error}"),
+    }
+}
+
+/// The time until all is covered coarsely, and until every cell is known.
+fn fill(crew: &Crew, runner: &Arc<Runner>) -> (Duration, Duration) {
+    let begin = Instant::now();
+    let mut sheet = Sheet::new(runner.ensemble());
+    let work = crew.start(runner, runner.ensemble().coarse_to_fine(), || {});
+    let mut first = None;
+    while let Some(slice) = work.wait() {
+        sheet.fill(&slice.cells, &slice.rows);
+        if first.is_none() && sheet.covers_all() {
+            first = Some(begin.elapsed());
+        }
+    }
+    assert!(sheet.is_complete());
+    (first.unwrap_or_default(), begin.elapsed())
+}
+
+fn least(mut measure: impl FnMut() -> Duration) -> Duration {
+    (0..REPEATS).map(|_| measure()).min().unwrap_or_default()
+}
+
+fn nanoseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e9
+}
