@@ -124,6 +124,22 @@ fn rows_of_another_sweep_are_not_taken_for_those_of_this_one() {
 }
 
 #[test]
+fn two_programs_do_not_write_one_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scenario(&folder, SCENARIO);
+    let out = folder.path().join("a.csv");
+    let part = folder.path().join("a.csv.part");
+    let held = File::create(&part).unwrap();
+    held.lock().unwrap();
+    let output = sweep(&path, &out, &GRID).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("another program is writing this table") && !out.exists(), "{text}");
+    drop(held);
+    assert_eq!(table(&path, &out, &GRID).lines().count(), 13);
+}
+
+#[test]
 fn wrong_arguments_are_refused_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = scenario(&folder, SCENARIO);

@@ -1,7 +1,7 @@
 //! The rows of a sweep that are done, in a file that outlives the program.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufRead as _, BufReader, BufWriter, Write as _};
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use kalmanscope_lab::{Ensemble, Slice};
@@ -20,17 +20,20 @@ impl Part {
         let path = beside(out, ".part");
         let header = format!("# sweep {fingerprint}\n{}\n", names(ensemble).join(","));
         let columns = ensemble.plan().axes.len() + ensemble.width();
-        if let Some((bytes, rows)) = complete(&path, &header, columns, most)? {
-            let file = OpenOptions::new().write(true).open(&path)?;
-            // The last row may be torn.
-            file.set_len(bytes)?;
-            drop(file);
-            let file = BufWriter::new(OpenOptions::new().append(true).open(&path)?);
-            return Ok((Self { path, file }, rows));
+        let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path)?;
+        // Two programs would write into each other's rows. A file system without locks is used without.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            return Err(io::Error::other("another program is writing this table"));
         }
-        let mut file = BufWriter::new(File::create(&path)?);
-        file.write_all(header.as_bytes())?;
-        Ok((Self { path, file }, 0))
+        let found = complete(&file, &header, columns, most)?;
+        // The last row may be torn.
+        file.set_len(found.map_or(0, |(bytes, _)| bytes))?;
+        file.seek(SeekFrom::End(0))?;
+        let mut file = BufWriter::new(file);
+        if found.is_none() {
+            file.write_all(header.as_bytes())?;
+        }
+        Ok((Self { path, file }, found.map_or(0, |(_, rows)| rows)))
     }
 
     /// Appends the rows of some cells.
@@ -78,11 +81,7 @@ fn beside(out: &Path, ending: &str) -> PathBuf {
 }
 
 /// The length in bytes of the whole rows in a part file, and their number, if it is of the same sweep.
-fn complete(path: &Path, header: &str, columns: usize, most: usize) -> io::Result<Option<(u64, usize)>> {
-    let file = match File::open(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        file => file?,
-    };
+fn complete(file: &File, header: &str, columns: usize, most: usize) -> io::Result<Option<(u64, usize)>> {
     let mut lines = BufReader::new(file);
     let mut line = Vec::new();
     let mut head = Vec::new();
