@@ -1,7 +1,7 @@
 //! The time of a whole map and of Monte Carlo, by one thread and by all, beside single filters, in one run.
 //!
 //! ```text
-//! cargo bench -p kalmanscope-lab --features threads
+//! cargo bench -p kalmanscope-lab --features lanes,threads
 //! ```
 //!
 //! Each number is the least of a few repeats.

@@ -3,8 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::simulate::Simulator;
-use kalmanscope_core::{Pass, Record, Scenario, Source};
-use kalmanscope_lanes::{LaneRun, outcomes};
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{Pass, Record, RunError, Scenario, Source};
 
 use crate::ensemble::{Ensemble, EnsembleError};
 use crate::outcome;
@@ -77,8 +77,8 @@ impl Runner {
                 |(scenario, record): &(Scenario, Arc<Record>)| outcome::of_history(scenario, place, record, measures);
             return runs.iter().map(|run| run.as_ref().and_then(|run| one(run).ok())).collect();
         }
-        let all = runs.iter().flatten().map(|(scenario, record)| LaneRun { scenario, place, record });
-        let Ok(outcomes) = outcomes(&all.collect::<Vec<_>>()) else { return vec![None; runs.len()] };
+        let all: Vec<(&Scenario, &Record)> = runs.iter().flatten().map(|(scenario, record)| (scenario, &**record)).collect();
+        let Ok(outcomes) = outcomes(&all, place) else { return vec![None; runs.len()] };
         let mut outcomes = outcomes.iter();
         let one = |run: &Option<(Scenario, Arc<Record>)>| {
             let (scenario, record) = run.as_ref()?;
@@ -107,6 +107,19 @@ impl Runner {
     }
 }
 
+/// The outcomes of the filter at a place of some scenarios, each over its record.
+#[cfg(feature = "lanes")]
+fn outcomes(runs: &[(&Scenario, &Record)], place: usize) -> Result<Vec<Outcome>, RunError> {
+    let run = |&(scenario, record): &(_, _)| kalmanscope_lanes::LaneRun { scenario, place, record };
+    kalmanscope_lanes::outcomes(&runs.iter().map(run).collect::<Vec<_>>())
+}
+
+/// The outcomes of the filter at a place of some scenarios, each over its record.
+#[cfg(not(feature = "lanes"))]
+fn outcomes(runs: &[(&Scenario, &Record)], place: usize) -> Result<Vec<Outcome>, RunError> {
+    runs.iter().map(|(scenario, record)| Outcome::of(scenario, place, record)).collect()
+}
+
 /// The record of a possible scenario, as far as its truth goes.
 pub fn simulate(scenario: &Scenario) -> Record {
     let mut simulator = Simulator::new(scenario);
@@ -124,7 +137,7 @@ mod tests {
     use super::*;
     use crate::{Axis, Measure, Plan};
     use kalmanscope_core::diagnostics::MeanSquare;
-    use kalmanscope_core::{Channel, Diagnostics, Run, RunError};
+    use kalmanscope_core::{Channel, Diagnostics, Run};
 
     fn runner(axes: &[&str], measures: &[&str]) -> Runner {
         let scenario = Scenario { duration: 5.0, ..Scenario::default() };
