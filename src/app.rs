@@ -115,6 +115,7 @@ impl App {
         app.presenting = saved.presenting;
         app.layout = saved.layout;
         app.laboratory.choose(saved.map);
+        app.laboratory.seeds_mut().choose(saved.seeds);
         app.inviting = new_here;
         app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
@@ -191,6 +192,7 @@ impl App {
     pub fn computing_with(self, engine: Box<dyn Engine>) -> Self {
         let mut laboratory = Laboratory::new(engine);
         laboratory.choose(self.laboratory.choice().cloned());
+        laboratory.seeds_mut().choose(self.laboratory.seeds().choice().clone());
         Self { laboratory, ..self }
     }
 
@@ -257,6 +259,10 @@ impl App {
     fn follow_laboratory(&mut self, ctx: &egui::Context) {
         let is_in_sight = self.layout.in_sight().iter().any(|kind| views::view(*kind).is_of_laboratory());
         self.laboratory.follow(&self.session, is_in_sight, self.width < window::NARROW, ctx);
+        let filters = self.session.run().estimates().iter().map(Estimates::id);
+        let filters: Vec<u32> = filters.filter(|id| self.visible.filter(*id)).collect();
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::MonteCarlo);
+        self.laboratory.follow_seeds(&self.session, &filters, is_in_sight, ctx);
     }
 
     /// The screen in words and tables.
@@ -322,7 +328,7 @@ impl eframe::App for App {
         }
         let studies = self.studies();
         let Self { session, layout, laboratory, presenting, theme, unreadable, .. } = self;
-        let screen = (&*layout, laboratory.choice());
+        let screen = (&*layout, laboratory.choice(), laboratory.seeds().choice());
         saved::save(storage, session, screen, &studies, *presenting, *theme, unreadable.as_deref());
     }
 }
