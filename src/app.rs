@@ -116,6 +116,7 @@ impl App {
         app.presenting = saved.presenting;
         app.layout = saved.layout;
         app.laboratory.choose(saved.map);
+        app.laboratory.seeds_mut().choose(saved.seeds);
         app.inviting = new_here;
         app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
@@ -299,7 +300,7 @@ impl eframe::App for App {
         }
         let studies = self.studies();
         let Self { session, layout, laboratory, presenting, theme, unreadable, .. } = self;
-        let map = laboratory.choice();
-        saved::save(storage, session, (layout, map), &studies, *presenting, *theme, unreadable.as_deref());
+        let screen = (&*layout, laboratory.choice(), laboratory.seeds().choice());
+        saved::save(storage, session, screen, &studies, *presenting, *theme, unreadable.as_deref());
     }
 }

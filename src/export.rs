@@ -30,7 +30,8 @@ pub type Deliver = Box<dyn Fn(&File) -> Result<String, String>>;
 
 impl Export {
     /// The files of results, in the menu's order.
-    pub const DATA: [Self; 6] = [Self::Estimates, Self::Record, Self::Map, Self::Scenario, Self::All, Self::Session];
+    pub const DATA: [Self; 7] =
+        [Self::Estimates, Self::Record, Self::Map, Self::MonteCarlo, Self::Scenario, Self::All, Self::Session];
 
     /// Its name in the menu.
     pub(crate) fn name(self) -> String {
@@ -40,6 +41,7 @@ impl Export {
             Self::Estimates => "Estimates (CSV)".to_owned(),
             Self::Record => "Record (CSV)".to_owned(),
             Self::Map => "Map (CSV)".to_owned(),
+            Self::MonteCarlo => "Monte Carlo (CSV)".to_owned(),
             Self::Scenario => "Scenario (TOML)".to_owned(),
             Self::All => "Everything (JSON)".to_owned(),
             Self::Session => "Session, to open again".to_owned(),
@@ -53,6 +55,7 @@ impl Export {
             Self::Figure(_, Picture::Png) => "The views on screen as pixels",
             Self::Estimates => "Every mean, standard deviation, innovation and prediction of every filter",
             Self::Map => "Every score of every cell of the map in the laboratory",
+            Self::MonteCarlo => "Mean NEES and NIS, error quantiles and σ over time, of all seeds in the laboratory",
             Self::Record => "Force, measurements and truth, as the command line reads them",
             Self::Scenario => "The settings, for the command line or to be dropped on this window",
             Self::All => "Version, scenario, record, estimates and diagnosis, for a program",
@@ -79,6 +82,7 @@ pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Resul
         Export::Estimates => csv("estimates.csv", |out| write_estimates(session.run(), out))?,
         Export::Record => csv("record.csv", |out| session.run().record().write_csv(out))?,
         Export::Map => text("map.csv", "text/csv", map(context)?),
+        Export::MonteCarlo => text("monte-carlo.csv", "text/csv", seeds(context)?),
         Export::Scenario => text("scenario.toml", "application/toml", session.scenario().to_toml().map_err(reason)?),
         Export::All => text("kalmanscope.json", JSON, everything::json(session).map_err(reason)?),
         Export::Session => text("kalmanscope-session.json", JSON, written(context, layout)?),
@@ -89,13 +93,20 @@ const JSON: &str = "application/json";
 
 fn written(context: &ViewContext<'_>, layout: &Layout) -> Result<String, String> {
     let choice = context.laboratory.and_then(Laboratory::choice);
-    session_file::text(context.session, layout, choice).map_err(|error| error.to_string())
+    let seeds = context.laboratory.map(|laboratory| laboratory.seeds().choice());
+    session_file::text(context.session, layout, choice, seeds).map_err(|error| error.to_string())
 }
 
 /// The numbers of the map on screen.
 fn map(context: &ViewContext<'_>) -> Result<String, String> {
     let survey = context.laboratory.and_then(Laboratory::shown);
     Ok(survey.ok_or("there is no map yet: show the view Map")?.to_csv())
+}
+
+/// The statistics over seeds on screen.
+fn seeds(context: &ViewContext<'_>) -> Result<String, String> {
+    let runs = context.laboratory.and_then(|laboratory| laboratory.seeds().shown());
+    Ok(runs.ok_or("no seed has been run yet: show the view Monte Carlo")?.to_csv())
 }
 
 fn text(name: &str, kind: &'static str, text: String) -> File {

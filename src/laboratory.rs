@@ -9,6 +9,7 @@
 mod choice;
 mod engine;
 mod measures;
+mod monte_carlo;
 mod settings;
 mod slices;
 mod survey;
@@ -23,6 +24,7 @@ pub(crate) use choice::part_of;
 pub use choice::{Choice, MOST};
 pub use engine::{Engine, Rows, Work};
 pub(crate) use measures::{label as measure_label, name as measure_name, offered};
+pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub(crate) use settings::{candidates, collide, guessed, label as setting_label, name as setting_name};
 pub use slices::Slices;
 pub use survey::Survey;
@@ -40,6 +42,7 @@ pub struct Laboratory {
     survey: Option<Survey>,
     /// The survey before, until the present one covers the map.
     before: Option<Survey>,
+    seeds: Seeds,
     /// Whether the user has stopped the work.
     is_stopped: bool,
     problem: Option<String>,
@@ -56,6 +59,7 @@ impl Laboratory {
             choice: None,
             survey: None,
             before: None,
+            seeds: Seeds::default(),
             is_stopped: false,
             problem: None,
             edition: 0,
@@ -147,6 +151,26 @@ impl Laboratory {
                 self.work(ctx);
             }
         }
+    }
+
+    /// The runs with many seeds.
+    pub fn seeds(&self) -> &Seeds {
+        &self.seeds
+    }
+
+    /// The runs with many seeds, to be chosen and stopped.
+    pub fn seeds_mut(&mut self) -> &mut Seeds {
+        &mut self.seeds
+    }
+
+    /// Follows the session with many seeds of some filters while that is in sight, and rests otherwise. An engine has one
+    /// task at a time: a map under way comes first, because a hand may be on it.
+    pub fn follow_seeds(&mut self, session: &Session, filters: &[u32], is_in_sight: bool, ctx: &Context) {
+        if !is_in_sight {
+            return self.seeds.rest();
+        }
+        let engine = Some(&*self.engine).filter(|_| !self.survey.as_ref().is_some_and(Survey::is_working));
+        self.seeds.follow(session.run(), filters, engine, ctx);
     }
 
     /// The choice as far as the run has what it names.

@@ -7,7 +7,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 use serde::{Deserialize, Serialize};
 
-use crate::laboratory::Choice;
+use crate::laboratory::{Choice, SeedChoice};
 use crate::ruler::End;
 use crate::session::Mode;
 
@@ -124,6 +124,10 @@ pub enum Request {
     ChooseMap(Box<Choice>),
     /// Compute the map, or stop that.
     ComputeMap(bool),
+    /// Show the statistics of other seeds, or of another parameter.
+    ChooseSeeds(SeedChoice),
+    /// Run the seeds, or stop that.
+    RunSeeds(bool),
     /// Restore a session from a file.
     OpenSession(Box<SavedScreen>),
 }
@@ -143,6 +147,8 @@ pub struct SavedScreen {
     pub tree: Tree<ViewKind>,
     /// The map of the laboratory, if there was one.
     pub map: Option<Choice>,
+    /// The seeds of the laboratory, if there were some.
+    pub seeds: Option<SeedChoice>,
 }
 
 /// A file that leaves the explorer.
@@ -152,6 +158,8 @@ pub enum Export {
     Figure(FigureFormat, Picture),
     /// The map of the laboratory, as CSV.
     Map,
+    /// The statistics over many seeds, as CSV.
+    MonteCarlo,
     /// Every estimate of every filter, as CSV.
     Estimates,
     /// The record, as CSV.
@@ -266,11 +274,13 @@ pub enum ViewKind {
     Map,
     /// The same over one setting at a time.
     Slices,
+    /// Statistics over many seeds.
+    MonteCarlo,
 }
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -290,6 +300,7 @@ impl ViewKind {
         Self::Diagnosis,
         Self::Map,
         Self::Slices,
+        Self::MonteCarlo,
     ];
 }
 

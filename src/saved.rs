@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use crate::laboratory::Choice;
+use crate::laboratory::{Choice, SeedChoice};
 use crate::layout::Layout;
 use crate::session::{Mode, Session};
 use crate::tutor::Studies;
@@ -31,6 +31,7 @@ pub(crate) struct Saved {
     dark: Option<bool>,
     pub(crate) layout: Layout,
     pub(crate) map: Option<Choice>,
+    pub(crate) seeds: SeedChoice,
     pub(crate) studies: Studies,
 }
 
@@ -56,6 +57,7 @@ struct Written<'a> {
     dark: Option<bool>,
     layout: &'a Layout,
     map: Option<&'a Choice>,
+    seeds: &'a SeedChoice,
     lessons: &'a Studies,
 }
 
@@ -69,6 +71,7 @@ impl Default for Saved {
             dark: None,
             layout: Layout::default(),
             map: None,
+            seeds: SeedChoice::default(),
             studies: Studies::default(),
         }
     }
@@ -108,6 +111,7 @@ impl Saved {
             dark: reader.part("dark", usual.dark),
             layout: reader.layout(version),
             map: reader.part("map", usual.map),
+            seeds: reader.seeds(),
             studies: reader.part("lessons", usual.studies),
         };
         (saved, reader.problems)
@@ -149,6 +153,11 @@ impl Reader {
         self.note("speed", possible).unwrap_or(usual)
     }
 
+    fn seeds(&mut self) -> SeedChoice {
+        let choice: SeedChoice = self.part("seeds", SeedChoice::default());
+        self.note("seeds", choice.check().map(|()| choice)).unwrap_or_default()
+    }
+
     fn layout(&mut self, version: u64) -> Layout {
         if version > 1 {
             return self.part("layout", Layout::default());
@@ -163,7 +172,7 @@ impl Reader {
 pub(crate) fn save(
     storage: &mut dyn eframe::Storage,
     session: &Session,
-    (layout, map): (&Layout, Option<&Choice>),
+    (layout, map, seeds): (&Layout, Option<&Choice>, &SeedChoice),
     studies: &Studies,
     presenting: bool,
     theme: ThemePreference,
@@ -192,6 +201,7 @@ pub(crate) fn save(
         dark,
         layout,
         map,
+        seeds,
         lessons,
     }) {
         Ok(text) => storage.set_string(KEY, text),

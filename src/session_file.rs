@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::laboratory::Choice;
+use crate::laboratory::{Choice, SeedChoice};
 use crate::layout::Layout;
 use crate::request::{SavedScreen, ViewKind};
 use crate::session::{Mode, Session};
@@ -30,6 +30,8 @@ pub(crate) enum SessionFileError {
     Number { key: &'static str, value: f64, more: &'static str },
     #[error("its map: {0}")]
     Map(String),
+    #[error("its Monte Carlo: {0}")]
+    Seeds(String),
     #[error("a view of its layout has two places")]
     Layout,
 }
@@ -48,10 +50,17 @@ struct Written {
     layout: Tree<ViewKind>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     map: Option<Choice>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    seeds: Option<SeedChoice>,
 }
 
 /// The text of the file.
-pub(crate) fn text(session: &Session, layout: &Layout, map: Option<&Choice>) -> Result<String, SessionFileError> {
+pub(crate) fn text(
+    session: &Session,
+    layout: &Layout,
+    map: Option<&Choice>,
+    seeds: Option<&SeedChoice>,
+) -> Result<String, SessionFileError> {
     Ok(serde_json::to_string_pretty(&Written {
         kalmanscope_session: VERSION,
         program: env!("CARGO_PKG_VERSION").to_owned(),
@@ -61,6 +70,7 @@ pub(crate) fn text(session: &Session, layout: &Layout, map: Option<&Choice>) -> 
         time: session.time() - session.run().record().time_of(0),
         layout: layout.tree().clone(),
         map: map.cloned(),
+        seeds: seeds.cloned(),
     })?)
 }
 
@@ -75,7 +85,7 @@ pub(crate) fn read(bytes: &[u8]) -> Option<Result<SavedScreen, SessionFileError>
 }
 
 fn saved(value: Value) -> Result<SavedScreen, SessionFileError> {
-    let Written { scenario, mode, speed, time, layout, map, .. } = serde_json::from_value(value)?;
+    let Written { scenario, mode, speed, time, layout, map, seeds, .. } = serde_json::from_value(value)?;
     if !(speed.is_finite() && speed > 0.0) {
         return Err(SessionFileError::Number { key: "speed", value: speed, more: " above 0" });
     }
@@ -89,5 +99,8 @@ fn saved(value: Value) -> Result<SavedScreen, SessionFileError> {
     if let Some(map) = &map {
         map.check(&scenario).map_err(SessionFileError::Map)?;
     }
-    Ok(SavedScreen { scenario, mode, speed, time, tree: layout, map })
+    if let Some(seeds) = &seeds {
+        seeds.check().map_err(SessionFileError::Seeds)?;
+    }
+    Ok(SavedScreen { scenario, mode, speed, time, tree: layout, map, seeds })
 }

@@ -15,7 +15,7 @@ use kalmanscope_core::{Scenario, ScenarioError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::laboratory::Choice;
+use crate::laboratory::{Choice, SeedChoice};
 use crate::layout::Layout;
 use crate::request::{LegendEntry, ViewKind};
 use crate::ruler::Ruler;
@@ -43,6 +43,8 @@ pub struct Picture {
     pub enlarged: Option<ViewKind>,
     /// The map of the laboratory, if a view shows it.
     pub map: Option<Choice>,
+    /// The seeds of the laboratory, if a view shows them.
+    pub seeds: Option<SeedChoice>,
     /// Live, or the whole record.
     pub mode: Mode,
     /// The time at which playback stands, from the first sample on \[s\].
@@ -85,6 +87,8 @@ struct Screen {
     enlarged: Option<ViewKind>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     map: Option<Choice>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    seeds: Option<SeedChoice>,
     mode: Mode,
     time: f64,
     #[serde(default = "usual_speed", skip_serializing_if = "is_usual_speed")]
@@ -113,7 +117,7 @@ impl Picture {
     pub(crate) fn new(scenario: Scenario, layout: &Layout, mode: Mode, time: f64) -> Self {
         let (views, enlarged) = (Outline::of(layout.tree()), layout.enlarged());
         let (speed, ruler, hidden) = (usual_speed(), Ruler::default(), Vec::new());
-        Self { scenario, views, enlarged, map: None, mode, time, speed, ruler, hidden }
+        Self { scenario, views, enlarged, map: None, seeds: None, mode, time, speed, ruler, hidden }
     }
 
     /// The picture as a fragment, from `#` on.
@@ -122,8 +126,8 @@ impl Picture {
     /// [`LinkError::Scenario`] where the scenario cannot be written, [`LinkError::TooLong`] where the link would be too
     /// long.
     pub fn fragment(&self) -> Result<String, LinkError> {
-        let Self { scenario, views, enlarged, map, mode, time, speed, ruler, hidden } = self.clone();
-        let screen = Screen { views, enlarged, map, mode, time, speed, marks: ruler, hidden };
+        let Self { scenario, views, enlarged, map, seeds, mode, time, speed, ruler, hidden } = self.clone();
+        let screen = Screen { views, enlarged, map, seeds, mode, time, speed, marks: ruler, hidden };
         let screen = serde_json::to_string(&screen).map_err(|error| LinkError::Screen(error.to_string()))?;
         let text = format!("{screen}\n{}", scenario.to_toml()?);
         let link = format!("{VERSION}.{}", base64url::encode(&packed::pack(&text)));
@@ -153,7 +157,7 @@ impl Picture {
     fn from_text(text: &str) -> Result<Self, LinkError> {
         let (screen, scenario) = text.split_once('\n').ok_or(LinkError::Damaged)?;
         let screen: Screen = serde_json::from_str(screen).map_err(|error| LinkError::Screen(error.to_string()))?;
-        let Screen { views, enlarged, map, mode, time, speed, marks: ruler, hidden } = screen;
+        let Screen { views, enlarged, map, seeds, mode, time, speed, marks: ruler, hidden } = screen;
         if let Some(views) = &views {
             views.validate().map_err(LinkError::Screen)?;
         }
@@ -171,7 +175,10 @@ impl Picture {
         if let Some(map) = &map {
             map.check(&scenario).map_err(LinkError::Screen)?;
         }
-        Ok(Self { scenario, views, enlarged, map, mode, time, speed, ruler, hidden })
+        if let Some(seeds) = &seeds {
+            seeds.check().map_err(|reason| LinkError::Screen(format!("Monte Carlo: {reason}")))?;
+        }
+        Ok(Self { scenario, views, enlarged, map, seeds, mode, time, speed, ruler, hidden })
     }
 
     /// The views as tiles.

@@ -13,6 +13,7 @@ mod innovations;
 mod map;
 mod matrices;
 mod measured;
+mod monte_carlo;
 mod oscillator;
 mod parameter_plane;
 mod phase;
@@ -46,6 +47,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Diagnosis => &diagnosis::Diagnosis,
         ViewKind::Map => &map::Map,
         ViewKind::Slices => &slices::Slices,
+        ViewKind::MonteCarlo => &monte_carlo::MonteCarlo,
     }
 }
 

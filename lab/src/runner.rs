@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kalmanscope_core::simulate::Simulator;
 use kalmanscope_core::score::Outcome;
+use kalmanscope_core::simulate::Simulator;
 use kalmanscope_core::{Pass, Record, RunError, Scenario, Source};
 
 use crate::ensemble::{Ensemble, EnsembleError};
@@ -77,7 +77,8 @@ impl Runner {
                 |(scenario, record): &(Scenario, Arc<Record>)| outcome::of_history(scenario, place, record, measures);
             return runs.iter().map(|run| run.as_ref().and_then(|run| one(run).ok())).collect();
         }
-        let all: Vec<(&Scenario, &Record)> = runs.iter().flatten().map(|(scenario, record)| (scenario, &**record)).collect();
+        let all: Vec<(&Scenario, &Record)> =
+            runs.iter().flatten().map(|(scenario, record)| (scenario, &**record)).collect();
         let Ok(outcomes) = outcomes(&all, place) else { return vec![None; runs.len()] };
         let mut outcomes = outcomes.iter();
         let one = |run: &Option<(Scenario, Arc<Record>)>| {

@@ -84,7 +84,11 @@ impl App {
             Request::Report(sentence) => self.notice = Some(sentence.into()),
             Request::DismissNotice => self.notice = None,
             Request::Leave => {
-                if !std::mem::take(&mut self.keys_open) && !session.cancel() && !laboratory.set_stopped(true) {
+                let is_done = std::mem::take(&mut self.keys_open)
+                    || session.cancel()
+                    || laboratory.set_stopped(true)
+                    || laboratory.seeds_mut().set_stopped(true);
+                if !is_done {
                     layout.leave_enlarged();
                 }
             }
@@ -113,6 +117,10 @@ impl App {
             Request::ChooseMap(choice) => laboratory.choose(Some(*choice)),
             Request::ComputeMap(wanted) => {
                 laboratory.set_stopped(!wanted);
+            }
+            Request::ChooseSeeds(choice) => laboratory.seeds_mut().choose(choice),
+            Request::RunSeeds(wanted) => {
+                laboratory.seeds_mut().set_stopped(!wanted);
             }
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }

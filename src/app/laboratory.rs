@@ -1,10 +1,12 @@
 //! The laboratory beside the session.
 
 use egui::Context;
+use kalmanscope_core::Estimates;
 
 use super::App;
 use super::window::NARROW;
 use crate::laboratory::{Engine, Laboratory};
+use crate::request::ViewKind;
 use crate::views::view;
 
 impl App {
@@ -13,6 +15,7 @@ impl App {
     pub fn computing_with(self, engine: Box<dyn Engine>) -> Self {
         let mut laboratory = Laboratory::new(engine);
         laboratory.choose(self.laboratory.choice().cloned());
+        laboratory.seeds_mut().choose(self.laboratory.seeds().choice().clone());
         Self { laboratory, ..self }
     }
 
@@ -30,5 +33,9 @@ impl App {
     pub(super) fn follow_laboratory(&mut self, ctx: &Context) {
         let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory());
         self.laboratory.follow(&self.session, is_in_sight, self.width < NARROW, ctx);
+        let filters = self.session.run().estimates().iter().map(Estimates::id);
+        let filters: Vec<u32> = filters.filter(|id| self.visible.filter(*id)).collect();
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::MonteCarlo);
+        self.laboratory.follow_seeds(&self.session, &filters, is_in_sight, ctx);
     }
 }

@@ -6,7 +6,7 @@ use super::App;
 use crate::controls::number;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
-use crate::request::Request;
+use crate::request::{Request, ViewKind};
 use crate::share::address::{self, Target};
 use crate::share::{LinkError, Picture};
 use crate::views::view;
@@ -47,8 +47,17 @@ impl App {
         let time = session.time() - session.run().record().time_of(0);
         let shows_map = layout.shown().iter().any(|kind| view(*kind).is_of_laboratory());
         let map = laboratory.choice().filter(|_| shows_map).cloned();
+        let shows_seeds = layout.shown().contains(&ViewKind::MonteCarlo);
+        let seeds = shows_seeds.then(|| laboratory.seeds().choice().clone());
         let picture = Picture::new(session.scenario().clone(), layout, session.mode(), time);
-        Picture { map, speed: session.speed(), ruler: ruler.in_nanoseconds(), hidden: visible.hidden(), ..picture }
+        Picture {
+            map,
+            seeds,
+            speed: session.speed(),
+            ruler: ruler.in_nanoseconds(),
+            hidden: visible.hidden(),
+            ..picture
+        }
     }
 
     /// A link to the picture on screen.
@@ -79,7 +88,7 @@ impl App {
     /// Shows the picture of a link, paused. The settings before it come back with undo.
     fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
-        let Picture { scenario, map, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;
+        let Picture { scenario, map, seeds, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;
         self.history.add_undo(self.session.scenario());
         self.session.set_scenario(scenario);
         self.session.begin_anew();
@@ -92,6 +101,9 @@ impl App {
         self.layout = layout;
         if map.is_some() {
             self.laboratory.choose(map);
+        }
+        if let Some(seeds) = seeds {
+            self.laboratory.seeds_mut().choose(seeds);
         }
         self.axis = TimeAxis::default();
         self.ruler = ruler;

@@ -10,6 +10,8 @@ use crate::theme::Palette;
 /// Room for the numbers and the name of the vertical axis at the left, and of the horizontal one below \[points\].
 const LEFT: f32 = 58.0;
 const BELOW: f32 = 34.0;
+/// Room below a frame above another one \[points\].
+const ABOVE: f32 = 6.0;
 /// Room at the right and above, for half a number \[points\].
 const MARGIN: Vec2 = vec2(12.0, 7.0);
 
@@ -68,6 +70,8 @@ pub(crate) struct Graph {
     pub(crate) rect: Rect,
     pub(crate) x: Scale,
     pub(crate) y: Scale,
+    /// Whether the horizontal axis has numbers and a name.
+    has_x: bool,
 }
 
 impl Graph {
@@ -75,7 +79,13 @@ impl Graph {
     pub(crate) fn new(room: Rect, x: Scale, y: Scale) -> Self {
         let min = pos2(room.left() + LEFT, room.top() + MARGIN.y);
         let max = pos2(room.right() - MARGIN.x, room.bottom() - BELOW).max(min + Vec2::splat(1.0));
-        Self { rect: Rect::from_min_max(min, max), x, y }
+        Self { rect: Rect::from_min_max(min, max), x, y, has_x: true }
+    }
+
+    /// The frame above another one with the same horizontal axis, which has the numbers.
+    pub(crate) fn above(room: Rect, x: Scale, y: Scale) -> Self {
+        let below = room.with_max_y(room.bottom() + BELOW - ABOVE);
+        Self { has_x: false, ..Self::new(below, x, y) }
     }
 
     /// The position of a point.
@@ -98,7 +108,7 @@ impl Graph {
 
     /// Draws the axes with their numbers and names, and with lines at the numbers if these are wanted.
     pub(crate) fn axes_ui(&self, ui: &Ui, [x_name, y_name]: [&str; 2], palette: &Palette, has_lines: bool) {
-        let Self { rect, x, y } = self;
+        let Self { rect, x, y, has_x } = self;
         let painter = ui.painter();
         let [across, up] = Medium::of(ui.ctx()).between_ticks();
         let line = Stroke::new(1.0, palette.grid);
@@ -110,7 +120,9 @@ impl Graph {
                 painter.line_segment([at, pos2(at.x, rect.top())], faint);
             }
             painter.line_segment([at, at + vec2(0.0, TICK)], line);
-            painter.text(at + vec2(0.0, TICK + 1.0), Align2::CENTER_TOP, text, font.clone(), palette.weak);
+            if *has_x {
+                painter.text(at + vec2(0.0, TICK + 1.0), Align2::CENTER_TOP, text, font.clone(), palette.weak);
+            }
         }
         for (share, text) in y.ticks(rect.height(), up) {
             let at = self.at_shares([0.0, share]);
@@ -122,7 +134,9 @@ impl Graph {
         }
         painter.add(Shape::line(vec![rect.left_top(), rect.left_bottom(), rect.right_bottom()], line));
         let below = pos2(rect.center().x, rect.bottom() + BELOW);
-        painter.text(below, Align2::CENTER_BOTTOM, x_name, font.clone(), palette.text);
+        if *has_x {
+            painter.text(below, Align2::CENTER_BOTTOM, x_name, font.clone(), palette.text);
+        }
         upright(painter, pos2(rect.left() - LEFT, rect.center().y), y_name, font, palette);
     }
 }

@@ -11,6 +11,7 @@ mod keyboard;
 mod lessons;
 mod map;
 mod memory;
+mod monte_carlo;
 mod playback;
 mod progress;
 mod records;

@@ -58,7 +58,7 @@ fn the_map_has_the_numbers_of_a_sweep_of_the_scenario() {
     for (at, name) in ["EKF", "UKF"].into_iter().enumerate() {
         let axes = survey.axes().map(|axis| Axis { key: axis.key.replace('*', name), ..axis.clone() }).to_vec();
         let measures = vec![Measure::Rmse(Channel::NATURAL_FREQUENCY), Measure::Nis, Measure::Diverged];
-        let plan = Plan { filters: vec![at], measures: measures.clone(), axes };
+        let plan = Plan { filters: vec![at], measures: measures.clone(), axes, ..Plan::default() };
         let ensemble = Ensemble::new(scenario(&screen).clone(), plan).expect("it is possible");
         let runner = Runner::new(ensemble, Source::Simulated).expect("it is possible");
         for cell in 0..63 {

@@ -1,0 +1,308 @@
+//! The statistics of the scenario over many seeds.
+//!
+//! ```text
+//! Session ──scenario──▶ SeedRuns ──seeds──▶ Engine ──rows──▶ MonteCarlo ──▶ view
+//! ```
+//! Rows are taken into the statistics as they come and are not kept. The statistics before stay in sight until those of
+//! another scenario have enough seeds.
+
+mod table;
+#[cfg(test)]
+mod tests;
+
+use std::ops::RangeInclusive;
+
+use egui::Context;
+use kalmanscope_core::{Channel, Run, Scenario, Source};
+use kalmanscope_lab::{Ensemble, MonteCarlo, Slice};
+use serde::{Deserialize, Serialize};
+
+use super::choice::part_of;
+use super::engine::{Engine, Work};
+
+/// Limits the number of seeds.
+pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
+
+/// The number of seeds at first: fewer on the page, whose runs take longer.
+const USUAL: usize = if cfg!(target_arch = "wasm32") { 100 } else { 200 };
+
+/// The number of times, equally spaced over the record, at which each run is looked at.
+const TIMES: usize = 60;
+
+/// Limits the seeds of statistics that replace those before.
+const ENOUGH: usize = 10;
+
+/// What the user wants to see, as plain data.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeedChoice {
+    /// The number of seeds: 1 up to this one.
+    pub seeds: usize,
+    /// The parameter whose errors and estimates are shown; none for the first one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parameter: Option<Channel>,
+}
+
+impl Default for SeedChoice {
+    fn default() -> Self {
+        Self { seeds: USUAL, parameter: None }
+    }
+}
+
+impl SeedChoice {
+    /// Whether the number of seeds is possible.
+    ///
+    /// # Errors
+    /// A sentence that says what is allowed.
+    pub fn check(&self) -> Result<(), String> {
+        let (least, most) = (SEEDS.start(), SEEDS.end());
+        if SEEDS.contains(&self.seeds) {
+            Ok(())
+        } else {
+            Err(format!("it has {} seeds, but must have {least} to {most}", self.seeds))
+        }
+    }
+}
+
+/// The runs of one scenario with many seeds: under way, or complete.
+pub struct SeedRuns {
+    ensemble: Ensemble,
+    /// The ids of the filters.
+    filters: Vec<u32>,
+    statistics: MonteCarlo,
+    known: Vec<bool>,
+    work: Option<Box<dyn Work>>,
+}
+
+impl SeedRuns {
+    fn new(scenario: &Scenario, filters: &[u32], seeds: usize) -> Result<Self, String> {
+        let places = (0..filters.len()).collect();
+        let ensemble = MonteCarlo::ensemble(bare(scenario, filters), places, seeds, TIMES);
+        let ensemble = ensemble.map_err(|error| error.to_string())?;
+        let statistics = MonteCarlo::new(&ensemble);
+        Ok(Self { ensemble, filters: filters.to_vec(), statistics, known: vec![false; seeds], work: None })
+    }
+
+    /// The scenario, with the filters that are shown only.
+    pub fn scenario(&self) -> &Scenario {
+        self.ensemble.scenario()
+    }
+
+    /// The ids of the filters, in the order of the statistics.
+    pub fn filters(&self) -> &[u32] {
+        &self.filters
+    }
+
+    /// The statistics so far.
+    pub fn statistics(&self) -> &MonteCarlo {
+        &self.statistics
+    }
+
+    /// The number of seeds in all.
+    pub fn seeds(&self) -> usize {
+        self.known.len()
+    }
+
+    fn is_complete(&self) -> bool {
+        self.statistics.done() >= self.seeds()
+    }
+
+    /// Whether these are runs of a scenario, whatever its own seed.
+    fn is_of(&self, scenario: &Scenario, filters: &[u32]) -> bool {
+        self.filters == filters && *self.scenario() == bare(scenario, filters)
+    }
+
+    /// Goes on with what the same runs with fewer seeds have found.
+    fn continue_from(&mut self, before: &Self) {
+        if before.is_of(self.scenario(), &self.filters) && before.seeds() <= self.seeds() {
+            self.statistics = before.statistics.clone();
+            self.known[..before.seeds()].copy_from_slice(&before.known);
+        }
+    }
+
+    /// Goes on where there is something to do. Returns whether rows have come.
+    fn follow(&mut self, engine: &dyn Engine, ctx: &Context) -> Result<bool, String> {
+        if self.is_complete() {
+            self.work = None;
+            return Ok(false);
+        }
+        let Self { ensemble, statistics, known, work, .. } = self;
+        let work = match work {
+            Some(work) => work,
+            none => {
+                let missing = (0..known.len()).filter(|seed| !known[*seed]).collect();
+                let work = engine.start(ensemble, &Source::Simulated, missing, ctx);
+                none.insert(work.map_err(|error| error.to_string())?)
+            }
+        };
+        let rows = work.poll();
+        let has_come = !rows.is_empty();
+        for rows in rows {
+            rows.cells.iter().for_each(|cell| known[*cell] = true);
+            statistics.take(ensemble, &Slice { cells: rows.cells, rows: rows.numbers });
+        }
+        Ok(has_come)
+    }
+}
+
+/// A scenario with these filters and no seed or colour of its own.
+fn bare(scenario: &Scenario, filters: &[u32]) -> Scenario {
+    Scenario { seed: 0, ..part_of(scenario, filters) }
+}
+
+/// The runs of the session's scenario with many seeds.
+#[derive(Default)]
+pub struct Seeds {
+    choice: SeedChoice,
+    runs: Option<SeedRuns>,
+    /// The runs before, until the present ones have enough seeds.
+    before: Option<SeedRuns>,
+    is_stopped: bool,
+    problem: Option<String>,
+    version: u64,
+    /// The seeds of the statistics with the present version.
+    counted: usize,
+}
+
+impl Seeds {
+    /// The user's choice.
+    pub fn choice(&self) -> &SeedChoice {
+        &self.choice
+    }
+
+    /// Takes over a choice.
+    pub fn choose(&mut self, choice: SeedChoice) {
+        self.choice = choice;
+        self.is_stopped = false;
+    }
+
+    /// The runs to show: the present ones, or those before as long as the present ones are too few.
+    pub fn shown(&self) -> Option<&SeedRuns> {
+        self.before.as_ref().or(self.runs.as_ref()).filter(|runs| runs.statistics.done() > 0)
+    }
+
+    /// Whether the runs to show are of earlier settings.
+    pub fn is_shown_old(&self) -> bool {
+        self.before.is_some()
+    }
+
+    /// The seeds that are done, and all of them; none where they are complete or there are none.
+    pub fn progress(&self) -> Option<[usize; 2]> {
+        let runs = self.runs.as_ref().filter(|runs| !runs.is_complete())?;
+        Some([runs.statistics.done(), runs.seeds()])
+    }
+
+    /// Whether seeds are being run.
+    pub fn is_working(&self) -> bool {
+        self.runs.as_ref().is_some_and(|runs| runs.work.is_some())
+    }
+
+    /// Whether the user has stopped the work.
+    pub fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
+    /// Why there are no statistics, if so.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// A number that changes with what is to be shown: while seeds come in, with each twentieth more of them.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Stops the work, or goes on with it. Returns whether that changes anything.
+    pub fn set_stopped(&mut self, stopped: bool) -> bool {
+        let changes = self.is_stopped != stopped && self.progress().is_some();
+        if changes {
+            self.is_stopped = stopped;
+            self.rest();
+        }
+        changes
+    }
+
+    /// Follows a run with these filters. Without an engine the work rests.
+    pub(super) fn follow(&mut self, run: &Run, filters: &[u32], engine: Option<&dyn Engine>, ctx: &Context) {
+        if let Some(problem) = problem(run, filters) {
+            self.forget(problem);
+            return;
+        }
+        let (scenario, seeds) = (run.scenario(), self.choice.seeds);
+        if !self.runs.as_ref().is_some_and(|runs| runs.seeds() == seeds && runs.is_of(scenario, filters)) {
+            match SeedRuns::new(scenario, filters, seeds) {
+                Ok(next) => self.begin(next),
+                Err(problem) => return self.forget(format!("There are no statistics: {problem}.")),
+            }
+        }
+        match engine.filter(|_| !self.is_stopped) {
+            Some(engine) => self.work(engine, ctx),
+            None => self.rest(),
+        }
+    }
+
+    /// Gives up the work on seeds that are not done; [`Self::follow`] goes on with them.
+    pub(super) fn rest(&mut self) {
+        if let Some(runs) = &mut self.runs {
+            runs.work = None;
+        }
+    }
+
+    fn forget(&mut self, problem: String) {
+        (self.runs, self.before, self.problem) = (None, None, Some(problem));
+    }
+
+    /// Begins other runs. The present ones stay in sight if they have enough seeds.
+    fn begin(&mut self, mut next: SeedRuns) {
+        self.problem = None;
+        self.is_stopped = false;
+        self.rest();
+        if let Some(last) = self.runs.take() {
+            next.continue_from(&last);
+            if last.statistics.done() >= ENOUGH {
+                self.before = Some(last);
+            }
+        }
+        self.runs = Some(next);
+        self.show_new();
+    }
+
+    fn work(&mut self, engine: &dyn Engine, ctx: &Context) {
+        let Some(runs) = &mut self.runs else { return };
+        match runs.follow(engine, ctx) {
+            Ok(true) => self.show_new(),
+            Ok(false) => {}
+            Err(problem) => self.forget(format!("There are no statistics: {problem}.")),
+        }
+    }
+
+    /// Counts the version up where there is something new to show.
+    fn show_new(&mut self) {
+        let Some(runs) = &self.runs else { return };
+        let done = runs.statistics.done();
+        let is_enough = done >= ENOUGH.min(runs.seeds());
+        if is_enough && self.before.take().is_some() {
+            self.counted = 0;
+        }
+        if self.before.is_none()
+            && (done < self.counted || runs.is_complete() || done > self.counted + self.counted / 20)
+        {
+            self.version += 1;
+            self.counted = done;
+        }
+    }
+}
+
+/// Why a run has no statistics over seeds, if so.
+fn problem(run: &Run, filters: &[u32]) -> Option<String> {
+    if matches!(run.source(), Source::Measured(_)) {
+        let sentence = "This record is measured, and there is only one of it. Monte Carlo simulates the scenario anew for each seed.";
+        return Some(sentence.to_owned());
+    }
+    if filters.is_empty() {
+        return Some("No filter is shown.".to_owned());
+    }
+    let samples = run.samples();
+    let is_long = samples > crate::session::Session::LONGEST_WHOLE + 1;
+    is_long.then(|| format!("The record has {samples} samples: too many to run it for every seed."))
+}

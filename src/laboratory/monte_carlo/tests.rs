@@ -1,0 +1,153 @@
+use kalmanscope_lab::Runner;
+
+use super::*;
+use crate::laboratory::{Laboratory, Slices};
+use crate::session::{Budget, Session};
+
+/// A laboratory that runs one seed a frame.
+fn slow(seeds: usize) -> Laboratory {
+    let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Pieces(1))));
+    laboratory.seeds_mut().choose(SeedChoice { seeds, parameter: None });
+    laboratory
+}
+
+/// A session of two seconds.
+fn session() -> Session {
+    Session::new(Scenario { duration: 2.0, ..Scenario::default() }).unwrap()
+}
+
+fn follow(laboratory: &mut Laboratory, session: &Session, frames: usize) {
+    let ctx = Context::default();
+    let filters: Vec<u32> = session.scenario().filters.iter().map(|filter| filter.id).collect();
+    (0..frames).for_each(|_| laboratory.follow_seeds(session, &filters, true, &ctx));
+}
+
+fn with(session: &mut Session, change: impl FnOnce(&mut Scenario)) {
+    let mut scenario = session.scenario().clone();
+    change(&mut scenario);
+    session.set_scenario(scenario);
+}
+
+fn done(laboratory: &Laboratory) -> usize {
+    laboratory.seeds().shown().unwrap().statistics().done()
+}
+
+#[test]
+fn the_statistics_are_those_of_the_ensemble() {
+    let session = session();
+    let mut laboratory = slow(12);
+    follow(&mut laboratory, &session, 5);
+    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (5, Some([5, 12])));
+    follow(&mut laboratory, &session, 10);
+    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (12, None));
+    assert!(!laboratory.seeds().is_working());
+    let ensemble = MonteCarlo::ensemble(session.scenario().clone(), vec![0, 1], 12, TIMES).unwrap();
+    let rows = Runner::new(ensemble.clone(), Source::Simulated).unwrap().rows(&(0..12).collect::<Vec<_>>());
+    let mut expected = MonteCarlo::new(&ensemble);
+    expected.take(&ensemble, &Slice { cells: (0..12).collect(), rows });
+    let shown = laboratory.seeds().shown().unwrap();
+    for nth in [0, 1] {
+        assert!(shown.statistics().nees(nth).eq(expected.nees(nth)));
+        assert!(shown.statistics().nis(nth).eq(expected.nis(nth)));
+        assert_eq!(shown.statistics().quantiles(nth, 2, [0.1, 0.9]), expected.quantiles(nth, 2, [0.1, 0.9]));
+        assert_eq!(shown.statistics().finals(nth, 2), expected.finals(nth, 2));
+    }
+    let table = shown.to_csv();
+    let mut lines = table.lines();
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = header.iter().position(|name| *name == "natural_frequency.rmse").unwrap();
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 2 * expected.samples().len());
+    assert!(rows.iter().all(|row| row.len() == header.len() && row[2] == "12"));
+    let at = expected.channels(1).iter().position(|channel| *channel == Channel::NATURAL_FREQUENCY).unwrap();
+    let last = expected.rmse(1, at).last().unwrap();
+    assert_eq!(rows.last().unwrap()[column].parse(), Ok(last));
+}
+
+#[test]
+fn another_scenario_begins_and_the_old_picture_stays_until_there_are_enough_seeds() {
+    let mut session = session();
+    let mut laboratory = slow(15);
+    follow(&mut laboratory, &session, 15);
+    with(&mut session, |scenario| scenario.filters[0].fading = 1.03);
+    follow(&mut laboratory, &session, ENOUGH - 1);
+    let fading = |laboratory: &Laboratory| laboratory.seeds().shown().unwrap().scenario().filters[0].fading;
+    assert_eq!((fading(&laboratory), done(&laboratory), laboratory.seeds().is_shown_old()), (1.005, 15, true));
+    follow(&mut laboratory, &session, 1);
+    assert_eq!((fading(&laboratory), done(&laboratory), laboratory.seeds().is_shown_old()), (1.03, ENOUGH, false));
+}
+
+#[test]
+fn the_scenarios_own_seed_and_a_colour_begin_nothing() {
+    let mut session = session();
+    let mut laboratory = slow(12);
+    follow(&mut laboratory, &session, 4);
+    with(&mut session, |scenario| {
+        scenario.seed = 77;
+        scenario.filters[0].color = Some(kalmanscope_core::FilterColor::ALL[3]);
+    });
+    follow(&mut laboratory, &session, 1);
+    assert_eq!(done(&laboratory), 5);
+}
+
+#[test]
+fn more_seeds_go_on_from_those_that_are_done() {
+    let session = session();
+    let mut laboratory = slow(12);
+    follow(&mut laboratory, &session, 12);
+    laboratory.seeds_mut().choose(SeedChoice { seeds: 20, parameter: None });
+    follow(&mut laboratory, &session, 1);
+    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (13, Some([13, 20])));
+    follow(&mut laboratory, &session, 7);
+    assert_eq!(laboratory.seeds().progress(), None);
+    laboratory.seeds_mut().choose(SeedChoice { seeds: 11, parameter: None });
+    follow(&mut laboratory, &session, 11);
+    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (11, None), "fewer begin anew");
+}
+
+#[test]
+fn it_rests_out_of_sight_and_is_stopped_and_goes_on() {
+    let session = session();
+    let mut laboratory = slow(12);
+    follow(&mut laboratory, &session, 4);
+    laboratory.follow_seeds(&session, &[1, 2], false, &Context::default());
+    assert!(!laboratory.seeds().is_working());
+    follow(&mut laboratory, &session, 1);
+    assert_eq!(done(&laboratory), 5);
+    assert!(laboratory.seeds_mut().set_stopped(true));
+    follow(&mut laboratory, &session, 3);
+    assert_eq!((done(&laboratory), laboratory.seeds().is_working()), (5, false));
+    assert!(laboratory.seeds_mut().set_stopped(false));
+    follow(&mut laboratory, &session, 7);
+    assert_eq!((done(&laboratory), laboratory.seeds().progress()), (12, None));
+}
+
+#[test]
+fn a_map_under_way_comes_first() {
+    let session = session();
+    let mut laboratory = slow(12);
+    let ctx = Context::default();
+    laboratory.follow(&session, true, true, &ctx);
+    follow(&mut laboratory, &session, 3);
+    assert!(laboratory.seeds().shown().is_none() && laboratory.is_working());
+    laboratory.set_stopped(true);
+    follow(&mut laboratory, &session, 3);
+    assert_eq!(done(&laboratory), 3);
+}
+
+#[test]
+fn without_filters_a_sentence_says_so() {
+    let mut laboratory = slow(12);
+    laboratory.follow_seeds(&session(), &[], true, &Context::default());
+    assert_eq!(laboratory.seeds().problem(), Some("No filter is shown."));
+    assert!(laboratory.seeds().shown().is_none());
+    follow(&mut laboratory, &session(), 1);
+    assert_eq!((laboratory.seeds().problem(), done(&laboratory)), (None, 1));
+}
+
+#[test]
+fn impossible_numbers_of_seeds_are_refused() {
+    for (seeds, is_possible) in [(9, false), (10, true), (10_000, true), (10_001, false)] {
+        assert_eq!(SeedChoice { seeds, parameter: None }.check().is_ok(), is_possible, "{seeds}");
+    }
+}

@@ -1,0 +1,131 @@
+//! The scenario over many seeds: consistency and errors over time, and where the estimates end.
+
+mod bands;
+mod curves;
+mod head;
+mod histogram;
+mod legend;
+mod over_time;
+
+use std::sync::Arc;
+
+use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, Vec2, pos2, vec2};
+
+use crate::plot::medium::Medium;
+use crate::request::Request;
+use crate::session::Wanted;
+use crate::view::{Proportions, View, ViewContext};
+use curves::Curves;
+
+/// The statistics over many seeds.
+pub(super) struct MonteCarlo;
+
+/// Limits the width from which the histogram stands beside the charts over time \[points\].
+const WIDE: f32 = 620.0;
+
+/// The share of the width that the charts over time then have.
+const SHARE: f32 = 0.62;
+
+/// Limits the height of a chart; lower ones scroll \[points\].
+const LEAST: f32 = 118.0;
+
+/// Room below the last chart over time that the others do not need, and between charts \[points\].
+const AXIS: f32 = 28.0;
+const GAP: f32 = 8.0;
+
+impl View for MonteCarlo {
+    fn name(&self) -> &'static str {
+        "Monte Carlo"
+    }
+
+    fn help(&self) -> [&'static str; 3] {
+        [
+            "The scenario with many seeds: other noise each time. NEES and NIS are means over the seeds, over their expectation.",
+            "A consistent filter has both in the grey band, which 95 % of its means are in, and 95 % of its errors, between the thin lines, in its own ±2σ.",
+            "Thin lines outside the filled band: the filter is overconfident. Dashed is ±2 times the Cramér-Rao bound, which no unbiased filter passes.",
+        ]
+    }
+
+    fn wanted(&self) -> Wanted {
+        Wanted::BOUNDS
+    }
+
+    fn proportions(&self) -> Proportions {
+        Proportions::Tall
+    }
+
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        let seeds = context.laboratory?.seeds();
+        let medium = Medium::of(ui.ctx());
+        if let Some(problem) = seeds.problem() {
+            ui.weak(problem);
+            return None;
+        }
+        if medium == Medium::Screen {
+            head::head_ui(ui, context, seeds, requests);
+        }
+        let Some(runs) = seeds.shown() else {
+            ui.weak("The first seeds are being run.");
+            return None;
+        };
+        let curves = curves::of(ui.ctx(), seeds, runs, context);
+        let is_old = seeds.is_shown_old();
+        let has_corner = ui.available_width() >= WIDE && curves.parameter.is_some();
+        if !has_corner {
+            legend::legend_ui(ui, &curves, context, is_old, false);
+        }
+        let charts = if curves.parameter.is_some() { 4 } else { 2 };
+        medium.note_plots(ui.ctx(), charts);
+        match medium {
+            Medium::Screen => {
+                _ = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| charts_ui(ui, &curves, context, is_old))
+            }
+            Medium::Figure => charts_ui(ui, &curves, context, is_old),
+        }
+        None
+    }
+}
+
+/// The charts over time in one column, and the histogram beside or below them; what is beside has the legend above it.
+fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_old: bool) {
+    let room = ui.available_size().max(Vec2::splat(1.0));
+    let is_wide = room.x >= WIDE;
+    let charts = over_time::Chart::ALL.into_iter().filter(|chart| chart.is_in(curves)).collect::<Vec<_>>();
+    let count = charts.len() as f32;
+    let has_histogram = curves.parameter.is_some();
+    let is_below = has_histogram && !is_wide;
+    let rows = count + f32::from(u8::from(is_below));
+    let axes = AXIS * (1.0 + f32::from(u8::from(is_below)));
+    let scrolls = Medium::of(ui.ctx()) == Medium::Screen;
+    let least = if scrolls { LEAST } else { 1.0 };
+    let height = ((room.y - axes - GAP * (rows - 1.0)) / rows).max(least);
+    let all = rows * height + axes + GAP * (rows - 1.0);
+    let (area, _) = ui.allocate_exact_size(vec2(room.x, all), Sense::hover());
+    let width = if is_wide && has_histogram { SHARE * area.width() } else { area.width() };
+    let mut top = area.top();
+    let mut last = area;
+    for (at, chart) in charts.iter().enumerate() {
+        let is_last = at + 1 == charts.len();
+        let size = vec2(width, height + if is_last { AXIS } else { 0.0 });
+        last = Rect::from_min_size(pos2(area.left(), top), size);
+        let mut child = ui.new_child(UiBuilder::new().id_salt(("over time", at)).max_rect(last));
+        chart.ui(&mut child, last, curves, context, is_last);
+        top = last.bottom() + GAP;
+    }
+    if !has_histogram {
+        return;
+    }
+    let room = if is_wide {
+        // As high as the two charts beside it.
+        let corner = pos2(area.left() + width + 2.0 * GAP, area.top());
+        let bottom = last.top() - height - GAP;
+        let legend = Rect::from_min_max(corner, pos2(area.right(), bottom));
+        let mut child = ui.new_child(UiBuilder::new().id_salt("legend").max_rect(legend));
+        legend::legend_ui(&mut child, curves, context, is_old, true);
+        Rect::from_min_max(pos2(area.left() + width + GAP, bottom), area.max)
+    } else {
+        Rect::from_min_max(pos2(area.left(), top), area.max)
+    };
+    let mut child = ui.new_child(UiBuilder::new().id_salt("histogram").max_rect(room));
+    histogram::histogram_ui(&mut child, room, curves, context);
+}

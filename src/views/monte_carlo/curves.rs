@@ -1,0 +1,144 @@
+//! The numbers that are drawn, made anew when more seeds have come.
+
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+use egui::{Context, Id};
+use kalmanscope_core::Channel;
+use kalmanscope_lab::MonteCarlo;
+
+use super::histogram::Histogram;
+use crate::laboratory::{SeedRuns, Seeds};
+use crate::plot::cache::cached;
+use crate::view::ViewContext;
+
+/// The shares of errors below the lines that are drawn.
+const SHARES: [f64; 3] = [0.025, 0.5, 0.975];
+
+/// The statistics of all filters at the times of the runs.
+#[derive(Default)]
+pub(super) struct Curves {
+    /// The seeds in them.
+    pub(super) seeds: usize,
+    /// The times, from the first sample on \[s\].
+    pub(super) times: Vec<f64>,
+    /// The samples at these times.
+    pub(super) samples: Vec<usize>,
+    /// The duration of the record \[s\].
+    pub(super) duration: f64,
+    /// The parameter, if a filter estimates one.
+    pub(super) parameter: Option<Channel>,
+    /// The parameters that can be chosen.
+    pub(super) parameters: Vec<Channel>,
+    /// The truth of the parameter at the end.
+    pub(super) truth: Option<f64>,
+    pub(super) filters: Vec<FilterCurves>,
+    pub(super) histogram: Histogram,
+}
+
+/// The statistics of one filter.
+pub(super) struct FilterCurves {
+    pub(super) id: u32,
+    pub(super) name: String,
+    /// The mean NEES over its expectation, and the band of 95 % of such means.
+    pub(super) nees: Vec<f64>,
+    pub(super) nees_band: Vec<Option<RangeInclusive<f64>>>,
+    /// The same of NIS.
+    pub(super) nis: Vec<f64>,
+    pub(super) nis_band: Vec<Option<RangeInclusive<f64>>>,
+    /// Quantiles of the parameter's error, and the filter's own σ.
+    pub(super) quantiles: Vec<[f64; 3]>,
+    pub(super) std: Vec<f64>,
+    /// The share of the runs that lost the truth or stopped, and that stopped.
+    pub(super) diverged: [f64; 2],
+}
+
+/// The curves of the runs on screen.
+pub(super) fn of(ctx: &Context, seeds: &Seeds, runs: &SeedRuns, context: &ViewContext<'_>) -> Arc<Curves> {
+    let wanted = seeds.choice().parameter;
+    cached(ctx, Id::unique("Monte Carlo"), (seeds.version(), wanted), || Some(made(runs, wanted, context)))
+}
+
+fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> Curves {
+    let (scenario, statistics) = (runs.scenario(), runs.statistics());
+    let record = context.session.run().record();
+    let is_shown = |channel: &Channel| channel.is_parameter() && record.truth(*channel).is_some();
+    let mut parameters: Vec<Channel> = Vec::new();
+    for nth in 0..runs.filters().len() {
+        for &channel in statistics.channels(nth).iter().filter(|channel| is_shown(channel)) {
+            let at = statistics.channels(nth).iter().position(|other| *other == channel);
+            // A parameter that is taken for known has neither errors nor a spread.
+            let is_estimated = at.is_some_and(|at| statistics.std(nth, at).any(|std| std > 0.0));
+            if is_estimated && !parameters.contains(&channel) {
+                parameters.push(channel);
+            }
+        }
+    }
+    let parameter = wanted.filter(|wanted| parameters.contains(wanted)).or_else(|| parameters.first().copied());
+    let end = scenario.dt * scenario.samples().saturating_sub(1) as f64;
+    let truth = parameter.and_then(|channel| {
+        let of_plant = scenario.plant.parameter(channel).map(|signal| signal.at(end));
+        of_plant.or_else(|| record.truth(channel)?.last().copied())
+    });
+    let one = |(nth, filter): (usize, &kalmanscope_core::FilterSettings)| {
+        of_filter(statistics, (nth, runs.filters()[nth], &filter.name), scenario.sensors.len(), parameter)
+    };
+    let filters: Vec<FilterCurves> = scenario.filters.iter().enumerate().map(one).collect();
+    let finals = |nth: usize| {
+        let at = parameter.and_then(|channel| statistics.channels(nth).iter().position(|other| *other == channel));
+        at.map_or(&[][..], |at| statistics.finals(nth, at))
+    };
+    let finals: Vec<&[f64]> = (0..filters.len()).map(finals).collect();
+    let samples = statistics.samples().to_vec();
+    Curves {
+        seeds: statistics.done(),
+        times: samples.iter().map(|sample| *sample as f64 * scenario.dt).collect(),
+        samples,
+        duration: end,
+        parameter,
+        parameters,
+        truth,
+        histogram: Histogram::new(&finals, truth),
+        filters,
+    }
+}
+
+fn of_filter(
+    statistics: &MonteCarlo,
+    (nth, id, name): (usize, u32, &str),
+    sensors: usize,
+    parameter: Option<Channel>,
+) -> FilterCurves {
+    let stds: Vec<Vec<f64>> =
+        (0..statistics.channels(nth).len()).map(|channel| statistics.std(nth, channel).collect()).collect();
+    let times = statistics.samples().len();
+    // Channels of variance zero do not count in NEES.
+    let degrees = |time: usize| stds.iter().filter(|std| std[time] > 0.0).count();
+    let band = |degrees: usize| {
+        let interval = MonteCarlo::interval(degrees, statistics.done())?;
+        Some(interval.start() / degrees as f64..=interval.end() / degrees as f64)
+    };
+    let mut bands: Vec<(usize, Option<RangeInclusive<f64>>)> = Vec::new();
+    let mut nees_band = Vec::with_capacity(times);
+    for time in 0..times {
+        let degrees = degrees(time);
+        let known = bands.iter().find(|(of, _)| *of == degrees).map(|(_, band)| band.clone());
+        nees_band.push(known.unwrap_or_else(|| {
+            let band = band(degrees);
+            bands.push((degrees, band.clone()));
+            band
+        }));
+    }
+    let at = parameter.and_then(|channel| statistics.channels(nth).iter().position(|other| *other == channel));
+    FilterCurves {
+        id,
+        name: name.to_owned(),
+        nees: statistics.nees(nth).enumerate().map(|(time, nees)| nees / degrees(time) as f64).collect(),
+        nees_band,
+        nis: statistics.nis(nth).map(|nis| nis / sensors as f64).collect(),
+        nis_band: vec![band(sensors); times],
+        quantiles: at.map_or_else(Vec::new, |at| statistics.quantiles(nth, at, SHARES)),
+        std: at.map_or_else(Vec::new, |at| stds[at].clone()),
+        diverged: statistics.diverged(nth),
+    }
+}

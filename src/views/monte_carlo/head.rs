@@ -1,0 +1,61 @@
+//! The line above the charts: seeds, parameter, and the progress.
+
+use egui::{ComboBox, DragValue, Ui};
+
+use super::curves;
+use crate::laboratory::{SEEDS, Seeds};
+use crate::request::Request;
+use crate::view::ViewContext;
+
+/// The numbers of seeds that have a button.
+const USUAL: [usize; 4] = [100, 1000, 3000, 10_000];
+
+/// Shows the choices, and requests others where one of them changes.
+pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, requests: &mut Vec<Request>) {
+    let mut next = seeds.choice().clone();
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        let speed = (0.02 * next.seeds as f64).max(0.2);
+        let number = ui.add(DragValue::new(&mut next.seeds).range(SEEDS).speed(speed).update_while_editing(false));
+        let hint = "Runs with the seeds 1 up to this number: the same truth, other noise";
+        let number = number.on_hover_text(hint);
+        number.ctx.accesskit_node_builder(number.id, |node| node.set_label("Seeds"));
+        ui.weak("seeds");
+        ui.menu_button("…", |ui| {
+            for count in USUAL {
+                if ui.button(format!("{count} seeds")).clicked() {
+                    next.seeds = count;
+                }
+            }
+        })
+        .response
+        .on_hover_text("Usual numbers of seeds");
+        if let Some(runs) = seeds.shown() {
+            let curves = curves::of(ui.ctx(), seeds, runs, context);
+            if let Some(shown) = curves.parameter {
+                let combo = ComboBox::from_id_salt("parameter of the errors").selected_text(shown.symbol()).width(58.0);
+                let combo = combo.show_ui(ui, |ui| {
+                    for &channel in &curves.parameters {
+                        if ui
+                            .selectable_label(channel == shown, format!("{}, {}", channel.symbol(), channel.name()))
+                            .clicked()
+                        {
+                            next.parameter = Some(channel);
+                        }
+                    }
+                });
+                ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Parameter of the errors"));
+            }
+        }
+        if let Some([done, all]) = seeds.progress() {
+            let is_stopped = seeds.is_stopped();
+            if ui.button(if is_stopped { "Go on" } else { "Stop" }).clicked() {
+                requests.push(Request::RunSeeds(is_stopped));
+            }
+            ui.weak(format!("{done} of {all}"));
+        }
+    });
+    if next != *seeds.choice() {
+        requests.push(Request::ChooseSeeds(next));
+    }
+}

@@ -1,0 +1,137 @@
+//! The histogram of the last estimates.
+
+use egui::{Rect, RichText, Role, Sense, Stroke, Tooltip, Ui, WidgetInfo, pos2};
+
+use super::bands::{band, line};
+use super::curves::Curves;
+use super::over_time::{color, named};
+use crate::plot::graph::{Graph, Scale};
+use crate::text::significant;
+use crate::view::ViewContext;
+
+/// Limits the number of bars.
+const BARS: (usize, usize) = (10, 40);
+
+/// The share of the estimates, at either end, that may be beyond the histogram.
+const TAIL: f64 = 0.01;
+
+/// The counts of the last estimates in equal bars.
+#[derive(Default)]
+pub(super) struct Histogram {
+    from: f64,
+    to: f64,
+    /// For each filter the counts of its estimates.
+    pub(super) counts: Vec<Vec<usize>>,
+    /// For each filter the number of estimates beyond the ends.
+    pub(super) beyond: Vec<usize>,
+}
+
+impl Histogram {
+    /// The histogram of each filter's estimates; it includes the truth.
+    pub(super) fn new(estimates: &[&[f64]], truth: Option<f64>) -> Self {
+        let mut ends: Option<(f64, f64)> = None;
+        for estimates in estimates {
+            let mut sorted: Vec<f64> = estimates.iter().copied().filter(|value| value.is_finite()).collect();
+            sorted.sort_unstable_by(f64::total_cmp);
+            let Some(last) = sorted.len().checked_sub(1) else { continue };
+            let tail = (TAIL * last as f64).round() as usize;
+            let (low, high) = (sorted[tail], sorted[last - tail]);
+            ends = Some(ends.map_or((low, high), |(l, h)| (l.min(low), h.max(high))));
+        }
+        let Some((low, high)) = ends else { return Self::default() };
+        let (low, high) = truth.map_or((low, high), |truth| (low.min(truth), high.max(truth)));
+        let margin = 0.04 * (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
+        let (from, to) = (low - margin, high + margin);
+        let most = estimates.iter().map(|estimates| estimates.len()).max().unwrap_or_default();
+        let bars = ((2.0 * (most as f64).sqrt()) as usize).clamp(BARS.0, BARS.1);
+        let (mut counts, mut beyond) = (vec![vec![0; bars]; estimates.len()], vec![0; estimates.len()]);
+        for (filter, estimates) in estimates.iter().enumerate() {
+            for value in *estimates {
+                let share = (value - from) / (to - from);
+                if (0.0..1.0).contains(&share) {
+                    counts[filter][((share * bars as f64) as usize).min(bars - 1)] += 1;
+                } else {
+                    beyond[filter] += 1;
+                }
+            }
+        }
+        Self { from, to, counts, beyond }
+    }
+
+    fn bars(&self) -> usize {
+        self.counts.first().map_or(0, Vec::len)
+    }
+
+    /// The ends of a bar.
+    fn ends(&self, bar: usize) -> [f64; 2] {
+        [bar, bar + 1].map(|edge| self.from + edge as f64 / self.bars() as f64 * (self.to - self.from))
+    }
+}
+
+/// Draws the histogram of all filters into a room.
+pub(super) fn histogram_ui(ui: &mut Ui, room: Rect, curves: &Curves, context: &ViewContext<'_>) {
+    let Some(channel) = curves.parameter else { return };
+    let histogram = &curves.histogram;
+    let palette = context.palette;
+    let highest = histogram.counts.iter().flatten().copied().max().unwrap_or_default().max(1);
+    let graph = Graph::new(
+        room,
+        Scale::new(histogram.from, histogram.to, false),
+        Scale::new(0.0, 1.08 * highest as f64, false),
+    );
+    let name = named("last estimate of ", channel, context);
+    graph.axes_ui(ui, [&name, "seeds"], palette, true);
+    let painter = ui.painter_at(graph.rect.expand(1.0));
+    for (filter, counts) in curves.filters.iter().zip(&histogram.counts) {
+        let color = color(context, filter.id);
+        let steps: Vec<[f64; 2]> = counts
+            .iter()
+            .enumerate()
+            .flat_map(|(bar, count)| histogram.ends(bar).map(|edge| [edge, *count as f64]))
+            .collect();
+        band(&painter, &graph, steps.iter().map(|[x, y]| (*x, [0.0, *y])), color.gamma_multiply(0.16));
+        line(&painter, &graph, steps.into_iter(), Stroke::new(1.6, color), false);
+    }
+    if let Some(truth) = curves.truth {
+        let x = graph.at([truth, f64::NAN]).x;
+        painter
+            .line_segment([pos2(x, graph.rect.top()), pos2(x, graph.rect.bottom())], Stroke::new(1.6, palette.truth));
+    }
+    let response = ui.interact(graph.rect, ui.scope_id().with("bars"), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Histogram, {name}")));
+    let Some(pointer) = response.hover_pos().filter(|_| response.hovered() && histogram.bars() > 0) else { return };
+    let bar = ((graph.shares(pointer)[0] * histogram.bars() as f64).max(0.0) as usize).min(histogram.bars() - 1);
+    let [from, to] = histogram.ends(bar);
+    Tooltip::for_widget(&response).at_pointer().gap(12.0).show(|ui| {
+        ui.weak(format!("{} to {} {}", significant(from, 5), significant(to, 5), context.unit(channel.unit())));
+        for ((filter, counts), beyond) in curves.filters.iter().zip(&histogram.counts).zip(&histogram.beyond) {
+            let aside = if *beyond > 0 { format!(", and {beyond} beyond the ends") } else { String::new() };
+            let text = format!("{}: {} of {} seeds{aside}", filter.name, counts[bar], curves.seeds);
+            ui.label(RichText::new(text).color(color(context, filter.id)));
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_estimate_is_counted_once() {
+        let normal: Vec<f64> = (0..1000).map(|k| 6.0 + 0.001 * f64::from(k % 100)).collect();
+        let far: Vec<f64> = normal.iter().copied().chain([1e6, f64::NAN]).collect();
+        let histogram = Histogram::new(&[&normal, &far], Some(7.0));
+        let counted = |at: usize| histogram.counts[at].iter().sum::<usize>() + histogram.beyond[at];
+        assert_eq!([counted(0), counted(1)], [1000, 1002]);
+        assert_eq!(histogram.beyond, [0, 2]);
+        assert!(histogram.from < 6.0 && histogram.to > 7.0);
+        assert_eq!(histogram.counts[0], histogram.counts[1]);
+    }
+
+    #[test]
+    fn a_single_estimate_and_none_are_possible() {
+        let histogram = Histogram::new(&[&[6.0]], None);
+        assert_eq!(histogram.counts[0].iter().sum::<usize>(), 1);
+        assert_eq!(Histogram::new(&[&[f64::NAN]], None).bars(), 0);
+    }
+}

@@ -1,0 +1,108 @@
+//! Monte Carlo: the statistics of many seeds on screen.
+
+use kalmanscope::laboratory::{SeedChoice, Slices};
+use kalmanscope_core::Source;
+use kalmanscope_lab::{MonteCarlo, Runner, Slice};
+
+use super::*;
+
+/// A paused screen with the statistics of some seeds; each frame computes all of them.
+fn monte_carlo(size: Vec2, theme: Theme, scenario: Scenario, seeds: usize) -> Screen {
+    let mut screen =
+        Harness::builder().with_size(size).with_theme(theme).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
+            let app = App::new(creation).expect("the default scenario can be run");
+            app.computing_with(Box::new(Slices(Budget::Unlimited)))
+        });
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::MonteCarlo]);
+    let session = screen.state_mut().session_mut();
+    session.set_budget(Budget::Unlimited);
+    session.set_scenario(scenario);
+    session.set_mode(Mode::Whole);
+    session.pause();
+    session.seek(5.0);
+    screen.state_mut().laboratory_mut().seeds_mut().choose(SeedChoice { seeds, parameter: None });
+    screen.run_steps(5);
+    screen
+}
+
+fn short() -> Scenario {
+    Scenario { duration: 5.0, ..Scenario::default() }
+}
+
+#[test]
+fn the_statistics_are_those_of_the_seeds_run_alone() {
+    let screen = monte_carlo(DESKTOP, Theme::Light, short(), 30);
+    let seeds = screen.state().laboratory().seeds();
+    assert_eq!((seeds.progress(), seeds.problem()), (None, None));
+    let shown = seeds.shown().expect("there are some").statistics();
+    let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len());
+    let ensemble = ensemble.expect("it is possible");
+    let runner = Runner::new(ensemble.clone(), Source::Simulated).expect("it is possible");
+    let mut expected = MonteCarlo::new(&ensemble);
+    for seed in 0..30 {
+        expected.take(&ensemble, &Slice { cells: vec![seed], rows: runner.rows(&[seed]) });
+    }
+    assert_eq!(shown.done(), 30);
+    for nth in [0, 1] {
+        assert!(shown.nees(nth).eq(expected.nees(nth)) && shown.nis(nth).eq(expected.nis(nth)));
+        assert_eq!(shown.finals(nth, 2), expected.finals(nth, 2));
+        assert_eq!(shown.diverged(nth), expected.diverged(nth));
+    }
+    for label in ["Mean NEES over time", "Mean NIS over time"] {
+        assert!(screen.query_by_label(label).is_some(), "{label}");
+    }
+    assert!(screen.query_by_label_contains("Errors over time, error of ωₙ").is_some());
+    assert!(screen.query_by_label_contains("Histogram, last estimate of ωₙ").is_some());
+    assert!(screen.query_by_label_contains("30 seeds").is_some());
+}
+
+#[test]
+fn seeds_and_parameter_are_chosen_and_the_pointer_shows_numbers() {
+    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
+    set(&mut screen, "Seeds", 20.0);
+    assert_eq!(screen.state().laboratory().seeds().shown().expect("there are some").statistics().done(), 20);
+    choose(&mut screen, "Parameter of the errors", "ζ, damping ratio");
+    assert!(screen.query_by_label_contains("Errors over time, error of ζ").is_some());
+    let chart = screen.get_by_label("Mean NIS over time").rect();
+    screen.hover_at(chart.center());
+    screen.run_steps(40);
+    assert!(screen.query_by_label_contains("s, 20 seeds").is_some());
+    assert_eq!(screen.query_all_by_label_contains(", 95 % in ").count(), 2, "a line for each filter");
+}
+
+#[test]
+fn a_filter_that_is_hidden_is_not_run() {
+    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
+    screen.key_press(Key::Num1);
+    screen.run_steps(4);
+    let runs = screen.state().laboratory().seeds().shown().expect("there are some");
+    assert_eq!((runs.filters(), runs.statistics().done()), (&[2][..], 12));
+}
+
+#[test]
+fn a_link_and_a_saved_session_keep_the_seeds() {
+    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 44);
+    let link = share::copy(&mut screen);
+    let mut other = super::screen(DESKTOP, Theme::Light);
+    assert_eq!(other.state().picture().seeds, None, "no view of them is shown");
+    other.event(egui::Event::Paste(link));
+    other.run_steps(4);
+    assert_eq!(other.state().notice(), None);
+    assert_eq!(other.state().picture().seeds, Some(SeedChoice { seeds: 44, parameter: None }));
+    let mut memory = Memory::default();
+    screen.state_mut().save(&mut memory);
+    let restored = App::restored(Some(&memory)).expect("it can be run");
+    assert_eq!(restored.laboratory().seeds().choice().seeds, 44);
+    assert_eq!(restored.notice(), None);
+}
+
+#[test]
+fn a_measured_record_has_one_noise() {
+    let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 12);
+    let mut scenarios = kalmanscope_lessons::BUILT_IN.iter().filter_map(|built_in| built_in.scenario().ok());
+    let measured = scenarios.find(|scenario| scenario.record.is_some()).expect("there is one");
+    screen.state_mut().session_mut().set_scenario(measured);
+    screen.run_steps(4);
+    assert!(screen.state().session().is_measured());
+    assert!(screen.query_by_label_contains("This record is measured").is_some());
+}
