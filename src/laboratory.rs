@@ -16,6 +16,7 @@ mod survey;
 mod table;
 #[cfg(test)]
 mod tests;
+mod tuning;
 
 use egui::Context;
 use kalmanscope_core::{Run, Source};
@@ -28,6 +29,7 @@ pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub(crate) use settings::{candidates, collide, guessed, label as setting_label, name as setting_name};
 pub use slices::Slices;
 pub use survey::Survey;
+pub use tuning::{TuneChoice, TuneResult, Tuning};
 
 use crate::session::Session;
 
@@ -43,6 +45,7 @@ pub struct Laboratory {
     /// The survey before, until the present one covers the map.
     before: Option<Survey>,
     seeds: Seeds,
+    tuning: Tuning,
     /// Whether the user has stopped the work.
     is_stopped: bool,
     problem: Option<String>,
@@ -60,6 +63,7 @@ impl Laboratory {
             survey: None,
             before: None,
             seeds: Seeds::default(),
+            tuning: Tuning::default(),
             is_stopped: false,
             problem: None,
             edition: 0,
@@ -171,6 +175,29 @@ impl Laboratory {
         }
         let engine = Some(&*self.engine).filter(|_| !self.survey.as_ref().is_some_and(Survey::is_working));
         self.seeds.follow(session.run(), filters, engine, ctx);
+    }
+
+    /// The tuning of a filter.
+    pub fn tuning(&self) -> &Tuning {
+        &self.tuning
+    }
+
+    /// The tuning of a filter, to be chosen and stopped.
+    pub fn tuning_mut(&mut self) -> &mut Tuning {
+        &mut self.tuning
+    }
+
+    /// Begins to tune, from the best cell of the map where that has settings of the tuning.
+    pub fn tune(&mut self, session: &Session) {
+        let Self { survey, tuning, .. } = self;
+        tuning.begin(session.run(), session.is_measured(), survey.as_ref());
+    }
+
+    /// Goes on with the tuning while that is in sight.
+    pub fn follow_tuning(&mut self, session: &Session, is_in_sight: bool, ctx: &Context) {
+        if is_in_sight {
+            self.tuning.follow(session.run().scenario(), session.budget(), ctx);
+        }
     }
 
     /// The choice as far as the run has what it names.

@@ -7,7 +7,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 use serde::{Deserialize, Serialize};
 
-use crate::laboratory::{Choice, SeedChoice};
+use crate::laboratory::{Choice, SeedChoice, TuneChoice};
 use crate::ruler::End;
 use crate::session::Mode;
 
@@ -128,6 +128,10 @@ pub enum Request {
     ChooseSeeds(SeedChoice),
     /// Run the seeds, or stop that.
     RunSeeds(bool),
+    /// Tune other settings, or for another goal.
+    ChooseTuning(Box<TuneChoice>),
+    /// Begin to tune, or stop that.
+    Tune(bool),
     /// Restore a session from a file.
     OpenSession(Box<SavedScreen>),
 }
@@ -276,11 +280,13 @@ pub enum ViewKind {
     Slices,
     /// Statistics over many seeds.
     MonteCarlo,
+    /// A search for the best settings of a filter.
+    Tune,
 }
 
 impl ViewKind {
     /// Every view, in the menu's order.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Oscillator,
         Self::Parameters,
         Self::States,
@@ -301,6 +307,7 @@ impl ViewKind {
         Self::Map,
         Self::Slices,
         Self::MonteCarlo,
+        Self::Tune,
     ];
 }
 

@@ -20,6 +20,7 @@ mod phase;
 mod scores;
 mod slices;
 mod spectrogram;
+mod tune;
 
 use crate::request::ViewKind;
 use crate::session::Wanted;
@@ -48,6 +49,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
         ViewKind::Map => &map::Map,
         ViewKind::Slices => &slices::Slices,
         ViewKind::MonteCarlo => &monte_carlo::MonteCarlo,
+        ViewKind::Tune => &tune::Tune,
     }
 }
 

@@ -101,6 +101,21 @@ impl Tuner {
         Ok(Self { cost, stage: Stage::Scanning(0, 0), best, path, runs: 1 })
     }
 
+    /// Tries these values of the settings before the search, one an axis, such as the best ones of a map. Values beyond an axis
+    /// count as its nearest end.
+    pub fn try_values(&mut self, values: &[f64]) {
+        let share = |(axis, &value): (&Axis, &f64)| {
+            let share = axis.share_of(value);
+            if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
+        };
+        let shares: Vec<f64> = self.cost.axes.iter().zip(values).map(share).collect();
+        if shares.len() == self.best.len() {
+            let cost = self.cost.of(&shares);
+            self.runs += 1;
+            self.keep(&shares, cost);
+        }
+    }
+
     /// Tries settings until `while_time` returns false, which is called after each try or two. Returns whether the search is
     /// done.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {

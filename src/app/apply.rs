@@ -87,7 +87,8 @@ impl App {
                 let is_done = std::mem::take(&mut self.keys_open)
                     || session.cancel()
                     || laboratory.set_stopped(true)
-                    || laboratory.seeds_mut().set_stopped(true);
+                    || laboratory.seeds_mut().set_stopped(true)
+                    || laboratory.tuning_mut().cancel();
                 if !is_done {
                     layout.leave_enlarged();
                 }
@@ -121,6 +122,11 @@ impl App {
             Request::ChooseSeeds(choice) => laboratory.seeds_mut().choose(choice),
             Request::RunSeeds(wanted) => {
                 laboratory.seeds_mut().set_stopped(!wanted);
+            }
+            Request::ChooseTuning(choice) => laboratory.tuning_mut().choose(*choice),
+            Request::Tune(true) => laboratory.tune(session),
+            Request::Tune(false) => {
+                laboratory.tuning_mut().cancel();
             }
             Request::OpenSession(saved) => self.open_session(*saved, ctx),
         }

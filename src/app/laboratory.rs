@@ -37,5 +37,7 @@ impl App {
         let filters: Vec<u32> = filters.filter(|id| self.visible.filter(*id)).collect();
         let is_in_sight = self.layout.in_sight().contains(&ViewKind::MonteCarlo);
         self.laboratory.follow_seeds(&self.session, &filters, is_in_sight, ctx);
+        let is_in_sight = self.layout.in_sight().contains(&ViewKind::Tune);
+        self.laboratory.follow_tuning(&self.session, is_in_sight, ctx);
     }
 }

@@ -78,7 +78,7 @@ impl View for MonteCarlo {
         medium.note_plots(ui.ctx(), charts);
         match medium {
             Medium::Screen => {
-                _ = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| charts_ui(ui, &curves, context, is_old))
+                _ = ScrollArea::vertical().auto_shrink(false).show(ui, |ui| charts_ui(ui, &curves, context, is_old));
             }
             Medium::Figure => charts_ui(ui, &curves, context, is_old),
         }

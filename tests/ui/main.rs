@@ -18,6 +18,7 @@ mod records;
 mod settings;
 mod share;
 mod sizes;
+mod tune;
 mod twin;
 mod workbench;
 

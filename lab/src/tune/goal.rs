@@ -28,7 +28,7 @@ impl Goal {
     }
 
     /// The number, of which more is better, for a value of the measure.
-    pub(super) fn score(self, value: f64) -> f64 {
+    pub fn score(self, value: f64) -> f64 {
         match self {
             Self::Likelihood => value,
             Self::FreeRun(_) => -libm::log(value),

@@ -1,0 +1,113 @@
+use super::*;
+use crate::laboratory::{Choice, Laboratory, Slices};
+use kalmanscope_core::Channel;
+use kalmanscope_lab::Measure;
+
+/// A session whose first filter takes its sensors for five times noisier than they are.
+fn session() -> Session {
+    let mut scenario = Scenario { duration: 4.0, ..Scenario::default() };
+    scenario.filters[0].sensor_std.iter_mut().for_each(|std| *std *= 5.0);
+    Session::new(scenario).unwrap()
+}
+
+fn laboratory() -> Laboratory {
+    Laboratory::new(Box::new(Slices(Budget::Unlimited)))
+}
+
+fn choice(keys: &[&str]) -> TuneChoice {
+    let part = part_of(session().scenario(), &[1]);
+    let mut choice = TuneChoice { filter: 1, axes: Vec::new(), goal: Goal::Likelihood };
+    keys.iter().for_each(|key| choice.toggle(key, &part));
+    choice
+}
+
+const SENSORS: [&str; 2] = ["filters.*.sensor_std.displacement", "filters.*.sensor_std.velocity"];
+
+#[test]
+fn the_usual_choice_has_the_noise_of_sensors_and_a_factor_on_q() {
+    let choice = TuneChoice::usual(session().scenario(), None).unwrap();
+    let mut keys: Vec<&str> = choice.axes.iter().map(|axis| axis.key.as_str()).collect();
+    keys.sort_unstable();
+    assert_eq!((choice.filter, keys), (1, vec!["filters.*.process_std", SENSORS[0], SENSORS[1]]));
+    assert_eq!(TuneChoice::usual(&Scenario { filters: Vec::new(), ..Scenario::default() }, None), None);
+}
+
+#[test]
+fn a_tick_takes_those_away_that_would_set_the_same_number() {
+    let part = part_of(session().scenario(), &[1]);
+    let mut choice = choice(&SENSORS);
+    choice.toggle("filters.*.sensor_std", &part);
+    assert_eq!(choice.axes.len(), 1);
+    choice.toggle("filters.*.sensor_std", &part);
+    assert_eq!(choice.axes, []);
+}
+
+#[test]
+fn a_search_ends_with_better_values_which_are_applied_once() {
+    let session = session();
+    let mut laboratory = laboratory();
+    laboratory.tuning_mut().choose(choice(&SENSORS));
+    laboratory.tune(&session);
+    assert!(laboratory.tuning().progress().is_some());
+    laboratory.follow_tuning(&session, false, &Context::default());
+    assert!(laboratory.tuning().progress().is_some(), "out of sight it rests");
+    laboratory.follow_tuning(&session, true, &Context::default());
+    assert_eq!(laboratory.tuning().progress(), None);
+    let result = laboratory.tuning().result().unwrap();
+    let path = laboratory.tuning().path();
+    assert!(path.last().unwrap().score > path[0].score + 100.0);
+    let applied = result.applied(session.scenario()).unwrap();
+    assert_ne!(applied.filters[0].sensor_std, session.scenario().filters[0].sensor_std);
+    assert_eq!(applied.filters[0].process_std, session.scenario().filters[0].process_std, "it was not ticked");
+    assert_eq!(applied.filters[1], session.scenario().filters[1]);
+    assert!(result.is_applied(&applied) && !result.is_applied(session.scenario()));
+    assert_eq!(result.applied(&applied), None);
+    let mut other = session.scenario().clone();
+    other.seed += 1;
+    assert_eq!(result.applied(&other), None, "the result is of another record");
+}
+
+#[test]
+fn a_change_of_the_settings_ends_the_search() {
+    let mut session = session();
+    let mut laboratory = laboratory();
+    laboratory.tuning_mut().choose(choice(&SENSORS));
+    laboratory.tune(&session);
+    let mut scenario = session.scenario().clone();
+    scenario.filters[0].fading = 1.01;
+    session.set_scenario(scenario);
+    laboratory.follow_tuning(&session, true, &Context::default());
+    assert!(laboratory.tuning().progress().is_none() && laboratory.tuning().result().is_none());
+    assert!(laboratory.tuning().problem().unwrap().contains("have changed"));
+}
+
+#[test]
+fn without_a_tick_a_sentence_says_so() {
+    let mut laboratory = laboratory();
+    laboratory.tuning_mut().choose(choice(&[]));
+    laboratory.tune(&session());
+    assert_eq!(laboratory.tuning().problem(), Some("Tick a setting to tune."));
+    assert!(!laboratory.tuning_mut().cancel());
+}
+
+#[test]
+fn the_search_begins_at_the_best_cell_of_a_map_of_its_settings() {
+    let session = session();
+    let mut laboratory = laboratory();
+    let axes = [("filters.*.sensor_std", 4), ("filters.*.process_std", 3)];
+    let part = part_of(session.scenario(), &[1]);
+    let axis = |(key, count): (&str, usize)| Axis::usual(&Setting::new(&part, key).unwrap(), &part, count);
+    let measure = Measure::Rmse(Channel::NATURAL_FREQUENCY);
+    laboratory.choose(Some(Choice { axes: axes.map(axis), measure, filter: 1, second: None }));
+    laboratory.follow(&session, true, false, &Context::default());
+    let survey = laboratory.shown().unwrap();
+    assert!(survey.sheet().is_complete());
+    let likelihood = |cell: usize| survey.value(cell, 0, Measure::LogLikelihood).unwrap();
+    let best = (0..12).max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b))).unwrap();
+    let (expected, score) = (survey.ensemble().values(best), likelihood(best));
+    laboratory.tuning_mut().choose(choice(&["filters.*.process_std", "filters.*.sensor_std"]));
+    laboratory.tune(&session);
+    let second = &laboratory.tuning().path()[1];
+    assert!((second.values[0] / expected[1] - 1.0).abs() < 1e-9 && (second.values[1] / expected[0] - 1.0).abs() < 1e-9);
+    assert!((second.score / score - 1.0).abs() < 1e-9);
+}

@@ -1,0 +1,85 @@
+//! The result: each setting before and after, the scores, the verdict and the remarks.
+
+use egui::{Grid, Ui, vec2};
+use kalmanscope_lab::tune::{Goal, Remark};
+
+use super::settings::goal_name;
+use crate::laboratory::{TuneResult, setting_label, setting_name};
+use crate::request::Request;
+use crate::text::significant;
+use crate::verdict;
+use crate::view::ViewContext;
+
+/// Shows the result with the button that takes it.
+pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
+    let tuned = result.tuned();
+    let [first, .., last] = &tuned.path[..] else {
+        ui.label(Remark::NoBetter.to_string());
+        return;
+    };
+    let goal = result.choice().goal;
+    Grid::new("result of the tuning").spacing(vec2(14.0, 3.0)).show(ui, |ui| {
+        for text in ["", "before", "after"] {
+            ui.weak(text);
+        }
+        ui.end_row();
+        let values = first.values.iter().zip(&last.values);
+        for (axis, (before, after)) in result.choice().axes.iter().zip(values) {
+            ui.label(setting_label(&axis.key, &tuned.scenario));
+            ui.label(significant(*before, 4));
+            ui.label(significant(*after, 4));
+            ui.end_row();
+        }
+        ui.label(score_name(goal));
+        for score in [first.score, last.score] {
+            ui.label(score_text(goal, score));
+        }
+        ui.end_row();
+    });
+    if let Some(kind) = tuned.verdict {
+        let name = tuned.scenario.filters.first().map_or("", |filter| &filter.name);
+        let text = format!("{} {name} with these values: {}", verdict::symbol(kind), kind.name());
+        ui.colored_label(verdict::text_color(kind, context.palette), text);
+    }
+    for remark in &tuned.remarks {
+        ui.label(said(remark));
+    }
+    ui.weak(format!("{} runs, for {}", tuned.runs, goal_name(goal)));
+    let scenario = context.session.scenario();
+    if result.is_applied(scenario) {
+        ui.label("These values are in use.");
+    } else if let Some(applied) = result.applied(scenario) {
+        if ui.button("Use these values").clicked() {
+            requests.push(Request::Edit(Box::new(applied)));
+        }
+    } else {
+        ui.weak("The settings have changed since: tune again.");
+    }
+}
+
+fn score_name(goal: Goal) -> &'static str {
+    match goal {
+        Goal::Likelihood => "log likelihood",
+        Goal::FreeRun(_) => "free-run error",
+        Goal::Consistency => "mean NIS, factor from 1",
+    }
+}
+
+/// A score as the number that it stands for.
+fn score_text(goal: Goal, score: f64) -> String {
+    match goal {
+        _ if score.abs() > 1e99 => "none: the filter stops".to_owned(),
+        Goal::Likelihood => format!("{score:.1}").replace('-', "−"),
+        Goal::FreeRun(sensor) => format!("{} {}", significant((-score).exp(), 4), sensor.unit()),
+        Goal::Consistency => significant((-score).exp(), 4),
+    }
+}
+
+/// A remark, with the setting's name in place of its key.
+fn said(remark: &Remark) -> String {
+    match remark {
+        Remark::Flat(key) => Remark::Flat(setting_name(key)).to_string(),
+        Remark::Edge(key) => Remark::Edge(setting_name(key)).to_string(),
+        other => other.to_string(),
+    }
+}
