@@ -2,13 +2,16 @@
 
 mod catalogue;
 mod heading;
+mod map;
 mod menu;
 mod panel;
 mod question;
 mod studies;
 
+use kalmanscope_core::Scenario;
 use kalmanscope_lessons::{Lesson, LessonError, Presentation, Question, Step, ViewName};
 
+use crate::laboratory::Choice;
 use crate::request::{Answer, ViewKind};
 use crate::session::{Mode, Session};
 use crate::visibility::Visibility;
@@ -82,6 +85,16 @@ impl Tutor {
     /// The views of the step, the most important first.
     pub fn views(&self) -> Vec<ViewKind> {
         self.current().map_or(vec![], |step| step.views.iter().map(|view| kind(*view)).collect())
+    }
+
+    /// The map that the step asks for, as soon as the scenario has its filters.
+    ///
+    /// # Errors
+    /// A sentence where the map is impossible, which a test rules out for built-in lessons.
+    pub(crate) fn map(&self, scenario: &Scenario) -> Result<Option<Choice>, String> {
+        let map = self.current().and_then(|step| step.map.as_ref());
+        let map = map.filter(|map| map.missing_filter(scenario).is_none());
+        map.map(|map| map::choice(map, scenario)).transpose()
     }
 
     /// The settings that the step is about, by their paths in a scenario.
@@ -196,5 +209,7 @@ fn kind(view: ViewName) -> ViewKind {
         ViewName::Oscillator => ViewKind::Oscillator,
         ViewName::Measured => ViewKind::Measured,
         ViewName::FrequencyResponse => ViewKind::FrequencyResponse,
+        ViewName::Map => ViewKind::Map,
+        ViewName::Slices => ViewKind::Slices,
     }
 }

@@ -129,7 +129,7 @@ fn add_filter(file: &mut Table, filter: &Table) -> Result<(), LessonError> {
 }
 
 /// The scenario with all its settings, defaults included, so that each has a path.
-fn written(scenario: &Scenario) -> Result<Table, LessonError> {
+pub(crate) fn written(scenario: &Scenario) -> Result<Table, LessonError> {
     Table::try_from(scenario).map_err(|error| LessonError::Scenario(ScenarioError::Syntax(error.to_string())))
 }
 

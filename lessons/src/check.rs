@@ -5,9 +5,10 @@ mod display;
 use kalmanscope_core::{Channel, Quantity, Scenario};
 use serde::Deserialize;
 
-use crate::LessonError;
+use crate::cells::Cells;
 use crate::measure::Measure;
 use crate::value::{Expected, Value};
+use crate::{LessonError, Outcome};
 
 /// The share of all records in which a check holds that states none.
 pub(crate) const NEARLY_ALL: f64 = 0.98;
@@ -47,6 +48,8 @@ pub struct Check {
     pub than_from: Option<f64>,
     /// Divides by the same measure over a range until another time.
     pub than_to: Option<f64>,
+    /// Measures the share of the cells of a grid in which the measure keeps within limits.
+    pub cells: Option<Cells>,
     /// The measured number must be above this.
     pub above: Option<f64>,
     /// The measured number must be below this.
@@ -63,6 +66,31 @@ pub struct Check {
 
 fn nearly_all() -> f64 {
     NEARLY_ALL
+}
+
+/// The limits of a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Limits<'a> {
+    pub(crate) above: Option<f64>,
+    pub(crate) below: Option<f64>,
+    pub(crate) is: Option<&'a Expected>,
+}
+
+impl Limits<'_> {
+    /// Whether a value keeps within the limits.
+    fn hold(self, value: &Value) -> bool {
+        match (value, self.is) {
+            (Value::Number(value), _) => {
+                !value.is_nan()
+                    && self.above.is_none_or(|limit| *value > limit)
+                    && self.below.is_none_or(|limit| *value < limit)
+            }
+            (Value::Flag(value), Some(Expected::Flag(expected))) => value == expected,
+            (Value::Words(words), Some(Expected::Word(expected))) => words.contains(&expected.as_str()),
+            (Value::Words(words), Some(Expected::OneOf(all))) => all.iter().any(|one| words.contains(&one.as_str())),
+            _ => false,
+        }
+    }
 }
 
 /// The samples of a measure.
@@ -106,19 +134,18 @@ impl Check {
         self.seed.is_none_or(|only| only == seed)
     }
 
-    /// Whether a value meets the check.
+    /// Whether a value meets the check; of a check over cells, a share of them.
     pub fn holds(&self, value: &Value) -> bool {
-        match (value, &self.is) {
-            (Value::Number(value), _) => {
-                !value.is_nan()
-                    && self.above.is_none_or(|limit| *value > limit)
-                    && self.below.is_none_or(|limit| *value < limit)
-            }
-            (Value::Flag(value), Some(Expected::Flag(expected))) => value == expected,
-            (Value::Words(words), Some(Expected::Word(expected))) => words.contains(&expected.as_str()),
-            (Value::Words(words), Some(Expected::OneOf(all))) => all.iter().any(|one| words.contains(&one.as_str())),
-            _ => false,
-        }
+        Limits { above: self.above, below: self.below, is: self.is.as_ref() }.hold(value)
+    }
+
+    /// Whether the measure keeps within the limits of a cell in its outcome.
+    ///
+    /// # Errors
+    /// [`LessonError::UnknownFilter`] where the outcome does not have the filter.
+    pub(crate) fn holds_in(&self, cell: &Outcome) -> Result<bool, LessonError> {
+        let value = self.value(cell, cell)?;
+        Ok(self.cells.as_ref().is_some_and(|cells| cells.limits().hold(&value)))
     }
 
     /// Validates the check against a scenario.
@@ -137,15 +164,23 @@ impl Check {
         {
             return Err(LessonError::UnknownSensor(sensor));
         }
-        let number = self.above.is_some() || self.below.is_some();
-        let word = matches!(self.is, Some(Expected::Word(_) | Expected::OneOf(_))) && self.measure != Measure::Stopped;
-        let flag = matches!(self.is, Some(Expected::Flag(_))) && self.measure == Measure::Stopped;
+        if let Some(cells) = &self.cells {
+            cells.validate(scenario)?;
+        }
+        let own = Limits { above: self.above, below: self.below, is: self.is.as_ref() };
+        // Those of the measure; a check over cells has others for their share.
+        let Limits { above, below, is } = self.cells.as_ref().map_or(own, Cells::limits);
+        let number = above.is_some() || below.is_some();
+        let word = matches!(is, Some(Expected::Word(_) | Expected::OneOf(_))) && self.measure != Measure::Stopped;
+        let flag = matches!(is, Some(Expected::Flag(_))) && self.measure == Measure::Stopped;
         let wrong = if self.measure.needs_channel() && self.channel.is_none() {
             "lacks a `channel`"
-        } else if self.measure.is_number() && !(number && self.is.is_none()) {
+        } else if self.measure.is_number() && !(number && is.is_none()) {
             "needs `above` or `below`"
         } else if !self.measure.is_number() && (number || self.is_relative() || !(word || flag)) {
             "needs `is`, and nothing to compare with"
+        } else if self.cells.is_some() && (self.before || own.is.is_some() || own.above.or(own.below).is_none()) {
+            "over cells needs `above` or `below` for their share, and cannot compare with `before`"
         } else if !(self.share > 0.0 && self.share <= 1.0) {
             "needs a `share` above 0 and up to 1"
         } else {

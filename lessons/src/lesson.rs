@@ -5,7 +5,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use crate::adjustment::{self, Adjustment, Change};
-use crate::{BuiltIn, Check, LessonError, Measure, Question};
+use crate::{BuiltIn, Check, LessonError, Map, Measure, Question};
 
 /// An experiment in steps. Each step includes the changes of the steps before it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -53,6 +53,8 @@ pub struct Step {
     /// The views to show, the most important first.
     #[serde(default)]
     pub views: Vec<ViewName>,
+    /// The map in the views `map` and `slices`; the user's or a usual one if left out.
+    pub map: Option<Map>,
     /// The channels to show; all if left out.
     #[serde(default)]
     pub channels: Vec<Channel>,
@@ -112,6 +114,10 @@ pub enum ViewName {
     Oscillator,
     /// Measured and predicted values, and the free run.
     Measured,
+    /// A score over two settings.
+    Map,
+    /// The same over one setting at a time, through the settings of the step.
+    Slices,
 }
 
 /// The presentation of the record in a step.
@@ -144,6 +150,9 @@ impl Lesson {
             if let Some(question) = &step.question {
                 // It is asked before the change.
                 question.validate(before).map_err(|error| error.in_step(number))?;
+            }
+            if let Some(map) = &step.map {
+                map.validate(scenario).map_err(|error| error.in_step(number))?;
             }
             for check in &step.checks {
                 let valid = check.validate(scenario).and_then(|()| match (check.before, &step.change) {

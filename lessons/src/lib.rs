@@ -14,7 +14,9 @@
 //! ```
 
 mod adjustment;
+mod axis;
 mod built_in;
+mod cells;
 mod check;
 mod claim;
 mod cost;
@@ -23,6 +25,7 @@ mod evaluate;
 mod file;
 mod lesson;
 mod library;
+mod map;
 mod measure;
 mod outcome;
 mod path;
@@ -33,6 +36,7 @@ mod verify;
 
 pub use adjustment::{Adjustment, Change};
 pub use built_in::{BUILT_IN, BuiltIn};
+pub use cells::Cells;
 pub use check::{Check, Times};
 pub use claim::Claim;
 pub use cost::evaluations_per_step;
@@ -40,6 +44,7 @@ pub use error::LessonError;
 pub use file::File;
 pub use lesson::{Base, Lesson, Presentation, Step, ViewName};
 pub use library::{LESSONS, lessons};
+pub use map::Map;
 pub use measure::Measure;
 pub use outcome::Outcome;
 pub use question::Question;

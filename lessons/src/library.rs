@@ -33,6 +33,10 @@ pub const LESSONS: &[(&str, &str)] = files!["lessons":
     "21-input-between-samples",
     "22-earthquake",
     "23-stiffness-staircase",
+    "24-map-of-guesses",
+    "25-valley-of-q-and-r",
+    "26-fading-against-random-walk",
+    "27-how-much-is-luck",
 ];
 
 /// Every lesson in the menu's order. They are not validated, which takes longer than reading: a test has done it.

@@ -17,10 +17,25 @@ fn is_optional(keys: &[&str]) -> bool {
 /// Replaces the value at a path. Returns whether the path exists.
 ///
 /// Keys are separated by dots. A filter is found by its name, a sensor by its quantity, a number of a list by its place
-/// from 0 on; `*` stands for all of them.
+/// from 0 on or, in a filter's `sensor_std`, by the sensor's quantity; `*` stands for all of them.
 pub(crate) fn set(file: &mut Table, path: &str, value: &Value) -> bool {
-    let keys: Vec<&str> = path.split('.').collect();
+    let place;
+    let mut keys: Vec<&str> = path.split('.').collect();
+    if let ["filters", _, "sensor_std", sensor] = keys[..]
+        && let Some(number) = sensor_place(file, sensor)
+    {
+        place = number.to_string();
+        keys[3] = &place;
+    }
     set_in_table(file, &keys, value, is_optional(&keys))
+}
+
+/// The place of the sensor of a quantity.
+fn sensor_place(file: &Table, quantity: &str) -> Option<usize> {
+    file.get("sensors")?
+        .as_array()?
+        .iter()
+        .position(|sensor| sensor.as_table().is_some_and(|sensor| is_called(sensor, quantity)))
 }
 
 fn set_in_table(table: &mut Table, keys: &[&str], value: &Value, optional: bool) -> bool {
@@ -107,6 +122,8 @@ mod tests {
         assert_eq!(file["filters"][0]["sensor_std"][1].as_float(), Some(7.0));
         assert_eq!(file["filters"][1]["plant"].as_str(), Some("sdof"));
         assert_eq!(file["filters"][1]["fading"].as_float(), Some(1.0));
+        assert!(set(&mut file, "filters.A, b.sensor_std.velocity", &Value::Float(8.0)));
+        assert_eq!(file["filters"][0]["sensor_std"][0].as_float(), Some(8.0));
         assert!(set(&mut file, "filters.*.fading", &Value::Float(3.0)));
         assert!(file["filters"].as_array().unwrap().iter().all(|f| f["fading"].as_float() == Some(3.0)));
     }
@@ -124,6 +141,7 @@ mod tests {
             "filters.*.fadng",
             "filters.*.sensor_std",
             "filters.A, b.sensor_std.2",
+            "filters.A, b.sensor_std.displacement",
             "sensors.acceleration.noise_std",
         ] {
             assert!(path == "filters" || !set(&mut file(), path, &Value::Float(1.0)), "{path}");

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use kalmanscope_core::{Scenario, Source};
 
 use crate::check::Check;
-use crate::{Claim, Lesson, LessonError, Outcome, records};
+use crate::value::Value;
+use crate::{Claim, Lesson, LessonError, Outcome, cells, records};
 
 /// Runs a lesson with each seed and evaluates its checks, in the order of the file. A measured record is the same with
 /// each seed.
@@ -44,9 +45,13 @@ pub fn verify_with(
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
             let changed = if step.change.is_some() { Some(run(scenario)?) } else { None };
             let now = changed.as_ref().unwrap_or(&before);
-            for claim in claims.iter_mut().filter(|claim| claim.step == number && claim.check.is_about(seed)) {
-                let value = claim.check.value(now, &before).map_err(|error| error.in_step(number))?;
-                claim.values.push((seed, value));
+            let mut tried: Vec<&mut Claim> =
+                claims.iter_mut().filter(|claim| claim.step == number && claim.check.is_about(seed)).collect();
+            let checks: Vec<&Check> = tried.iter().map(|claim| &claim.check).collect();
+            let shares = cells::shares(&checks, scenario, &run).map_err(|error| error.in_step(number))?;
+            for (claim, share) in tried.iter_mut().zip(shares) {
+                let value = share.map_or_else(|| claim.check.value(now, &before), |share| Ok(Value::Number(share)));
+                claim.values.push((seed, value.map_err(|error| error.in_step(number))?));
             }
             before = changed.unwrap_or(before);
         }
@@ -94,7 +99,6 @@ pub fn verify_all(lessons: &[Lesson], seeds: &[u64]) -> Result<Vec<Claim>, Lesso
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Value;
 
     fn lesson(checks: &str) -> Lesson {
         let text = "title = \"T\"\ngroup = \"Practice\"\nsummary = \"s\"\nscenario = { duration = 2.0 }\n\
@@ -141,6 +145,30 @@ mod tests {
         let claims =
             verify(&lesson("{ filter = \"EKF\", measure = \"stopped\", is = false, seed = 2 }"), 1..=3).unwrap();
         assert_eq!(claims[0].values, [(2, Value::Flag(false))]);
+    }
+
+    #[test]
+    fn a_check_over_cells_is_about_their_share() {
+        let grid = "x = \"filters.EKF.initial_std.natural_frequency=1:4:4\", y = \"filters.*.fading=1.0:1.1:2\"";
+        let check = |limits: &str, share: &str| {
+            format!(
+                "{{ filter = \"EKF\", measure = \"std\", channel = \"natural_frequency\", at = 0.0, \
+                 cells = {{ {grid}, {limits} }}, {share} }}"
+            )
+        };
+        let lesson = lesson(
+            &[check("below = 2.5", "above = 0.49, below = 0.51"), check("above = 0.5", "above = 0.99")].join(","),
+        );
+        let claims = verify(&lesson, 1..=2).unwrap();
+        let shares: Vec<&Vec<(u64, Value)>> = claims.iter().map(|claim| &claim.values).collect();
+        let of = |share: f64| vec![(1, Value::Number(share)), (2, Value::Number(share))];
+        assert_eq!(shares, [&of(0.5), &of(1.0)]);
+        assert!(claims.iter().all(Claim::holds));
+        let words = claims[0].to_string();
+        assert!(
+            words.contains("below 2.5; share of the cells of filters.EKF") && words.contains("above 0.49"),
+            "{words}"
+        );
     }
 
     #[test]

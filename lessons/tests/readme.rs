@@ -32,6 +32,8 @@ fn every_key_and_word_is_on_the_page() {
         ("{ filter = ", "{ unknown = 1, filter = "),
         ("measure = \"nis\"", "measure = \"unknown\""),
         ("[\"parameters\", ", "[\"unknown\", "),
+        ("measure = \"nis\"", "measure = \"nis\", cells = { unknown = 1 }"),
+        ("views = [", "map = { unknown = 1 }\nviews = ["),
         ("from = 20.0", "mode = \"unknown\"\nfrom = 20.0"),
     ] {
         let error = Lesson::from_toml(&text().replacen(place, wrong, 1)).expect_err(wrong).to_string();

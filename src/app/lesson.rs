@@ -39,7 +39,18 @@ impl App {
         if !views.is_empty() {
             *layout = Layout::column(&views);
         }
+        self.show_map();
         self.show_step();
+    }
+
+    /// Chooses the map that the lesson's step asks for; without one that of the user stays.
+    fn show_map(&mut self) {
+        let Self { session, laboratory, tutor: Some(lesson), .. } = self else { return };
+        match lesson.map(session.scenario()) {
+            Ok(None) => {}
+            Ok(map) => laboratory.choose(map),
+            Err(error) => self.notice = Some(format!("The map of this step cannot be shown: {error}.").into()),
+        }
     }
 
     /// Shows the times and quantities of the lesson's step.
@@ -66,6 +77,8 @@ impl App {
         } else {
             // The record may have become longer.
             axis.framed = lesson.frame(session);
+            // The map may be of a filter that the change has added.
+            self.show_map();
         }
     }
 

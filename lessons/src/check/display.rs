@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::{Check, Times};
+use crate::cells::Cells;
 use crate::value::Expected;
 
 impl fmt::Display for Check {
@@ -25,16 +26,28 @@ impl fmt::Display for Check {
                 write!(f, "{}", time(self.reference_times()))?;
             }
         }
-        for (word, limit) in [("above", self.above), ("below", self.below)] {
-            if let Some(limit) = limit {
-                write!(f, ", {word} {limit:?}")?;
+        if let Some(Cells { x, y, above, below, is }) = &self.cells {
+            limits(f, *above, *below, is.as_ref())?;
+            write!(f, "; share of the cells of {x}")?;
+            if let Some(y) = y {
+                write!(f, " and {y}")?;
             }
         }
-        match &self.is {
-            Some(Expected::Flag(flag)) => write!(f, ", {flag}"),
-            Some(Expected::Word(word)) => write!(f, ", {word}"),
-            Some(Expected::OneOf(words)) => write!(f, ", {}", words.join(" or ")),
-            None => Ok(()),
+        limits(f, self.above, self.below, self.is.as_ref())
+    }
+}
+
+/// Writes the limits of a number or the expected words.
+fn limits(f: &mut fmt::Formatter<'_>, above: Option<f64>, below: Option<f64>, is: Option<&Expected>) -> fmt::Result {
+    for (word, limit) in [("above", above), ("below", below)] {
+        if let Some(limit) = limit {
+            write!(f, ", {word} {limit:?}")?;
         }
+    }
+    match is {
+        Some(Expected::Flag(flag)) => write!(f, ", {flag}"),
+        Some(Expected::Word(word)) => write!(f, ", {word}"),
+        Some(Expected::OneOf(words)) => write!(f, ", {}", words.join(" or ")),
+        None => Ok(()),
     }
 }
