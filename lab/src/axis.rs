@@ -116,7 +116,12 @@ impl Axis {
         if place + 1 >= *count {
             return *to;
         }
-        self.at(place as f64 / (count - 1) as f64, *spacing)
+        let (place, last) = (place as f64, (count - 1) as f64);
+        match spacing {
+            // The product comes first: it keeps seeds whole.
+            Spacing::Linear => from + place * (to - from) / last,
+            Spacing::Logarithmic => self.at(place / last, *spacing),
+        }
     }
 
     /// The value at a share of the axis, from 0 at its beginning to 1 at its end.
@@ -192,6 +197,8 @@ mod tests {
         assert_eq!((0..5).map(|k| axis.value(k)).collect::<Vec<_>>(), [2.0, 2.5, 3.0, 3.5, 4.0]);
         let ratios = Axis::parse("x=-3").unwrap_err();
         assert_eq!(ratios, AxisError::Syntax("x=-3".to_owned()));
+        let seeds = Axis::parse("seed=1:100:100").unwrap();
+        assert!((0..100).all(|k| seeds.value(k) == (k + 1) as f64));
         let axis = Axis::parse("filters.A = b.fading=1e-2:1:3:log").unwrap();
         assert_eq!(axis.key, "filters.A = b.fading");
         assert!((axis.value(1) - 0.1).abs() < 1e-15);
