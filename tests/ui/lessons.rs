@@ -12,6 +12,9 @@ pub(crate) fn click(screen: &mut Screen, label: &str) {
 pub(crate) fn lesson(size: Vec2, title: &str) -> Screen {
     let mut screen = screen(size, Theme::Light);
     click(&mut screen, "Lessons");
+    // The menu is longer than a phone is high.
+    screen.get_by_label(title).scroll_to_me();
+    screen.run_steps(8);
     click(&mut screen, title);
     screen
 }
