@@ -60,7 +60,7 @@ pub fn read(bytes: impl Into<Vec<u8>>, dialect: Option<Dialect>) -> Result<Table
     reader.finish()
 }
 
-/// The [`Hash`] of a file's bytes, in one go.
+/// The [`struct@Hash`] of a file's bytes, in one go.
 pub fn hash(bytes: &[u8]) -> String {
     let mut hash = Hash::default();
     hash.add(bytes);
