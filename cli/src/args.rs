@@ -90,7 +90,7 @@ pub(crate) struct TuneArgs {
     /// The filter; the first one if left out
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Option<String>,
-    /// What to make best: likelihood, consistency, or free_run with a sensor behind a dot, as in free_run.displacement
+    /// The number to make best: likelihood, consistency, or free_run with a sensor behind a dot, as in free_run.displacement
     #[arg(long, value_name = "GOAL", default_value = "likelihood", value_parser = goal)]
     pub(crate) goal: Goal,
     /// Use this record instead of a simulated one

@@ -12,7 +12,7 @@ use crate::{Measure, order};
 /// The most cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;
 
-/// What to run: a grid over some settings of a scenario, and the scores to take of some of its filters.
+/// A grid over some settings of a scenario, with scores of some of its filters in each cell.
 ///
 /// Cells are numbered in the order of the axes, the last axis fastest. A cell's row has the measures of the first filter, then
 /// those of the next. Where the plan has times, the trace of each filter follows ([`Trace`]).
@@ -63,7 +63,7 @@ pub enum EnsembleError {
     #[error(transparent)]
     Run(#[from] RunError),
     /// An axis would change a record that is given.
-    #[error("the record is a measured one: only settings of filters can be varied, and `{0}` is none")]
+    #[error("the record is given, so only settings of filters can be varied, and `{0}` is none")]
     Fixed(String),
     /// The text is no ensemble.
     #[error("the ensemble cannot be read: {0}")]

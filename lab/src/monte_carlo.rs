@@ -36,7 +36,7 @@ struct Filter {
 }
 
 impl MonteCarlo {
-    /// The ensemble of a scenario's filters with the seeds 1 to `seeds`, looked at at so many times.
+    /// The ensemble of a scenario's filters with the seeds 1 to `seeds`, and a trace of `times` times for each run.
     ///
     /// # Errors
     /// [`EnsembleError`] where the scenario is impossible or lacks a filter.

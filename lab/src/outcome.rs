@@ -1,9 +1,10 @@
 //! The result of one filter's run over one record, as numbers.
 
 use kalmanscope_core::free_run::one_step;
-use kalmanscope_core::score::{ChannelScore, Outcome};
+use kalmanscope_core::score::{ChannelScore, Outcome, Scoring};
 use kalmanscope_core::{
-    Channel, Diagnosis, Diagnostics, Estimates, Identified, Pass, Record, RunError, Scenario, VerdictKind,
+    Channel, Diagnosis, Diagnostics, Estimates, Identified, Pass, Record, RunError, Sample, Scenario, Scores, Sink,
+    Stop, VerdictKind,
 };
 
 use crate::Measure;
@@ -36,9 +37,11 @@ pub(crate) fn of_history(
     record: &Record,
     measures: &[Measure],
 ) -> Result<Vec<f64>, RunError> {
-    let outcome = Outcome::of(scenario, place, record)?;
     let mut estimates = Pass::history(scenario, place)?;
-    Pass::new(scenario, place, record)?.follow(record, record.len(), &mut estimates);
+    let mut scores = Scores::new(&estimates, record);
+    let mut both = Both(&mut estimates, scores.against(record));
+    Pass::new(scenario, place, record)?.follow(record, record.len(), &mut both);
+    let outcome = scores.outcome();
     let number = |measure: &Measure| match *measure {
         Measure::Verdict => verdict(&estimates, record),
         Measure::FreeRun(quantity) => {
@@ -54,6 +57,21 @@ pub(crate) fn of_history(
         other => of_sum(other, &outcome, estimates.channels(), record),
     };
     Ok(measures.iter().map(number).collect())
+}
+
+/// A history and the scores, of one pass.
+struct Both<'a>(&'a mut Estimates, Scoring<'a>);
+
+impl Sink for Both<'_> {
+    fn push(&mut self, sample: &Sample<'_>) {
+        self.0.push(sample);
+        self.1.push(sample);
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.0.stop_at(stop);
+        self.1.stop_at(stop);
+    }
 }
 
 /// The measures that sums alone give.

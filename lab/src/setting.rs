@@ -1,8 +1,12 @@
 //! The numbers of a scenario, by key.
 
-use kalmanscope_core::scenario::Values;
-use kalmanscope_core::{Channel, FilterSettings, Quantity, Scenario, Signal};
+mod key;
+mod member;
+
+use kalmanscope_core::{Channel, Scenario, Signal};
 use thiserror::Error;
+
+use member::Member;
 
 /// A number of a scenario that an axis can vary, or a factor on several of them.
 ///
@@ -39,35 +43,13 @@ enum Global {
     Velocity,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-enum Member {
-    Fading,
-    Eta,
-    InputDelay,
-    EnsembleSize,
-    Iterations,
-    SensorStd(usize),
-    InitialMean(Channel),
-    InitialStd(Channel),
-    ProcessStd(Channel),
-    Factor(Stds, Vec<FilterSettings>),
-}
-
-/// A table of standard deviations that a factor multiplies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Stds {
-    Sensor,
-    Initial,
-    Process,
-}
-
 impl Setting {
     /// The setting of a scenario with this key. A factor is relative to the scenario's present numbers.
     ///
     /// # Errors
     /// [`UnknownSetting`] where the scenario has no such number.
     pub fn new(scenario: &Scenario, key: &str) -> Result<Self, UnknownSetting> {
-        let place = place(scenario, key).ok_or_else(|| UnknownSetting(key.to_owned()))?;
+        let place = key::place(scenario, key).ok_or_else(|| UnknownSetting(key.to_owned()))?;
         Ok(Self { key: key.to_owned(), place })
     }
 
@@ -171,142 +153,6 @@ impl Setting {
             }
         }
     }
-}
-
-impl Member {
-    fn get(&self, filter: &FilterSettings) -> f64 {
-        match self {
-            Self::Fading => filter.fading,
-            Self::Eta => filter.eta,
-            Self::InputDelay => f64::from(filter.input_delay),
-            Self::EnsembleSize => filter.ensemble_size as f64,
-            Self::Iterations => filter.iterations as f64,
-            Self::SensorStd(sensor) => filter.sensor_std.get(*sensor).copied().unwrap_or(f64::NAN),
-            Self::InitialMean(channel) => filter.initial_mean[*channel],
-            Self::InitialStd(channel) => filter.initial_std[*channel],
-            Self::ProcessStd(channel) => filter.process_std[*channel],
-            Self::Factor(table, bases) => bases.first().map_or(f64::NAN, |base| table.factor(base, filter)),
-        }
-    }
-
-    fn set(&self, filter: &mut FilterSettings, nth: usize, value: f64) {
-        let whole = libm::round(value);
-        match self {
-            Self::Fading => filter.fading = value,
-            Self::Eta => filter.eta = value,
-            Self::InputDelay => filter.input_delay = whole as i32,
-            Self::EnsembleSize => filter.ensemble_size = whole as usize,
-            Self::Iterations => filter.iterations = whole as usize,
-            Self::SensorStd(sensor) => {
-                if let Some(std) = filter.sensor_std.get_mut(*sensor) {
-                    *std = value;
-                }
-            }
-            Self::InitialMean(channel) => filter.initial_mean[*channel] = value,
-            Self::InitialStd(channel) => filter.initial_std[*channel] = value,
-            Self::ProcessStd(channel) => filter.process_std[*channel] = value,
-            Self::Factor(table, bases) => {
-                if let Some(base) = bases.get(nth) {
-                    table.scale(base, filter, value);
-                }
-            }
-        }
-    }
-}
-
-impl Stds {
-    /// The numbers of a filter, sensors or set channels.
-    fn values(self, filter: &FilterSettings) -> Vec<f64> {
-        match self {
-            Self::Sensor => filter.sensor_std.clone(),
-            Self::Initial => filter.initial_std.iter().map(|(_, std)| std).collect(),
-            Self::Process => filter.process_std.iter().map(|(_, std)| std).collect(),
-        }
-    }
-
-    /// The common factor of a filter's numbers over those of its base; NaN where they do not have one.
-    fn factor(self, base: &FilterSettings, filter: &FilterSettings) -> f64 {
-        let (base, now) = (self.values(base), self.values(filter));
-        let at = base.iter().position(|value| *value > 0.0);
-        let Some(factor) = at.and_then(|at| Some(now.get(at)? / base[at])) else { return f64::NAN };
-        let is_common = |(base, now): (&f64, &f64)| (now - factor * base).abs() <= 1e-9 * now.abs();
-        if base.len() == now.len() && base.iter().zip(&now).all(is_common) { factor } else { f64::NAN }
-    }
-
-    fn scale(self, base: &FilterSettings, filter: &mut FilterSettings, factor: f64) {
-        let scaled = |values: &mut Values, base: &Values| {
-            for (channel, std) in base.iter() {
-                values[channel] = factor * std;
-            }
-        };
-        match self {
-            Self::Sensor => filter.sensor_std = base.sensor_std.iter().map(|std| factor * std).collect(),
-            Self::Initial => scaled(&mut filter.initial_std, &base.initial_std),
-            Self::Process => scaled(&mut filter.process_std, &base.process_std),
-        }
-    }
-}
-
-fn place(scenario: &Scenario, key: &str) -> Option<Place> {
-    let keys: Vec<&str> = key.split('.').collect();
-    Some(match keys[..] {
-        ["seed"] => Place::Scenario(Global::Seed),
-        ["dt"] => Place::Scenario(Global::Dt),
-        ["duration"] => Place::Scenario(Global::Duration),
-        ["plant", "disturbance_std"] => Place::Scenario(Global::Disturbance),
-        ["plant", "input_delay"] => Place::Scenario(Global::InputDelay),
-        ["plant", "initial", "displacement"] => Place::Scenario(Global::Displacement),
-        ["plant", "initial", "velocity"] => Place::Scenario(Global::Velocity),
-        ["plant", parameter] => {
-            let channel = Channel::from_key(parameter)?;
-            scenario.plant.parameters().find(|c| *c == channel).map(Place::Parameter)?
-        }
-        ["sensors", sensor, "noise_std"] => Place::Noise(sensor_place(scenario, sensor)?),
-        ["filters", .., _] if keys.len() >= 3 => filters(scenario, key)?,
-        _ => return None,
-    })
-}
-
-/// A name may have dots in it: the longest name of a filter that the key begins with is meant.
-fn filters(scenario: &Scenario, key: &str) -> Option<Place> {
-    let key = key.strip_prefix("filters.")?;
-    let names = scenario.filters.iter().map(|filter| filter.name.as_str());
-    let called = |name: &&str| key.strip_prefix(*name).is_some_and(|rest| rest.starts_with('.'));
-    let name = names.chain(["*"]).filter(called).max_by_key(|name| name.len())?;
-    let rest: Vec<&str> = key[name.len() + 1..].split('.').collect();
-    let all = scenario.filters.iter().enumerate();
-    let places: Vec<usize> = all.filter(|(_, f)| name == "*" || f.name == name).map(|(place, _)| place).collect();
-    let factor = |table| Member::Factor(table, places.iter().map(|&place| scenario.filters[place].clone()).collect());
-    let channel = |key: &str| {
-        let channel = Channel::from_key(key)?;
-        let has = |&place: &usize| {
-            scenario.filters[place].model(scenario.plant.kind, scenario.input).channels().contains(&channel)
-        };
-        places.iter().all(has).then_some(channel)
-    };
-    let member = match rest[..] {
-        ["fading"] => Member::Fading,
-        ["eta"] => Member::Eta,
-        ["input_delay"] => Member::InputDelay,
-        ["ensemble_size"] => Member::EnsembleSize,
-        ["iterations"] => Member::Iterations,
-        ["sensor_std"] => factor(Stds::Sensor),
-        ["initial_std"] => factor(Stds::Initial),
-        ["process_std"] => factor(Stds::Process),
-        ["sensor_std", sensor] => Member::SensorStd(sensor_place(scenario, sensor)?),
-        ["initial_mean", key] => Member::InitialMean(channel(key)?),
-        ["initial_std", key] => Member::InitialStd(channel(key)?),
-        ["process_std", key] => Member::ProcessStd(channel(key)?),
-        _ => return None,
-    };
-    (!places.is_empty()).then_some(Place::Filters(places, member))
-}
-
-/// The place of a sensor by its quantity or its number from 0 on.
-fn sensor_place(scenario: &Scenario, sensor: &str) -> Option<usize> {
-    let by_number = || sensor.parse().ok().filter(|&place: &usize| place < scenario.sensors.len());
-    let quantity = Quantity::from_key(sensor);
-    quantity.map_or_else(by_number, |quantity| scenario.sensors.iter().position(|s| s.measures == quantity))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What the user wants to see in the laboratory, as plain data.
+//! The user's choice of a map, as plain data.
 
 use kalmanscope_core::{Channel, Record, Scenario};
 use kalmanscope_lab::{Axis, Measure, Setting};

@@ -1,4 +1,4 @@
-//! What runs the cells of an ensemble: threads, workers of a page, or slices of the frames.
+//! The interface to run ensembles: by threads, workers of a page, or slices of the frames.
 
 use egui::Context;
 use kalmanscope_core::Source;

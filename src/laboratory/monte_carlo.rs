@@ -32,7 +32,7 @@ const TIMES: usize = 60;
 /// Limits the seeds of statistics that replace those before.
 const ENOUGH: usize = 10;
 
-/// What the user wants to see, as plain data.
+/// The user's choice of runs, as plain data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SeedChoice {

@@ -15,7 +15,7 @@ use super::settings::{candidates, collide, is_possible};
 use super::survey::Survey;
 use crate::session::{Budget, Session};
 
-/// What the user wants to tune, as plain data.
+/// The user's choice of a search, as plain data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TuneChoice {
     /// The id of the filter.
@@ -74,7 +74,7 @@ pub struct TuneResult {
 }
 
 impl TuneResult {
-    /// What has been tuned.
+    /// The choice that the search began with.
     pub fn choice(&self) -> &TuneChoice {
         &self.choice
     }

@@ -17,7 +17,7 @@ pub use crate::integrate::{INVERSE_FACTORIAL, doublings};
 pub use crate::kernel::propagation::SERIES;
 pub use crate::log_sum::LogSum;
 
-/// How a filter moves its belief and is measured.
+/// The method by which a filter predicts and updates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// KF and EKF.
@@ -29,7 +29,7 @@ pub enum Method {
 /// A filter of the linear oscillator, before its first sample.
 #[derive(Clone, Debug)]
 pub struct OscillatorFilter {
-    /// How it works.
+    /// The method of the filter.
     pub method: Method,
     /// The initial belief in `[x, v, ωₙ, ζ]`.
     pub initial: Gaussian<4>,
@@ -39,7 +39,7 @@ pub struct OscillatorFilter {
     pub eta: f64,
     /// Time between samples \[s\].
     pub dt: f64,
-    /// What each sensor reads.
+    /// The reading of each sensor, if the model knows it.
     pub outputs: Vec<Option<Output>>,
     /// The record's column for each sensor.
     pub columns: Vec<usize>,

@@ -82,7 +82,7 @@ fn has_certain_component(filter: &OscillatorFilter) -> bool {
     *method == Method::SigmaPoints && (2..4).any(is_certain)
 }
 
-/// What the lanes of a batch have in common.
+/// The properties that all lanes of a batch must share.
 #[derive(PartialEq)]
 struct Kind<'a> {
     method: Method,

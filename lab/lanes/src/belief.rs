@@ -74,7 +74,7 @@ impl<T: Lane> Belief<T> {
     }
 }
 
-/// What the filters assume.
+/// The noise and the decay that the filters assume.
 #[derive(Clone, Copy)]
 pub(crate) struct Noise<T> {
     /// Diagonal of Q.

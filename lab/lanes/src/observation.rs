@@ -75,7 +75,7 @@ impl Run<'_> {
     }
 }
 
-/// What a batch of runs reads.
+/// The inputs and measurements of a batch of runs.
 pub(crate) struct Observations<'a> {
     pub(crate) samples: usize,
     pub(crate) force: Column<'a>,

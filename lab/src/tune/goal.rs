@@ -1,4 +1,4 @@
-//! What tuning is for.
+//! The goal of tuning.
 
 use kalmanscope_core::Quantity;
 

@@ -17,7 +17,7 @@ const TURN: f64 = 2.0;
 /// A warning about a result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Remark {
-    /// No other values are better than those that there were.
+    /// No values are better than the scenario's own.
     NoBetter,
     /// The record hardly tells this setting: half and twice the value are as good.
     Flat(String),
@@ -30,7 +30,7 @@ pub enum Remark {
 impl fmt::Display for Remark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoBetter => f.write_str("No other values are better than those that there were."),
+            Self::NoBetter => f.write_str("No values are better than the present ones."),
             Self::Flat(key) => write!(f, "The record hardly tells {key}: half and twice the value are as good."),
             Self::Edge(key) => {
                 write!(f, "The best value of {key} is at an end of its range: widen the range, or doubt the model.")

@@ -12,7 +12,7 @@ pub(super) struct Cell {
     pub(super) end: End,
 }
 
-/// What came of a run.
+/// The outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
     /// It is not known yet.

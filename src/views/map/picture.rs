@@ -14,7 +14,7 @@ use crate::plot::graph::Graph;
 use crate::plot::medium::Medium;
 use crate::theme::Palette;
 
-/// What a panel shows.
+/// The contents of a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contents {
     /// The filter at a place of the map.
@@ -40,7 +40,7 @@ pub(super) struct Panel {
 /// Panels that have been made.
 #[derive(Clone)]
 struct Kept {
-    /// What they show: survey, score and theme.
+    /// The version of survey, score and theme in the pictures.
     of: (u64, Measure, Theme),
     version: u64,
     panels: Arc<Vec<Panel>>,
