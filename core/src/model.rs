@@ -209,7 +209,11 @@ impl Model {
 
     /// The rates of the components that move alone, M numbers, in place of what `rate` holds.
     pub fn motion_rate_into(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        let acting = self.acting_force(state, force);
+        self.motion_rate_under_into(state, self.acting_force(state, force), rate);
+    }
+
+    /// [`Self::motion_rate_into`] under the force over mass that acts, whatever it is made of \[m/s²\].
+    pub(crate) fn motion_rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
         self.with_plain(state, |plain| self.plant.plant().motion_rate(plain, acting, rate));
     }
 
@@ -222,7 +226,7 @@ impl Model {
 
     fn rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
         let (motion, rest) = rate.split_at_mut(self.motion);
-        self.with_plain(state, |plain| self.plant.plant().motion_rate(plain, acting, motion));
+        self.motion_rate_under_into(state, acting, motion);
         rest.fill(0.0);
         if self.eta != 0.0 {
             for place in self.motion..self.own {

@@ -1,5 +1,6 @@
 //! Scores of a filter that need no history.
 
+mod look;
 mod outcome;
 
 use crate::diagnostics::Total;
@@ -10,6 +11,7 @@ use crate::log_sum::LogSum;
 use crate::sink::{Sample, Sink};
 use crate::{Channel, Estimates, FilterKind, Record, Stop};
 
+pub use look::Look;
 #[doc(hidden)]
 pub use outcome::ChannelSums;
 pub use outcome::Outcome;
@@ -132,9 +134,16 @@ impl Scores {
         self.nis
     }
 
-    /// The NEES and the NIS of the last sample; NaN without a known truth, or without a measurement.
-    pub fn last_squares(&self) -> [f64; 2] {
-        self.last_squares
+    /// The filter at the last sample.
+    pub fn look(&self) -> Look {
+        let [nees, nis] = self.last_squares;
+        let mut channels = vec![[f64::NAN; 2]; self.channels];
+        for (at, known) in self.known.iter().enumerate() {
+            if let Some(score) = self.sums(at).score(self.samples) {
+                channels[known.place] = [score.error, score.std];
+            }
+        }
+        Look { nees, nis, channels }
     }
 
     /// Sum of the log likelihoods of all samples with a measurement.
@@ -184,6 +193,7 @@ impl Scores {
             channels: (0..self.known.len()).filter_map(score).collect(),
             mean: self.mean.clone(),
             std: self.variance.iter().map(|variance| variance.sqrt()).collect(),
+            looks: Vec::new(),
         }
     }
 }

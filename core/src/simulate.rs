@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::model::{Hold, Model, Reading};
 use crate::random::{Normal, Purpose};
-use crate::{Channel, Quantity, Record, Scenario};
+use crate::{Channel, Quantity, Record, Scenario, Signal};
 
 use inputs::Inputs;
 use response::Response;
@@ -48,7 +48,11 @@ pub struct Simulator {
     disturbance_noise: Normal,
     sensor_noise: Vec<Normal>,
     model: Model,
+    /// The signals of the components that do not move.
+    signals: Vec<Signal>,
     readings: Vec<Option<Reading>>,
+    /// The measurements of one sample.
+    measured: Vec<f64>,
     response: Response,
     stop: Option<TruthStop>,
 }
@@ -63,11 +67,14 @@ impl Simulator {
             c if c == Channel::VELOCITY => scenario.plant.initial.velocity,
             _ => 0.0,
         };
+        let signal = |channel: &Channel| scenario.plant.parameter(*channel).unwrap_or(Signal::Constant(0.0));
         Self {
             inputs: Inputs::new(scenario.force, scenario.dt, stream(Purpose::Force)),
             disturbance_noise: stream(Purpose::Disturbance),
             sensor_noise: scenario.sensors.iter().map(|s| stream(Purpose::Sensor(s.measures))).collect(),
+            signals: model.channels()[model.motion()..].iter().map(signal).collect(),
             readings: scenario.sensors.iter().map(|s| model.reading(s.measures)).collect(),
+            measured: Vec::with_capacity(scenario.sensors.len()),
             response: Response::new(model.channels().iter().map(initial)),
             model,
             scenario: scenario.clone(),
@@ -102,12 +109,23 @@ impl Simulator {
     }
 
     fn try_step(&mut self, record: &mut Record) -> Result<(), TruthError> {
-        let Self { scenario, inputs, disturbance_noise, sensor_noise, model, readings, response, stop: _ } = self;
+        let Self {
+            scenario,
+            inputs,
+            disturbance_noise,
+            sensor_noise,
+            model,
+            signals,
+            readings,
+            measured,
+            response,
+            stop: _,
+        } = self;
         let dt = scenario.dt;
         let k = record.forgotten() + record.len();
         let t = k as f64 * dt;
-        for (place, &channel) in model.channels().iter().enumerate().skip(model.motion()) {
-            response.set(place, scenario.plant.parameter(channel).map_or(0.0, |signal| signal.at(t)));
+        for (place, signal) in signals.iter().enumerate() {
+            response.set(model.motion() + place, signal.at(t));
         }
         // The disturbance has its own random stream, so skipping its draws changes no other number.
         let disturbance = match scenario.plant.disturbance_std {
@@ -124,7 +142,7 @@ impl Simulator {
         if !(force + disturbance).is_finite() {
             return Err(TruthError::Force);
         }
-        let mut measured = Vec::with_capacity(readings.len());
+        measured.clear();
         for ((sensor, noise), reading) in scenario.sensors.iter().zip(sensor_noise).zip(readings) {
             let exact = reading.as_ref().map_or(f64::NAN, |r| model.read_disturbed(r, state, force, disturbance));
             let value = exact + sensor.noise_std * noise.sample();
@@ -133,7 +151,7 @@ impl Simulator {
             }
             measured.push(value);
         }
-        record.push(recorded, measured, state.iter().copied());
+        record.push(recorded, measured.iter().copied(), state.iter().copied());
         inputs.forget_before((k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize));
         let end = match scenario.hold {
             Hold::Zero => force,

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kalmanscope_core::score::Outcome;
+use kalmanscope_core::score::{Look, Outcome};
 use kalmanscope_core::simulate::Simulator;
 use kalmanscope_core::{Pass, Record, RunError, Scenario, Source};
 
@@ -51,11 +51,11 @@ impl Runner {
         let plan = self.ensemble.plan();
         let (trace, score) = (self.ensemble.trace(), plan.measures.len());
         for (nth, &place) in plan.filters.iter().enumerate() {
-            let scores = self.scores(&runs, place);
-            for ((row, run), scores) in rows.chunks_mut(width).zip(&runs).zip(scores) {
-                let (Some((scenario, record)), Some(scores)) = (run, scores) else { continue };
+            let results = self.results(&runs, place, trace.samples());
+            for (row, result) in rows.chunks_mut(width).zip(results) {
+                let Some((scores, looks)) = result else { continue };
                 row[nth * score..(nth + 1) * score].copy_from_slice(&scores);
-                trace.follow(scenario, nth, place, record, row);
+                trace.fill(nth, &looks, row);
             }
         }
         rows
@@ -69,21 +69,35 @@ impl Runner {
         Some((scenario, record))
     }
 
-    /// The measures of one filter in some runs.
-    fn scores(&self, runs: &[Option<(Scenario, Arc<Record>)>], place: usize) -> Vec<Option<Vec<f64>>> {
+    /// The measures of one filter in some runs, and looks at it at these samples.
+    fn results(
+        &self,
+        runs: &[Option<(Scenario, Arc<Record>)>],
+        place: usize,
+        samples: &[usize],
+    ) -> Vec<Option<(Vec<f64>, Vec<Look>)>> {
         let measures = &self.ensemble.plan().measures;
         if measures.iter().any(|measure| measure.needs_history()) {
-            let one =
-                |(scenario, record): &(Scenario, Arc<Record>)| outcome::of_history(scenario, place, record, measures);
-            return runs.iter().map(|run| run.as_ref().and_then(|run| one(run).ok())).collect();
+            let one = |(scenario, record): &(Scenario, Arc<Record>)| {
+                let scores = outcome::of_history(scenario, place, record, measures).ok()?;
+                // To look at nothing needs no second run.
+                let looks = if samples.is_empty() {
+                    Vec::new()
+                } else {
+                    Outcome::at(scenario, place, record, samples).ok()?.looks
+                };
+                Some((scores, looks))
+            };
+            return runs.iter().map(|run| run.as_ref().and_then(one)).collect();
         }
         let all: Vec<(&Scenario, &Record)> =
             runs.iter().flatten().map(|(scenario, record)| (scenario, &**record)).collect();
-        let Ok(outcomes) = outcomes(&all, place) else { return vec![None; runs.len()] };
-        let mut outcomes = outcomes.iter();
+        let Ok(outcomes) = outcomes(&all, place, samples) else { return vec![None; runs.len()] };
+        let mut outcomes = outcomes.into_iter();
         let one = |run: &Option<(Scenario, Arc<Record>)>| {
             let (scenario, record) = run.as_ref()?;
-            Some(outcome::of_sums(scenario, place, record, measures, outcomes.next()?))
+            let outcome = outcomes.next()?;
+            Some((outcome::of_sums(scenario, place, record, measures, &outcome), outcome.looks))
         };
         runs.iter().map(one).collect()
     }
@@ -108,17 +122,18 @@ impl Runner {
     }
 }
 
-/// The outcomes of the filter at a place of some scenarios, each over its record.
+/// The outcomes of the filter at a place of some scenarios, each over its record, with looks at these samples.
 #[cfg(feature = "lanes")]
-fn outcomes(runs: &[(&Scenario, &Record)], place: usize) -> Result<Vec<Outcome>, RunError> {
-    let run = |&(scenario, record): &(_, _)| kalmanscope_lanes::LaneRun { scenario, place, record };
-    kalmanscope_lanes::outcomes(&runs.iter().map(run).collect::<Vec<_>>())
+fn outcomes(runs: &[(&Scenario, &Record)], place: usize, samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
+    use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
+    let run = |&(scenario, record): &(_, _)| LaneRun { scenario, place, record };
+    outcomes_with(Level::best(), &runs.iter().map(run).collect::<Vec<_>>(), samples)
 }
 
-/// The outcomes of the filter at a place of some scenarios, each over its record.
+/// The outcomes of the filter at a place of some scenarios, each over its record, with looks at these samples.
 #[cfg(not(feature = "lanes"))]
-fn outcomes(runs: &[(&Scenario, &Record)], place: usize) -> Result<Vec<Outcome>, RunError> {
-    runs.iter().map(|(scenario, record)| Outcome::of(scenario, place, record)).collect()
+fn outcomes(runs: &[(&Scenario, &Record)], place: usize, samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
+    runs.iter().map(|(scenario, record)| Outcome::at(scenario, place, record, samples)).collect()
 }
 
 /// The record of a possible scenario, as far as its truth goes.

@@ -1,6 +1,7 @@
 //! One run at a few times.
 
-use kalmanscope_core::{Channel, Pass, Record, Scenario, Scores};
+use kalmanscope_core::score::Look;
+use kalmanscope_core::{Channel, Scenario};
 
 use crate::Plan;
 
@@ -60,27 +61,15 @@ impl Trace {
         self.begin + before + time * stride(&self.channels[nth])
     }
 
-    /// Runs the `nth` filter, at a place of a scenario, over a record and puts its trace into a row.
-    pub(crate) fn follow(&self, scenario: &Scenario, nth: usize, place: usize, record: &Record, row: &mut [f64]) {
+    /// Puts the looks at a run of the `nth` filter into a row.
+    pub(crate) fn fill(&self, nth: usize, looks: &[Look], row: &mut [f64]) {
         if self.samples.is_empty() {
             return;
         }
-        let (Ok(history), Ok(mut pass)) = (Pass::history(scenario, place), Pass::new(scenario, place, record)) else {
-            return;
-        };
-        let mut scores = Scores::new(&history, record);
         let begin = self.at(nth, 0);
-        let stride = stride(history.channels());
-        for (numbers, &sample) in row[begin..].chunks_mut(stride).zip(&self.samples) {
-            pass.follow(record, sample + 1, &mut scores.against(record));
-            if pass.stop().is_some() || sample >= record.len() {
-                return;
-            }
-            numbers[..2].copy_from_slice(&scores.last_squares());
-            for (pair, &channel) in numbers[2..].chunks_mut(2).zip(history.channels()) {
-                let score = scores.channel(channel);
-                pair.copy_from_slice(&score.map_or([f64::NAN; 2], |score| [score.error, score.std]));
-            }
+        for (numbers, look) in row[begin..].chunks_mut(stride(&self.channels[nth])).zip(looks) {
+            numbers[..2].copy_from_slice(&[look.nees, look.nis]);
+            numbers[2..].copy_from_slice(look.channels.as_flattened());
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The result of a filter's run over a record, as plain numbers.
 
-use super::{ChannelScore, Scores};
+use super::{ChannelScore, Look, Scores};
 use crate::diagnostics::{Tally, Total};
 use crate::{Channel, Pass, Record, RunError, Scenario, Stop};
 
@@ -25,6 +25,8 @@ pub struct Outcome {
     pub mean: Vec<f64>,
     /// The last standard deviation of every channel, in its unit; NaN where there is no sample.
     pub std: Vec<f64>,
+    /// The filter at the samples that were asked for, as far as it came.
+    pub looks: Vec<Look>,
 }
 
 impl Outcome {
@@ -46,10 +48,26 @@ impl Outcome {
     /// # Errors
     /// Those of [`Pass::new`].
     pub fn of(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
+        Self::at(scenario, place, record, &[])
+    }
+
+    /// [`Self::of`], with a look at the filter at each of these samples, which are in order.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`].
+    pub fn at(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
         let mut pass = Pass::new(scenario, place, record)?;
         let mut scores = Scores::new(&Pass::history(scenario, place)?, record);
+        let mut looks = Vec::new();
+        for &sample in samples {
+            pass.follow(record, sample + 1, &mut scores.against(record));
+            if scores.len() != sample + 1 {
+                break;
+            }
+            looks.push(scores.look());
+        }
         pass.follow(record, usize::MAX, &mut scores.against(record));
-        Ok(scores.outcome())
+        Ok(Self { looks, ..scores.outcome() })
     }
 }
 

@@ -23,6 +23,8 @@ pub(crate) struct Response {
     size: Vector,
     /// The constant components of the last step and their exact integrals, which seldom change.
     exact: Option<(Vec<f64>, Exact)>,
+    /// Memory for the rates of the motion, and for its change over a step.
+    work: [Vector; 2],
 }
 
 /// The effects on the motion of a constant rate and of a slope of the rate over one step; both are square.
@@ -35,7 +37,8 @@ impl Response {
     /// At rest, except for the components in `initial`.
     pub(crate) fn new(initial: impl Iterator<Item = f64>) -> Self {
         let state = Vector::from_iterator(initial.size_hint().0, initial);
-        Self { size: Vector::zeros(state.len()), state, exact: None }
+        let empty = || Vector::zeros(0);
+        Self { size: Vector::zeros(state.len()), state, exact: None, work: [empty(), empty()] }
     }
 
     /// The state.
@@ -57,7 +60,7 @@ impl Response {
         disturbance: f64,
         dt: f64,
     ) -> Result<(), TruthError> {
-        let Self { state, size, exact } = self;
+        let Self { state, size, exact, work: [rate, change] } = self;
         let [begin, end] = forces;
         if !model.is_linear() {
             *size = size.sup(&state.abs());
@@ -65,17 +68,23 @@ impl Response {
             *state = motion.advance(state, dt, size)?;
             return Ok(());
         }
-        let constant = &state.as_slice()[model.motion()..];
+        let motion = model.motion();
+        let constant = &state.as_slice()[motion..];
         let integrals = match exact {
             Some((before, integrals)) if before == constant => integrals,
             _ => &exact.insert((constant.to_vec(), Exact::new(model, state, dt))).1,
         };
-        let rate = model.rate_under(state.as_slice(), model.acting_force(state.as_slice(), begin) + disturbance);
-        let motion = model.motion();
-        let mut change = &integrals.constant * rate.rows(0, motion);
+        for work in [&mut *rate, &mut *change] {
+            if work.len() != motion {
+                *work = Vector::zeros(motion);
+            }
+        }
+        let acting = model.acting_force(state.as_slice(), begin) + disturbance;
+        model.motion_rate_under_into(state.as_slice(), acting, rate.as_mut_slice());
+        integrals.constant.mul_to(rate, change);
         if begin != end {
             let by_force = model.by_recorded_force(state.as_slice());
-            change += &integrals.slope * by_force.rows(0, motion) * ((end - begin) / dt);
+            *change += &integrals.slope * by_force.rows(0, motion) * ((end - begin) / dt);
         }
         for i in 0..motion {
             state[i] += change[i];

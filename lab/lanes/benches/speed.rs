@@ -94,7 +94,7 @@ fn measure(case: &str, scenarios: &[Scenario], records: &[Record]) {
         let single = time(|| Outcome::of(one.scenario, one.place, one.record));
         least[0] = least[0].min(single / SAMPLES as f64);
         for (place, &level) in levels.iter().enumerate() {
-            let abreast = time(|| outcomes_with(level, part));
+            let abreast = time(|| outcomes_with(level, part, &[]));
             least[place + 1] = least[place + 1].min(abreast / (PART * SAMPLES) as f64);
         }
     }

@@ -36,24 +36,25 @@ pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
 /// # Errors
 /// Those of [`Pass::new`](kalmanscope_core::Pass::new), for the first run that has one.
 pub fn outcomes(runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
-    outcomes_with(Level::best(), runs)
+    outcomes_with(Level::best(), runs, &[])
 }
 
-/// [`outcomes`] with these instructions, or the best ones below them that the processor has.
+/// [`outcomes`] with these instructions, or the best ones below them that the processor has, and with looks at the filters at
+/// these samples, which are in order, as those of [`Outcome::at`].
 ///
 /// # Errors
 /// Those of [`outcomes`].
-pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
+pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>], samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
     let filters = runs.iter().map(prepare).collect::<Result<Vec<_>, _>>()?;
     let mut results: Vec<Option<Outcome>> = vec![None; runs.len()];
     for group in groups(&filters, runs) {
         for places in group.chunks(LANES) {
-            run_batch(level, places, &filters, runs, &mut results);
+            run_batch(level, places, &filters, runs, samples, &mut results);
         }
     }
     let single = |(result, run): (Option<Outcome>, &LaneRun<'_>)| match result {
         Some(outcome) => Ok(outcome),
-        None => Outcome::of(run.scenario, run.place, run.record),
+        None => Outcome::at(run.scenario, run.place, run.record, samples),
     };
     results.into_iter().zip(runs).map(single).collect()
 }
@@ -124,6 +125,7 @@ fn run_batch(
     places: &[usize],
     filters: &[Option<OscillatorFilter>],
     runs: &[LaneRun<'_>],
+    samples: &[usize],
     results: &mut [Option<Outcome>],
 ) {
     // A batch costs more than one filter alone.
@@ -140,7 +142,7 @@ fn run_batch(
     };
     let distinct = if batch.iter().all(is_same) { 1 } else { LANES };
     let forces: Vec<Vec<f64>> = batch[..distinct].iter().map(|run| run.forces()).collect();
-    let outcomes = level.run(&batch, &Observations::new(&batch, &forces));
+    let outcomes = level.run(&batch, &Observations::new(&batch, &forces), samples);
     for (&place, outcome) in places.iter().zip(outcomes) {
         results[place] = outcome;
     }

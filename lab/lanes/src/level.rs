@@ -46,19 +46,28 @@ impl Level {
     }
 
     /// Runs a batch with these instructions, or with the best ones below them that the processor has.
-    pub(crate) fn run(self, runs: &[Run<'_>; LANES], observations: &Observations<'_>) -> [Option<Outcome>; LANES] {
+    pub(crate) fn run(
+        self,
+        runs: &[Run<'_>; LANES],
+        observations: &Observations<'_>,
+        samples: &[usize],
+    ) -> [Option<Outcome>; LANES] {
         let is_ukf = runs[0].filter.method == Method::SigmaPoints;
         #[cfg(target_arch = "x86_64")]
         if self > Self::Baseline {
             let best = fearless_simd::Level::new();
             if let Some(token) = best.as_avx512().filter(|_| self == Self::Avx512) {
-                return with_vectors(token, is_ukf, runs, observations);
+                return with_vectors(token, is_ukf, runs, observations, samples);
             }
             if let Some(token) = best.as_avx2() {
-                return with_vectors(token, is_ukf, runs, observations);
+                return with_vectors(token, is_ukf, runs, observations, samples);
             }
         }
-        if is_ukf { run::<Array, true>((), runs, observations) } else { run::<Array, false>((), runs, observations) }
+        if is_ukf {
+            run::<Array, true>((), runs, observations, samples)
+        } else {
+            run::<Array, false>((), runs, observations, samples)
+        }
     }
 }
 
@@ -68,17 +77,18 @@ fn with_vectors<S: fearless_simd::Simd>(
     is_ukf: bool,
     runs: &[Run<'_>; LANES],
     observations: &Observations<'_>,
+    samples: &[usize],
 ) -> [Option<Outcome>; LANES] {
     use crate::vector::Vector;
     if is_ukf {
         token.vectorize(
             #[inline(always)]
-            || run::<Vector<S>, true>(token, runs, observations),
+            || run::<Vector<S>, true>(token, runs, observations, samples),
         )
     } else {
         token.vectorize(
             #[inline(always)]
-            || run::<Vector<S>, false>(token, runs, observations),
+            || run::<Vector<S>, false>(token, runs, observations, samples),
         )
     }
 }

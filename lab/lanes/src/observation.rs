@@ -2,6 +2,7 @@
 
 use kalmanscope_core::Record;
 use kalmanscope_core::kernel::abreast::OscillatorFilter;
+use kalmanscope_core::kernel::gaussian::Gaussian;
 use kalmanscope_core::kernel::model::Output;
 
 use crate::belief::N;
@@ -105,6 +106,19 @@ impl<'a> Observations<'a> {
             sensors: sensors.collect(),
             truth,
         }
+    }
+
+    /// The error of a component of a lane's belief at sample `k`, if the truth is known: in canonical form, and with the signs
+    /// of the belief.
+    pub(crate) fn error(&self, lane: usize, k: usize, belief: &Gaussian<N>, place: usize) -> Option<[f64; 2]> {
+        let truth = self.truth.as_ref()?[place].of_lane(lane, k);
+        let sign = if belief.mean[2] < 0.0 { -1.0 } else { 1.0 };
+        Some(if CHANNELS[place].is_mirrored() {
+            let error = belief.mean[place] - sign * truth;
+            [sign * error, error]
+        } else {
+            [belief.mean[place] - truth; 2]
+        })
     }
 }
 

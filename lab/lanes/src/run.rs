@@ -4,7 +4,7 @@ use kalmanscope_core::kernel::abreast::{LogSum, ln_determinant};
 use kalmanscope_core::kernel::gaussian::{Gaussian, Vector};
 use kalmanscope_core::kernel::model::Output;
 use kalmanscope_core::kernel::{Correction as Told, MAX_SENSORS};
-use kalmanscope_core::score::Outcome;
+use kalmanscope_core::score::{Look, Outcome};
 use kalmanscope_core::{FilterError, Stop};
 
 use crate::belief::{Belief, N, Noise};
@@ -27,14 +27,17 @@ struct Batch<'a, T> {
     outcomes: [Option<Outcome>; LANES],
     /// Lanes whose filter has stopped.
     stopped: [bool; LANES],
+    looks: [Vec<Look>; LANES],
 }
 
-/// Runs the filters, UKFs if so, else KFs and EKFs; a lane without an outcome is left to the single filter.
+/// Runs the filters, UKFs if so, else KFs and EKFs, and looks at them at these samples, which are in order; a lane without an
+/// outcome is left to the single filter.
 #[inline(always)]
 pub(crate) fn run<T: Lane, const UKF: bool>(
     token: T::Token,
     runs: &[Run<'_>; LANES],
     observations: &Observations<'_>,
+    samples: &[usize],
 ) -> [Option<Outcome>; LANES] {
     let initial = runs.map(|run| run.filter.initial.clone());
     let mut batch = Batch {
@@ -46,11 +49,18 @@ pub(crate) fn run<T: Lane, const UKF: bool>(
         sums: Sums::new(token),
         outcomes: [const { None }; LANES],
         stopped: [false; LANES],
+        looks: [const { Vec::new() }; LANES],
     };
     let (dt, decays) = (runs[0].filter.dt, runs[0].filter.eta != 0.0);
     let recent = last_fifth(observations.samples);
     let mut force = observations.force.at::<T>(token, 0);
-    batch.compare(token, 0, recent);
+    let mut samples = samples.iter();
+    let mut next = samples.next().copied();
+    let nees = batch.compare(token, 0, recent);
+    if next == Some(0) {
+        batch.look(nees, T::splat(token, f64::NAN), 0);
+        next = samples.next().copied();
+    }
     for k in 1..observations.samples {
         let before = batch.belief;
         let force_before = force;
@@ -80,7 +90,11 @@ pub(crate) fn run<T: Lane, const UKF: bool>(
             }
         }
         batch.sums.measure(nis, determinant, count as u32);
-        batch.compare(token, k, recent);
+        let nees = batch.compare(token, k, recent);
+        if next == Some(k) {
+            batch.look(nees, nis, k);
+            next = samples.next().copied();
+        }
     }
     batch.finish()
 }
@@ -166,12 +180,29 @@ fn expected<T: Lane, const UKF: bool, const M: usize>(
 }
 
 impl<T: Lane> Batch<'_, T> {
+    /// Takes in the beliefs at sample `k`; returns their NEES, NaN where there is none.
     #[inline(always)]
-    fn compare(&mut self, token: T::Token, k: usize, recent: usize) {
-        if let Some(truth) = &self.observations.truth {
-            let [x, v, wn, zeta] = truth;
-            let truth = [x.at(token, k), v.at(token, k), wn.at(token, k), zeta.at(token, k)];
-            self.sums.compare(&self.belief, truth, k, k >= recent);
+    fn compare(&mut self, token: T::Token, k: usize, recent: usize) -> T {
+        let Some([x, v, wn, zeta]) = &self.observations.truth else { return T::splat(token, f64::NAN) };
+        let truth = [x.at(token, k), v.at(token, k), wn.at(token, k), zeta.at(token, k)];
+        self.sums.compare(&self.belief, truth, k, k >= recent)
+    }
+
+    /// Looks at the filters that go on at sample `k`.
+    #[cold]
+    #[inline(never)]
+    fn look(&mut self, nees: T, nis: T, k: usize) {
+        let (nees, nis, beliefs) = (nees.to_array(), nis.to_array(), self.belief.split());
+        for lane in (0..LANES).filter(|&lane| !self.stopped[lane]) {
+            let belief = &beliefs[lane];
+            let channel = |place: usize| {
+                let error = self.observations.error(lane, k, belief, place);
+                error.map_or([f64::NAN; 2], |[error, _]| [error, belief.cov[(place, place)].sqrt()])
+            };
+            let mut sensors = self.observations.sensors.iter();
+            let has_measurement = k > 0 && sensors.any(|sensor| !sensor.measured.of_lane(lane, k).is_nan());
+            let nis = if has_measurement { nis[lane] } else { f64::NAN };
+            self.looks[lane].push(Look { nees: nees[lane], nis, channels: (0..N).map(channel).collect() });
         }
     }
 
@@ -253,9 +284,10 @@ impl<T: Lane> Batch<'_, T> {
     }
 
     /// The outcome of a lane after `samples` samples.
-    fn outcome(&self, lane: usize, samples: usize, last: &Gaussian<N>, stop: Option<Stop>) -> Option<Outcome> {
+    fn outcome(&mut self, lane: usize, samples: usize, last: &Gaussian<N>, stop: Option<Stop>) -> Option<Outcome> {
         let first = &self.runs[lane].filter.initial;
-        self.sums.outcome(lane, samples, [first, last], self.observations, stop)
+        let outcome = self.sums.outcome(lane, samples, [first, last], self.observations, stop)?;
+        Some(Outcome { looks: std::mem::take(&mut self.looks[lane]), ..outcome })
     }
 
     /// The outcomes of the lanes that have not stopped.

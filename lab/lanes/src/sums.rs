@@ -66,9 +66,9 @@ impl<T: Lane> Sums<T> {
         }
     }
 
-    /// Takes in beliefs at sample `k`, of which the truth is known.
+    /// Takes in beliefs at sample `k`, of which the truth is known; returns their NEES, NaN where there is none.
     #[inline(always)]
-    pub(crate) fn compare(&mut self, belief: &Belief<T>, truth: [T; N], k: usize, is_recent: bool) {
+    pub(crate) fn compare(&mut self, belief: &Belief<T>, truth: [T; N], k: usize, is_recent: bool) -> T {
         let zero = belief.mean[0].of(0.0);
         let one = zero.of(1.0);
         // A negative natural frequency is the same oscillator as its mirror image.
@@ -94,12 +94,12 @@ impl<T: Lane> Sums<T> {
             factor[AT[i][i]] = T::select(zero.lt(variance), variance + floor, zero);
             errors[i] = error;
         }
-        self.add_nees(errors, factor);
+        self.add_nees(errors, factor)
     }
 
     /// Adds `eᵀ P⁻¹ e` over the components of positive variance, where P is positive definite.
     #[inline(always)]
-    fn add_nees(&mut self, mut errors: [T; N], cov: [T; 10]) {
+    fn add_nees(&mut self, mut errors: [T; N], cov: [T; 10]) -> T {
         let zero = errors[0].of(0.0);
         let one = zero.of(1.0);
         let mut factor = cov;
@@ -126,6 +126,7 @@ impl<T: Lane> Sums<T> {
         self.nees = T::select(counts, self.nees + sum, self.nees);
         self.nees_degrees = self.nees_degrees + T::select(counts, degrees, zero);
         self.nees_samples = self.nees_samples + T::select(counts, one, zero);
+        T::select(counts, sum, zero.of(f64::NAN))
     }
 
     /// Takes in the NIS and det S of `measured` sensors.
@@ -193,6 +194,7 @@ impl<T: Lane> Sums<T> {
             channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(samples)?))).collect(),
             mean: last.mean.iter().copied().collect(),
             std: (0..N).map(|i| last.cov[(i, i)].sqrt()).collect(),
+            looks: Vec::new(),
         })
     }
 
@@ -204,20 +206,15 @@ impl<T: Lane> Sums<T> {
         [first, last]: [&Gaussian<N>; 2],
         observations: &Observations<'_>,
     ) -> Vec<(Channel, ChannelSums)> {
-        let Some(truth) = &observations.truth else { return Vec::new() };
+        if observations.truth.is_none() {
+            return Vec::new();
+        }
         let recent = samples.saturating_sub(last_fifth(observations.samples)) as u32;
         let of = |place: usize| {
             let (channel, Tracked { squares, inside, settled, recent: late, largest_truth, .. }) =
                 (CHANNELS[place], self.tracked[place]);
-            let error = |belief: &Gaussian<N>, k: usize| {
-                let sign = if belief.mean[2] < 0.0 { -1.0 } else { 1.0 };
-                let truth = truth[place].of_lane(lane, k);
-                if channel.is_mirrored() {
-                    [sign * (belief.mean[place] - sign * truth), belief.mean[place] - sign * truth]
-                } else {
-                    [belief.mean[place] - truth; 2]
-                }
-            };
+            let error =
+                |belief: &Gaussian<N>, k: usize| observations.error(lane, k, belief, place).unwrap_or([f64::NAN; 2]);
             let sums = ChannelSums {
                 total: Tally {
                     squares: squares.to_array()[lane],

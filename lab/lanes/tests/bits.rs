@@ -119,11 +119,15 @@ fn with_gaps(record: &Record, keeps_truth: bool, is_missing: impl Fn(usize, usiz
 
 /// Every number of an outcome, bit by bit; one NaN is as good as another.
 fn bits(outcome: &Outcome) -> (Vec<u64>, String) {
-    let Outcome { samples, nees, nis, log_likelihood, stop, diverged, channels, mean, std } = outcome;
+    let Outcome { samples, nees, nis, log_likelihood, stop, diverged, channels, mean, std, looks } = outcome;
     let mut numbers = vec![nees.sum, nis.sum, *log_likelihood];
     numbers.extend(mean.iter().chain(std));
     for (_, score) in channels {
         numbers.extend([score.error, score.std, score.rmse, score.share_inside]);
+    }
+    for look in looks {
+        numbers.extend([look.nees, look.nis]);
+        numbers.extend(look.channels.as_flattened());
     }
     let settled: Vec<_> = channels.iter().map(|(channel, score)| (channel.key(), score.settled)).collect();
     let counts = [nees.degrees, nees.samples, nis.degrees, nis.samples];
@@ -133,10 +137,12 @@ fn bits(outcome: &Outcome) -> (Vec<u64>, String) {
 
 /// Holds every lane at every instruction set to the single filter. Returns the number of runs that stopped early.
 fn check(runs: &[LaneRun<'_>]) -> Result<usize, TestCaseError> {
+    let last = runs[0].record.len() - 1;
+    let samples = [0, 1, 2, last / 3, last / 2, last, last + 3];
     let single: Vec<Outcome> =
-        runs.iter().map(|run| Outcome::of(run.scenario, run.place, run.record).unwrap()).collect();
+        runs.iter().map(|run| Outcome::at(run.scenario, run.place, run.record, &samples).unwrap()).collect();
     for level in Level::available() {
-        let lanes = outcomes_with(level, runs).unwrap();
+        let lanes = outcomes_with(level, runs, &samples).unwrap();
         prop_assert_eq!(lanes.len(), single.len());
         for (place, (lane, single)) in lanes.iter().zip(&single).enumerate() {
             prop_assert_eq!(
@@ -277,5 +283,5 @@ fn other_filters_run_by_themselves() {
     assert_eq!(served, [true, true, false, false, false, false]);
     check(&runs).unwrap();
     let missing = LaneRun { place: 9, ..runs[0] };
-    assert!(serves(&missing).is_err() && outcomes_with(Level::best(), &[runs[0], missing]).is_err());
+    assert!(serves(&missing).is_err() && outcomes_with(Level::best(), &[runs[0], missing], &[]).is_err());
 }
