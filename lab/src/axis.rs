@@ -133,6 +133,8 @@ impl Axis {
         let (from, to) = (self.from, self.to);
         match spacing {
             Spacing::Linear => from + share * (to - from),
+            // A power keeps decades round, as far as the ratio of the ends is a number.
+            Spacing::Logarithmic if (to / from).is_normal() => from * libm::pow(to / from, share),
             Spacing::Logarithmic => libm::exp(libm::log(from) + share * (libm::log(to) - libm::log(from))),
         }
     }
@@ -201,8 +203,9 @@ mod tests {
         assert!((0..100).all(|k| seeds.value(k) == (k + 1) as f64));
         let axis = Axis::parse("filters.A = b.fading=1e-2:1:3:log").unwrap();
         assert_eq!(axis.key, "filters.A = b.fading");
-        assert!((axis.value(1) - 0.1).abs() < 1e-15);
-        assert_eq!((axis.value(0), axis.value(2)), (0.01, 1.0));
+        assert_eq!((0..3).map(|k| axis.value(k)).collect::<Vec<_>>(), [0.01, 0.1, 1.0]);
+        let wide = Axis::parse("x=1e-300:1e300:3:log").unwrap();
+        assert!((wide.value(1) - 1.0).abs() < 1e-12, "the ratio of the ends is no number");
     }
 
     #[test]

@@ -178,9 +178,10 @@ impl Ensemble {
         self.plan.axes.iter().zip(places).fold(0, |cell, (axis, place)| cell * axis.count + place)
     }
 
-    /// The values of a cell, one an axis.
+    /// The values of a cell, one an axis. Those of a setting without fractions are rounded, as the cell's scenario has them.
     pub fn values(&self, cell: usize) -> Vec<f64> {
-        self.plan.axes.iter().zip(self.places(cell)).map(|(axis, place)| axis.value(place)).collect()
+        let axes = self.plan.axes.iter().zip(&self.settings).zip(self.places(cell));
+        axes.map(|((axis, setting), place)| setting.rounded(axis.value(place))).collect()
     }
 
     /// The scenario of a cell. It may be impossible.
@@ -252,6 +253,17 @@ mod tests {
         assert_eq!((0..6).map(|cell| ensemble.record_of(cell)).collect::<Vec<_>>(), [0, 0, 0, 1, 1, 1]);
         assert!((0..6).all(|cell| ensemble.cell(&ensemble.places(cell)) == cell));
         assert_eq!(ensemble.present(), Some(0));
+    }
+
+    #[test]
+    fn a_cell_tells_the_whole_number_that_it_has() {
+        let ensemble = ensemble(&["seed=-1:3:4", "filters.EKF.input_delay=0:1:2"]).unwrap();
+        for cell in 0..8 {
+            let scenario = ensemble.at(cell);
+            let told = [scenario.seed as f64, f64::from(scenario.filters[0].input_delay)];
+            assert_eq!(ensemble.values(cell), told);
+        }
+        assert_eq!(ensemble.values(2), [0.0, 0.0]);
     }
 
     #[test]

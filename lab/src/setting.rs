@@ -73,6 +73,15 @@ impl Setting {
         )
     }
 
+    /// A value as the setting takes it: a number without fractions is rounded, and a seed is not negative.
+    pub fn rounded(&self, value: f64) -> f64 {
+        match self.place {
+            Place::Scenario(Global::Seed) => libm::round(value).max(0.0),
+            _ if self.is_whole() => libm::round(value),
+            _ => value,
+        }
+    }
+
     /// Whether the setting multiplies the numbers of a table.
     pub fn is_factor(&self) -> bool {
         matches!(self.place, Place::Filters(_, Member::Factor(..)))

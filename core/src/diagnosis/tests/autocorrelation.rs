@@ -38,7 +38,7 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
                 statistic,
                 p_value: chi_squared::upper_tail(statistic, LAGS as u32 - 1).unwrap_or(1.0),
                 effect: largest.abs() / TOLERANCE,
-                speaks_for: direction(case, first),
+                speaks_for: direction(case, first, one.level(&span.parts)),
                 sentence: format!("the innovations of the {sensor} are correlated{when}: {first:.2} at lag 1{also}"),
                 ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
             });
@@ -46,11 +46,15 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     }
 }
 
+/// Limits the innovations² of all sensors, relative to their expectation, next to which one sensor's own may decide.
+const ABOUT_RIGHT: f64 = 1.05;
+
 /// The verdict that a correlation speaks for. Where the filter expects larger innovations than there are, it trusts its
 /// sensors too little, whatever the sign; else innovations that resemble the one before are errors that stay.
-fn direction(case: &Case<'_>, first: f64) -> VerdictKind {
+fn direction(case: &Case<'_>, first: f64, own: f64) -> VerdictKind {
     let (level, _) = case.nis(&case.kept);
-    if case.any_too_small() && level < 1.15 || first < 0.0 && level < 1.0 {
+    let are_small = level < 1.0 || own < 1.0 && level < ABOUT_RIGHT;
+    if case.any_too_small() && level < 1.15 || first < 0.0 && are_small {
         VerdictKind::Underconfident
     } else {
         VerdictKind::Overconfident
