@@ -4,13 +4,22 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate::Simulator;
-use kalmanscope_core::{Pass, Record, RunError, Scenario, Source};
+use kalmanscope_core::{Pass, Record, Scenario, Source};
 
 use crate::ensemble::{Ensemble, EnsembleError};
 use crate::outcome;
 
 /// The records that are kept for the next cells.
 const KEPT: usize = 16;
+
+/// The scenario of a cell, which is possible, and its record.
+#[derive(Clone, Debug)]
+pub struct CellRun {
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The record: one for all cells that have the same.
+    pub record: Arc<Record>,
+}
 
 /// Runs the cells of an ensemble, in any order and on any number of threads: a cell's row has the same bits always.
 pub struct Runner {
@@ -45,47 +54,56 @@ impl Runner {
     /// The rows of some cells, one after the other. The row of an impossible scenario is NaN. Filters that lanes serve go
     /// side by side, so a portion should have eight cells or more.
     pub fn rows(&self, cells: &[usize]) -> Vec<f64> {
+        let runs = self.runs(cells);
+        let outcomes: Vec<Vec<Option<Outcome>>> = if self.needs_history() {
+            vec![Vec::new(); self.ensemble.plan().filters.len()]
+        } else {
+            self.ensemble.plan().filters.iter().map(|&place| outcomes_of(&runs, place)).collect()
+        };
+        self.rows_of(&runs, &outcomes)
+    }
+
+    /// The runs of some cells; none where a scenario is impossible.
+    pub fn runs(&self, cells: &[usize]) -> Vec<Option<CellRun>> {
+        // Those with one record after each other, so that it is simulated once.
+        let mut order: Vec<usize> = (0..cells.len()).collect();
+        order.sort_by_key(|&at| self.ensemble.record_of(cells[at]));
+        let mut runs = vec![None; cells.len()];
+        for at in order {
+            let scenario = self.ensemble.at(cells[at]);
+            if scenario.validate().is_ok() {
+                let record = self.record(cells[at], &scenario);
+                runs[at] = Some(CellRun { scenario, record });
+            }
+        }
+        runs
+    }
+
+    /// Whether the rows need every estimate of a run, not its outcome alone.
+    pub fn needs_history(&self) -> bool {
+        self.ensemble.plan().measures.iter().any(|measure| measure.needs_history())
+    }
+
+    /// The rows of some runs, from their outcomes: for each filter of the plan those of all runs. An outcome that is missing is
+    /// computed here.
+    pub fn rows_of(&self, runs: &[Option<CellRun>], outcomes: &[Vec<Option<Outcome>>]) -> Vec<f64> {
         let width = self.ensemble.width();
-        let mut rows = vec![f64::NAN; cells.len() * width];
-        let runs: Vec<Option<(Scenario, Arc<Record>)>> = cells.iter().map(|&cell| self.run(cell)).collect();
+        let mut rows = vec![f64::NAN; runs.len() * width];
         let plan = self.ensemble.plan();
         let (trace, score) = (self.ensemble.trace(), plan.measures.len());
-        for (nth, &place) in plan.filters.iter().enumerate() {
-            let scores = self.scores(&runs, place);
-            for ((row, run), scores) in rows.chunks_mut(width).zip(&runs).zip(scores) {
-                let (Some((scenario, record)), Some(scores)) = (run, scores) else { continue };
+        for (nth, (&place, outcomes)) in plan.filters.iter().zip(outcomes).enumerate() {
+            for (at, (row, run)) in rows.chunks_mut(width).zip(runs).enumerate() {
+                let Some(CellRun { scenario, record }) = run else { continue };
+                let scores = match outcomes.get(at).and_then(Option::as_ref) {
+                    Some(outcome) => Ok(outcome::of_sums(scenario, place, record, &plan.measures, outcome)),
+                    None => outcome::any(scenario, place, record, &plan.measures),
+                };
+                let Ok(scores) = scores else { continue };
                 row[nth * score..(nth + 1) * score].copy_from_slice(&scores);
                 trace.follow(scenario, nth, place, record, row);
             }
         }
         rows
-    }
-
-    /// The scenario and the record of a cell, if it is possible.
-    fn run(&self, cell: usize) -> Option<(Scenario, Arc<Record>)> {
-        let scenario = self.ensemble.at(cell);
-        scenario.validate().ok()?;
-        let record = self.record(cell, &scenario);
-        Some((scenario, record))
-    }
-
-    /// The measures of one filter in some runs.
-    fn scores(&self, runs: &[Option<(Scenario, Arc<Record>)>], place: usize) -> Vec<Option<Vec<f64>>> {
-        let measures = &self.ensemble.plan().measures;
-        if measures.iter().any(|measure| measure.needs_history()) {
-            let one =
-                |(scenario, record): &(Scenario, Arc<Record>)| outcome::of_history(scenario, place, record, measures);
-            return runs.iter().map(|run| run.as_ref().and_then(|run| one(run).ok())).collect();
-        }
-        let all: Vec<(&Scenario, &Record)> =
-            runs.iter().flatten().map(|(scenario, record)| (scenario, &**record)).collect();
-        let Ok(outcomes) = outcomes(&all, place) else { return vec![None; runs.len()] };
-        let mut outcomes = outcomes.iter();
-        let one = |run: &Option<(Scenario, Arc<Record>)>| {
-            let (scenario, record) = run.as_ref()?;
-            Some(outcome::of_sums(scenario, place, record, measures, outcomes.next()?))
-        };
-        runs.iter().map(one).collect()
     }
 
     /// The record of a cell with this scenario, which is possible.
@@ -108,17 +126,24 @@ impl Runner {
     }
 }
 
-/// The outcomes of the filter at a place of some scenarios, each over its record.
+/// The outcomes of the filter at a place of some possible runs.
 #[cfg(feature = "lanes")]
-fn outcomes(runs: &[(&Scenario, &Record)], place: usize) -> Result<Vec<Outcome>, RunError> {
-    let run = |&(scenario, record): &(_, _)| kalmanscope_lanes::LaneRun { scenario, place, record };
-    kalmanscope_lanes::outcomes(&runs.iter().map(run).collect::<Vec<_>>())
+pub fn outcomes_of(runs: &[Option<CellRun>], place: usize) -> Vec<Option<Outcome>> {
+    let possible: Vec<_> = runs
+        .iter()
+        .flatten()
+        .map(|CellRun { scenario, record }| kalmanscope_lanes::LaneRun { scenario, place, record })
+        .collect();
+    let Ok(outcomes) = kalmanscope_lanes::outcomes(&possible) else { return vec![None; runs.len()] };
+    let mut outcomes = outcomes.into_iter();
+    runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next())).collect()
 }
 
-/// The outcomes of the filter at a place of some scenarios, each over its record.
+/// The outcomes of the filter at a place of some possible runs.
 #[cfg(not(feature = "lanes"))]
-fn outcomes(runs: &[(&Scenario, &Record)], place: usize) -> Result<Vec<Outcome>, RunError> {
-    runs.iter().map(|(scenario, record)| Outcome::of(scenario, place, record)).collect()
+pub fn outcomes_of(runs: &[Option<CellRun>], place: usize) -> Vec<Option<Outcome>> {
+    let one = |run: &CellRun| Outcome::of(&run.scenario, place, &run.record).ok();
+    runs.iter().map(|run| run.as_ref().and_then(one)).collect()
 }
 
 /// The record of a possible scenario, as far as its truth goes.
@@ -138,7 +163,7 @@ mod tests {
     use super::*;
     use crate::{Axis, Measure, Plan};
     use kalmanscope_core::diagnostics::MeanSquare;
-    use kalmanscope_core::{Channel, Diagnostics, Run};
+    use kalmanscope_core::{Channel, Diagnostics, Run, RunError};
 
     fn runner(axes: &[&str], measures: &[&str]) -> Runner {
         let scenario = Scenario { duration: 5.0, ..Scenario::default() };
