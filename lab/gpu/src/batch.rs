@@ -31,7 +31,7 @@ pub struct GpuRun<'a> {
 
 /// Whether a run goes to the graphics processor: a KF, EKF or UKF of the linear oscillator with at most one sensor each of
 /// displacement, velocity and acceleration, with or without fading and a delay of the input, under an input that is held,
-/// with parameters that do not decay, and with numbers that single precision can hold.
+/// with parameters that do not decay, sensors with noise, and numbers that single precision can hold.
 pub fn serves(run: &GpuRun<'_>) -> bool {
     prepare(run).is_some()
 }
@@ -47,7 +47,7 @@ fn prepare(run: &GpuRun<'_>) -> Option<OscillatorFilter> {
     let noise = &filter.noise;
     let numbers_are_fine = filter.initial.mean.iter().all(|mean| mean.abs() <= LARGEST)
         && (0..4).all(|i| is_fine(filter.initial.cov[(i, i)]) && is_fine(noise.process[(i, i)]))
-        && noise.sensors.iter().take(filter.outputs.len()).all(|&variance| is_fine(variance));
+        && noise.sensors.iter().take(filter.outputs.len()).all(|&variance| variance > 0.0 && is_fine(variance));
     let is_usual = each_once
         && filter.eta == 0.0
         && is_truth_whole
@@ -173,10 +173,10 @@ fn cell(member: &Member<'_>, samples: usize) -> Cell {
     }
     Cell {
         mean: [0, 1, 2, 3].map(|i| initial.mean[i]),
-        variance: [0, 1, 2, 3].map(|i| initial.cov[(i, i)]),
-        process: [0, 1, 2, 3].map(|i| noise.process[(i, i)]),
+        initial_std: [0, 1, 2, 3].map(|i| initial.cov[(i, i)].sqrt()),
+        process: [0, 1, 2, 3].map(|i| noise.process[(i, i)].sqrt()),
         noise: sensors,
-        fading: noise.fading,
+        fading: noise.fading.sqrt(),
         first: (member.tape * samples) as u32,
     }
 }

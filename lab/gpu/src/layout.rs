@@ -47,9 +47,12 @@ impl Sample {
 #[derive(Clone, Copy)]
 pub(crate) struct Cell {
     pub(crate) mean: [f64; 4],
-    pub(crate) variance: [f64; 4],
+    pub(crate) initial_std: [f64; 4],
+    /// The root of Q's diagonal.
     pub(crate) process: [f64; 4],
+    /// R of displacement, velocity, acceleration.
     pub(crate) noise: [f64; 3],
+    /// The root of the fading factor.
     pub(crate) fading: f64,
     /// The place of its record's first sample.
     pub(crate) first: u32,
@@ -60,9 +63,9 @@ impl Cell {
     pub(crate) const WORDS: usize = 20;
 
     pub(crate) fn words(self) -> [u32; Self::WORDS] {
-        let Self { mean, variance, process, noise, fading, first } = self;
+        let Self { mean, initial_std, process, noise, fading, first } = self;
         let mut words = [0; Self::WORDS];
-        let numbers = mean.into_iter().chain(variance).chain(process).chain(noise).chain([fading]);
+        let numbers = mean.into_iter().chain(initial_std).chain(process).chain(noise).chain([fading]);
         for (word, number) in words.iter_mut().zip(numbers) {
             *word = bits(number);
         }
@@ -101,10 +104,12 @@ impl State {
         // The sum of a number in two parts.
         let both = |at: usize, other: usize| [0, 1, 2, 3].map(|i| number(at + i) + number(other + i));
         let counts = |at: usize| [0, 1, 2, 3].map(|i| words[at + i]);
+        let square = |row: &[usize]| row.iter().map(|&at| number(at) * number(at)).sum::<f64>();
         let sums = numbers(44);
         Self {
             mean: both(0, 4),
-            variance: [number(8), number(12), number(15), number(17)],
+            // The rows of L.
+            variance: [square(&[8]), square(&[9, 12]), square(&[10, 13, 15]), square(&[11, 14, 16, 17])],
             squares: both(20, 24),
             recent: both(28, 32),
             inside: counts(36),

@@ -65,8 +65,7 @@ fn channels(ran: &Ran<'_>, state: &State, samples: usize) -> Vec<(Channel, Chann
 /// As `belief.wgsl` numbers them.
 fn reason(number: u32) -> FilterError {
     match number {
-        2 => FilterError::IndefiniteCovariance,
-        3 => FilterError::SingularInnovation,
+        2 => FilterError::SingularInnovation,
         _ => FilterError::NotFinite,
     }
 }

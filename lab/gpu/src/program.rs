@@ -47,7 +47,8 @@ struct Buffers {
 
 impl Programs {
     pub(crate) fn new(device: Device, queue: Queue) -> Self {
-        let [linearised, sigma_points] = [Method::Linearised, Method::SigmaPoints].map(|method| pipeline(&device, method));
+        let [linearised, sigma_points] =
+            [Method::Linearised, Method::SigmaPoints].map(|method| pipeline(&device, method));
         Self { device, queue, linearised, sigma_points }
     }
 

@@ -33,11 +33,8 @@ impl Gpu {
         let runs = runner.runs(cells);
         let mut all = Vec::new();
         for &place in &runner.ensemble().plan().filters {
-            let possible: Vec<GpuRun<'_>> = runs
-                .iter()
-                .flatten()
-                .map(|CellRun { scenario, record }| GpuRun { scenario, place, record })
-                .collect();
+            let possible: Vec<GpuRun<'_>> =
+                runs.iter().flatten().map(|CellRun { scenario, record }| GpuRun { scenario, place, record }).collect();
             let mut outcomes = self.outcomes(&possible, is_wanted).await?.into_iter();
             let mut outcomes: Vec<_> = runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next()?)).collect();
             fill(&runs, place, &mut outcomes);
@@ -49,7 +46,7 @@ impl Gpu {
 
 /// Whether runs differ by their filters, so that many have one record. Else the time goes into simulation.
 fn has_axis_of_filters(ensemble: &Ensemble) -> bool {
-    ensemble.settings().iter().any(|setting| setting.is_of_filters())
+    ensemble.settings().iter().any(kalmanscope_lab::Setting::is_of_filters)
 }
 
 /// Computes what is missing side by side.

@@ -1,66 +1,103 @@
-// A belief in [x, v, wn, zeta]: mean, and the lower triangle of the covariance, column by column.
+// A belief in [x, v, wn, zeta]: mean, and the lower triangular root L of the covariance P = L L', column by column. In single
+// precision a root keeps what a covariance loses to rounding: P cannot become indefinite, and small variances beside large
+// ones stay.
 struct Belief {
   mean: vec4<f32>,
+  // Rounding of the mean that has not been added yet.
   rest: vec4<f32>,
-  p0: vec4<f32>,
-  p1: vec3<f32>,
-  p2: vec2<f32>,
-  p3: f32,
+  l0: vec4<f32>,
+  l1: vec3<f32>,
+  l2: vec2<f32>,
+  l3: f32,
 }
 
-fn diagonal(b: Belief) -> vec4<f32> {
-  return vec4(b.p0.x, b.p1.x, b.p2.x, b.p3);
+const NOT_FINITE = 1u;
+const SINGULAR = 2u;
+
+// The variances.
+fn variances(b: Belief) -> vec4<f32> {
+  let first = b.l0 * b.l0;
+  let second = b.l1 * b.l1;
+  let third = b.l2 * b.l2;
+  return first + vec4(0.0, second) + vec4(0.0, 0.0, third) + vec4(0.0, 0.0, 0.0, b.l3 * b.l3);
 }
 
-// P h
-fn times(b: Belief, h: vec4<f32>) -> vec4<f32> {
-  return vec4(
-    dot(b.p0, h),
-    b.p0.y * h.x + dot(b.p1, h.yzw),
-    b.p0.z * h.x + b.p1.y * h.y + dot(b.p2, h.zw),
-    b.p0.w * h.x + b.p1.z * h.y + b.p2.y * h.z + b.p3 * h.w,
-  );
+// L' h
+fn through_root(b: Belief, h: vec4<f32>) -> vec4<f32> {
+  return vec4(dot(b.l0, h), dot(b.l1, h.yzw), dot(b.l2, h.zw), b.l3 * h.w);
 }
 
 // Adds to the mean, with the rounding of earlier additions.
 fn move_by(b: ptr<function, Belief>, step: vec4<f32>) {
   let whole = step + (*b).rest;
-  let mean = (*b).mean + whole;
+  let mean = rounded((*b).mean + whole);
   (*b).rest = whole - (mean - (*b).mean);
   (*b).mean = mean;
 }
 
-// P - u v', which must be symmetric but for rounding: its lower triangle counts.
-fn subtract(b: ptr<function, Belief>, u: vec4<f32>, v: vec4<f32>) {
-  (*b).p0 -= u * v.x;
-  (*b).p1 -= u.yzw * v.y;
-  (*b).p2 -= u.zw * v.z;
-  (*b).p3 -= u.w * v.w;
+fn is_valid(b: Belief) -> bool {
+  return is_finite4(b.mean) && is_finite4(b.l0) && is_finite4(vec4(b.l1, b.l3)) && is_finite(b.l2.x) && is_finite(b.l2.y);
 }
 
-// lambda P + Q. A variance that is zero but for rounding may have come out on the wrong side.
-fn spread(b: ptr<function, Belief>, cell: Cell) {
-  (*b).p0 *= cell.fading;
-  (*b).p1 *= cell.fading;
-  (*b).p2 *= cell.fading;
-  (*b).p3 *= cell.fading;
-  (*b).p0.x = select((*b).p0.x + cell.process.x, 0.0, is_negative((*b).p0.x + cell.process.x));
-  (*b).p1.x = select((*b).p1.x + cell.process.y, 0.0, is_negative((*b).p1.x + cell.process.y));
-  (*b).p2.x = select((*b).p2.x + cell.process.z, 0.0, is_negative((*b).p2.x + cell.process.z));
-  (*b).p3 = select((*b).p3 + cell.process.w, 0.0, is_negative((*b).p3 + cell.process.w));
+// Five entries of a row.
+struct Row {
+  pivot: f32,
+  rest: vec4<f32>,
 }
 
-// Why the belief cannot be one, 0 if it can.
-fn fault(b: Belief) -> u32 {
-  if (!(is_finite4(b.mean) && is_finite4(b.p0) && is_finite4(vec4(b.p1, b.p3)) && is_finite(b.p2.x) && is_finite(b.p2.y))) {
-    return NOT_FINITE;
+// The reflection of a row to (length, 0): its vector, one over half its square, and the length with a sign.
+struct Reflection {
+  own: Row,
+  inverse: f32,
+  length: f32,
+}
+
+// Source: Golub and Van Loan (2013), section 5.1.2.
+fn reflection(row: Row) -> Reflection {
+  let square = row.pivot * row.pivot + dot(row.rest, row.rest);
+  // A row of zeros is that of a component that is known for certain.
+  if (!is_positive(square)) {
+    return Reflection(Row(0.0, vec4(0.0)), 0.0, select(square, row.pivot, is_finite(square)));
   }
-  if (is_negative(b.p0.x) || is_negative(b.p1.x) || is_negative(b.p2.x) || is_negative(b.p3)) {
-    return INDEFINITE;
-  }
-  return 0u;
+  let length = select(-sqrt(square), sqrt(square), row.pivot < 0.0);
+  let pivot = row.pivot - length;
+  return Reflection(Row(pivot, row.rest), 1.0 / abs(length * pivot), length);
 }
 
-const NOT_FINITE = 1u;
-const INDEFINITE = 2u;
-const SINGULAR = 3u;
+// Another row, reflected.
+fn reflected(row: Row, r: Reflection) -> Row {
+  let share = (r.own.pivot * row.pivot + dot(r.own.rest, row.rest)) * r.inverse;
+  return Row(row.pivot - r.own.pivot * share, row.rest - r.own.rest * share);
+}
+
+// The next five entries of a row.
+fn next(row: Row, more: f32) -> Row {
+  return Row(row.rest.x, vec4(row.rest.yzw, more));
+}
+
+// Rows of 4.
+struct Rows {
+  x: vec4<f32>,
+  v: vec4<f32>,
+  wn: vec4<f32>,
+  zeta: vec4<f32>,
+}
+
+// Makes L of the rows of an array [A, B] with A A' + B B' = P. Row i has no entry of B after the i-th, so that a reflection
+// needs no more than five entries of each row.
+fn set_root(b: ptr<function, Belief>, a: Rows, noise: Rows) {
+  let r0 = reflection(Row(a.x.x, vec4(a.x.yzw, noise.x.x)));
+  let v0 = reflected(Row(a.v.x, vec4(a.v.yzw, noise.v.x)), r0);
+  let w0 = reflected(Row(a.wn.x, vec4(a.wn.yzw, noise.wn.x)), r0);
+  let z0 = reflected(Row(a.zeta.x, vec4(a.zeta.yzw, noise.zeta.x)), r0);
+  let r1 = reflection(next(v0, noise.v.y));
+  let w1 = reflected(next(w0, noise.wn.y), r1);
+  let z1 = reflected(next(z0, noise.zeta.y), r1);
+  let r2 = reflection(next(w1, noise.wn.z));
+  let z2 = reflected(next(z1, noise.zeta.z), r2);
+  let r3 = reflection(next(z2, noise.zeta.w));
+  (*b).l0 = vec4(r0.length, v0.pivot, w0.pivot, z0.pivot);
+  (*b).l1 = vec3(r1.length, w1.pivot, z1.pivot);
+  (*b).l2 = vec2(r2.length, z2.pivot);
+  (*b).l3 = r3.length;
+}

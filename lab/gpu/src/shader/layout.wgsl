@@ -10,6 +10,8 @@ struct Settings {
   // Whether the truth is known: 0 or 1.
   knows_truth: u32,
   dt: f32,
+  // 0
+  zero: u32,
 }
 
 struct Sample {
@@ -24,10 +26,12 @@ struct Sample {
 
 struct Cell {
   mean: vec4<f32>,
-  variance: vec4<f32>,
+  initial_std: vec4<f32>,
+  // The root of Q's diagonal.
   process: vec4<f32>,
   // R of displacement, velocity, acceleration.
   noise: vec3<f32>,
+  // The root of the fading factor.
   fading: f32,
   // The place of the record's first sample.
   first: u32,
@@ -38,8 +42,8 @@ struct State {
   mean: vec4<f32>,
   // Rounding of the mean that has not been added yet.
   rest: vec4<f32>,
-  // Columns of the lower triangle: 00 10 20 30, 11 21 31 22, 32 33.
-  cov: array<vec4<f32>, 3>,
+  // Columns of L: 00 10 20 30, 11 21 31 22, 32 33.
+  root: array<vec4<f32>, 3>,
   squares: array<vec4<f32>, 2>,
   recent: array<vec4<f32>, 2>,
   inside: vec4<u32>,

@@ -27,7 +27,7 @@ fn response(a: f32, b: f32, dt: f32) -> vec2<f32> {
   return vec2(h, q);
 }
 
-fn predict(belief: ptr<function, Belief>, force: f32, cell: Cell) -> u32 {
+fn predict(belief: ptr<function, Belief>, force: f32, cell: Cell) {
   let y = (*belief).mean;
   let by = acceleration_by(y);
   let a = by.x;
@@ -40,36 +40,30 @@ fn predict(belief: ptr<function, Belief>, force: f32, cell: Cell) -> u32 {
   let row0 = vec4(1.0 + a * q, h, q * by.z, q * by.w);
   let row1 = vec4(a * h, 1.0 + a * q + b * h, h * by.z, h * by.w);
   move_by(belief, vec4((h - b * q) * y.y + q * rate, a * q * y.y + h * rate, 0.0, 0.0));
-  let c0 = times(*belief, row0);
-  let c1 = times(*belief, row1);
-  (*belief).p0 = vec4(dot(row0, c0), dot(row0, c1), c0.z, c0.w);
-  (*belief).p1 = vec3(dot(row1, c1), c1.z, c1.w);
-  spread(belief, cell);
-  return 0u;
+  let fading = cell.fading;
+  let rows = Rows(
+    through_root(*belief, row0) * fading,
+    through_root(*belief, row1) * fading,
+    vec4((*belief).l0.z, (*belief).l1.y, (*belief).l2.x, 0.0) * fading,
+    vec4((*belief).l0.w, (*belief).l1.z, (*belief).l2.y, (*belief).l3) * fading,
+  );
+  let noise = cell.process;
+  set_root(belief, rows, Rows(
+    vec4(noise.x, 0.0, 0.0, 0.0),
+    vec4(0.0, noise.y, 0.0, 0.0),
+    vec4(0.0, 0.0, noise.z, 0.0),
+    vec4(0.0, 0.0, 0.0, noise.w),
+  ));
 }
 
-// The reading of the acceleration: its row of H, its covariance with the state, its mean and its variance without noise.
+// The expected acceleration, its dependence on the state through L, and the variance that it has besides.
 struct Reading {
-  row: vec4<f32>,
-  cross: vec4<f32>,
   mean: f32,
+  through: vec4<f32>,
   variance: f32,
-  reason: u32,
 }
 
 fn look(belief: Belief, force: f32) -> Reading {
   let row = acceleration_by(belief.mean);
-  let cross = times(belief, row);
-  return Reading(row, cross, acceleration(belief.mean, force), dot(row, cross), 0u);
-}
-
-// The reading when other sensors have changed the covariance.
-fn look_again(reading: Reading, belief: Belief) -> Reading {
-  let cross = times(belief, reading.row);
-  return Reading(reading.row, cross, reading.mean, dot(reading.row, cross), 0u);
-}
-
-// The second half of Joseph's form.
-fn finish_reading(belief: ptr<function, Belief>, reading: Reading, gain: vec4<f32>, noise: f32) {
-  subtract(belief, times(*belief, reading.row) - gain * noise, gain);
+  return Reading(acceleration(belief.mean, force), through_root(belief, row), 0.0);
 }

@@ -6,18 +6,18 @@ const FEW = 64u;
 fn begin(cell: Cell) -> State {
   var state: State;
   state.mean = cell.mean;
-  state.cov[0].x = cell.variance.x;
-  state.cov[1].x = cell.variance.y;
-  state.cov[1].w = cell.variance.z;
-  state.cov[2].y = cell.variance.w;
+  state.root[0].x = cell.initial_std.x;
+  state.root[1].x = cell.initial_std.y;
+  state.root[1].w = cell.initial_std.z;
+  state.root[2].y = cell.initial_std.w;
   state.product = 1.0;
   return state;
 }
 
 fn belief_of(state: State) -> Belief {
-  let second = state.cov[1];
-  let third = state.cov[2];
-  return Belief(state.mean, state.rest, state.cov[0], second.xyz, vec2(second.w, third.x), third.y);
+  let second = state.root[1];
+  let third = state.root[2];
+  return Belief(state.mean, state.rest, state.root[0], second.xyz, vec2(second.w, third.x), third.y);
 }
 
 @compute @workgroup_size(64)
@@ -47,8 +47,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
   for (; k < settings.end; k++) {
     let sample = samples[cell.first + k];
     let before = belief;
-    let reason = predict(&belief, samples[cell.first + k - 1u].force, cell);
-    let correction = update(&belief, sample, cell, Correction(0.0, state.product, state.exponent, reason));
+    predict(&belief, samples[cell.first + k - 1u].force, cell);
+    let correction = update(&belief, sample, cell, Correction(0.0, state.product, state.exponent, 0u));
     if (correction.reason != 0u) {
       belief = before;
       state.stopped = k;
@@ -67,8 +67,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
   }
   state.mean = belief.mean;
   state.rest = belief.rest;
-  state.cov[0] = belief.p0;
-  state.cov[1] = vec4(belief.p1, belief.p2.x);
-  state.cov[2] = vec4(belief.p2.y, belief.p3, 0.0, 0.0);
+  state.root[0] = belief.l0;
+  state.root[1] = vec4(belief.l1, belief.l2.x);
+  state.root[2] = vec4(belief.l2.y, belief.l3, 0.0, 0.0);
   states[run] = state;
 }

@@ -1,7 +1,5 @@
 // Compilers may take it for granted that there is no NaN and no infinity. So bits are looked at, not numbers.
 
-const EPSILON: f32 = 1.1920929e-7;
-
 fn is_finite(v: f32) -> bool {
   return (bitcast<u32>(v) & 0x7f800000u) != 0x7f800000u;
 }
@@ -19,4 +17,9 @@ fn is_negative(v: f32) -> bool {
 
 fn is_finite4(v: vec4<f32>) -> bool {
   return is_finite(v.x) && is_finite(v.y) && is_finite(v.z) && is_finite(v.w);
+}
+
+// The same number, which compilers cannot know: they take (a + b) - a for b, and what b has lost to rounding is gone.
+fn rounded(v: vec4<f32>) -> vec4<f32> {
+  return bitcast<vec4<f32>>(bitcast<vec4<u32>>(v) | vec4(settings.zero));
 }

@@ -3,6 +3,9 @@
 // An estimate has settled when its error is at most this share of the truth.
 const SETTLED = 0.05;
 
+// Limits a pivot, as a share of the standard deviation: a smaller one is zero to rounding.
+const SMALLEST = 1e-7;
+
 // Takes in the belief at sample k, of which the truth is known.
 fn compare(state: ptr<function, State>, belief: Belief, truth: vec4<f32>, k: u32) {
   // A negative natural frequency is the same oscillator as its mirror image.
@@ -10,35 +13,28 @@ fn compare(state: ptr<function, State>, belief: Belief, truth: vec4<f32>, k: u32
   let error = (belief.mean - own) + belief.rest;
   let square = error * error;
   (*state).squares[1] += square;
-  (*state).inside += vec4<u32>(square <= 4.0 * diagonal(belief));
+  let variance = variances(belief);
+  (*state).inside += vec4<u32>(square <= 4.0 * variance);
   (*state).settled = select(vec4(k + 1u), (*state).settled, abs(error) <= SETTLED * abs(truth));
   if (k >= settings.recent) {
     (*state).recent[1] += square;
   }
-  add_nees(state, belief, error);
+  add_nees(state, belief, variance, error);
 }
 
 // Adds e' P^-1 e over the components of positive variance, where P is positive definite.
-fn add_nees(state: ptr<function, State>, belief: Belief, error: vec4<f32>) {
-  let variance = diagonal(belief);
-  let smallest = 16.0 * EPSILON * variance;
+fn add_nees(state: ptr<function, State>, belief: Belief, variance: vec4<f32>, error: vec4<f32>) {
+  let pivot = vec4(belief.l0.x, belief.l1.x, belief.l2.x, belief.l3);
   let counts = vec4(is_positive(variance.x), is_positive(variance.y), is_positive(variance.z), is_positive(variance.w));
-  let i0 = select(0.0, 1.0 / variance.x, counts.x);
-  let l0 = belief.p0.yzw * i0;
-  let p1 = belief.p1 - l0 * belief.p0.y;
-  let i1 = select(0.0, 1.0 / p1.x, counts.y);
-  let l1 = p1.yz * i1;
-  let p2 = belief.p2 - l0.yz * belief.p0.z - l1 * p1.y;
-  let i2 = select(0.0, 1.0 / p2.x, counts.z);
-  let l2 = p2.y * i2;
-  let p3 = belief.p3 - l0.z * belief.p0.w - l1.y * p1.z - l2 * p2.y;
-  let i3 = select(0.0, 1.0 / p3, counts.w);
-  let e1 = error.y - l0.x * error.x;
-  let e2 = error.z - l0.y * error.x - l1.x * e1;
-  let e3 = error.w - l0.z * error.x - l1.y * e1 - l2 * e2;
-  let whole = vec4(variance.x, p1.x, p2.x, p3) > smallest;
-  let sum = error.x * error.x * i0 + e1 * e1 * i1 + e2 * e2 * i2 + e3 * e3 * i3;
-  if (all(whole | !counts) && any(counts) && is_finite(sum)) {
+  let is_whole = abs(pivot) > SMALLEST * sqrt(variance);
+  let i = select(vec4(0.0), 1.0 / pivot, counts & is_whole);
+  // L^-1 e
+  let w0 = error.x * i.x;
+  let w1 = (error.y - belief.l0.y * w0) * i.y;
+  let w2 = (error.z - belief.l0.z * w0 - belief.l1.y * w1) * i.z;
+  let w3 = (error.w - belief.l0.w * w0 - belief.l1.z * w1 - belief.l2.y * w2) * i.w;
+  let sum = w0 * w0 + w1 * w1 + w2 * w2 + w3 * w3;
+  if (all(is_whole | !counts) && any(counts) && is_finite(sum)) {
     (*state).sums.w += sum;
     (*state).nees_degrees += countOneBits(dot(vec4<u32>(counts), vec4(1u, 2u, 4u, 8u)));
     (*state).nees_samples += 1u;

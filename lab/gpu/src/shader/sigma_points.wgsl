@@ -5,41 +5,6 @@
 const SPREAD = 3.0;
 const DISTANCE = 1.7320508;
 
-struct Root {
-  l0: vec4<f32>,
-  l1: vec4<f32>,
-  l2: vec4<f32>,
-  l3: vec4<f32>,
-  reason: u32,
-}
-
-// The scale of a column: one over the root of its pivot, 0 where the pivot is zero to rounding.
-fn scale_of(pivot: f32, variance: f32, reason: ptr<function, u32>) -> f32 {
-  let rounding = 16.0 * EPSILON * variance;
-  if (is_positive(pivot) && pivot > rounding) {
-    return 1.0 / sqrt(pivot);
-  }
-  if (!is_finite(pivot)) {
-    *reason = NOT_FINITE;
-  } else if (pivot < -1e4 * rounding) {
-    *reason = INDEFINITE;
-  }
-  return 0.0;
-}
-
-// The lower triangular root of the covariance, column by column.
-fn lower_root(b: Belief) -> Root {
-  var reason = 0u;
-  let l0 = b.p0 * scale_of(b.p0.x, b.p0.x, &reason);
-  let d1 = b.p1 - l0.yzw * l0.y;
-  let l1 = d1 * scale_of(d1.x, b.p1.x, &reason);
-  let d2 = b.p2 - l0.zw * l0.z - l1.yz * l1.y;
-  let l2 = d2 * scale_of(d2.x, b.p2.x, &reason);
-  let d3 = b.p3 - l0.w * l0.w - l1.z * l1.z - l2.y * l2.y;
-  let l3 = d3 * scale_of(d3, b.p3, &reason);
-  return Root(l0, vec4(0.0, l1), vec4(0.0, 0.0, l2), vec4(0.0, 0.0, 0.0, l3), reason);
-}
-
 // The Runge-Kutta step of the mean and what it is made of.
 struct Step {
   y: vec4<f32>,
@@ -95,74 +60,76 @@ fn apart(s: Step, d: vec4<f32>, dt: f32) -> vec2<f32> {
   );
 }
 
-fn predict(belief: ptr<function, Belief>, force: f32, cell: Cell) -> u32 {
-  let dt = settings.dt;
-  let y = (*belief).mean;
-  let root = lower_root(*belief);
-  var columns = array(root.l0, root.l1, root.l2, root.l3);
-  let s = step_of(y, force, dt);
-  var sum = vec2(0.0);
-  var moving = vec3(0.0); // covariance of displacement and velocity: 00, 10, 11
-  var cross0 = vec2(0.0); // of displacement with the parameters
-  var cross1 = vec2(0.0);
-  for (var i = 0u; i < 4u; i++) {
-    let column = columns[i];
-    let far = column * DISTANCE;
-    let high = apart(s, far, dt);
-    let low = apart(s, -far, dt);
-    let straight = (high - low) * (0.5 / DISTANCE);
-    let curved = (high + low) * (0.5 / DISTANCE);
-    sum += curved;
-    moving += vec3(
-      straight.x * straight.x + curved.x * curved.x,
-      straight.y * straight.x + curved.y * curved.x,
-      straight.y * straight.y + curved.y * curved.y,
-    );
-    cross0 += column.zw * straight.x;
-    cross1 += column.zw * straight.y;
-  }
-  let shift = sum / DISTANCE;
-  moving += vec3(shift.x * shift.x, shift.x * shift.y, shift.y * shift.y);
-  (*belief).p0 = vec4(moving.x, moving.y, cross0);
-  (*belief).p1 = vec3(moving.z, cross1);
-  let forward = vec2((s.h - s.b * s.q) * y.y + s.q * s.rate, s.a * s.q * y.y + s.h * s.rate);
-  move_by(belief, vec4(forward + shift, 0.0, 0.0));
-  spread(belief, cell);
-  return root.reason;
+fn columns_of(b: Belief) -> array<vec4<f32>, 4> {
+  return array(b.l0, vec4(0.0, b.l1), vec4(0.0, 0.0, b.l2), vec4(0.0, 0.0, 0.0, b.l3));
 }
 
-// The reading of the acceleration: its covariance with the state, its mean and its variance without noise.
+// The points' images are held as a root of their covariance: half the differences of opposite points, and, of what is not
+// linear in the distance, displacement's and velocity's sums and shift.
+fn predict(belief: ptr<function, Belief>, force: f32, cell: Cell) {
+  let dt = settings.dt;
+  let y = (*belief).mean;
+  var columns = columns_of(*belief);
+  let s = step_of(y, force, dt);
+  var straight: array<vec2<f32>, 4>;
+  var curved: array<vec2<f32>, 4>;
+  for (var i = 0u; i < 4u; i++) {
+    let far = columns[i] * DISTANCE;
+    let high = apart(s, far, dt);
+    let low = apart(s, -far, dt);
+    straight[i] = (high - low) * (0.5 / DISTANCE);
+    curved[i] = (high + low) * (0.5 / DISTANCE);
+  }
+  let shift = (curved[0] + curved[1] + curved[2] + curved[3]) / DISTANCE;
+  let forward = vec2((s.h - s.b * s.q) * y.y + s.q * s.rate, s.a * s.q * y.y + s.h * s.rate);
+  move_by(belief, vec4(forward + shift, 0.0, 0.0));
+  let fading = cell.fading;
+  let rows = Rows(
+    vec4(straight[0].x, straight[1].x, straight[2].x, straight[3].x) * fading,
+    vec4(straight[0].y, straight[1].y, straight[2].y, straight[3].y) * fading,
+    vec4(columns[0].z, columns[1].z, columns[2].z, 0.0) * fading,
+    vec4(columns[0].w, columns[1].w, columns[2].w, columns[3].w) * fading,
+  );
+  // Two rows of seven, made lower triangular.
+  let x = vec4(curved[0].x, curved[1].x, curved[2].x, curved[3].x) * fading;
+  let v = vec4(curved[0].y, curved[1].y, curved[2].y, curved[3].y) * fading;
+  let more_x = vec3(shift.x * fading, cell.process.x, 0.0);
+  let more_v = vec3(shift.y * fading, 0.0, cell.process.y);
+  let square = dot(x, x) + dot(more_x, more_x);
+  let is_there = is_positive(square);
+  let share = select(0.0, (dot(x, v) + dot(more_x, more_v)) / square, is_there);
+  let own_v = v - x * share;
+  let own_more = more_v - more_x * share;
+  let length = select(0.0, sqrt(square), is_there);
+  set_root(belief, rows, Rows(
+    vec4(length, 0.0, 0.0, 0.0),
+    vec4(length * share, sqrt(dot(own_v, own_v) + dot(own_more, own_more)), 0.0, 0.0),
+    vec4(0.0, 0.0, cell.process.z, 0.0),
+    vec4(0.0, 0.0, 0.0, cell.process.w),
+  ));
+}
+
+// The expected acceleration, its dependence on the state through L, and the variance that it has besides: that of what is not
+// linear.
 struct Reading {
-  cross: vec4<f32>,
   mean: f32,
+  through: vec4<f32>,
   variance: f32,
-  reason: u32,
 }
 
 fn look(belief: Belief, force: f32) -> Reading {
-  let weight = 1.0 / (2.0 * SPREAD);
-  let root = lower_root(belief);
-  var columns = array(root.l0, root.l1, root.l2, root.l3);
-  var cross = vec4(0.0);
+  var columns = columns_of(belief);
+  var through: vec4<f32>;
   var sum = 0.0;
   var square = 0.0;
   for (var i = 0u; i < 4u; i++) {
     let far = columns[i] * DISTANCE;
     let high = rate_apart(belief.mean, far).z;
     let low = rate_apart(belief.mean, -far).z;
+    through[i] = (high - low) * (0.5 / DISTANCE);
     sum += high + low;
-    square += high * high + low * low;
-    cross += far * (high - low);
+    square += (high + low) * (high + low);
   }
-  let shift = sum * weight;
-  let mean = acceleration(belief.mean, force) + shift;
-  return Reading(cross * weight, mean, square * weight + shift * shift, root.reason);
+  let shift = sum / (2.0 * SPREAD);
+  return Reading(acceleration(belief.mean, force) + shift, through, square / (4.0 * SPREAD) + shift * shift);
 }
-
-// The reading when other sensors have changed the covariance: it has been changed with them.
-fn look_again(reading: Reading, belief: Belief) -> Reading {
-  return reading;
-}
-
-// What the sensor sees is not linear, so that there is no H for Joseph's form.
-fn finish_reading(belief: ptr<function, Belief>, reading: Reading, gain: vec4<f32>, noise: f32) {}

@@ -1,14 +1,15 @@
-// The update by one sensor after the other, which is the same as by all at once: their noise is independent, and the
-// acceleration's reading is linearised, or sampled, before the first of them.
+// The update by one sensor after the other, which is the same as by all at once, since their noise is independent: first the
+// acceleration, whose reading is linearised, or sampled, at the prediction.
 
 struct Correction {
   nis: f32,
+  // det S of all samples is this times two to the power of `exponent`.
   product: f32,
   exponent: i32,
   reason: u32,
 }
 
-// Takes an innovation of this variance into NIS and det S. The variance must be positive.
+// Takes an innovation of this variance, which is positive, into NIS and det S.
 fn weigh(correction: ptr<function, Correction>, innovation: f32, variance: f32) {
   (*correction).nis += innovation * (innovation / variance);
   let bits = bitcast<u32>(variance);
@@ -18,74 +19,58 @@ fn weigh(correction: ptr<function, Correction>, innovation: f32, variance: f32) 
   (*correction).exponent += i32(bits >> 23u) - 127 + select(0, 1, carries);
 }
 
-// By a sensor of displacement (0) or velocity (1), in Joseph's form.
+// Conditions the belief on a reading that is `through` the root and has noise of a positive variance.
+//
+// Source: Carlson (1973), Fast triangular formulation of the square root filter, AIAA Journal 11.
 fn correct(
   belief: ptr<function, Belief>,
-  reading: ptr<function, Reading>,
   correction: ptr<function, Correction>,
-  component: u32,
-  measured: f32,
+  through: vec4<f32>,
   noise: f32,
+  innovation: f32,
 ) {
-  let is_first = component == 0u;
-  let cross = select(vec4((*belief).p0.y, (*belief).p1), (*belief).p0, is_first);
-  let variance = select((*belief).p1.x, (*belief).p0.x, is_first) + noise;
-  if (!is_positive(variance)) {
-    (*correction).reason = SINGULAR;
+  let squares = through * through;
+  let a3 = noise + squares.w;
+  let a2 = a3 + squares.z;
+  let a1 = a2 + squares.y;
+  let variance = a1 + squares.x;
+  if (!is_positive(noise) || !is_positive(variance)) {
+    (*correction).reason = select(NOT_FINITE, SINGULAR, is_finite(variance));
     return;
   }
-  let gain = cross / variance;
-  let innovation = measured - select((*belief).mean.y, (*belief).mean.x, is_first);
   weigh(correction, innovation, variance);
-  let seen = select((*reading).cross.y, (*reading).cross.x, is_first);
-  (*reading).mean += seen / variance * innovation;
-  (*reading).variance -= seen / variance * seen;
-  (*reading).cross -= gain * seen;
-  move_by(belief, gain * innovation);
-  subtract(belief, cross, gain);
-  let kept = select(vec4((*belief).p0.y, (*belief).p1), (*belief).p0, is_first);
-  subtract(belief, kept - gain * noise, gain);
-}
-
-fn correct_by_acceleration(
-  belief: ptr<function, Belief>,
-  before: Reading,
-  correction: ptr<function, Correction>,
-  measured: f32,
-  noise: f32,
-) {
-  let reading = look_again(before, *belief);
-  let variance = reading.variance + noise;
-  if (!is_positive(variance)) {
-    (*correction).reason = SINGULAR;
-    return;
-  }
-  let gain = reading.cross / variance;
-  let innovation = measured - reading.mean;
-  weigh(correction, innovation, variance);
-  move_by(belief, gain * innovation);
-  subtract(belief, reading.cross, gain);
-  finish_reading(belief, reading, gain, noise);
+  let l0 = (*belief).l0;
+  let l1 = (*belief).l1;
+  let l2 = (*belief).l2;
+  let l3 = (*belief).l3;
+  let c3 = through.w * l3;
+  let c2 = through.z * l2 + vec2(0.0, c3);
+  let c1 = through.y * l1 + vec3(0.0, c2);
+  let c0 = through.x * l0 + vec4(0.0, c1);
+  (*belief).l3 = sqrt(noise / a3) * l3;
+  (*belief).l2 = sqrt(a3 / a2) * (l2 - through.z / a3 * vec2(0.0, c3));
+  (*belief).l1 = sqrt(a2 / a1) * (l1 - through.y / a2 * vec3(0.0, c2));
+  (*belief).l0 = sqrt(a1 / variance) * (l0 - through.x / a1 * vec4(0.0, c1));
+  move_by(belief, c0 * (innovation / variance));
 }
 
 fn update(belief: ptr<function, Belief>, sample: Sample, cell: Cell, start: Correction) -> Correction {
   var correction = start;
-  var reading: Reading;
-  if ((sample.present & 4u) != 0u && correction.reason == 0u) {
-    reading = look(*belief, sample.force);
-    correction.reason = reading.reason;
+  if ((sample.present & 4u) != 0u) {
+    let reading = look(*belief, sample.force);
+    let noise = reading.variance + cell.noise.z;
+    correct(belief, &correction, reading.through, noise, sample.measured.z - reading.mean);
   }
   if ((sample.present & 1u) != 0u && correction.reason == 0u) {
-    correct(belief, &reading, &correction, 0u, sample.measured.x, cell.noise.x);
+    let through = vec4((*belief).l0.x, 0.0, 0.0, 0.0);
+    correct(belief, &correction, through, cell.noise.x, sample.measured.x - (*belief).mean.x - (*belief).rest.x);
   }
   if ((sample.present & 2u) != 0u && correction.reason == 0u) {
-    correct(belief, &reading, &correction, 1u, sample.measured.y, cell.noise.y);
+    let through = vec4((*belief).l0.y, (*belief).l1.x, 0.0, 0.0);
+    correct(belief, &correction, through, cell.noise.y, sample.measured.y - (*belief).mean.y - (*belief).rest.y);
   }
-  if ((sample.present & 4u) != 0u && correction.reason == 0u) {
-    correct_by_acceleration(belief, reading, &correction, sample.measured.z, cell.noise.z);
-  }
-  if (correction.reason == 0u) {
-    correction.reason = select(fault(*belief), NOT_FINITE, !is_finite(correction.nis));
+  if (correction.reason == 0u && !(is_valid(*belief) && is_finite(correction.nis))) {
+    correction.reason = NOT_FINITE;
   }
   return correction;
 }
