@@ -1,7 +1,7 @@
 //! The laboratory: a map that fills, a dot that is dragged, cells that are clicked.
 
 use egui::Pos2;
-use kalmanscope::laboratory::{Choice, Slices};
+use kalmanscope::laboratory::{Choice, Precision, Slices};
 use kalmanscope_core::Source;
 use kalmanscope_lab::{Axis, Ensemble, Measure, Plan, Runner};
 
@@ -24,7 +24,13 @@ fn laboratory(size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
     let axes = ["filters.*.initial_mean.natural_frequency=2:14:9", "filters.*.process_std=0.01:100:7:log"];
     let axes = axes.map(|text| Axis::parse(text).expect("it is an axis"));
     let measure = Measure::Rmse(Channel::NATURAL_FREQUENCY);
-    screen.state_mut().laboratory_mut().choose(Some(Choice { axes, measure, filter: 1, second }));
+    screen.state_mut().laboratory_mut().choose(Some(Choice {
+        axes,
+        measure,
+        filter: 1,
+        second,
+        precision: Precision::default(),
+    }));
     screen.run_steps(4);
     screen
 }
