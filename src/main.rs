@@ -260,7 +260,7 @@ mod web {
             let choose = web_sys::window()
                 .and_then(|window| window.document())
                 .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
-            app = app.choosing(choose).computing_with(Box::new(workers::Workers::new()));
+            app = app.choosing(choose).computing_with(workers::engine(address::allows_software_graphics(&address)));
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }

@@ -52,7 +52,7 @@ impl Gpu {
     pub async fn find(software: Software) -> Result<Self, GpuError> {
         let instance = Instance::new(InstanceDescriptor::new_without_display_handle());
         let adapter = choose(&instance, software).await?;
-        let name = name_of(&adapter.get_info());
+        let name = name_of(&info_of(&adapter).await);
         let descriptor = DeviceDescriptor { required_limits: limits(&adapter), ..DeviceDescriptor::default() };
         let device = adapter.request_device(&descriptor).await;
         let (device, queue) = device.map_err(|error| GpuError::Failed(error.to_string()))?;
@@ -86,7 +86,7 @@ async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuE
         (is_software(&info), rank)
     });
     let first = adapters.into_iter().next().ok_or_else(|| GpuError::None("no driver offers one".to_owned()))?;
-    accept(first, software)
+    accept(first, software).await
 }
 
 /// The adapter that the browser offers.
@@ -97,15 +97,31 @@ async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuE
         ..wgpu::RequestAdapterOptions::default()
     };
     let adapter = instance.request_adapter(&options).await;
-    accept(adapter.map_err(|error| GpuError::None(error.to_string()))?, software)
+    accept(adapter.map_err(|error| GpuError::None(error.to_string()))?, software).await
 }
 
-fn accept(adapter: Adapter, software: Software) -> Result<Adapter, GpuError> {
-    let info = adapter.get_info();
+async fn accept(adapter: Adapter, software: Software) -> Result<Adapter, GpuError> {
+    let info = info_of(&adapter).await;
     if software == Software::Refused && is_software(&info) {
         return Err(GpuError::Software(name_of(&info)));
     }
     Ok(adapter)
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+#[expect(clippy::unused_async, reason = "a browser is asked")]
+async fn info_of(adapter: &Adapter) -> AdapterInfo {
+    adapter.get_info()
+}
+
+/// Browsers describe an adapter in words that the library leaves out.
+#[cfg(target_arch = "wasm32")]
+async fn info_of(adapter: &Adapter) -> AdapterInfo {
+    let mut info = adapter.get_info();
+    if info.name.trim().is_empty() {
+        info.name = crate::browser::adapter_name().await.unwrap_or_default();
+    }
+    info
 }
 
 /// Whether an adapter is a program on the processor.

@@ -26,6 +26,8 @@
 
 mod adapter;
 mod batch;
+#[cfg(target_arch = "wasm32")]
+mod browser;
 mod error;
 mod layout;
 mod outcome;

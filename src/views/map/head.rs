@@ -40,7 +40,7 @@ pub(super) fn head_ui(
         }
         measure_ui(ui, &mut next, &offered(&part, run.record()));
         filters_ui(ui, &mut next, run.scenario());
-        ranges_ui(ui, &mut next, &part, laboratory.graphics(), context.palette);
+        ranges_ui(ui, &mut next, &part, laboratory.graphics().as_ref(), context.palette);
         work_ui(ui, laboratory, requests);
         computers_ui(ui, laboratory);
     });
@@ -109,7 +109,7 @@ fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
 }
 
 /// The ranges of the axes, the numbers of their values, and the precision, in a popup.
-fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option<Finding>, palette: &Palette) {
+fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option<&Finding>, palette: &Palette) {
     let [x, y] = choice.axes.each_ref().map(|axis| axis.count);
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new(format!("{x} × {y}")).config(stays).ui(ui, |ui| {
@@ -141,7 +141,7 @@ fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option
             }
         });
         // Without a graphics processor there is nothing to choose.
-        if graphics == Some(Finding::Ready) || choice.precision == Precision::Double {
+        if graphics == Some(&Finding::Ready) || choice.precision == Precision::Double {
             precision_ui(ui, &mut choice.precision);
         }
     });
