@@ -10,6 +10,7 @@ use crate::laboratory::{
     Choice, Computer, Finding, Laboratory, MOST, Precision, Survey, candidates, collide, measure_name, offered,
     part_of, setting_name,
 };
+use crate::probe;
 use crate::request::Request;
 use crate::theme::Palette;
 use crate::view::ViewContext;
@@ -189,7 +190,9 @@ fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
     let computers = laboratory.shown().map(Survey::computers).unwrap_or_default();
     let named: Vec<String> = computers.iter().filter(|by| **by != Computer::Frames).map(Computer::to_string).collect();
     if !named.is_empty() {
-        ui.weak(format!("computed {}", named.join(", and ")));
+        let text = format!("computed {}", named.join(", and "));
+        let label = ui.weak(&text);
+        probe::remember(ui.ctx(), &text, label.rect);
     }
     if let Some(Finding::Lost(reason)) = laboratory.graphics() {
         ui.weak("The graphics processor has failed; maps go on without it.").on_hover_text(reason);

@@ -197,6 +197,9 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
             "no graphics" => {
                 log::info!("Maps are computed by workers: {}", text(1));
                 state.finding = Finding::Absent(text(1));
+                if let Some(worker) = &state.worker {
+                    worker.end();
+                }
             }
             "rows" if is_present => {
                 state.take(words.get(2).unchecked_ref(), words.get(3).unchecked_ref());
