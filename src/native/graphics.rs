@@ -139,10 +139,11 @@ fn serve(software: Software, found: &Mutex<Finding>, jobs: &Receiver<Job>, ctx: 
 
 /// Runs the cells of a job, few at first for a picture, then more.
 fn work(gpu: &Gpu, name: &Arc<str>, job: &Job) -> Result<(), GpuError> {
-    if !Gpu::serves(&job.runner) {
+    let is_wanted = || job.is_wanted.load(Ordering::Relaxed);
+    // Jobs that a dragged setting has left behind are not even begun.
+    if !is_wanted() || !Gpu::serves(&job.runner) {
         return Ok(());
     }
-    let is_wanted = || job.is_wanted.load(Ordering::Relaxed);
     let (mut next, mut portion) = (0, FIRST);
     while next < job.order.len() {
         let cells = job.order[next..(next + portion).min(job.order.len())].to_vec();

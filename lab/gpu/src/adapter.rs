@@ -66,6 +66,12 @@ impl Gpu {
         Ok(Self { name, programs, trouble })
     }
 
+    /// Ends the device, as when it is lost: for tests.
+    #[doc(hidden)]
+    pub fn destroy(&self) {
+        self.programs.destroy();
+    }
+
     /// The adapter's name, as its driver has it.
     pub fn name(&self) -> &str {
         &self.name

@@ -52,6 +52,10 @@ impl Programs {
         Self { device, queue, linearised, sigma_points }
     }
 
+    pub(crate) fn destroy(&self) {
+        self.device.destroy();
+    }
+
     /// Does a job. `is_wanted` is asked before each dispatch.
     ///
     /// # Errors

@@ -220,6 +220,18 @@ fn work_that_is_not_wanted_ends() {
 }
 
 #[test]
+fn a_lost_device_is_an_error() {
+    let gpu = pollster::block_on(Gpu::find(Software::Allowed)).unwrap();
+    let runner = tuning("EKF", 1, 4);
+    let rows = || pollster::block_on(gpu.rows(&runner, &[0, 1, 2], &|| true));
+    assert!(rows().is_ok());
+    gpu.destroy();
+    for _ in 0..2 {
+        assert!(matches!(rows(), Err(GpuError::Failed(_))));
+    }
+}
+
+#[test]
 fn a_program_is_no_graphics_processor() {
     match pollster::block_on(Gpu::find(Software::Refused)) {
         Ok(gpu) => assert!(!gpu.name().to_lowercase().contains("llvmpipe"), "{}", gpu.name()),

@@ -43,6 +43,9 @@ impl Graphics {
         let Some(gpu) = self.gpu.borrow().clone() else { return false };
         let (present, cells, runner) = (Rc::clone(&self.job), cells.to_vec(), Rc::clone(runner));
         spawn_local(async move {
+            if present.get() != job {
+                return;
+            }
             if !Gpu::serves(&runner) {
                 return tell(&Array::of2(&"refused".into(), &job.into()));
             }
