@@ -6,6 +6,7 @@
 //! A change of the scenario begins another survey. The one before stays in sight until the new one covers the map. A change of
 //! the axes' own settings moves a dot and begins nothing.
 
+mod accelerated;
 mod choice;
 mod engine;
 mod measures;
@@ -21,9 +22,10 @@ mod tuning;
 use egui::Context;
 use kalmanscope_core::{Run, Source};
 
+pub use accelerated::Accelerated;
 pub(crate) use choice::part_of;
 pub use choice::{Choice, MOST};
-pub use engine::{Engine, Rows, Work};
+pub use engine::{Computer, Engine, Finding, GivenUp, Graphics, GraphicsWork, Precision, Rows, Task, Work};
 pub(crate) use measures::{label as measure_label, name as measure_name, offered};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub(crate) use settings::{candidates, collide, guessed, label as setting_label, name as setting_name};
@@ -111,6 +113,11 @@ impl Laboratory {
     /// Why there is no map, if so.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
+    }
+
+    /// What has become of the graphics processor; none where the engine uses none.
+    pub fn graphics(&self) -> Option<Finding> {
+        self.engine.graphics()
     }
 
     /// A number that changes when another survey is to be shown.

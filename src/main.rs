@@ -13,6 +13,7 @@ fn main() {
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
     mod file_dialog;
+    mod graphics;
     mod threads;
 
     use std::error::Error;
@@ -28,6 +29,7 @@ mod native {
     use kalmanscope::share::address::{self, Target};
     use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
     use kalmanscope_core::{Analysis, Scenario, Wanted};
+    use kalmanscope_gpu::Software;
 
     /// The file of the plots if there is no display.
     const REPORT: &str = "kalmanscope-report.svg";
@@ -81,7 +83,7 @@ mod native {
         let options = NativeOptions { viewport, ..NativeOptions::default() };
         let creator: eframe::AppCreator<'_> = Box::new(|creation| {
             let app = App::new(creation)?.delivering(Box::new(folder::write)).choosing(Some(file_dialog::choose()));
-            let mut app = app.computing_with(threads::engine());
+            let mut app = app.computing_with(threads::engine(Software::Refused));
             if let Some(address) = address {
                 app.open_address(&address);
             }
@@ -258,7 +260,7 @@ mod web {
             let choose = web_sys::window()
                 .and_then(|window| window.document())
                 .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
-            app = app.choosing(choose).computing_with(Box::new(workers::Workers::new()));
+            app = app.choosing(choose).computing_with(workers::engine(address::allows_software_graphics(&address)));
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }

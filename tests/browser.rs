@@ -10,6 +10,8 @@ mod embed;
 mod export;
 #[path = "browser/frames.rs"]
 mod frames;
+#[path = "browser/graphics.rs"]
+mod graphics;
 #[path = "browser/import.rs"]
 mod import;
 #[path = "browser/laboratory.rs"]
@@ -88,6 +90,18 @@ fn links_frames_and_files_work_in_a_browser() {
         starts(&page, &address).await;
         import::a_record_is_chosen(&page, &driver.downloads()).await;
         import::a_record_is_opened_by_drop(&page).await;
+    });
+}
+
+#[test]
+fn maps_are_computed_by_web_gpu() {
+    let address = served().page();
+    let driver = Driver::start();
+    runtime().block_on(async {
+        let page = driver.open_with(&graphics::ARGUMENTS).await;
+        starts(&page, &format!("{address}?gpu=software")).await;
+        graphics::a_map_is_computed_by_web_gpu(&page, &driver.downloads()).await;
+        reports_no_problems(&page, &address).await;
     });
 }
 

@@ -1,4 +1,5 @@
-//! The command `kalmanscope-cli sweep`.
+//! The command `kalmanscope-cli sweep`: always in double precision, by the processor, so that a table has the same bytes
+//! everywhere. Only the explorer's maps use a graphics processor.
 
 mod part;
 mod table;

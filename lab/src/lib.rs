@@ -39,7 +39,7 @@ pub use crew::{Crew, Work};
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, channels};
 pub use measure::{Measure, UnknownMeasure};
 pub use monte_carlo::MonteCarlo;
-pub use runner::{Runner, simulate};
+pub use runner::{CellRun, Runner, outcomes_of, simulate};
 pub use setting::{Setting, UnknownSetting};
 pub use sheet::{Sheet, Slice};
 pub use trace::Trace;

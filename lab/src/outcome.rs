@@ -13,7 +13,6 @@ use crate::Measure;
 ///
 /// # Errors
 /// As [`of_history`].
-#[cfg(feature = "tune")]
 pub(crate) fn any(
     scenario: &Scenario,
     place: usize,

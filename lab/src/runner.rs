@@ -2,15 +2,24 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use kalmanscope_core::score::{Look, Outcome};
+use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate::Simulator;
-use kalmanscope_core::{Pass, Record, RunError, Scenario, Source};
+use kalmanscope_core::{Pass, Record, Scenario, Source};
 
 use crate::ensemble::{Ensemble, EnsembleError};
 use crate::outcome;
 
 /// The records that are kept for the next cells.
 const KEPT: usize = 16;
+
+/// The scenario of a cell, which is possible, and its record.
+#[derive(Clone, Debug)]
+pub struct CellRun {
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The record: one for all cells that have the same.
+    pub record: Arc<Record>,
+}
 
 /// Runs the cells of an ensemble, in any order and on any number of threads: a cell's row has the same bits always.
 pub struct Runner {
@@ -45,61 +54,63 @@ impl Runner {
     /// The rows of some cells, one after the other. The row of an impossible scenario is NaN. Filters that lanes serve go
     /// side by side, so a portion should have eight cells or more.
     pub fn rows(&self, cells: &[usize]) -> Vec<f64> {
+        let runs = self.runs(cells);
+        let outcomes: Vec<Vec<Option<Outcome>>> = if self.needs_history() {
+            vec![Vec::new(); self.ensemble.plan().filters.len()]
+        } else {
+            let trace = self.ensemble.trace();
+            self.ensemble.plan().filters.iter().map(|&place| outcomes_of(&runs, place, trace.samples())).collect()
+        };
+        self.rows_of(&runs, &outcomes)
+    }
+
+    /// The runs of some cells; none where a scenario is impossible.
+    pub fn runs(&self, cells: &[usize]) -> Vec<Option<CellRun>> {
+        // Those with one record after each other, so that it is simulated once.
+        let mut order: Vec<usize> = (0..cells.len()).collect();
+        order.sort_by_key(|&at| self.ensemble.record_of(cells[at]));
+        let mut runs = vec![None; cells.len()];
+        for at in order {
+            let scenario = self.ensemble.at(cells[at]);
+            if scenario.validate().is_ok() {
+                let record = self.record(cells[at], &scenario);
+                runs[at] = Some(CellRun { scenario, record });
+            }
+        }
+        runs
+    }
+
+    /// Whether the rows need every estimate of a run, not its outcome alone.
+    pub fn needs_history(&self) -> bool {
+        self.ensemble.plan().measures.iter().any(|measure| measure.needs_history())
+    }
+
+    /// The rows of some runs, from their outcomes: for each filter of the plan those of all runs. An outcome that is missing is
+    /// computed here; the others have the looks that the plan's times ask for.
+    pub fn rows_of(&self, runs: &[Option<CellRun>], outcomes: &[Vec<Option<Outcome>>]) -> Vec<f64> {
         let width = self.ensemble.width();
-        let mut rows = vec![f64::NAN; cells.len() * width];
-        let runs: Vec<Option<(Scenario, Arc<Record>)>> = cells.iter().map(|&cell| self.run(cell)).collect();
+        let mut rows = vec![f64::NAN; runs.len() * width];
         let plan = self.ensemble.plan();
         let (trace, score) = (self.ensemble.trace(), plan.measures.len());
-        for (nth, &place) in plan.filters.iter().enumerate() {
-            let results = self.results(&runs, place, trace.samples());
-            for (row, result) in rows.chunks_mut(width).zip(results) {
-                let Some((scores, looks)) = result else { continue };
-                row[nth * score..(nth + 1) * score].copy_from_slice(&scores);
-                trace.fill(nth, &looks, row);
+        for (nth, (&place, outcomes)) in plan.filters.iter().zip(outcomes).enumerate() {
+            for (at, (row, run)) in rows.chunks_mut(width).zip(runs).enumerate() {
+                let Some(CellRun { scenario, record }) = run else { continue };
+                let numbers = &mut row[nth * score..(nth + 1) * score];
+                if let Some(outcome) = outcomes.get(at).and_then(Option::as_ref) {
+                    numbers.copy_from_slice(&outcome::of_sums(scenario, place, record, &plan.measures, outcome));
+                    trace.fill(nth, &outcome.looks, row);
+                } else if let Ok(scores) = outcome::any(scenario, place, record, &plan.measures) {
+                    numbers.copy_from_slice(&scores);
+                    // To look at nothing needs no second run.
+                    if !trace.samples().is_empty()
+                        && let Ok(outcome) = Outcome::at(scenario, place, record, trace.samples())
+                    {
+                        trace.fill(nth, &outcome.looks, row);
+                    }
+                }
             }
         }
         rows
-    }
-
-    /// The scenario and the record of a cell, if it is possible.
-    fn run(&self, cell: usize) -> Option<(Scenario, Arc<Record>)> {
-        let scenario = self.ensemble.at(cell);
-        scenario.validate().ok()?;
-        let record = self.record(cell, &scenario);
-        Some((scenario, record))
-    }
-
-    /// The measures of one filter in some runs, and looks at it at these samples.
-    fn results(
-        &self,
-        runs: &[Option<(Scenario, Arc<Record>)>],
-        place: usize,
-        samples: &[usize],
-    ) -> Vec<Option<(Vec<f64>, Vec<Look>)>> {
-        let measures = &self.ensemble.plan().measures;
-        if measures.iter().any(|measure| measure.needs_history()) {
-            let one = |(scenario, record): &(Scenario, Arc<Record>)| {
-                let scores = outcome::of_history(scenario, place, record, measures).ok()?;
-                // To look at nothing needs no second run.
-                let looks = if samples.is_empty() {
-                    Vec::new()
-                } else {
-                    Outcome::at(scenario, place, record, samples).ok()?.looks
-                };
-                Some((scores, looks))
-            };
-            return runs.iter().map(|run| run.as_ref().and_then(one)).collect();
-        }
-        let all: Vec<(&Scenario, &Record)> =
-            runs.iter().flatten().map(|(scenario, record)| (scenario, &**record)).collect();
-        let Ok(outcomes) = outcomes(&all, place, samples) else { return vec![None; runs.len()] };
-        let mut outcomes = outcomes.into_iter();
-        let one = |run: &Option<(Scenario, Arc<Record>)>| {
-            let (scenario, record) = run.as_ref()?;
-            let outcome = outcomes.next()?;
-            Some((outcome::of_sums(scenario, place, record, measures, &outcome), outcome.looks))
-        };
-        runs.iter().map(one).collect()
     }
 
     /// The record of a cell with this scenario, which is possible.
@@ -122,18 +133,22 @@ impl Runner {
     }
 }
 
-/// The outcomes of the filter at a place of some scenarios, each over its record, with looks at these samples.
+/// The outcomes of the filter at a place of some possible runs, with looks at it at these samples.
 #[cfg(feature = "lanes")]
-fn outcomes(runs: &[(&Scenario, &Record)], place: usize, samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
+pub fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
     use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
-    let run = |&(scenario, record): &(_, _)| LaneRun { scenario, place, record };
-    outcomes_with(Level::best(), &runs.iter().map(run).collect::<Vec<_>>(), samples)
+    let possible: Vec<_> =
+        runs.iter().flatten().map(|CellRun { scenario, record }| LaneRun { scenario, place, record }).collect();
+    let Ok(outcomes) = outcomes_with(Level::best(), &possible, samples) else { return vec![None; runs.len()] };
+    let mut outcomes = outcomes.into_iter();
+    runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next())).collect()
 }
 
-/// The outcomes of the filter at a place of some scenarios, each over its record, with looks at these samples.
+/// The outcomes of the filter at a place of some possible runs, with looks at it at these samples.
 #[cfg(not(feature = "lanes"))]
-fn outcomes(runs: &[(&Scenario, &Record)], place: usize, samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
-    runs.iter().map(|(scenario, record)| Outcome::at(scenario, place, record, samples)).collect()
+pub fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
+    let one = |run: &CellRun| Outcome::at(&run.scenario, place, &run.record, samples).ok();
+    runs.iter().map(|run| run.as_ref().and_then(one)).collect()
 }
 
 /// The record of a possible scenario, as far as its truth goes.
@@ -153,7 +168,7 @@ mod tests {
     use super::*;
     use crate::{Axis, Measure, Plan};
     use kalmanscope_core::diagnostics::MeanSquare;
-    use kalmanscope_core::{Channel, Diagnostics, Run};
+    use kalmanscope_core::{Channel, Diagnostics, Run, RunError};
 
     fn runner(axes: &[&str], measures: &[&str]) -> Runner {
         let scenario = Scenario { duration: 5.0, ..Scenario::default() };

@@ -4,6 +4,7 @@ use kalmanscope_core::{Channel, Record, Scenario};
 use kalmanscope_lab::{Axis, Measure, Setting};
 use serde::{Deserialize, Serialize};
 
+use super::engine::Precision;
 use super::measures;
 use super::settings::{candidates, collide, is_possible};
 
@@ -23,6 +24,9 @@ pub struct Choice {
     /// The id of a second filter beside it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second: Option<u32>,
+    /// The precision: a graphics processor has single precision only.
+    #[serde(default, skip_serializing_if = "Precision::is_usual")]
+    pub precision: Precision,
 }
 
 impl Choice {
@@ -32,7 +36,13 @@ impl Choice {
         let filter = scenario.filters.first()?.id;
         let part = part_of(scenario, &[filter]);
         let axes = usual_axes(&part, is_measured, [None, None], count)?;
-        Some(Self { axes, measure: usual_measure(&part, record), filter, second: None })
+        Some(Self {
+            axes,
+            measure: usual_measure(&part, record),
+            filter,
+            second: None,
+            precision: Precision::default(),
+        })
     }
 
     /// The same as far as the scenario has its filters, settings and scores; the usual in place of the rest.
@@ -51,7 +61,7 @@ impl Choice {
         };
         let is_offered = measures::offered(&part, record).contains(&self.measure);
         let measure = if is_offered { self.measure } else { usual_measure(&part, record) };
-        Some(Self { axes, measure, filter, second })
+        Some(Self { axes, measure, filter, second, precision: self.precision })
     }
 
     /// Whether a map of this choice can be made of a scenario.

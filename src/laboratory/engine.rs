@@ -1,8 +1,12 @@
-//! The interface to run ensembles: by threads, workers of a page, or slices of the frames.
+//! The interface to run ensembles: by threads, workers of a page, slices of the frames, or a graphics processor.
+
+use std::fmt;
+use std::sync::Arc;
 
 use egui::Context;
 use kalmanscope_core::Source;
 use kalmanscope_lab::{Ensemble, EnsembleError};
+use serde::{Deserialize, Serialize};
 
 /// Runs ensembles.
 pub trait Engine {
@@ -10,16 +14,46 @@ pub trait Engine {
     ///
     /// # Errors
     /// [`EnsembleError`] where the source does not fit the ensemble.
-    fn start(
-        &self,
-        ensemble: &Ensemble,
-        source: &Source,
-        order: Vec<usize>,
-        ctx: &Context,
-    ) -> Result<Box<dyn Work>, EnsembleError>;
+    fn start(&self, task: Task<'_>, ctx: &Context) -> Result<Box<dyn Work>, EnsembleError>;
 
     /// The number of values on each axis of a new map, so that it is complete soon.
     fn usual_count(&self) -> usize;
+
+    /// What has become of the graphics processor; none where the engine uses none.
+    fn graphics(&self) -> Option<Finding> {
+        None
+    }
+}
+
+/// The cells of an ensemble that are to be run.
+#[derive(Clone)]
+pub struct Task<'a> {
+    /// The ensemble.
+    pub ensemble: &'a Ensemble,
+    /// The source of its samples.
+    pub source: &'a Source,
+    /// The cells.
+    pub order: Vec<usize>,
+    /// The precision of the rows.
+    pub precision: Precision,
+}
+
+/// The precision of a map's numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Precision {
+    /// What is fastest will do: single precision where there is a graphics processor.
+    #[default]
+    Fastest,
+    /// Double precision, by the processor.
+    Double,
+}
+
+impl Precision {
+    /// Whether it is the usual one.
+    pub fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// The work on one ensemble. It ends when it is dropped.
@@ -35,4 +69,69 @@ pub struct Rows {
     pub cells: Vec<usize>,
     /// Their rows, one after the other.
     pub numbers: Vec<f64>,
+    /// What has computed them.
+    pub by: Computer,
 }
+
+/// What computes rows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Computer {
+    /// The program between two frames.
+    Frames,
+    /// This many threads.
+    Threads(usize),
+    /// This many workers of a page.
+    Workers(usize),
+    /// The graphics processor of this name, in single precision.
+    Graphics(Arc<str>),
+}
+
+impl fmt::Display for Computer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let several = |n: usize| if n == 1 { "" } else { "s" };
+        match self {
+            Self::Frames => write!(f, "by this program between frames"),
+            Self::Threads(n) => write!(f, "by {n} thread{}", several(*n)),
+            Self::Workers(n) => write!(f, "by {n} worker{}", several(*n)),
+            Self::Graphics(name) => write!(f, "in single precision by {name}"),
+        }
+    }
+}
+
+/// A graphics processor that there may be.
+pub trait Graphics {
+    /// What is known of it. The first call begins to look for it; the context is woken when there is an answer.
+    fn find(&self, ctx: &Context) -> Finding;
+
+    /// What is known of it by now.
+    fn found(&self) -> Finding;
+
+    /// Begins to run cells. None where it cannot.
+    fn start(&self, task: Task<'_>, ctx: &Context) -> Option<Box<dyn GraphicsWork>>;
+}
+
+/// What is known of a graphics processor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Finding {
+    /// Nothing yet.
+    Searching,
+    /// It is there.
+    Ready,
+    /// There is none, for a reason.
+    Absent(String),
+    /// There was one, and it has failed, for a reason.
+    Lost(String),
+}
+
+/// Work on a graphics processor. It ends when it is dropped.
+pub trait GraphicsWork {
+    /// The rows that have come since the last call.
+    ///
+    /// # Errors
+    /// [`GivenUp`] where no more will come.
+    fn poll(&mut self) -> Result<Vec<Rows>, GivenUp>;
+}
+
+/// A graphics processor does not go on: it does not serve the map, or has been lost. [`Graphics::found`] tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GivenUp;

@@ -18,7 +18,7 @@ use kalmanscope_lab::{Ensemble, MonteCarlo, Slice};
 use serde::{Deserialize, Serialize};
 
 use super::choice::part_of;
-use super::engine::{Engine, Work};
+use super::engine::{Engine, Precision, Task, Work};
 
 /// Limits the number of seeds.
 pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
@@ -131,7 +131,8 @@ impl SeedRuns {
             Some(work) => work,
             none => {
                 let missing = (0..known.len()).filter(|seed| !known[*seed]).collect();
-                let work = engine.start(ensemble, &Source::Simulated, missing, ctx);
+                let source = &Source::Simulated;
+                let work = engine.start(Task { ensemble, source, order: missing, precision: Precision::Double }, ctx);
                 none.insert(work.map_err(|error| error.to_string())?)
             }
         };

@@ -1,11 +1,10 @@
 //! Runs ensembles in the frames themselves, a slice of each, where there are no threads.
 
 use egui::Context;
-use kalmanscope_core::Source;
-use kalmanscope_lab::{Ensemble, EnsembleError, Runner};
+use kalmanscope_lab::{EnsembleError, Runner};
 use web_time::Duration;
 
-use super::engine::{Engine, Rows, Work};
+use super::engine::{Computer, Engine, Rows, Task, Work};
 use crate::session::Budget;
 
 /// Runs as many cells in each frame as a budget allows, at least one.
@@ -17,15 +16,9 @@ impl Slices {
 }
 
 impl Engine for Slices {
-    fn start(
-        &self,
-        ensemble: &Ensemble,
-        source: &Source,
-        order: Vec<usize>,
-        ctx: &Context,
-    ) -> Result<Box<dyn Work>, EnsembleError> {
-        let runner = Runner::new(ensemble.clone(), source.clone())?;
-        Ok(Box::new(SlicedWork { runner, order, next: 0, budget: self.0, ctx: ctx.clone() }))
+    fn start(&self, task: Task<'_>, ctx: &Context) -> Result<Box<dyn Work>, EnsembleError> {
+        let runner = Runner::new(task.ensemble.clone(), task.source.clone())?;
+        Ok(Box::new(SlicedWork { runner, order: task.order, next: 0, budget: self.0, ctx: ctx.clone() }))
     }
 
     fn usual_count(&self) -> usize {
@@ -57,6 +50,6 @@ impl Work for SlicedWork {
             self.ctx.request_repaint();
         }
         let cells = self.order[begin..self.next].to_vec();
-        if cells.is_empty() { Vec::new() } else { vec![Rows { cells, numbers }] }
+        if cells.is_empty() { Vec::new() } else { vec![Rows { cells, numbers, by: Computer::Frames }] }
     }
 }

@@ -6,7 +6,7 @@ use kalmanscope_core::{FilterSettings, Scenario, Source};
 use kalmanscope_lab::{Axis, Ensemble, Measure, Plan, Setting, Sheet};
 
 use super::choice::{Choice, part_of};
-use super::engine::{Engine, Work};
+use super::engine::{Computer, Engine, Precision, Task, Work};
 use super::measures;
 use crate::session::is_same;
 
@@ -18,6 +18,9 @@ pub struct Survey {
     order: Vec<usize>,
     sheet: Sheet,
     work: Option<Box<dyn Work>>,
+    precision: Precision,
+    /// What has computed the rows that are known.
+    computers: Vec<Computer>,
 }
 
 impl Survey {
@@ -46,7 +49,8 @@ impl Survey {
         let plan = Plan { filters: (0..filters.len()).collect(), measures, axes: choice.axes.to_vec(), times: 0 };
         let ensemble = Ensemble::new(part, plan).map_err(|error| error.to_string())?;
         let (order, sheet) = (ensemble.coarse_to_fine(), Sheet::new(&ensemble));
-        Ok(Self { ensemble, source, filters, order, sheet, work: None })
+        let (work, computers, precision) = (None, Vec::new(), choice.precision);
+        Ok(Self { ensemble, source, filters, order, sheet, work, precision, computers })
     }
 
     /// The ensemble: its scenario has the filters of the map only, and its axes are those across and up.
@@ -57,6 +61,11 @@ impl Survey {
     /// The rows that are known.
     pub fn sheet(&self) -> &Sheet {
         &self.sheet
+    }
+
+    /// What has computed the rows that are known.
+    pub fn computers(&self) -> &[Computer] {
+        &self.computers
     }
 
     /// The axes across and up.
@@ -117,6 +126,7 @@ impl Survey {
         let same_plan = self.filters == choice.filters()
             && self.ensemble.plan().axes == choice.axes
             && self.has(choice.measure)
+            && self.precision == choice.precision
             && is_same(&self.source, source);
         if !same_plan {
             return false;
@@ -160,16 +170,20 @@ impl Survey {
             self.work = None;
             return Ok(false);
         }
-        let work = match &mut self.work {
-            Some(work) => work,
-            none => {
-                let missing = self.sheet.missing(&self.order).collect();
-                let work = engine.start(&self.ensemble, &self.source, missing, ctx);
-                none.insert(work.map_err(|error| error.to_string())?)
-            }
-        };
+        if self.work.is_none() {
+            let Self { ensemble, source, precision, .. } = &*self;
+            let task =
+                Task { ensemble, source, order: self.sheet.missing(&self.order).collect(), precision: *precision };
+            self.work = Some(engine.start(task, ctx).map_err(|error| error.to_string())?);
+        }
+        let Some(work) = &mut self.work else { return Ok(false) };
         let rows = work.poll();
-        rows.iter().for_each(|rows| self.sheet.fill(&rows.cells, &rows.numbers));
+        for rows in &rows {
+            self.sheet.fill(&rows.cells, &rows.numbers);
+            if !self.computers.contains(&rows.by) {
+                self.computers.push(rows.by.clone());
+            }
+        }
         Ok(!rows.is_empty())
     }
 

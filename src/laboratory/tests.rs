@@ -20,7 +20,13 @@ fn slow() -> Laboratory {
 fn choice() -> Choice {
     let axes = ["filters.*.initial_mean.natural_frequency=2:14:5", "filters.*.process_std=0.1:10:3:log"];
     let axes = axes.map(|text| Axis::parse(text).unwrap());
-    Choice { axes, measure: Measure::Rmse(Channel::NATURAL_FREQUENCY), filter: 1, second: None }
+    Choice {
+        axes,
+        measure: Measure::Rmse(Channel::NATURAL_FREQUENCY),
+        filter: 1,
+        second: None,
+        precision: Precision::default(),
+    }
 }
 
 /// Follows the session for some frames.

@@ -39,6 +39,8 @@ pub struct MapState {
     pub done: usize,
     /// Checksum of all of them, as 16 hexadecimal digits.
     pub checksum: String,
+    /// What has computed them, each in words.
+    pub computers: Vec<String>,
     /// The ensemble, as [`Ensemble::to_json`](kalmanscope_lab::Ensemble::to_json) writes it.
     pub ensemble: String,
 }
@@ -48,7 +50,8 @@ impl MapState {
     pub fn of(survey: &Survey) -> Self {
         let sheet = survey.sheet();
         let checksum = format!("{:016x}", sheet.checksum());
-        Self { cells: sheet.len(), done: sheet.done(), checksum, ensemble: survey.ensemble().to_json() }
+        let computers = survey.computers().iter().map(ToString::to_string).collect();
+        Self { cells: sheet.len(), done: sheet.done(), checksum, computers, ensemble: survey.ensemble().to_json() }
     }
 }
 

@@ -77,6 +77,11 @@ pub fn is_embedded(address: &str) -> bool {
     value(address, "embed").is_some()
 }
 
+/// Whether an address asks for maps by WebGPU even where that is a program on the processor, as in tests: `?gpu=software`.
+pub fn allows_software_graphics(address: &str) -> bool {
+    value(address, "gpu").is_some_and(|value| value == "software")
+}
+
 /// The address of the page alone, without what it opens.
 pub fn page(address: &str) -> &str {
     address.split(['?', '#']).next().unwrap_or_default()

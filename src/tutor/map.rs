@@ -4,7 +4,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_lab::Axis;
 use kalmanscope_lessons::Map;
 
-use crate::laboratory::Choice;
+use crate::laboratory::{Choice, Precision};
 
 /// The choice of axes, score and filters that a step asks for.
 ///
@@ -24,6 +24,7 @@ pub(super) fn choice(map: &Map, scenario: &Scenario) -> Result<Choice, String> {
         measure: measure.parse().map_err(|error| format!("{error}"))?,
         filter: id(filter)?,
         second: second.as_ref().map(id).transpose()?,
+        precision: Precision::default(),
     };
     choice.check(&scenario)?;
     Ok(choice)

@@ -1,5 +1,6 @@
 //! Runs ensembles in workers of the page, one a processor.
 
+mod graphics;
 mod member;
 mod record;
 
@@ -8,7 +9,7 @@ use std::rc::Rc;
 
 use egui::Context;
 use js_sys::{Array, Float64Array, Uint32Array};
-use kalmanscope::laboratory::{Engine, Rows, Slices, Work};
+use kalmanscope::laboratory::{Accelerated, Computer, Engine, Precision, Rows, Slices, Task, Work};
 use kalmanscope_core::Source;
 use kalmanscope_lab::{Ensemble, EnsembleError, Runner};
 use wasm_bindgen::JsCast as _;
@@ -21,20 +22,20 @@ use record::in_message;
 const MOST: usize = 8;
 
 /// The workers that serve all maps. They are started with the first one.
-pub(super) struct Workers(Rc<RefCell<Team>>);
+struct Workers(Rc<RefCell<Team>>);
 
 #[derive(Default)]
 struct Team {
     members: Vec<Member>,
     /// The number of the present job.
     job: u32,
-    task: Option<Task>,
+    task: Option<Given>,
     /// The reason why there can be no workers.
     broken: Option<String>,
 }
 
 /// The cells that are to be run.
-struct Task {
+struct Given {
     ensemble: String,
     record: wasm_bindgen::JsValue,
     order: Vec<usize>,
@@ -43,22 +44,16 @@ struct Task {
     ctx: Context,
 }
 
-impl Workers {
-    pub(super) fn new() -> Self {
-        Self(Rc::default())
-    }
+/// The browser's graphics processor, or a program in its place where that will do, and workers for what it does not serve.
+pub(super) fn engine(software: bool) -> Box<dyn Engine> {
+    Box::new(Accelerated::new(Rc::new(graphics::Processor::new(software)), Rc::new(Workers(Rc::default()))))
 }
 
 impl Engine for Workers {
-    fn start(
-        &self,
-        ensemble: &Ensemble,
-        source: &Source,
-        order: Vec<usize>,
-        ctx: &Context,
-    ) -> Result<Box<dyn Work>, EnsembleError> {
+    fn start(&self, task: Task<'_>, ctx: &Context) -> Result<Box<dyn Work>, EnsembleError> {
+        let Task { ensemble, source, order, .. } = task;
         Runner::new(ensemble.clone(), source.clone())?;
-        let task = Task {
+        let task = Given {
             ensemble: ensemble.to_json(),
             record: in_message(source),
             order,
@@ -97,7 +92,9 @@ impl Work for WorkInWorkers {
         if team.broken.is_some()
             && let Some(task) = team.task.take()
         {
-            self.instead = Slices::FRAME.start(&self.ensemble, &self.source, task.order, &task.ctx).ok();
+            let Self { ensemble, source, .. } = &*self;
+            let again = Task { ensemble, source, order: task.order, precision: Precision::Double };
+            self.instead = Slices::FRAME.start(again, &task.ctx).ok();
             return task.rows;
         }
         team.task.as_mut().map(|task| std::mem::take(&mut task.rows)).unwrap_or_default()
@@ -115,7 +112,7 @@ impl Drop for WorkInWorkers {
 
 /// Gives the workers another task. Those that are busy with a long portion of the one before are replaced. Returns the job's
 /// number.
-fn begin(team: &Rc<RefCell<Team>>, task: Task) -> u32 {
+fn begin(team: &Rc<RefCell<Team>>, task: Given) -> u32 {
     let mut present = team.borrow_mut();
     present.job += 1;
     present.task = Some(task);
@@ -150,6 +147,7 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
         let Some(team) = team.upgrade() else { return };
         let mut team = team.borrow_mut();
         let Team { members, job, task, broken } = &mut *team;
+        let by = Computer::Workers(members.len());
         let Some(member) = members.iter_mut().find(|member| member.number() == number) else { return };
         let words: Array = match event {
             Ok(event) => event.data().unchecked_into(),
@@ -171,7 +169,8 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
                 {
                     let cells = words.get(2).unchecked_into::<Uint32Array>().to_vec();
                     let cells = cells.into_iter().map(|cell| cell as usize).collect();
-                    task.rows.push(Rows { cells, numbers: words.get(3).unchecked_into::<Float64Array>().to_vec() });
+                    let numbers = words.get(3).unchecked_into::<Float64Array>().to_vec();
+                    task.rows.push(Rows { cells, numbers, by });
                     task.ctx.request_repaint();
                 }
             }
@@ -192,10 +191,10 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
 }
 
 /// Gives a worker its next cells, if it has none waiting.
-fn feed(member: &mut Member, job: u32, task: &mut Task) {
+fn feed(member: &mut Member, job: u32, task: &mut Given) {
     while task.next < task.order.len() && member.wants_more() {
         if !member.knows(job) {
-            let Task { ensemble, record, .. } = task;
+            let Given { ensemble, record, .. } = task;
             member.tell(&Array::of4(&"ensemble".into(), &job.into(), &(&*ensemble).into(), record));
             member.learn(job);
         }

@@ -57,6 +57,11 @@ impl Driver {
 
     /// Opens a browser with an empty page.
     pub(crate) async fn open(&self) -> Page {
+        self.open_with(&[]).await
+    }
+
+    /// [`Self::open`] with more of Chromium's arguments.
+    pub(crate) async fn open_with(&self, more: &[&str]) -> Page {
         let profile = format!("--user-data-dir={}", self.profile.display());
         let arguments = [
             "--headless=new",
@@ -73,6 +78,7 @@ impl Driver {
             "--use-angle=swiftshader",
             &profile,
         ];
+        let arguments: Vec<&str> = arguments.into_iter().chain(more.iter().copied()).collect();
         let mut capabilities = Capabilities::new();
         capabilities.insert("goog:chromeOptions".to_owned(), json!({ "args": arguments }));
         capabilities.insert("goog:loggingPrefs".to_owned(), json!({ "browser": "ALL" }));

@@ -26,7 +26,7 @@ pub(crate) async fn a_figure_is_downloaded(page: &Page, folder: &Path) {
 }
 
 /// Chooses an entry of the menu, and waits for the file.
-async fn downloaded(page: &Page, folder: &Path, entry: &str, name: &str) -> Vec<u8> {
+pub(crate) async fn downloaded(page: &Page, folder: &Path, entry: &str, name: &str) -> Vec<u8> {
     page.click("Export", 0.5).await;
     page.click(entry, 0.5).await;
     let (path, begun) = (folder.join(name), Instant::now());

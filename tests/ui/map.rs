@@ -1,7 +1,13 @@
 //! The laboratory: a map that fills, a dot that is dragged, cells that are clicked.
 
-use egui::Pos2;
-use kalmanscope::laboratory::{Choice, Slices};
+use std::cell::Cell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use egui::{Context, Pos2};
+use kalmanscope::laboratory::{
+    Accelerated, Choice, Computer, Engine, Finding, GivenUp, Graphics, GraphicsWork, Precision, Rows, Slices, Task,
+};
 use kalmanscope_core::Source;
 use kalmanscope_lab::{Axis, Ensemble, Measure, Plan, Runner};
 
@@ -9,10 +15,14 @@ use super::*;
 
 /// A paused screen of a short record with a coarse map; each frame computes all of it.
 fn laboratory(size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
+    laboratory_by(Box::new(Slices(Budget::Unlimited)), size, theme, second)
+}
+
+fn laboratory_by(engine: Box<dyn Engine>, size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
     let mut screen =
         Harness::builder().with_size(size).with_theme(theme).with_step_dt(1.0 / 60.0).build_eframe(|creation| {
             let app = App::new(creation).expect("the default scenario can be run");
-            app.computing_with(Box::new(Slices(Budget::Unlimited)))
+            app.computing_with(engine)
         });
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Laboratory);
     let session = screen.state_mut().session_mut();
@@ -24,7 +34,13 @@ fn laboratory(size: Vec2, theme: Theme, second: Option<u32>) -> Screen {
     let axes = ["filters.*.initial_mean.natural_frequency=2:14:9", "filters.*.process_std=0.01:100:7:log"];
     let axes = axes.map(|text| Axis::parse(text).expect("it is an axis"));
     let measure = Measure::Rmse(Channel::NATURAL_FREQUENCY);
-    screen.state_mut().laboratory_mut().choose(Some(Choice { axes, measure, filter: 1, second }));
+    screen.state_mut().laboratory_mut().choose(Some(Choice {
+        axes,
+        measure,
+        filter: 1,
+        second,
+        precision: Precision::default(),
+    }));
     screen.run_steps(4);
     screen
 }
@@ -197,4 +213,61 @@ fn ranges_and_numbers_of_values_are_set_in_a_popup() {
     let [x, y] = shown.axes();
     assert_eq!((x.from, x.to, x.count, y.count), (2.0, 20.0, 9, 5));
     assert!(shown.sheet().is_complete() && shown.sheet().len() == 45);
+}
+
+/// A graphics processor that computes all at once, until it is lost.
+#[derive(Clone, Default)]
+struct Card {
+    is_lost: Rc<Cell<bool>>,
+}
+
+struct CardWork(Option<Rows>);
+
+impl Graphics for Card {
+    fn find(&self, _: &Context) -> Finding {
+        self.found()
+    }
+
+    fn found(&self) -> Finding {
+        if self.is_lost.get() { Finding::Lost("it was pulled out".to_owned()) } else { Finding::Ready }
+    }
+
+    fn start(&self, task: Task<'_>, _: &Context) -> Option<Box<dyn GraphicsWork>> {
+        let runner = Runner::new(task.ensemble.clone(), task.source.clone()).ok()?;
+        let numbers = runner.rows(&task.order);
+        let rows = Rows { cells: task.order, numbers, by: Computer::Graphics(Arc::from("the card")) };
+        Some(Box::new(CardWork(Some(rows))))
+    }
+}
+
+impl GraphicsWork for CardWork {
+    fn poll(&mut self) -> Result<Vec<Rows>, GivenUp> {
+        self.0.take().map(|rows| vec![rows]).ok_or(GivenUp)
+    }
+}
+
+#[test]
+fn the_map_says_what_has_computed_it_and_does_without_the_graphics_processor() {
+    let card = Card::default();
+    let engine = Accelerated::new(Rc::new(card.clone()), Rc::new(Slices(Budget::Unlimited)));
+    let mut screen = laboratory_by(Box::new(engine), DESKTOP, Theme::Light, None);
+    let computers = |screen: &Screen| {
+        let survey = screen.state().laboratory().shown().expect("there is a map");
+        assert!(survey.sheet().is_complete());
+        survey.computers().to_vec()
+    };
+    assert_eq!(computers(&screen), [Computer::Graphics(Arc::from("the card"))]);
+    screen.get_by_label("computed in single precision by the card");
+    screen.get_by_label("Ranges of the map").click();
+    screen.run_steps(3);
+    screen.get_by_label("without the graphics processor").click();
+    screen.run_steps(4);
+    assert_eq!(screen.state().laboratory().choice().map(|choice| choice.precision), Some(Precision::Double));
+    assert_eq!(computers(&screen), [Computer::Frames]);
+    screen.get_by_label("without the graphics processor").click();
+    screen.run_steps(4);
+    assert_eq!(computers(&screen), [Computer::Graphics(Arc::from("the card"))]);
+    card.is_lost.set(true);
+    screen.run_steps(2);
+    screen.get_by_label("The graphics processor has failed; maps go on without it.");
 }

@@ -1,11 +1,14 @@
 //! The worker's side of the conversation.
 
+use std::rc::Rc;
+
 use js_sys::{Array, Float64Array, Uint32Array};
 use kalmanscope_lab::Runner;
 use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::{DedicatedWorkerGlobalScope, MessageEvent};
 
+use crate::graphics::Graphics;
 use crate::message::{cells, runner};
 
 /// Answers messages for as long as the worker lives.
@@ -13,7 +16,8 @@ pub(crate) fn serve() {
     std::panic::set_hook(Box::new(|panic| {
         tell(&Array::of3(&"failed".into(), &JsValue::NULL, &panic.to_string().into()));
     }));
-    let mut present: Option<(f64, Runner)> = None;
+    let mut present: Option<(f64, Rc<Runner>)> = None;
+    let graphics = Graphics::default();
     let hear = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
         let Ok(words) = event.data().dyn_into::<Array>() else { return };
         let text = |at: u32| words.get(at).as_string().unwrap_or_default();
@@ -21,7 +25,10 @@ pub(crate) fn serve() {
         match text(0).as_str() {
             "ensemble" => {
                 present = match runner(&text(2), &words.get(3)) {
-                    Ok(runner) => Some((job, runner)),
+                    Ok(runner) => {
+                        graphics.begin(job);
+                        Some((job, Rc::new(runner)))
+                    }
                     Err(reason) => {
                         tell(&Array::of3(&"failed".into(), &job.into(), &reason.into()));
                         None
@@ -32,9 +39,13 @@ pub(crate) fn serve() {
                 if let Some((own, runner)) = &present
                     && *own == job
                 {
-                    answer(job, &cells(words.get(2)), runner);
+                    let cells = cells(words.get(2));
+                    if !graphics.take(job, &cells, runner) {
+                        answer(job, &cells, &runner.rows(&cells));
+                    }
                 }
             }
+            "graphics" => graphics.find(words.get(1).is_truthy()),
             _ => {}
         }
     });
@@ -43,8 +54,9 @@ pub(crate) fn serve() {
     tell(&Array::of1(&"ready".into()));
 }
 
-fn answer(job: f64, cells: &[usize], runner: &Runner) {
-    let rows = Float64Array::from(runner.rows(cells).as_slice());
+/// Sends the rows of some cells.
+pub(crate) fn answer(job: f64, cells: &[usize], rows: &[f64]) {
+    let rows = Float64Array::from(rows);
     let cells: Vec<u32> = cells.iter().map(|&cell| cell as u32).collect();
     let cells = Uint32Array::from(cells.as_slice());
     let message = Array::of4(&"rows".into(), &job.into(), &cells, &rows);
@@ -52,7 +64,7 @@ fn answer(job: f64, cells: &[usize], runner: &Runner) {
     let _ = scope().post_message_with_transfer(&message, &Array::of1(&rows.buffer()));
 }
 
-fn tell(message: &Array) {
+pub(crate) fn tell(message: &Array) {
     let _ = scope().post_message(message);
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::laboratory::{Choice, Laboratory, Slices};
+use crate::laboratory::{Choice, Laboratory, Precision, Slices};
 use kalmanscope_core::Channel;
 use kalmanscope_lab::Measure;
 
@@ -98,7 +98,13 @@ fn the_search_begins_at_the_best_cell_of_a_map_of_its_settings() {
     let part = part_of(session.scenario(), &[1]);
     let axis = |(key, count): (&str, usize)| Axis::usual(&Setting::new(&part, key).unwrap(), &part, count);
     let measure = Measure::Rmse(Channel::NATURAL_FREQUENCY);
-    laboratory.choose(Some(Choice { axes: axes.map(axis), measure, filter: 1, second: None }));
+    laboratory.choose(Some(Choice {
+        axes: axes.map(axis),
+        measure,
+        filter: 1,
+        second: None,
+        precision: Precision::default(),
+    }));
     laboratory.follow(&session, true, false, &Context::default());
     let survey = laboratory.shown().unwrap();
     assert!(survey.sheet().is_complete());

@@ -6,7 +6,11 @@ use kalmanscope_core::Scenario;
 use kalmanscope_lab::{Axis, Setting, Spacing};
 
 use crate::controls::number::field;
-use crate::laboratory::{Choice, Laboratory, MOST, candidates, collide, measure_name, offered, part_of, setting_name};
+use crate::laboratory::{
+    Choice, Computer, Finding, Laboratory, MOST, Precision, Survey, candidates, collide, measure_name, offered,
+    part_of, setting_name,
+};
+use crate::probe;
 use crate::request::Request;
 use crate::theme::Palette;
 use crate::view::ViewContext;
@@ -37,8 +41,9 @@ pub(super) fn head_ui(
         }
         measure_ui(ui, &mut next, &offered(&part, run.record()));
         filters_ui(ui, &mut next, run.scenario());
-        ranges_ui(ui, &mut next, &part, context.palette);
+        ranges_ui(ui, &mut next, &part, laboratory.graphics().as_ref(), context.palette);
         work_ui(ui, laboratory, requests);
+        computers_ui(ui, laboratory);
     });
     if &next != choice {
         requests.push(Request::ChooseMap(Box::new(next)));
@@ -104,8 +109,8 @@ fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
     });
 }
 
-/// The ranges of the axes and the numbers of their values, in a popup.
-fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, palette: &Palette) {
+/// The ranges of the axes, the numbers of their values, and the precision, in a popup.
+fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option<&Finding>, palette: &Palette) {
     let [x, y] = choice.axes.each_ref().map(|axis| axis.count);
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     let (button, _) = MenuButton::new(format!("{x} × {y}")).config(stays).ui(ui, |ui| {
@@ -136,6 +141,10 @@ fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, palette: &Palett
                 }
             }
         });
+        // Without a graphics processor there is nothing to choose.
+        if graphics == Some(&Finding::Ready) || choice.precision == Precision::Double {
+            precision_ui(ui, &mut choice.precision);
+        }
     });
     let button = button.on_hover_text("Ranges of the axes, and the numbers of their values");
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Ranges of the map"));
@@ -164,6 +173,29 @@ fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
     // Half-typed ranges that no axis can have wait for the rest.
     if axis.check().is_err() || axis.from >= axis.to {
         *axis = before;
+    }
+}
+
+/// Whether the graphics processor may compute.
+fn precision_ui(ui: &mut Ui, precision: &mut Precision) {
+    let mut is_double = *precision == Precision::Double;
+    let hint = "In double precision, with the bits of a sweep on the command line; the graphics processor has single precision";
+    if ui.checkbox(&mut is_double, "without the graphics processor").on_hover_text(hint).changed() {
+        *precision = if is_double { Precision::Double } else { Precision::Fastest };
+    }
+}
+
+/// Says what has computed the map, and whether the graphics processor has failed.
+fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
+    let computers = laboratory.shown().map(Survey::computers).unwrap_or_default();
+    let named: Vec<String> = computers.iter().filter(|by| **by != Computer::Frames).map(Computer::to_string).collect();
+    if !named.is_empty() {
+        let text = format!("computed {}", named.join(", and "));
+        let label = ui.weak(&text);
+        probe::remember(ui.ctx(), &text, label.rect);
+    }
+    if let Some(Finding::Lost(reason)) = laboratory.graphics() {
+        ui.weak("The graphics processor has failed; maps go on without it.").on_hover_text(reason);
     }
 }
 

@@ -92,6 +92,11 @@ impl Member {
         self.portion
     }
 
+    /// Ends the worker before this is dropped, as where that cannot be: while the worker is listened to.
+    pub(super) fn end(&self) {
+        self.worker.terminate();
+    }
+
     /// Sends a message.
     pub(super) fn tell(&self, message: &Array) {
         if let Err(error) = self.worker.post_message(message) {

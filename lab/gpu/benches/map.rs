@@ -1,7 +1,8 @@
-//! The time of a whole map and of Monte Carlo, by one thread and by all, beside single filters, in one run.
+//! The time of a whole map and of Monte Carlo, by one thread and by all, beside single filters, in one run; and of the map on a
+//! graphics processor, or on a program in its place, which its name tells.
 //!
 //! ```text
-//! cargo bench -p kalmanscope-lab --features lanes,threads
+//! cargo bench -p kalmanscope-gpu
 //! ```
 //!
 //! Each number is the least of a few repeats.
@@ -11,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Scenario, Source};
+use kalmanscope_gpu::{Gpu, Software};
 use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels, simulate};
 
 /// Cells along each axis of the map, and samples of its record.
@@ -23,7 +25,14 @@ const LONG: usize = 6000;
 
 const REPEATS: usize = 3;
 
+/// The cells of a first picture.
+const COARSE: usize = 64;
+
 fn main() {
+    let gpu = pollster::block_on(Gpu::find(Software::Allowed));
+    if let Err(error) = &gpu {
+        println!("without a graphics processor: {error}");
+    }
     for kind in ["EKF", "UKF"] {
         let runner = map(kind);
         let steps = (SIDE * SIDE * SAMPLES) as f64;
@@ -56,6 +65,25 @@ fn main() {
                 all.as_secs_f64(),
                 nanoseconds(all) / steps,
                 alone / nanoseconds(all),
+            );
+        }
+        if let Ok(gpu) = &gpu {
+            let all: Vec<usize> = runner.ensemble().coarse_to_fine();
+            let time = |cells: &[usize]| {
+                least(|| {
+                    let begin = Instant::now();
+                    let rows = pollster::block_on(gpu.rows(&runner, cells, &|| true));
+                    assert!(rows.is_ok_and(|rows| rows.len() == cells.len() * runner.ensemble().width()));
+                    begin.elapsed()
+                })
+            };
+            let (first, whole) = (time(&all[..COARSE]), time(&all));
+            println!(
+                "{kind}: map {SIDE} × {SIDE} × {SAMPLES}, {}, single precision: first picture {:.0} ms, all {:.2} s, {:.0} ns a step",
+                gpu.name(),
+                nanoseconds(first) / 1e6,
+                whole.as_secs_f64(),
+                nanoseconds(whole) / steps,
             );
         }
     }

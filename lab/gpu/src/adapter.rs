@@ -1,0 +1,169 @@
+//! The search for a graphics processor.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use wgpu::{Adapter, AdapterInfo, DeviceDescriptor, DeviceType, Instance, InstanceDescriptor, Limits};
+
+use crate::error::GpuError;
+use crate::program::Programs;
+
+/// Whether a program that plays the part of a graphics processor will do. It is slower than threads of one's own, and good for
+/// tests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Software {
+    /// Only a graphics processor will do.
+    Refused,
+    /// A program will do where there is no graphics processor.
+    Allowed,
+}
+
+/// A graphics processor with the filters' programs.
+pub struct Gpu {
+    name: String,
+    pub(crate) programs: Programs,
+    pub(crate) trouble: Trouble,
+}
+
+/// The first failure that the device has reported, outside of any call.
+#[derive(Clone, Default)]
+pub(crate) struct Trouble(Arc<Mutex<Option<String>>>);
+
+impl Trouble {
+    fn report(&self, text: String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+    }
+
+    /// # Errors
+    /// [`GpuError::Failed`] where the device has reported a failure.
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        match &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(text) => Err(GpuError::Failed(text.clone())),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Gpu {
+    /// Looks for a graphics processor and prepares it: that takes some tenths of a second.
+    ///
+    /// # Errors
+    /// [`GpuError::None`] where there is none, [`GpuError::Software`] where there is only a program, and that will not do,
+    /// [`GpuError::Failed`] where it does not take the filters' programs.
+    pub async fn find(software: Software) -> Result<Self, GpuError> {
+        let instance = Instance::new(InstanceDescriptor::new_without_display_handle());
+        let adapter = choose(&instance, software).await?;
+        let name = name_of(&info_of(&adapter).await);
+        let descriptor = DeviceDescriptor { required_limits: limits(&adapter), ..DeviceDescriptor::default() };
+        let device = adapter.request_device(&descriptor).await;
+        let (device, queue) = device.map_err(|error| GpuError::Failed(error.to_string()))?;
+        let trouble = Trouble::default();
+        let reporter = trouble.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| reporter.report(error.to_string())));
+        let reporter = trouble.clone();
+        device.set_device_lost_callback(move |reason, text| reporter.report(format!("it is lost ({reason:?}) {text}")));
+        let programs = Programs::new(device, queue);
+        trouble.check()?;
+        Ok(Self { name, programs, trouble })
+    }
+
+    /// The adapter's name, as its driver has it.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+/// The adapters of the system, graphics processors with memory of their own first.
+#[cfg(not(target_arch = "wasm32"))]
+async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuError> {
+    let mut adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+    adapters.sort_by_key(|adapter| {
+        let info = adapter.get_info();
+        let rank = match info.device_type {
+            DeviceType::DiscreteGpu => 0,
+            DeviceType::IntegratedGpu => 1,
+            _ => 2,
+        };
+        (is_software(&info), rank)
+    });
+    let first = adapters.into_iter().next().ok_or_else(|| GpuError::None("no driver offers one".to_owned()))?;
+    accept(first, software).await
+}
+
+/// The adapter that the browser offers.
+#[cfg(target_arch = "wasm32")]
+async fn choose(instance: &Instance, software: Software) -> Result<Adapter, GpuError> {
+    let options = wgpu::RequestAdapterOptions {
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        ..wgpu::RequestAdapterOptions::default()
+    };
+    let adapter = instance.request_adapter(&options).await;
+    accept(adapter.map_err(|error| GpuError::None(error.to_string()))?, software).await
+}
+
+async fn accept(adapter: Adapter, software: Software) -> Result<Adapter, GpuError> {
+    let info = info_of(&adapter).await;
+    if software == Software::Refused && is_software(&info) {
+        return Err(GpuError::Software(name_of(&info)));
+    }
+    Ok(adapter)
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+#[expect(clippy::unused_async, reason = "a browser is asked")]
+async fn info_of(adapter: &Adapter) -> AdapterInfo {
+    adapter.get_info()
+}
+
+/// Browsers describe an adapter in words that the library leaves out.
+#[cfg(target_arch = "wasm32")]
+async fn info_of(adapter: &Adapter) -> AdapterInfo {
+    let mut info = adapter.get_info();
+    if info.name.trim().is_empty() {
+        info.name = crate::browser::adapter_name().await.unwrap_or_default();
+    }
+    info
+}
+
+/// Whether an adapter is a program on the processor.
+fn is_software(info: &AdapterInfo) -> bool {
+    const NAMES: [&str; 5] = ["lavapipe", "llvmpipe", "softpipe", "swiftshader", "microsoft basic render"];
+    let names = format!("{} {} {}", info.name, info.driver, info.driver_info).to_lowercase();
+    info.device_type == DeviceType::Cpu || NAMES.iter().any(|name| names.contains(name))
+}
+
+fn name_of(info: &AdapterInfo) -> String {
+    let name = info.name.trim();
+    if name.is_empty() { "a graphics processor".to_owned() } else { name.to_owned() }
+}
+
+/// The least that every adapter has, but with buffers as large as this one has them.
+fn limits(adapter: &Adapter) -> Limits {
+    let own = adapter.limits();
+    Limits {
+        max_buffer_size: own.max_buffer_size.min(LARGEST),
+        max_storage_buffer_binding_size: own.max_storage_buffer_binding_size.min(LARGEST),
+        ..Limits::downlevel_defaults()
+    }
+}
+
+/// Limits a buffer \[bytes\].
+const LARGEST: u64 = 128 << 20;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn programs_are_known_by_type_and_by_name() {
+        let mut info = AdapterInfo::new(DeviceType::DiscreteGpu, wgpu::Backend::Vulkan);
+        info.name = "NVIDIA GeForce RTX 4070".to_owned();
+        assert!(!is_software(&info));
+        info.device_type = DeviceType::Cpu;
+        assert!(is_software(&info));
+        for name in ["llvmpipe (LLVM 15.0.6, 256 bits)", "Google SwiftShader", "Microsoft Basic Render Driver"] {
+            let mut info = AdapterInfo::new(DeviceType::Other, wgpu::Backend::Vulkan);
+            info.name = name.to_owned();
+            assert!(is_software(&info), "{name}");
+        }
+    }
+}

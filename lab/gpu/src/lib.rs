@@ -1,0 +1,42 @@
+//! Maps of Kalman filters on a graphics processor: the runs of a map side by side, one thread a run, in single precision.
+//!
+//! ```text
+//! runs ──alike──▶ Batch ──words──▶ shader, some samples a dispatch ──states──▶ outcomes
+//!    └ what it does not serve: the caller's processor
+//! ```
+//!
+//! KF, EKF and UKF of the linear oscillator go there ([`serves`]). Sums, like everything else, are of `f32`, so the numbers differ
+//! from those of the core: errors by some thousandths where a filter has converged. Where rounding makes a filter's
+//! path another one, as at the border of the guesses from which it converges, the results differ altogether.
+//!
+//! ```no_run
+//! use kalmanscope_core::{Scenario, Source};
+//! use kalmanscope_gpu::{Gpu, Software};
+//! use kalmanscope_lab::{Axis, Ensemble, Plan, Runner};
+//! # async fn example() -> Result<(), Box<dyn std::error::Error>> {
+//! let axis = Axis::parse("filters.EKF.initial_mean.natural_frequency=4:12:3")?;
+//! let measures = vec!["rmse.natural_frequency".parse()?];
+//! let plan = Plan { filters: vec![0], measures, axes: vec![axis], ..Plan::default() };
+//! let runner = Runner::new(Ensemble::new(Scenario::default(), plan)?, Source::Simulated)?;
+//! let gpu = Gpu::find(Software::Refused).await?;
+//! let rows = gpu.rows(&runner, &[0, 1, 2], &|| true).await?;
+//! # Ok(())
+//! # }
+//! ```
+
+mod adapter;
+mod batch;
+#[cfg(target_arch = "wasm32")]
+mod browser;
+mod error;
+mod layout;
+mod outcome;
+mod program;
+mod rows;
+mod shader;
+mod signal;
+mod tape;
+
+pub use adapter::{Gpu, Software};
+pub use batch::{GpuRun, serves};
+pub use error::GpuError;

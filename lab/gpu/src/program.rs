@@ -1,0 +1,188 @@
+//! The filters' programs on a device: buffers, and dispatches of some samples each.
+
+use kalmanscope_core::kernel::abreast::Method;
+use web_time::{Duration, Instant};
+use wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline, Device, MapMode, Queue};
+
+use crate::adapter::Trouble;
+use crate::error::GpuError;
+use crate::layout::{Cell, Settings, State};
+use crate::shader::{GROUP, source};
+use crate::signal::Signal;
+
+/// The aim for the time of a dispatch: drivers reset a device that is busy with one for seconds, and pictures of the system wait.
+const DISPATCH: Duration = Duration::from_millis(50);
+
+/// The samples of the first dispatch, and the factor by which the next one may have more.
+const FIRST: u32 = 64;
+const GROWTH: f64 = 8.0;
+
+/// Limits the time of a dispatch: after it the device is taken for lost.
+#[cfg(not(target_arch = "wasm32"))]
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// The programs, compiled.
+pub(crate) struct Programs {
+    device: Device,
+    queue: Queue,
+    linearised: ComputePipeline,
+    sigma_points: ComputePipeline,
+}
+
+/// Runs of one kind.
+pub(crate) struct Job {
+    pub(crate) method: Method,
+    /// `end` is the number of samples.
+    pub(crate) settings: Settings,
+    pub(crate) samples: Vec<u32>,
+    pub(crate) cells: Vec<u32>,
+}
+
+/// The buffers of a job.
+struct Buffers {
+    settings: Buffer,
+    states: Buffer,
+    group: BindGroup,
+}
+
+impl Programs {
+    pub(crate) fn new(device: Device, queue: Queue) -> Self {
+        let [linearised, sigma_points] =
+            [Method::Linearised, Method::SigmaPoints].map(|method| pipeline(&device, method));
+        Self { device, queue, linearised, sigma_points }
+    }
+
+    /// Does a job. `is_wanted` is asked before each dispatch.
+    ///
+    /// # Errors
+    /// [`GpuError::Failed`] and [`GpuError::Unwanted`].
+    pub(crate) async fn run(
+        &self,
+        job: &Job,
+        trouble: &Trouble,
+        is_wanted: &dyn Fn() -> bool,
+    ) -> Result<Vec<State>, GpuError> {
+        let buffers = self.buffers(job);
+        let samples = job.settings.end;
+        let (mut begin, mut portion) = (0, FIRST);
+        while begin < samples {
+            if !is_wanted() {
+                return Err(GpuError::Unwanted);
+            }
+            let end = begin.saturating_add(portion).min(samples);
+            let time = Instant::now();
+            self.dispatch(job, &buffers, begin, end);
+            self.done(trouble).await?;
+            let factor = DISPATCH.as_secs_f64() / time.elapsed().as_secs_f64().max(1e-6);
+            portion = ((f64::from(portion) * factor.min(GROWTH)) as u32).max(1);
+            begin = end;
+        }
+        self.read(&buffers.states, job, trouble).await
+    }
+
+    fn buffers(&self, job: &Job) -> Buffers {
+        let filled = |words: &[u32]| {
+            let buffer = self.buffer(words.len() as u64 * 4, BufferUsages::STORAGE | BufferUsages::COPY_DST);
+            self.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+            buffer
+        };
+        let settings = self.buffer(32, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
+        let states = self.buffer(size_of_states(job), BufferUsages::STORAGE | BufferUsages::COPY_SRC);
+        let (samples, cells) = (filled(&job.samples), filled(&job.cells));
+        let entries: Vec<_> = [&settings, &samples, &cells, &states]
+            .into_iter()
+            .zip(0..)
+            .map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        let layout = self.pipeline(job.method).get_bind_group_layout(0);
+        let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
+        let group = self.device.create_bind_group(&descriptor);
+        Buffers { settings, states, group }
+    }
+
+    fn buffer(&self, size: u64, usage: BufferUsages) -> Buffer {
+        self.device.create_buffer(&BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
+    }
+
+    fn pipeline(&self, method: Method) -> &ComputePipeline {
+        match method {
+            Method::Linearised => &self.linearised,
+            Method::SigmaPoints => &self.sigma_points,
+        }
+    }
+
+    fn dispatch(&self, job: &Job, buffers: &Buffers, begin: u32, end: u32) {
+        let settings = Settings { begin, end, ..job.settings };
+        self.queue.write_buffer(&buffers.settings, 0, bytemuck::cast_slice(&settings.words()));
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(self.pipeline(job.method));
+            pass.set_bind_group(0, &buffers.group, &[]);
+            pass.dispatch_workgroups(job.settings.runs.div_ceil(GROUP), 1, 1);
+        }
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// Waits until the device has done what it has been given.
+    async fn done(&self, trouble: &Trouble) -> Result<(), GpuError> {
+        let signal = Signal::new();
+        let setter = signal.clone();
+        self.queue.on_submitted_work_done(move || setter.set(()));
+        self.wait()?;
+        trouble.check()?;
+        signal.get().await;
+        trouble.check()
+    }
+
+    async fn read(&self, states: &Buffer, job: &Job, trouble: &Trouble) -> Result<Vec<State>, GpuError> {
+        let size = size_of_states(job);
+        let copy = self.buffer(size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(states, 0, &copy, 0, size);
+        self.queue.submit([encoder.finish()]);
+        let signal = Signal::new();
+        let setter = signal.clone();
+        copy.slice(..).map_async(MapMode::Read, move |result| setter.set(result));
+        self.wait()?;
+        trouble.check()?;
+        signal.get().await.map_err(failed)?;
+        let view = copy.slice(..).get_mapped_range().map_err(failed)?;
+        let words: &[u32] = bytemuck::cast_slice(&view);
+        Ok(words.chunks_exact(State::WORDS).map(State::read).collect())
+    }
+
+    /// Lets callbacks come: natively by waiting for the device, in a browser they come by themselves.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn wait(&self) -> Result<(), GpuError> {
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };
+        self.device.poll(wait).map(|_| ()).map_err(failed)
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    #[expect(clippy::unnecessary_wraps, reason = "the other systems wait here, and that may fail")]
+    fn wait(&self) -> Result<(), GpuError> {
+        Ok(())
+    }
+}
+
+fn pipeline(device: &Device, method: Method) -> ComputePipeline {
+    let source = wgpu::ShaderSource::Wgsl(source(method).into());
+    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    })
+}
+
+fn size_of_states(job: &Job) -> u64 {
+    (job.cells.len() / Cell::WORDS * State::WORDS * 4) as u64
+}
+
+fn failed(error: impl std::fmt::Display) -> GpuError {
+    GpuError::Failed(error.to_string())
+}

@@ -1,0 +1,228 @@
+//! Maps by the graphics processor have the classes and, where filters converge, the scores of the processor's.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+mod common;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use common::{CLOSE, gpu};
+use kalmanscope_core::{Channel, Quantity, Scenario, Source};
+use kalmanscope_gpu::{Gpu, GpuError, Software};
+use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, Plan, Runner, Sheet, Slice};
+
+/// The samples of a map's record.
+const SAMPLES: usize = 2000;
+
+/// The usual scenario with the filter of a kind.
+fn scenario(kind: &str, samples: usize) -> Scenario {
+    let mut scenario = Scenario { duration: (samples - 1) as f64 * 0.01, ..Scenario::default() };
+    scenario.filters.retain(|filter| filter.name == kind);
+    assert_eq!((scenario.filters.len(), scenario.samples()), (1, samples));
+    scenario
+}
+
+/// A map with all scores that sums give.
+fn map(scenario: Scenario, axes: &[String]) -> Arc<Runner> {
+    let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
+    let measures = Measure::of_sums(&kalmanscope_lab::channels(&scenario, &[0]));
+    let plan = Plan { filters: vec![0], measures, axes, ..Plan::default() };
+    Arc::new(Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap())
+}
+
+/// A map of Q and R.
+fn tuning(kind: &str, seed: u64, side: usize) -> Arc<Runner> {
+    let axes = [
+        format!("filters.{kind}.process_std=0.01:100:{side}:log"),
+        format!("filters.{kind}.sensor_std=0.05:20:{side}:log"),
+    ];
+    map(Scenario { seed, ..scenario(kind, SAMPLES) }, &axes)
+}
+
+/// A map of guesses by displacement alone, where many filters diverge.
+fn guesses(kind: &str, seed: u64, side: usize) -> Arc<Runner> {
+    let mut scenario = Scenario { seed, ..scenario(kind, SAMPLES) };
+    scenario.remove_sensor(Quantity::VELOCITY);
+    let axes = [
+        format!("filters.{kind}.initial_mean.natural_frequency=0.5:40:{side}"),
+        format!("filters.{kind}.initial_std.natural_frequency=0.1:20:{side}:log"),
+    ];
+    map(scenario, &axes)
+}
+
+/// The comparison of two maps.
+#[derive(Default)]
+struct Comparison {
+    cells: usize,
+    /// Cells of the same class: stopped, lost, converged within 5 %.
+    same: usize,
+    /// Cells in which both have converged, and those of them whose scores are all close.
+    converged: usize,
+    close: usize,
+    /// Cells that the processor's filter has lost, or in which it has stopped.
+    lost: usize,
+    worst: (f64, String),
+}
+
+/// Runs all cells of a map both ways.
+fn compare(name: &str, runner: &Arc<Runner>) -> Comparison {
+    let ensemble = runner.ensemble();
+    let cells: Vec<usize> = (0..ensemble.cells()).collect();
+    let mut exact = Sheet::new(ensemble);
+    let begin = Instant::now();
+    let work = Crew::new(0).unwrap().start(runner, cells.clone(), || {});
+    while let Some(Slice { cells, rows }) = work.wait() {
+        exact.fill(&cells, &rows);
+    }
+    let exact_time = begin.elapsed();
+    assert!(Gpu::serves(runner));
+    let begin = Instant::now();
+    let rows = pollster::block_on(gpu().rows(runner, &cells, &|| true)).unwrap();
+    let time = begin.elapsed();
+    let mut comparison = Comparison { cells: cells.len(), ..Comparison::default() };
+    for (&cell, row) in cells.iter().zip(rows.chunks(ensemble.width())) {
+        comparison.take(&ensemble.plan().measures, &ensemble.at(cell), exact.row(cell).unwrap(), row);
+    }
+    comparison.print(name, exact_time, time);
+    comparison
+}
+
+impl Comparison {
+    fn take(&mut self, measures: &[Measure], scenario: &Scenario, exact: &[f64], row: &[f64]) {
+        let of = |row: &[f64], measure: Measure| row[measures.iter().position(|other| *other == measure).unwrap()];
+        let channel = Channel::NATURAL_FREQUENCY;
+        let truth = scenario.plant.parameter(channel).unwrap().at(scenario.duration);
+        let class = |row: &[f64]| {
+            let is_near = of(row, Measure::Error(channel)).abs() <= 0.05 * truth;
+            (of(row, Measure::Stopped), of(row, Measure::Diverged), is_near)
+        };
+        let (class, other) = (class(exact), class(row));
+        self.same += usize::from(class == other);
+        self.lost += usize::from(class.1 > 0.0);
+        if class != (0.0, 0.0, true) || other != class {
+            return;
+        }
+        self.converged += 1;
+        let degrees = (scenario.sensors.len() * SAMPLES) as f64;
+        let mut largest = 0.0_f64;
+        for (measure, (&exact, &number)) in measures.iter().zip(exact.iter().zip(row)) {
+            let size = match measure {
+                // These are about zero: a tenth of the standard deviation is close.
+                Measure::Error(channel) | Measure::Estimate(channel) => 0.1 / CLOSE * of(row, Measure::Std(*channel)),
+                Measure::Inside(_) => 1.0,
+                // The time of the last error of 5 % jumps, and the other is about zero and follows the NIS.
+                Measure::Settled(_) | Measure::Consistency => continue,
+                Measure::LogLikelihood => exact.abs().max(0.5 * degrees),
+                _ => exact.abs(),
+            };
+            let difference = if number == exact { 0.0 } else { (number - exact).abs() / size };
+            largest = if difference <= largest { largest } else { difference };
+            if largest > self.worst.0 {
+                self.worst = (largest, format!("{measure} is {number} in place of {exact}"));
+            }
+        }
+        self.close += usize::from(largest <= CLOSE);
+    }
+
+    fn same_share(&self) -> f64 {
+        self.same as f64 / self.cells as f64
+    }
+
+    fn close_share(&self) -> f64 {
+        self.close as f64 / self.converged as f64
+    }
+
+    fn print(&self, name: &str, exact: Duration, time: Duration) {
+        let Self { cells, same, converged, close, lost, worst: (worst, score) } = self;
+        println!(
+            "{name}: of {cells} cells {same} of the same class, {lost} lost; of {converged} converged {close} close, the worst by \
+             {worst:.1e}: {score}; threads {exact:.2?}, {} {time:.2?}",
+            gpu().name()
+        );
+    }
+}
+
+/// The seeds on which the limits below were chosen are 1 to 3.
+const JUDGED: u64 = 11;
+
+#[test]
+fn maps_of_q_and_r_are_the_processors() {
+    for kind in ["EKF", "UKF"] {
+        let comparison = compare(&format!("{kind}, Q and R"), &tuning(kind, JUDGED, 64));
+        assert!(comparison.same_share() >= 0.999, "{} of {}", comparison.same, comparison.cells);
+        assert!(comparison.close_share() >= 0.995, "{} of {}", comparison.close, comparison.converged);
+        assert!(comparison.converged > comparison.cells / 2);
+    }
+}
+
+#[test]
+fn maps_of_guesses_are_the_processors() {
+    for (kind, side) in [("EKF", 128), ("UKF", 64)] {
+        let comparison = compare(&format!("{kind}, guesses"), &guesses(kind, JUDGED, side));
+        assert!(comparison.same_share() >= 0.99, "{} of {}", comparison.same, comparison.cells);
+        assert!(comparison.close_share() >= 0.97, "{} of {}", comparison.close, comparison.converged);
+        assert!(comparison.lost > comparison.cells / 20, "{} lost", comparison.lost);
+    }
+}
+
+/// `cargo test -p kalmanscope-gpu --test maps -- --ignored --nocapture`
+#[test]
+#[ignore = "the figures of whole maps"]
+fn whole_maps() {
+    for seed in 1..=3 {
+        for kind in ["EKF", "UKF"] {
+            for (name, runner) in [("Q and R", tuning(kind, seed, 128)), ("guesses", guesses(kind, seed, 128))] {
+                let comparison = compare(&format!("seed {seed}, {kind}, {name}"), &runner);
+                assert!(comparison.same_share() >= 0.99);
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_do_not_depend_on_the_portion() {
+    let runner = tuning("UKF", 1, 12);
+    let rows = |cells: &[usize]| pollster::block_on(gpu().rows(&runner, cells, &|| true)).unwrap();
+    let width = runner.ensemble().width();
+    let all = rows(&(0..144).collect::<Vec<_>>());
+    let some: Vec<usize> = (0..144).rev().step_by(7).collect();
+    for (cell, row) in some.iter().zip(rows(&some).chunks(width)) {
+        let bits = |row: &[f64]| row.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(row), bits(&all[cell * width..(cell + 1) * width]));
+    }
+}
+
+#[test]
+fn a_record_of_its_own_for_each_cell() {
+    let axes = ["seed=1:24:24".to_owned(), "filters.EKF.sensor_std=0.5:2:3".to_owned()];
+    let runner = map(scenario("EKF", 500), &axes);
+    let comparison = compare("seeds", &runner);
+    assert_eq!((comparison.same, comparison.cells), (72, 72));
+    assert!(comparison.converged > 36 && comparison.close == comparison.converged);
+}
+
+#[test]
+fn runs_that_are_not_served_are_the_processors_to_the_bit() {
+    // A fading factor below one is impossible, and parameters that decay are not served.
+    let axes = ["filters.EKF.fading=0.5:1:2".to_owned(), "filters.EKF.eta=0:0.1:3".to_owned()];
+    let runner = map(scenario("EKF", 300), &axes);
+    let rows = pollster::block_on(gpu().rows(&runner, &[0, 3, 4, 5], &|| true)).unwrap();
+    let (exact, width) = (runner.rows(&[0, 3, 4, 5]), runner.ensemble().width());
+    assert!(rows[..width].iter().all(|number| number.is_nan()));
+    assert_ne!(rows[width..2 * width], exact[width..2 * width], "single precision");
+    assert_eq!(rows[2 * width..], exact[2 * width..]);
+}
+
+#[test]
+fn work_that_is_not_wanted_ends() {
+    let rows = pollster::block_on(gpu().rows(&tuning("EKF", 1, 2), &[0], &|| false));
+    assert_eq!(rows, Err(GpuError::Unwanted));
+}
+
+#[test]
+fn a_program_is_no_graphics_processor() {
+    match pollster::block_on(Gpu::find(Software::Refused)) {
+        Ok(gpu) => assert!(!gpu.name().to_lowercase().contains("llvmpipe"), "{}", gpu.name()),
+        Err(error) => assert!(matches!(error, GpuError::Software(_)), "{error}"),
+    }
+}

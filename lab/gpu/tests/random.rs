@@ -1,0 +1,225 @@
+//! Random runs by the graphics processor beside the single filter of the core.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+mod common;
+
+use common::{CLOSE, gpu};
+use kalmanscope_core::record::Input;
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, Force, Quantity, Record, Scenario, Sensor, Signal, Values,
+};
+use kalmanscope_gpu::{GpuRun, serves};
+use kalmanscope_lab::simulate;
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{Config, RngSeed, TestRunner};
+
+const CHANNELS: [Channel; 4] =
+    [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+
+/// The scenarios of a test, and the number of filters in each.
+const SCENARIOS: usize = 40;
+const FILTERS: usize = 12;
+
+fn values(of: [f64; 4]) -> Values {
+    Values::ZERO.with(CHANNELS.into_iter().zip(of))
+}
+
+/// A number between two powers of ten.
+fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    exponents.prop_map(|e| 10_f64.powf(e))
+}
+
+fn zero_or(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    prop_oneof![1 => Just(0.0), 5 => size(exponents)]
+}
+
+/// A filter of a kind for a plant of these parameters. A KF knows them.
+fn filter(kind: FilterKind, sensors: usize, [frequency, damping]: [f64; 2]) -> impl Strategy<Value = FilterSettings> {
+    (
+        prop_oneof![Just(1.0), 1.0..1.02],
+        proptest::collection::vec(size(-2.0..-0.5), sensors),
+        (-0.2..0.2, -0.5..0.5, 0.5..1.6, 0.0..0.2),
+        [zero_or(-2.0..0.0), zero_or(-2.0..0.0), zero_or(-1.0..0.5), zero_or(-2.0..-0.5)],
+        [zero_or(-5.0..-2.0), zero_or(-4.0..-1.0), zero_or(-6.0..-3.0), zero_or(-7.0..-4.0)],
+        -3..4,
+    )
+        .prop_map(move |(fading, sensor_std, (x, v, wn, zeta), initial_std, process_std, input_delay)| {
+            let is_known = kind == FilterKind::KF;
+            let known = |[x, v, wn, zeta]: [f64; 4]| if is_known { [x, v, 0.0, 0.0] } else { [x, v, wn, zeta] };
+            FilterSettings {
+                kind,
+                fading,
+                sensor_std,
+                initial_mean: values(if is_known { [x, v, frequency, damping] } else { [x, v, wn * frequency, zeta] }),
+                initial_std: values(known(initial_std)),
+                process_std: values(known(process_std)),
+                input_delay,
+                ..FilterSettings::default()
+            }
+        })
+}
+
+/// A scenario whose filters differ in numbers only.
+fn ensemble() -> impl Strategy<Value = Scenario> {
+    let quantities = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
+    (
+        proptest::sample::subsequence(quantities.to_vec(), 1..=3).prop_shuffle(),
+        proptest::sample::select(vec![FilterKind::KF, FilterKind::EKF, FilterKind::UKF]),
+        (0..1_u64 << 40, 0.005..0.03, 200_u32..1200),
+        (3.0..12.0, 0.01..0.2, 0.5..5.0),
+    )
+        .prop_flat_map(|(measured, kind, (seed, dt, steps), (wn, zeta, force))| {
+            let filters = proptest::collection::vec(filter(kind, measured.len(), [wn, zeta]), FILTERS);
+            filters.prop_map(move |filters| {
+                let plant = kalmanscope_core::Plant::default();
+                let plant = plant.with(CHANNELS[2], Signal::Constant(wn)).with(CHANNELS[3], Signal::Constant(zeta));
+                let sensors = measured.iter().map(|&measures| Sensor { measures, noise_std: 0.02 }).collect();
+                Scenario {
+                    seed,
+                    dt,
+                    duration: f64::from(steps) * dt,
+                    plant,
+                    force: Force::WhiteNoise { std: force },
+                    sensors,
+                    filters,
+                    ..Scenario::default()
+                }
+            })
+        })
+}
+
+/// The record where some measurements are missing, with or without its truth.
+fn with_gaps(record: &Record, keeps_truth: bool, is_missing: impl Fn(usize, usize) -> bool) -> Record {
+    let columns = record.sensors().iter().enumerate().map(|(sensor, &quantity)| {
+        let keep = |(k, &value): (usize, &f64)| if is_missing(sensor, k) { f64::NAN } else { value };
+        (quantity, record.measured(sensor).iter().enumerate().map(keep).collect())
+    });
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
+    let new = Record::new(record.dt(), input, columns.collect()).unwrap();
+    let truth = CHANNELS.map(|channel| (channel, record.truth(channel).unwrap().to_vec()));
+    if keeps_truth { new.with_truth(truth.to_vec()).unwrap() } else { new }
+}
+
+#[derive(Debug, Default)]
+struct Tally {
+    runs: usize,
+    /// Of the same class: stopped, lost, converged within 5 %.
+    same: usize,
+    /// Converged, and those of them with close scores.
+    converged: usize,
+    close: usize,
+    without_truth: usize,
+    worst: (f64, String),
+}
+
+/// Some random scenarios, the same every time.
+fn tally(seed: u64) -> Tally {
+    let config = Config { rng_seed: RngSeed::Fixed(seed), failure_persistence: None, ..Config::default() };
+    let mut source = TestRunner::new(config);
+    let mut tally = Tally::default();
+    for nth in 0..SCENARIOS {
+        let scenario = ensemble().new_tree(&mut source).unwrap().current();
+        let gap = nth % 4;
+        let is_missing = |sensor: usize, k: usize| k.wrapping_mul(2_654_435_761 + 977 * sensor) >> 3 & 7 < gap;
+        let record = with_gaps(&simulate(&scenario), nth % 5 > 0, is_missing);
+        tally.without_truth += usize::from(nth % 5 == 0);
+        let runs: Vec<GpuRun<'_>> =
+            (0..FILTERS).map(|place| GpuRun { scenario: &scenario, place, record: &record }).collect();
+        assert!(runs.iter().all(serves), "{scenario:?}");
+        let outcomes = pollster::block_on(gpu().outcomes(&runs, &|| true)).unwrap();
+        for (place, outcome) in outcomes.iter().enumerate() {
+            let exact = Outcome::of(&scenario, place, &record).unwrap();
+            tally.take(outcome.as_ref().unwrap(), &exact, scenario.plant.parameter(CHANNELS[2]).unwrap().at(0.0));
+        }
+    }
+    tally
+}
+
+impl Tally {
+    fn take(&mut self, outcome: &Outcome, exact: &Outcome, frequency: f64) {
+        self.runs += 1;
+        let near = |outcome: &Outcome| (outcome.mean[2].abs() - frequency).abs() <= 0.05 * frequency;
+        let class = |outcome: &Outcome| (outcome.stop.is_some(), outcome.diverged, near(outcome));
+        if class(outcome) != class(exact) {
+            return;
+        }
+        self.same += 1;
+        if class(exact) != (false, false, true) {
+            return;
+        }
+        assert_eq!(outcome.samples, exact.samples);
+        assert_eq!((outcome.nis.degrees, outcome.nis.samples), (exact.nis.degrees, exact.nis.samples));
+        let keys = |outcome: &Outcome| outcome.channels.iter().map(|(channel, _)| *channel).collect::<Vec<_>>();
+        assert_eq!(keys(outcome), keys(exact));
+        self.converged += 1;
+        let degrees = f64::from(exact.nis.degrees);
+        let mut pairs = vec![
+            ("NIS".to_owned(), outcome.nis.per_degree(), exact.nis.per_degree(), exact.nis.per_degree()),
+            ("NEES".to_owned(), outcome.nees.per_degree(), exact.nees.per_degree(), exact.nees.per_degree()),
+            (
+                "likelihood".to_owned(),
+                outcome.log_likelihood,
+                exact.log_likelihood,
+                exact.log_likelihood.abs().max(degrees),
+            ),
+        ];
+        for (i, channel) in CHANNELS.iter().enumerate() {
+            pairs.push((format!("std of {}", channel.key()), outcome.std[i], exact.std[i], exact.std[i]));
+            let room = exact.std[i].max(1e-6 * exact.mean[i].abs());
+            pairs.push((format!("mean of {}", channel.key()), outcome.mean[i], exact.mean[i], 0.1 / CLOSE * room));
+        }
+        for ((channel, score), (_, other)) in outcome.channels.iter().zip(&exact.channels) {
+            // What a filter knows for certain and rightly has no error but that of single precision.
+            let size = other.rmse.max(1e-5);
+            pairs.push((format!("RMSE of {}", channel.key()), score.rmse, other.rmse, size));
+        }
+        let mut largest = 0.0_f64;
+        for (name, number, exact, size) in pairs {
+            let is_same = number == exact || (number.is_nan() && exact.is_nan());
+            let difference = if is_same { 0.0 } else { (number - exact).abs() / size };
+            largest = if difference <= largest { largest } else { difference };
+            if largest > self.worst.0 {
+                self.worst = (largest, format!("{name} is {number} in place of {exact}"));
+            }
+        }
+        self.close += usize::from(largest <= CLOSE);
+    }
+}
+
+/// The limits were chosen on the seeds 1 to 3.
+#[test]
+fn random_runs_are_the_single_filters() {
+    let Tally { runs, same, converged, close, without_truth, worst: (worst, score) } = tally(11);
+    println!(
+        "of {runs} runs {same} of the same class; of {converged} converged {close} close, the worst by {worst:.1e}: {score}"
+    );
+    assert_eq!((runs, without_truth), (SCENARIOS * FILTERS, SCENARIOS / 5));
+    assert!(same as f64 >= 0.99 * runs as f64);
+    assert!(converged > runs / 3 && close as f64 >= 0.97 * converged as f64);
+}
+
+#[test]
+#[ignore = "the seeds by which the limits are chosen"]
+fn random_runs_of_other_seeds() {
+    for seed in 1..=3 {
+        println!("{:?}", tally(seed));
+    }
+}
+
+/// What a filter cannot go on with stops it on the graphics processor too, at the same sample, with the sums until then.
+#[test]
+fn a_filter_that_overflows_stops() {
+    let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 1e9;
+    scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = -1.0;
+    let record = simulate(&scenario);
+    let run = GpuRun { scenario: &scenario, place: 0, record: &record };
+    let exact = Outcome::of(&scenario, 0, &record).unwrap();
+    let outcome = pollster::block_on(gpu().outcomes(&[run], &|| true)).unwrap().remove(0).unwrap();
+    assert!(exact.stop.is_some_and(|stop| stop.sample == 1), "{exact:?}");
+    assert_eq!((outcome.stop, outcome.samples, outcome.diverged), (exact.stop, 1, true));
+    assert_eq!((outcome.nis.degrees, outcome.nees.samples), (0, exact.nees.samples));
+}

@@ -1,0 +1,223 @@
+//! The page's graphics processor, in a worker of its own.
+
+use std::cell::RefCell;
+use std::rc::{Rc, Weak};
+use std::sync::Arc;
+
+use egui::Context;
+use js_sys::{Array, Float64Array, Reflect, Uint32Array};
+use kalmanscope::laboratory::{Computer, Finding, GivenUp, Graphics, GraphicsWork, Rows, Task};
+use wasm_bindgen::{JsCast as _, JsValue};
+use web_sys::MessageEvent;
+use web_time::{Duration, Instant};
+
+use super::member::Member;
+use super::record::in_message;
+
+/// The cells of the first portion: enough for a first picture.
+const FIRST: usize = 64;
+
+/// The aim for the time of a portion, and the limit of its cells.
+const PORTION: Duration = Duration::from_millis(200);
+const MOST: usize = 1 << 14;
+
+/// The graphics processor. Nobody looks for it before the first map.
+pub(super) struct Processor {
+    /// Whether a program in its place will do.
+    software: bool,
+    state: Rc<RefCell<State>>,
+}
+
+struct State {
+    finding: Finding,
+    worker: Option<Member>,
+    name: Arc<str>,
+    /// The number of the present job.
+    job: u32,
+    task: Option<Given>,
+    ctx: Context,
+}
+
+/// The cells that are to be run.
+struct Given {
+    order: Vec<usize>,
+    next: usize,
+    portion: usize,
+    begun: Instant,
+    rows: Vec<Rows>,
+    has_given_up: bool,
+}
+
+impl Processor {
+    pub(super) fn new(software: bool) -> Self {
+        let state = State {
+            finding: Finding::Searching,
+            worker: None,
+            name: Arc::from(""),
+            job: 0,
+            task: None,
+            ctx: Context::default(),
+        };
+        Self { software, state: Rc::new(RefCell::new(state)) }
+    }
+}
+
+impl Graphics for Processor {
+    fn find(&self, ctx: &Context) -> Finding {
+        let mut state = self.state.borrow_mut();
+        state.ctx = ctx.clone();
+        if state.finding == Finding::Searching && state.worker.is_none() {
+            if has_web_gpu() {
+                match Member::new(0, listener(&self.state, self.software)) {
+                    Ok(worker) => state.worker = Some(worker),
+                    Err(reason) => state.finding = Finding::Absent(reason),
+                }
+            } else {
+                state.finding = Finding::Absent("this browser has no WebGPU".to_owned());
+            }
+        }
+        state.finding.clone()
+    }
+
+    fn found(&self) -> Finding {
+        self.state.borrow().finding.clone()
+    }
+
+    fn start(&self, task: Task<'_>, ctx: &Context) -> Option<Box<dyn GraphicsWork>> {
+        let mut state = self.state.borrow_mut();
+        state.ctx = ctx.clone();
+        state.job += 1;
+        let job = state.job;
+        let ensemble = task.ensemble.to_json();
+        let message = Array::of4(&"ensemble".into(), &job.into(), &ensemble.into(), &in_message(task.source));
+        state.worker.as_ref()?.tell(&message);
+        state.task = Some(Given {
+            order: task.order,
+            next: 0,
+            portion: FIRST,
+            begun: Instant::now(),
+            rows: Vec::new(),
+            has_given_up: false,
+        });
+        state.feed();
+        Some(Box::new(Working { state: Rc::clone(&self.state), job }))
+    }
+}
+
+struct Working {
+    state: Rc<RefCell<State>>,
+    job: u32,
+}
+
+impl GraphicsWork for Working {
+    fn poll(&mut self) -> Result<Vec<Rows>, GivenUp> {
+        let mut state = self.state.borrow_mut();
+        if state.job != self.job {
+            return Err(GivenUp);
+        }
+        let task = state.task.as_mut().ok_or(GivenUp)?;
+        let rows = std::mem::take(&mut task.rows);
+        if rows.is_empty() && task.has_given_up { Err(GivenUp) } else { Ok(rows) }
+    }
+}
+
+impl Drop for Working {
+    fn drop(&mut self) {
+        let mut state = self.state.borrow_mut();
+        if state.job == self.job {
+            state.task = None;
+        }
+    }
+}
+
+impl State {
+    /// Gives the worker its next cells.
+    fn feed(&mut self) {
+        let (Some(worker), Some(task)) = (&self.worker, &mut self.task) else { return };
+        let end = (task.next + task.portion).min(task.order.len());
+        let cells: Vec<u32> = task.order[task.next..end].iter().map(|&cell| cell as u32).collect();
+        if !cells.is_empty() {
+            worker.tell(&Array::of3(&"cells".into(), &self.job.into(), &Uint32Array::from(cells.as_slice())));
+            (task.next, task.begun) = (end, Instant::now());
+        }
+    }
+
+    fn take(&mut self, cells: &Uint32Array, numbers: &Float64Array) {
+        let Some(task) = &mut self.task else { return };
+        let cells = cells.to_vec().into_iter().map(|cell| cell as usize).collect();
+        let by = Computer::Graphics(Arc::clone(&self.name));
+        task.rows.push(Rows { cells, numbers: numbers.to_vec(), by });
+        let factor = PORTION.as_secs_f64() / task.begun.elapsed().as_secs_f64().max(1e-3);
+        task.portion = ((task.portion as f64 * factor.clamp(0.25, 8.0)) as usize).clamp(FIRST, MOST);
+    }
+
+    fn give_up(&mut self) {
+        if let Some(task) = &mut self.task {
+            task.has_given_up = true;
+        }
+    }
+
+    /// Does without the worker from now on.
+    fn lose(&mut self, reason: String) {
+        log::warn!("The graphics processor is not used: {reason}");
+        // Before it was ready, nothing has been lost.
+        self.finding = match self.finding {
+            Finding::Ready => Finding::Lost(reason),
+            _ => Finding::Absent(reason),
+        };
+        self.give_up();
+    }
+}
+
+/// Answers the messages of the worker.
+fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<MessageEvent, String>) + 'static {
+    let state: Weak<RefCell<State>> = Rc::downgrade(state);
+    move |event| {
+        let Some(state) = state.upgrade() else { return };
+        let mut state = state.borrow_mut();
+        let words: Array = match event {
+            Ok(event) => event.data().unchecked_into(),
+            Err(reason) => {
+                state.lose(reason);
+                return state.ctx.request_repaint();
+            }
+        };
+        let text = |at: u32| words.get(at).as_string().unwrap_or_default();
+        let is_present = words.get(1).as_f64() == Some(f64::from(state.job));
+        match text(0).as_str() {
+            "ready" => {
+                if let Some(worker) = &state.worker {
+                    worker.tell(&Array::of2(&"graphics".into(), &software.into()));
+                }
+            }
+            "graphics" => {
+                state.name = Arc::from(text(1));
+                state.finding = Finding::Ready;
+            }
+            "no graphics" => {
+                log::info!("Maps are computed by workers: {}", text(1));
+                state.finding = Finding::Absent(text(1));
+                if let Some(worker) = &state.worker {
+                    worker.end();
+                }
+            }
+            "rows" if is_present => {
+                state.take(words.get(2).unchecked_ref(), words.get(3).unchecked_ref());
+                state.feed();
+            }
+            "refused" if is_present => state.give_up(),
+            "rows" | "refused" => {}
+            // An ensemble that cannot be used, a device that is lost, a panic.
+            "failed" if is_present => state.give_up(),
+            _ => state.lose(text(2)),
+        }
+        state.ctx.request_repaint();
+    }
+}
+
+/// Whether the browser has WebGPU at all. Without it no worker is started.
+fn has_web_gpu() -> bool {
+    let navigator = web_sys::window().map(|window| JsValue::from(window.navigator()));
+    let gpu = navigator.and_then(|navigator| Reflect::get(&navigator, &"gpu".into()).ok());
+    gpu.is_some_and(|gpu| gpu.is_object())
+}

@@ -1,0 +1,109 @@
+//! The laboratory by WebGPU, on a program in place of a graphics processor.
+
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use kalmanscope_core::{Channel, Source};
+use kalmanscope_lab::{Ensemble, Measure, Runner};
+use serde_json::Value;
+
+use crate::export::downloaded;
+use crate::page::Page;
+
+/// Chromium's arguments for WebGPU without a graphics processor.
+pub(crate) const ARGUMENTS: [&str; 4] = [
+    "--enable-unsafe-webgpu",
+    "--use-webgpu-adapter=swiftshader",
+    "--enable-features=Vulkan",
+    "--use-vulkan=swiftshader",
+];
+
+/// Limits the time until a map is complete, on a slow machine.
+const PATIENCE: Duration = Duration::from_secs(90);
+
+/// Limits the maps until one is computed by WebGPU alone: workers begin before it is ready.
+const MAPS: usize = 8;
+
+/// A map by WebGPU has the classes and scores of this machine's processor, and the view says what has computed it.
+pub(crate) async fn a_map_is_computed_by_web_gpu(page: &Page, folder: &Path) {
+    fs::create_dir_all(folder).unwrap();
+    page.allow_downloads(folder).await;
+    page.click("Views", 0.5).await;
+    page.click("Map", 0.5).await;
+    page.click("Views", 0.5).await;
+    let mut computers = complete(page).await;
+    for nth in 0..MAPS {
+        if is_by_graphics(&computers) {
+            break;
+        }
+        println!("map {nth}: computed {computers}");
+        // Another setting of the filter is another map.
+        let from = 0.05 + 0.02 * nth as f64;
+        page.drag("fading EKF fading factor", from, from + 0.02).await;
+        computers = complete(page).await;
+    }
+    println!("computed {computers}");
+    assert!(is_by_graphics(&computers), "{computers}");
+    assert_eq!(said(page).await, format!("computed {}", computers[0].as_str().unwrap()));
+    let map = page.summary().await["map"].clone();
+    let ensemble = Ensemble::from_json(map["ensemble"].as_str().unwrap()).unwrap();
+    assert!(ensemble.cells() >= 48 * 48);
+    let csv = String::from_utf8(downloaded(page, folder, "Map (CSV)", "map.csv").await).unwrap();
+    agrees(&csv, ensemble);
+}
+
+/// What has computed the map, when it is complete.
+async fn complete(page: &Page) -> Value {
+    let complete = "(map => map !== null && map.done > 0 && map.done === map.cells)\
+                    (JSON.parse(wasmBindings.kalmanscope_summary()).map)";
+    page.wait_until(complete, PATIENCE).await.unwrap();
+    page.summary().await["map"]["computers"].clone()
+}
+
+fn is_by_graphics(computers: &Value) -> bool {
+    let computers = computers.as_array().unwrap();
+    computers.len() == 1 && computers[0].as_str().unwrap().starts_with("in single precision by ")
+}
+
+/// What the view says.
+async fn said(page: &Page) -> String {
+    let summary = page.summary().await;
+    let names = summary["controls"].as_array().unwrap().iter().filter_map(|control| control["name"].as_str());
+    let said: Vec<&str> = names.filter(|name| name.starts_with("computed ")).collect();
+    assert_eq!(said.len(), 1, "{said:?}");
+    said[0].to_owned()
+}
+
+/// Compares the scores in a file with those of this machine.
+fn agrees(csv: &str, ensemble: Ensemble) {
+    let rows: Vec<Vec<f64>> = csv.lines().skip(1).map(|line| line.split(',').map(number).collect()).collect();
+    let (cells, width, axes) = (ensemble.cells(), ensemble.width(), ensemble.plan().axes.len());
+    assert_eq!(rows.len(), cells);
+    let measures = ensemble.plan().measures.clone();
+    let exact = Runner::new(ensemble, Source::Simulated).unwrap().rows(&(0..cells).collect::<Vec<_>>());
+    let of = |row: &[f64], measure: Measure| row[measures.iter().position(|other| *other == measure).unwrap()];
+    let (mut same, mut converged, mut close) = (0, 0, 0);
+    for (row, exact) in rows.iter().map(|row| &row[axes..]).zip(exact.chunks(width)) {
+        let channel = Channel::NATURAL_FREQUENCY;
+        let class = |row: &[f64]| {
+            let is_near = of(row, Measure::Error(channel)).abs() <= 0.05 * of(row, Measure::Estimate(channel));
+            (of(row, Measure::Stopped) > 0.0, of(row, Measure::Diverged) > 0.0, is_near)
+        };
+        same += usize::from(class(row) == class(exact));
+        if class(row) == (false, false, true) && class(exact) == class(row) {
+            converged += 1;
+            let scores = [Measure::Rmse(channel), Measure::Nis, Measure::Nees, Measure::Std(channel)];
+            let is_close = |measure: Measure| (of(row, measure) / of(exact, measure) - 1.0).abs() <= 0.02;
+            close += usize::from(scores.into_iter().all(is_close));
+        }
+    }
+    println!("of {cells} cells {same} of the same class; of {converged} converged {close} close");
+    assert!(same as f64 >= 0.99 * cells as f64 && converged > cells / 10);
+    assert!(close as f64 >= 0.98 * converged as f64);
+}
+
+/// A number that is not known is empty.
+fn number(text: &str) -> f64 {
+    if text.is_empty() { f64::NAN } else { text.parse().unwrap() }
+}
