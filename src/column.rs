@@ -15,6 +15,9 @@ const LEAST: f32 = 300.0;
 /// Relative height of a tall view.
 const TALL: f32 = 1.7;
 
+/// Limits the height of a tall view from below where it is higher than the column \[points\].
+const LEAST_TALL: f32 = 240.0;
+
 /// The height of a flat view without its bar, as a share of the column's width.
 const FLAT: f32 = 0.3;
 
@@ -50,10 +53,12 @@ impl Column {
         let rest = room.y - flat * (kinds.len() - sharing) as f32 - gap * kinds.len() as f32;
         let scrolls = rest <= ENOUGH * all.max(sharing as f32);
         let least = if scrolls { LEAST.min(room.y) } else { 1.0 };
+        // A tall view can be seen as a whole.
+        let most = room.y.max(LEAST_TALL);
         let flat = if scrolls { bar + picture.max(LEAST_FLAT_SCROLLING) } else { flat };
         let height = |proportions: &Proportions| match share(proportions) {
             0.0 => flat,
-            share => (rest * share / all.max(1.0)).max(least * share),
+            share => (rest * share / all.max(1.0)).max((least * share).min(most)),
         };
         Self { heights: proportions.iter().map(height).collect(), scrolls }
     }
@@ -78,6 +83,14 @@ mod tests {
                 assert!(heights[1..].iter().all(|height| *height >= 160.0), "{room} {count}: {heights:?}");
                 assert!(scrolls || sum <= room.y, "{room} {count}: {heights:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_tall_view_is_not_cut_off() {
+        for room in [vec2(370.0, 320.0), vec2(824.0, 230.0)] {
+            let Column { heights, .. } = Column::new(&[ViewKind::Map, ViewKind::Parameters], room, 44.0, 5.0);
+            assert!(heights[0] == room.y.max(LEAST_TALL), "{room}: {heights:?}");
         }
     }
 
