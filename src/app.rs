@@ -115,8 +115,7 @@ impl App {
         app.session.set_speed(saved.speed);
         app.presenting = saved.presenting;
         app.layout = saved.layout;
-        app.laboratory.choose(saved.map);
-        app.laboratory.seeds_mut().choose(saved.seeds);
+        app.laboratory.restore(saved.laboratory);
         app.inviting = new_here;
         app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
@@ -300,7 +299,7 @@ impl eframe::App for App {
         }
         let studies = self.studies();
         let Self { session, layout, laboratory, presenting, theme, unreadable, .. } = self;
-        let screen = (&*layout, laboratory.choice(), laboratory.seeds().choice());
+        let screen = (&*layout, laboratory.choices());
         saved::save(storage, session, screen, &studies, *presenting, *theme, unreadable.as_deref());
     }
 }

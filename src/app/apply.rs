@@ -123,7 +123,7 @@ impl App {
             Request::RunSeeds(wanted) => {
                 laboratory.seeds_mut().set_stopped(!wanted);
             }
-            Request::ChooseTuning(choice) => laboratory.tuning_mut().choose(*choice),
+            Request::ChooseTuning(choice) => laboratory.tuning_mut().choose(Some(*choice)),
             Request::Tune(true) => laboratory.tune(session),
             Request::Tune(false) => {
                 laboratory.tuning_mut().cancel();

@@ -14,8 +14,8 @@ use crate::view::{Proportions, View, ViewContext};
 pub(super) struct Tune;
 
 /// Limits the width from which the result stands beside the settings, and the width of these \[points\].
-const WIDE: f32 = 660.0;
-const SETTINGS: f32 = 345.0;
+const WIDE: f32 = 675.0;
+const SETTINGS: f32 = 360.0;
 
 impl View for Tune {
     fn name(&self) -> &'static str {
