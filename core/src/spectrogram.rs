@@ -31,7 +31,7 @@ impl Spectrogram {
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
     pub fn new(record: &Record, sensor: usize, samples: usize) -> Option<Self> {
-        let mut windows = Windows::new(record, sensor, samples)?;
+        let mut windows = Windows::new(record, sensor, samples, WINDOWS)?;
         while !windows.advance(&mut || true) {}
         let Windows { start, dt, length, hop, power, .. } = windows;
         let most = power.iter().flatten().fold(f64::MIN_POSITIVE, |most, &p| most.max(p));
@@ -62,9 +62,9 @@ pub struct Windows {
 }
 
 impl Windows {
-    /// No window yet of the first `samples` measurements of a sensor; none where there are too few. A missing measurement
-    /// repeats the one before it.
-    pub fn new(record: &Record, sensor: usize, samples: usize) -> Option<Self> {
+    /// No window yet of the first `samples` measurements of a sensor, of which `count` would fit side by side at least, and
+    /// more overlap; none where there are too few samples. A missing measurement repeats the one before it.
+    pub fn new(record: &Record, sensor: usize, samples: usize, count: usize) -> Option<Self> {
         let mut last = 0.0;
         let measured = record.measured(sensor).iter().take(samples);
         let values = measured.map(|&value| {
@@ -75,8 +75,7 @@ impl Windows {
         });
         let values: Vec<f64> = values.collect();
         let [shortest, longest] = WINDOW;
-        let length =
-            (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * WINDOWS <= values.len())?;
+        let length = (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * count <= values.len())?;
         let hop = (length / 4).max(values.len() / COLUMNS);
         let weight = |k: usize| libm::sin(PI * (k as f64 + 0.5) / length as f64).powi(2);
         Some(Self {
@@ -150,7 +149,7 @@ mod tests {
         let measured: Vec<f64> = (0..30_000).map(|k| 3.0 * libm::sin(0.7 * k as f64)).collect();
         let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 30_000] };
         let record = Record::new(0.02, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
-        let mut windows = Windows::new(&record, 0, 30_000).unwrap();
+        let mut windows = Windows::new(&record, 0, 30_000, 4).unwrap();
         let mut pieces = 1;
         while !windows.advance(&mut || false) {
             pieces += 1;

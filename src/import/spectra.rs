@@ -8,6 +8,9 @@ use kalmanscope_core::{Record, Windows};
 use super::source::{Choices, Shared};
 use crate::theme::Palette;
 
+/// The windows side by side in a record, at least: more make a smoother spectrum, longer ones a finer one.
+const COUNT: usize = 4;
+
 /// Both spectra, in the making: frequency \[Hz\], and density in dB below the highest before the conditioning.
 pub(super) struct Spectra {
     /// The record without conditioning, until it is made.
@@ -34,7 +37,7 @@ impl Spectra {
         };
         Some(Self {
             plain: Some(Builder::new(table, &plain, *kind, *hold).ok()?),
-            windows: [None, Some(Windows::new(record, 0, record.len())?)],
+            windows: [None, Some(Windows::new(record, 0, record.len(), COUNT)?)],
             curves: [Vec::new(), Vec::new()],
         })
     }
@@ -47,7 +50,7 @@ impl Spectra {
                 Ok(false) => return *plain = Some(builder),
                 Ok(true) => {
                     let made = builder.finish().ok();
-                    windows[0] = made.and_then(|made| Windows::new(&made.record, 0, made.record.len()));
+                    windows[0] = made.and_then(|made| Windows::new(&made.record, 0, made.record.len(), COUNT));
                     return;
                 }
                 Err(_) => return *windows = [None, None],
