@@ -259,6 +259,7 @@ impl eframe::App for App {
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);
         }
+        self.notice.take_if(|notice| notice.is_over(ctx));
         self.visible.forget_filters_but(&self.session.scenario().filters);
         // A drag becomes one step of the history when it ends.
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
