@@ -115,8 +115,7 @@ impl App {
         app.session.set_speed(saved.speed);
         app.presenting = saved.presenting;
         app.layout = saved.layout;
-        app.laboratory.choose(saved.map);
-        app.laboratory.seeds_mut().choose(saved.seeds);
+        app.laboratory.restore(saved.laboratory);
         app.inviting = new_here;
         app.resume(saved.studies);
         if let Some((text, reason)) = unreadable {
@@ -260,6 +259,7 @@ impl eframe::App for App {
         for request in std::mem::take(&mut self.requests) {
             self.apply(request, ctx);
         }
+        self.notice.take_if(|notice| notice.is_over(ctx));
         self.visible.forget_filters_but(&self.session.scenario().filters);
         // A drag becomes one step of the history when it ends.
         self.history.feed_state(ctx.input(|input| input.time), self.session.scenario());
@@ -300,7 +300,7 @@ impl eframe::App for App {
         }
         let studies = self.studies();
         let Self { session, layout, laboratory, presenting, theme, unreadable, .. } = self;
-        let screen = (&*layout, laboratory.choice(), laboratory.seeds().choice());
+        let screen = (&*layout, laboratory.choices());
         saved::save(storage, session, screen, &studies, *presenting, *theme, unreadable.as_deref());
     }
 }

@@ -114,10 +114,6 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &m
             }
             ui.close();
         }
-        if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
-            requests.push(Request::CopyLink);
-            ui.close();
-        }
     });
     probe::remember(ui.ctx(), "Scenario", menu.response.rect);
 }

@@ -92,9 +92,8 @@ pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Resul
 const JSON: &str = "application/json";
 
 fn written(context: &ViewContext<'_>, layout: &Layout) -> Result<String, String> {
-    let choice = context.laboratory.and_then(Laboratory::choice);
-    let seeds = context.laboratory.map(|laboratory| laboratory.seeds().choice());
-    session_file::text(context.session, layout, choice, seeds).map_err(|error| error.to_string())
+    let choices = context.laboratory.map(Laboratory::choices).unwrap_or_default();
+    session_file::text(context.session, layout, choices).map_err(|error| error.to_string())
 }
 
 /// The numbers of the map on screen.

@@ -8,6 +8,11 @@ use crate::request::{Export, FigureFormat, Picture, Request};
 /// Shows the menu's button, and the menu while it is open.
 pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
     let response = ui.menu_button(if narrow { "↓" } else { "Export" }, |ui| {
+        if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
+            requests.push(Request::CopyLink);
+            ui.close();
+        }
+        ui.separator();
         let mut entry = |ui: &mut Ui, export: Export| {
             let button = ui.button(export.name()).on_hover_text(export.hint());
             probe::remember(ui.ctx(), &export.name(), button.rect);

@@ -5,6 +5,7 @@ mod columns;
 mod conditioning;
 mod dialog;
 mod draft;
+mod source;
 mod spark;
 mod spectra;
 
@@ -99,7 +100,7 @@ impl Import {
     pub fn is_busy(&self) -> bool {
         match &self.stage {
             Stage::Hashing(..) | Stage::Reading(..) | Stage::Suggesting(..) => true,
-            Stage::Asking(draft) => draft.is_behind(),
+            Stage::Asking(draft) => draft.is_busy(),
             Stage::Failed(_) => false,
         }
     }

@@ -8,11 +8,13 @@
 
 mod accelerated;
 mod choice;
+mod choices;
 mod engine;
 mod measures;
 mod monte_carlo;
 mod settings;
 mod slices;
+mod state;
 mod survey;
 mod table;
 #[cfg(test)]
@@ -25,11 +27,13 @@ use kalmanscope_core::{Run, Source};
 pub use accelerated::Accelerated;
 pub(crate) use choice::part_of;
 pub use choice::{Choice, MOST};
+pub use choices::Choices;
 pub use engine::{Computer, Engine, Finding, GivenUp, Graphics, GraphicsWork, Precision, Rows, Task, Work};
 pub(crate) use measures::{label as measure_label, name as measure_name, offered};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub(crate) use settings::{candidates, collide, guessed, label as setting_label, name as setting_name};
 pub use slices::Slices;
+pub use state::WorkState;
 pub use survey::Survey;
 pub use tuning::{TuneChoice, TuneResult, Tuning};
 
@@ -48,12 +52,9 @@ pub struct Laboratory {
     before: Option<Survey>,
     seeds: Seeds,
     tuning: Tuning,
-    /// Whether the user has stopped the work.
-    is_stopped: bool,
-    problem: Option<String>,
-    /// Counts the surveys that have been shown, and the changes of what is shown.
+    state: WorkState,
+    /// Counts the surveys that have been shown.
     edition: u64,
-    version: u64,
 }
 
 impl Laboratory {
@@ -66,10 +67,8 @@ impl Laboratory {
             before: None,
             seeds: Seeds::default(),
             tuning: Tuning::default(),
-            is_stopped: false,
-            problem: None,
+            state: WorkState::default(),
             edition: 0,
-            version: 0,
         }
     }
 
@@ -81,7 +80,7 @@ impl Laboratory {
     /// Takes over a choice, or forgets it.
     pub fn choose(&mut self, choice: Option<Choice>) {
         self.choice = choice;
-        self.is_stopped = false;
+        self.state.go_on();
     }
 
     /// The survey to show: the present one, or the one before as long as that covers more.
@@ -105,14 +104,10 @@ impl Laboratory {
         self.survey.as_ref().is_some_and(Survey::is_working)
     }
 
-    /// Whether the user has stopped the work.
-    pub fn is_stopped(&self) -> bool {
-        self.is_stopped
-    }
-
-    /// Why there is no map, if so.
-    pub fn problem(&self) -> Option<&str> {
-        self.problem.as_deref()
+    /// Whether the user has stopped the map, why there is none, and a number that changes with what is to be shown, also
+    /// when rows have come.
+    pub fn state(&self) -> &WorkState {
+        &self.state
     }
 
     /// What has become of the graphics processor; none where the engine uses none.
@@ -125,16 +120,10 @@ impl Laboratory {
         self.edition
     }
 
-    /// A number that changes with what is to be shown, also when rows have come.
-    pub fn version(&self) -> u64 {
-        self.version
-    }
-
     /// Stops the work, or goes on with it. Returns whether that changes anything.
     pub fn set_stopped(&mut self, stopped: bool) -> bool {
-        let changes = self.is_stopped != stopped && self.progress().is_some();
+        let changes = self.state.set_stopped(stopped, self.progress().is_some());
         if changes {
-            self.is_stopped = stopped;
             self.rest();
         }
         changes
@@ -150,8 +139,7 @@ impl Laboratory {
         match self.fit(run, session.is_measured(), is_small) {
             Err(problem) => {
                 (self.survey, self.before) = (None, None);
-                self.problem = Some(problem);
-                self.version += 1;
+                self.state.fail(problem);
             }
             Ok(choice) => {
                 let source = run.source();
@@ -221,12 +209,11 @@ impl Laboratory {
 
     /// Begins another survey. The present one stays in sight if it covers the map.
     fn begin(&mut self, run: &Run, source: Source, choice: &Choice) {
-        self.is_stopped = false;
         self.edition += 1;
-        self.version += 1;
+        self.state.begin();
+        self.state.show_new();
         match Survey::new(run.scenario(), source, choice, self.survey.as_ref()) {
             Ok(survey) => {
-                self.problem = None;
                 if let Some(mut last) = self.survey.replace(survey).filter(|last| last.sheet().covers_all()) {
                     last.rest();
                     self.before = Some(last);
@@ -236,22 +223,23 @@ impl Laboratory {
             }
             Err(problem) => {
                 (self.survey, self.before) = (None, None);
-                self.problem = Some(format!("There is no map: {problem}."));
+                self.state.fail(format!("There is no map: {problem}."));
             }
         }
     }
 
     fn work(&mut self, ctx: &Context) {
-        let Self { engine, survey, before, is_stopped, problem, edition, version, .. } = self;
-        let Some(survey) = survey.as_mut().filter(|_| !*is_stopped) else { return };
+        let Self { engine, survey, before, state, edition, .. } = self;
+        let Some(survey) = survey.as_mut().filter(|_| !state.is_stopped()) else { return };
         match survey.follow(&**engine, ctx) {
-            Ok(has_come) => *version += u64::from(has_come),
-            Err(error) => *problem = Some(format!("There is no map: {error}.")),
+            Ok(true) => state.show_new(),
+            Ok(false) => {}
+            Err(error) => state.fail(format!("There is no map: {error}.")),
         }
         if before.is_some() && survey.sheet().covers_all() {
             *before = None;
             *edition += 1;
-            *version += 1;
+            state.show_new();
         }
     }
 

@@ -8,7 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::request::{Arrangement, ViewKind};
 use crate::view::Proportions;
-use crate::views::view;
+use crate::views::view as of_kind;
+
+/// The height of a tall view that is added, over the mean height of the others.
+const TALL: f32 = 1.7;
 
 /// The views on screen.
 #[derive(Serialize, Deserialize)]
@@ -40,7 +43,7 @@ impl Layout {
 
     /// Views one below the other, the first with the most space; a plane is beside the view before it.
     pub fn column(views: &[ViewKind]) -> Self {
-        let proportions = |kind: &ViewKind| view(*kind).proportions();
+        let proportions = |kind: &ViewKind| of_kind(*kind).proportions();
         let share = |i: usize, row: &[ViewKind]| match row {
             [kind] if proportions(kind) == Proportions::Flat => 0.5,
             _ if i == 0 => 1.3,
@@ -187,11 +190,12 @@ impl Layout {
             Some(root) if tree.tiles.get_container(root).is_some() => {
                 tree.move_tile_to_container(tile, root, usize::MAX, true);
                 if let Some(Tile::Container(Container::Linear(rows))) = tree.tiles.get_mut(root) {
-                    // As much room as the others have on average.
+                    // As much room as the others have on average, or more where it needs that.
                     let others: Vec<f32> =
                         rows.children.iter().filter(|row| **row != tile).map(|row| rows.shares[*row]).collect();
                     let mean = others.iter().sum::<f32>() / others.len().max(1) as f32;
-                    rows.shares.set_share(tile, mean);
+                    let factor = if of_kind(view).proportions() == Proportions::Tall { TALL } else { 1.0 };
+                    rows.shares.set_share(tile, factor * mean);
                 }
             }
             // A single view has no container.

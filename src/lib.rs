@@ -5,6 +5,7 @@
 
 pub mod app;
 mod bar;
+mod column;
 mod comparison;
 pub mod controls;
 pub mod drop;

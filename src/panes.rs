@@ -3,28 +3,17 @@
 use egui::{Button, Color32, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetText, vec2};
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
 
+use crate::column::Column;
 use crate::layout::{Layout, simplification};
 use crate::request::{Arrangement, Request, ViewKind};
 use crate::view::{Proportions, ViewContext};
 use crate::views::view;
 
-/// Limits the height per view above which all views fit on screen; below it they scroll \[points\].
-const ENOUGH: f32 = 180.0;
-
 /// Limits the height below which views are in one column \[points\].
 const LOW: f32 = 340.0;
 
-/// Relative height of a flat view in a column of views.
-const FLAT: f32 = 0.3;
-
-/// Relative height of a tall view in a column of views.
-const TALL: f32 = 1.7;
-
 /// The side of a button above a view, at least \[points\].
 const TARGET: f32 = 24.0;
-
-/// Limits the height of other views from below where views scroll \[points\].
-const LEAST_HEIGHT: f32 = 300.0;
 
 /// Fills the rest of `ui` with the views: as tiles, or in one column where it is narrow.
 pub(crate) fn panes_ui(
@@ -43,10 +32,13 @@ pub(crate) fn panes_ui(
         panes.draggable = false;
         panes.show(ui, kind);
     } else if narrow || area.y < LOW {
-        // On a phone that lies on its side there is no room for a picture of the plant.
-        let is_shown = |kind: &ViewKind| narrow || view(*kind).proportions() != Proportions::Flat;
         panes.draggable = false;
-        panes.show_column(ui, &layout.in_order().into_iter().filter(is_shown).collect::<Vec<_>>());
+        let mut kinds = layout.in_order();
+        if !narrow {
+            // On a phone that lies on its side the picture of the plant would leave the plots no room in sight.
+            kinds.sort_by_key(|kind| view(*kind).proportions() == Proportions::Flat);
+        }
+        panes.show_column(ui, &kinds);
     } else if layout.tree().is_empty() {
         empty_ui(ui, panes.requests);
     } else {
@@ -76,6 +68,11 @@ fn empty_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     });
 }
 
+/// The height of the bar above a view \[points\].
+fn bar_height(ui: &Ui) -> f32 {
+    ui.spacing().interact_size.y.max(TARGET)
+}
+
 /// Shows each view under its bar.
 struct Panes<'a> {
     context: &'a ViewContext<'a>,
@@ -87,20 +84,11 @@ struct Panes<'a> {
 impl Panes<'_> {
     /// Shows views in one column, which scrolls where they would be too low.
     fn show_column(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
-        let height = ui.available_height();
-        let share = |kind: ViewKind| match view(kind).proportions() {
-            Proportions::Flat => FLAT,
-            Proportions::Tall => TALL,
-            Proportions::Wide | Proportions::Square => 1.0,
-        };
-        let all: f32 = kinds.iter().map(|kind| share(*kind)).sum();
-        let scrolls = height <= ENOUGH * all.max(kinds.len() as f32);
-        let least = if scrolls { LEAST_HEIGHT.min(height) } else { 1.0 };
+        let gap = ui.spacing().item_spacing.y;
+        let column = Column::new(kinds, ui.available_size(), bar_height(ui) + gap, gap);
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            let gaps = ui.spacing().item_spacing.y * kinds.len() as f32;
-            let width = ui.available_width() - if scrolls { ui.spacing().scroll.bar_width } else { 0.0 };
-            for &kind in kinds {
-                let height = ((height - gaps) * share(kind) / all).max(least * share(kind));
+            let width = ui.available_width() - if column.scrolls { ui.spacing().scroll.bar_width } else { 0.0 };
+            for (&kind, height) in kinds.iter().zip(column.heights) {
                 let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
                 let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name()).max_rect(rect));
                 self.show(&mut child, kind);
@@ -126,7 +114,7 @@ impl Panes<'_> {
             let title = ui.add(egui::Label::new(name).selectable(false).sense(sense));
             let title = if self.draggable { title.on_hover_text("Drag to move") } else { title };
             let [what, good, then] = view.help();
-            let side = ui.spacing().interact_size.y.max(TARGET);
+            let side = bar_height(ui);
             let small = |icon: &str| Button::new(RichText::new(icon).weak()).frame(false).min_size(vec2(side, side));
             let lines = |ui: &mut Ui| {
                 ui.set_max_width(380.0);

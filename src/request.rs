@@ -7,7 +7,7 @@ use kalmanscope_core::Scenario;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 use serde::{Deserialize, Serialize};
 
-use crate::laboratory::{Choice, SeedChoice, TuneChoice};
+use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
 use crate::ruler::End;
 use crate::session::Mode;
 
@@ -149,10 +149,8 @@ pub struct SavedScreen {
     pub time: f64,
     /// The views.
     pub tree: Tree<ViewKind>,
-    /// The map of the laboratory, if there was one.
-    pub map: Option<Choice>,
-    /// The seeds of the laboratory, if there were some.
-    pub seeds: Option<SeedChoice>,
+    /// The choices in the laboratory.
+    pub laboratory: Choices,
 }
 
 /// A file that leaves the explorer.

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use crate::laboratory::{Choice, SeedChoice};
+use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
 use crate::layout::Layout;
 use crate::session::{Mode, Session};
 use crate::tutor::Studies;
@@ -30,8 +30,7 @@ pub(crate) struct Saved {
     /// The theme; the system's if none was chosen.
     dark: Option<bool>,
     pub(crate) layout: Layout,
-    pub(crate) map: Option<Choice>,
-    pub(crate) seeds: SeedChoice,
+    pub(crate) laboratory: Choices,
     pub(crate) studies: Studies,
 }
 
@@ -56,8 +55,9 @@ struct Written<'a> {
     presenting: bool,
     dark: Option<bool>,
     layout: &'a Layout,
-    map: Option<&'a Choice>,
-    seeds: &'a SeedChoice,
+    map: Option<Choice>,
+    seeds: Option<SeedChoice>,
+    tuning: Option<TuneChoice>,
     lessons: &'a Studies,
 }
 
@@ -70,8 +70,7 @@ impl Default for Saved {
             presenting: false,
             dark: None,
             layout: Layout::default(),
-            map: None,
-            seeds: SeedChoice::default(),
+            laboratory: Choices::default(),
             studies: Studies::default(),
         }
     }
@@ -110,8 +109,7 @@ impl Saved {
             presenting: reader.part("presenting", usual.presenting),
             dark: reader.part("dark", usual.dark),
             layout: reader.layout(version),
-            map: reader.part("map", usual.map),
-            seeds: reader.seeds(),
+            laboratory: reader.laboratory(),
             studies: reader.part("lessons", usual.studies),
         };
         (saved, reader.problems)
@@ -153,9 +151,11 @@ impl Reader {
         self.note("speed", possible).unwrap_or(usual)
     }
 
-    fn seeds(&mut self) -> SeedChoice {
-        let choice: SeedChoice = self.part("seeds", SeedChoice::default());
-        self.note("seeds", choice.check().map(|()| choice)).unwrap_or_default()
+    fn laboratory(&mut self) -> Choices {
+        let seeds: Option<SeedChoice> = self.part("seeds", None);
+        let checked = seeds.map(|seeds| seeds.check().map(|()| seeds));
+        let seeds = checked.and_then(|seeds| self.note("seeds", seeds));
+        Choices { map: self.part("map", None), seeds, tuning: self.part("tuning", None) }
     }
 
     fn layout(&mut self, version: u64) -> Layout {
@@ -172,7 +172,7 @@ impl Reader {
 pub(crate) fn save(
     storage: &mut dyn eframe::Storage,
     session: &Session,
-    (layout, map, seeds): (&Layout, Option<&Choice>, &SeedChoice),
+    (layout, laboratory): (&Layout, Choices),
     studies: &Studies,
     presenting: bool,
     theme: ThemePreference,
@@ -192,6 +192,7 @@ pub(crate) fn save(
     };
     let (mode, speed) = (session.mode(), session.speed());
     let lessons = studies;
+    let Choices { map, seeds, tuning } = laboratory;
     match serde_json::to_string(&Written {
         version: VERSION,
         scenario,
@@ -202,6 +203,7 @@ pub(crate) fn save(
         layout,
         map,
         seeds,
+        tuning,
         lessons,
     }) {
         Ok(text) => storage.set_string(KEY, text),

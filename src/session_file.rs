@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::laboratory::{Choice, SeedChoice};
+use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
 use crate::layout::Layout;
 use crate::request::{SavedScreen, ViewKind};
 use crate::session::{Mode, Session};
@@ -28,10 +28,8 @@ pub(crate) enum SessionFileError {
     Scenario(#[from] kalmanscope_core::ScenarioError),
     #[error("`{key}` is {value}, but must be a finite number{more}")]
     Number { key: &'static str, value: f64, more: &'static str },
-    #[error("its map: {0}")]
-    Map(String),
-    #[error("its Monte Carlo: {0}")]
-    Seeds(String),
+    #[error("its laboratory: {0}")]
+    Laboratory(String),
     #[error("a view of its layout has two places")]
     Layout,
 }
@@ -52,14 +50,15 @@ struct Written {
     map: Option<Choice>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     seeds: Option<SeedChoice>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tuning: Option<TuneChoice>,
 }
 
 /// The text of the file.
 pub(crate) fn text(
     session: &Session,
     layout: &Layout,
-    map: Option<&Choice>,
-    seeds: Option<&SeedChoice>,
+    Choices { map, seeds, tuning }: Choices,
 ) -> Result<String, SessionFileError> {
     Ok(serde_json::to_string_pretty(&Written {
         kalmanscope_session: VERSION,
@@ -69,8 +68,9 @@ pub(crate) fn text(
         speed: session.speed(),
         time: session.time() - session.run().record().time_of(0),
         layout: layout.tree().clone(),
-        map: map.cloned(),
-        seeds: seeds.cloned(),
+        map,
+        seeds,
+        tuning,
     })?)
 }
 
@@ -85,7 +85,7 @@ pub(crate) fn read(bytes: &[u8]) -> Option<Result<SavedScreen, SessionFileError>
 }
 
 fn saved(value: Value) -> Result<SavedScreen, SessionFileError> {
-    let Written { scenario, mode, speed, time, layout, map, seeds, .. } = serde_json::from_value(value)?;
+    let Written { scenario, mode, speed, time, layout, map, seeds, tuning, .. } = serde_json::from_value(value)?;
     if !(speed.is_finite() && speed > 0.0) {
         return Err(SessionFileError::Number { key: "speed", value: speed, more: " above 0" });
     }
@@ -96,11 +96,7 @@ fn saved(value: Value) -> Result<SavedScreen, SessionFileError> {
         return Err(SessionFileError::Layout);
     }
     let scenario = Scenario::from_toml(&scenario)?;
-    if let Some(map) = &map {
-        map.check(&scenario).map_err(SessionFileError::Map)?;
-    }
-    if let Some(seeds) = &seeds {
-        seeds.check().map_err(SessionFileError::Seeds)?;
-    }
-    Ok(SavedScreen { scenario, mode, speed, time, tree: layout, map, seeds })
+    let laboratory = Choices { map, seeds, tuning };
+    laboratory.check(&scenario).map_err(SessionFileError::Laboratory)?;
+    Ok(SavedScreen { scenario, mode, speed, time, tree: layout, laboratory })
 }

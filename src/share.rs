@@ -15,7 +15,7 @@ use kalmanscope_core::{Scenario, ScenarioError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::laboratory::{Choice, SeedChoice};
+use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
 use crate::layout::Layout;
 use crate::request::{LegendEntry, ViewKind};
 use crate::ruler::Ruler;
@@ -41,10 +41,8 @@ pub struct Picture {
     pub views: Option<Outline>,
     /// The view that is enlarged.
     pub enlarged: Option<ViewKind>,
-    /// The map of the laboratory, if a view shows it.
-    pub map: Option<Choice>,
-    /// The seeds of the laboratory, if a view shows them.
-    pub seeds: Option<SeedChoice>,
+    /// The choices in the laboratory, as far as a view shows them.
+    pub laboratory: Choices,
     /// Live, or the whole record.
     pub mode: Mode,
     /// The time at which playback stands, from the first sample on \[s\].
@@ -89,6 +87,8 @@ struct Screen {
     map: Option<Choice>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     seeds: Option<SeedChoice>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    tuning: Option<TuneChoice>,
     mode: Mode,
     time: f64,
     #[serde(default = "usual_speed", skip_serializing_if = "is_usual_speed")]
@@ -117,7 +117,8 @@ impl Picture {
     pub(crate) fn new(scenario: Scenario, layout: &Layout, mode: Mode, time: f64) -> Self {
         let (views, enlarged) = (Outline::of(layout.tree()), layout.enlarged());
         let (speed, ruler, hidden) = (usual_speed(), Ruler::default(), Vec::new());
-        Self { scenario, views, enlarged, map: None, seeds: None, mode, time, speed, ruler, hidden }
+        let laboratory = Choices::default();
+        Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden }
     }
 
     /// The picture as a fragment, from `#` on.
@@ -126,8 +127,9 @@ impl Picture {
     /// [`LinkError::Scenario`] where the scenario cannot be written, [`LinkError::TooLong`] where the link would be too
     /// long.
     pub fn fragment(&self) -> Result<String, LinkError> {
-        let Self { scenario, views, enlarged, map, seeds, mode, time, speed, ruler, hidden } = self.clone();
-        let screen = Screen { views, enlarged, map, seeds, mode, time, speed, marks: ruler, hidden };
+        let Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden } = self.clone();
+        let Choices { map, seeds, tuning } = laboratory;
+        let screen = Screen { views, enlarged, map, seeds, tuning, mode, time, speed, marks: ruler, hidden };
         let screen = serde_json::to_string(&screen).map_err(|error| LinkError::Screen(error.to_string()))?;
         let text = format!("{screen}\n{}", scenario.to_toml()?);
         let link = format!("{VERSION}.{}", base64url::encode(&packed::pack(&text)));
@@ -157,7 +159,7 @@ impl Picture {
     fn from_text(text: &str) -> Result<Self, LinkError> {
         let (screen, scenario) = text.split_once('\n').ok_or(LinkError::Damaged)?;
         let screen: Screen = serde_json::from_str(screen).map_err(|error| LinkError::Screen(error.to_string()))?;
-        let Screen { views, enlarged, map, seeds, mode, time, speed, marks: ruler, hidden } = screen;
+        let Screen { views, enlarged, map, seeds, tuning, mode, time, speed, marks: ruler, hidden } = screen;
         if let Some(views) = &views {
             views.validate().map_err(LinkError::Screen)?;
         }
@@ -172,13 +174,9 @@ impl Picture {
             return Err(LinkError::Screen("the view that is enlarged is not shown".to_owned()));
         }
         let scenario = Scenario::from_toml(scenario)?;
-        if let Some(map) = &map {
-            map.check(&scenario).map_err(LinkError::Screen)?;
-        }
-        if let Some(seeds) = &seeds {
-            seeds.check().map_err(|reason| LinkError::Screen(format!("Monte Carlo: {reason}")))?;
-        }
-        Ok(Self { scenario, views, enlarged, map, seeds, mode, time, speed, ruler, hidden })
+        let laboratory = Choices { map, seeds, tuning };
+        laboratory.check(&scenario).map_err(LinkError::Screen)?;
+        Ok(Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden })
     }
 
     /// The views as tiles.

@@ -9,7 +9,7 @@ mod question;
 mod studies;
 
 use kalmanscope_core::Scenario;
-use kalmanscope_lessons::{Lesson, LessonError, Presentation, Question, Step, ViewName};
+use kalmanscope_lessons::{Lesson, LessonError, Map, Presentation, Question, Step, ViewName};
 
 use crate::laboratory::Choice;
 use crate::request::{Answer, ViewKind};
@@ -92,9 +92,13 @@ impl Tutor {
     /// # Errors
     /// A sentence where the map is impossible, which a test rules out for built-in lessons.
     pub(crate) fn map(&self, scenario: &Scenario) -> Result<Option<Choice>, String> {
-        let map = self.current().and_then(|step| step.map.as_ref());
-        let map = map.filter(|map| map.missing_filter(scenario).is_none());
-        map.map(|map| map::choice(map, scenario)).transpose()
+        let Some(map) = self.current().and_then(|step| step.map.as_ref()) else { return Ok(None) };
+        match map.missing_filter(scenario) {
+            None => map::choice(map, scenario).map(Some),
+            Some(missing) if *missing == map.filter => Ok(None),
+            // The step's change adds the second filter.
+            Some(_) => map::choice(&Map { second: None, ..map.clone() }, scenario).map(Some),
+        }
     }
 
     /// The settings that the step is about, by their paths in a scenario.

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 /// A fast Fourier transform of some length, a power of two.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 1.4.
+#[derive(Debug)]
 pub(crate) struct Transform {
     turns: Vec<(f64, f64)>,
     places: Vec<u32>,

@@ -96,7 +96,7 @@ pub use signal::Signal;
 pub use simulate::{TruthError, TruthStop};
 pub use sink::{Sample, Sink};
 pub use source::Source;
-pub use spectrogram::Spectrogram;
+pub use spectrogram::{Spectrogram, Windows};
 pub use spectrum::Spectrum;
 pub use study::Study;
 pub use window::Window;

@@ -31,6 +31,40 @@ impl Spectrogram {
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
     pub fn new(record: &Record, sensor: usize, samples: usize) -> Option<Self> {
+        let mut windows = Windows::new(record, sensor, samples, WINDOWS)?;
+        while !windows.advance(&mut || true) {}
+        let Windows { start, dt, length, hop, power, .. } = windows;
+        let most = power.iter().flatten().fold(f64::MIN_POSITIVE, |most, &p| most.max(p));
+        let decibels = |p: &f64| (10.0 * libm::log10((p / most).max(1e-30))) as f32;
+        Some(Self {
+            start: start + 0.5 * length as f64 * dt,
+            step: hop as f64 * dt,
+            resolution: TAU / (length as f64 * dt),
+            decibels: power.iter().map(|column| column.iter().map(decibels).collect()).collect(),
+        })
+    }
+}
+
+/// The power of a measurement in the making, window by window.
+#[derive(Debug)]
+pub struct Windows {
+    /// The first sample's time, and the time between samples \[s\].
+    start: f64,
+    dt: f64,
+    values: Vec<f64>,
+    /// The samples of a window, and those from one to the next.
+    length: usize,
+    hop: usize,
+    weights: Vec<f64>,
+    transform: Transform,
+    buffer: Vec<(f64, f64)>,
+    power: Vec<Vec<f64>>,
+}
+
+impl Windows {
+    /// No window yet of the first `samples` measurements of a sensor, of which `count` would fit side by side at least, and
+    /// more overlap; none where there are too few samples. A missing measurement repeats the one before it.
+    pub fn new(record: &Record, sensor: usize, samples: usize, count: usize) -> Option<Self> {
         let mut last = 0.0;
         let measured = record.measured(sensor).iter().take(samples);
         let values = measured.map(|&value| {
@@ -41,30 +75,50 @@ impl Spectrogram {
         });
         let values: Vec<f64> = values.collect();
         let [shortest, longest] = WINDOW;
-        let length =
-            (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * WINDOWS <= values.len())?;
+        let length = (0..).map(|i| longest >> i).take_while(|&l| l >= shortest).find(|l| l * count <= values.len())?;
         let hop = (length / 4).max(values.len() / COLUMNS);
-        let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
-        let transform = Transform::new(length);
-        let mut buffer = vec![(0.0, 0.0); length];
-        let mut power: Vec<Vec<f64>> = Vec::new();
-        for begin in (0..=values.len() - length).step_by(hop) {
-            let window = &values[begin..begin + length];
-            let mean = window.iter().sum::<f64>() / length as f64;
-            for ((slot, value), weight) in buffer.iter_mut().zip(window).zip(&weights) {
-                *slot = (weight * weight * (value - mean), 0.0);
-            }
-            transform.apply(&mut buffer);
-            power.push(buffer[..=length / 2].iter().map(|(re, im)| re * re + im * im).collect());
-        }
-        let most = power.iter().flatten().fold(f64::MIN_POSITIVE, |most, &p| most.max(p));
-        let decibels = |p: &f64| (10.0 * libm::log10((p / most).max(1e-30))) as f32;
+        let weight = |k: usize| libm::sin(PI * (k as f64 + 0.5) / length as f64).powi(2);
         Some(Self {
-            start: record.time(0) + 0.5 * length as f64 * record.dt(),
-            step: hop as f64 * record.dt(),
-            resolution: TAU / (length as f64 * record.dt()),
-            decibels: power.iter().map(|column| column.iter().map(decibels).collect()).collect(),
+            start: record.time(0),
+            dt: record.dt(),
+            values,
+            length,
+            hop,
+            weights: (0..length).map(weight).collect(),
+            transform: Transform::new(length),
+            buffer: vec![(0.0, 0.0); length],
+            power: Vec::new(),
         })
+    }
+
+    /// Goes on until `while_time` returns false, which is called after each window. Returns whether all are there.
+    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { values, length, hop, weights, transform, buffer, power, .. } = self;
+        while let Some(window) = values.get(power.len() * *hop..power.len() * *hop + *length) {
+            let mean = window.iter().sum::<f64>() / *length as f64;
+            for ((slot, value), weight) in buffer.iter_mut().zip(window).zip(weights.iter()) {
+                *slot = (weight * (value - mean), 0.0);
+            }
+            transform.apply(buffer);
+            power.push(buffer[..=*length / 2].iter().map(|(re, im)| re * re + im * im).collect());
+            if !while_time() {
+                break;
+            }
+        }
+        power.len() * *hop + *length > values.len()
+    }
+
+    /// The mean power spectral density of the windows that are there: frequency \[Hz\], and density \[squared unit of the
+    /// sensor per Hz\], from the first frequency above zero up to the Nyquist frequency.
+    ///
+    /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra, *IEEE Transactions on
+    /// Audio and Electroacoustics* 15(2).
+    pub fn density(&self) -> Vec<[f64; 2]> {
+        let Self { dt, length, weights, power, .. } = self;
+        let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
+        let scale = 2.0 * dt / squares / power.len().max(1) as f64;
+        let sum = |row: usize| power.iter().map(|column| column[row]).sum::<f64>();
+        (1..=length / 2).map(|row| [row as f64 / (*length as f64 * dt), scale * sum(row)]).collect()
     }
 }
 
@@ -88,5 +142,23 @@ mod tests {
         };
         assert!((peak(20.0) - 0.5).abs() < 0.02 && (peak(60.0) - 1.5).abs() < 0.02, "{} {}", peak(20.0), peak(60.0));
         assert_eq!(Spectrogram::new(&record, 0, 100), None);
+    }
+
+    #[test]
+    fn the_density_of_a_tone_has_its_power_and_windows_come_one_by_one() {
+        let measured: Vec<f64> = (0..30_000).map(|k| 3.0 * libm::sin(0.7 * k as f64)).collect();
+        let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 30_000] };
+        let record = Record::new(0.02, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
+        let mut windows = Windows::new(&record, 0, 30_000, 4).unwrap();
+        let mut pieces = 1;
+        while !windows.advance(&mut || false) {
+            pieces += 1;
+        }
+        assert_eq!(pieces, 1 + (30_000 - 1024) / 256);
+        let density = windows.density();
+        let power: f64 = density.iter().map(|[_, density]| density / (1024.0 * 0.02)).sum();
+        assert!((power - 4.5).abs() < 0.05, "half of the squared amplitude: {power}");
+        let [peak, _] = density.into_iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+        assert!((peak - 0.7 / 0.02 / TAU).abs() < 0.05, "{peak} Hz");
     }
 }

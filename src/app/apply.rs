@@ -8,7 +8,7 @@ use crate::controls::number;
 use crate::export_menu;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
-use crate::request::Request;
+use crate::request::{Request, ViewKind};
 use crate::theme;
 use crate::tutor::Tutor;
 
@@ -123,7 +123,7 @@ impl App {
             Request::RunSeeds(wanted) => {
                 laboratory.seeds_mut().set_stopped(!wanted);
             }
-            Request::ChooseTuning(choice) => laboratory.tuning_mut().choose(*choice),
+            Request::ChooseTuning(choice) => laboratory.tuning_mut().choose(Some(*choice)),
             Request::Tune(true) => laboratory.tune(session),
             Request::Tune(false) => {
                 laboratory.tuning_mut().cancel();
@@ -134,10 +134,15 @@ impl App {
 
     /// Plays a scenario from its start.
     pub(super) fn open(&mut self, scenario: Scenario, ctx: &egui::Context) {
+        if scenario.record.is_some() {
+            // Without a truth this is what tells whether a model is right.
+            self.layout.show(ViewKind::Measured);
+        }
         self.session.set_scenario(scenario);
         self.session.begin_anew();
         self.session.play_from_start();
         self.axis = TimeAxis::default();
+        self.ruler.clear();
         self.visible.reset();
         number::begin_anew(ctx);
     }

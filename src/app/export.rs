@@ -43,11 +43,10 @@ impl App {
 
     /// Restores a session from a file.
     pub(super) fn open_session(&mut self, saved: SavedScreen, ctx: &Context) {
-        let SavedScreen { scenario, mode, speed, time, tree, map, seeds } = saved;
+        let SavedScreen { scenario, mode, speed, time, tree, laboratory } = saved;
         let record = scenario.record.as_ref().map(|mapping| mapping.file.clone()).filter(|file| !file.is_empty());
         self.open(scenario, ctx);
-        self.laboratory.choose(map);
-        self.laboratory.seeds_mut().choose(seeds.unwrap_or_default());
+        self.laboratory.restore(laboratory);
         self.session.set_mode(mode);
         self.session.set_speed(speed);
         self.session.pause();

@@ -83,6 +83,7 @@ impl App {
             self.session.begin_anew();
             self.session.pause();
             self.axis = TimeAxis::default();
+            self.ruler.clear();
             self.visible.reset();
             number::begin_anew(ctx);
         } else {

@@ -14,8 +14,7 @@ impl App {
     #[must_use]
     pub fn computing_with(self, engine: Box<dyn Engine>) -> Self {
         let mut laboratory = Laboratory::new(engine);
-        laboratory.choose(self.laboratory.choice().cloned());
-        laboratory.seeds_mut().choose(self.laboratory.seeds().choice().clone());
+        laboratory.restore(self.laboratory.choices());
         Self { laboratory, ..self }
     }
 

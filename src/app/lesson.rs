@@ -20,6 +20,7 @@ impl App {
     pub(super) fn begin(&mut self, lesson: Option<Tutor>, ctx: &Context) {
         self.inviting = false;
         self.tutor = lesson;
+        self.ruler.clear();
         self.visible.reset();
         self.go_to_step(0);
         number::begin_anew(ctx);

@@ -4,6 +4,7 @@ use egui::{Context, Event, OpenUrl};
 
 use super::App;
 use crate::controls::number;
+use crate::laboratory::Choices;
 use crate::notice::Notice;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
@@ -46,13 +47,17 @@ impl App {
         let Self { session, layout, laboratory, ruler, visible, .. } = self;
         let time = session.time() - session.run().record().time_of(0);
         let shows_map = layout.shown().iter().any(|kind| view(*kind).is_of_laboratory());
-        let map = laboratory.choice().filter(|_| shows_map).cloned();
-        let shows_seeds = layout.shown().contains(&ViewKind::MonteCarlo);
-        let seeds = shows_seeds.then(|| laboratory.seeds().choice().clone());
+        let [shows_seeds, shows_tuning] =
+            [ViewKind::MonteCarlo, ViewKind::Tune].map(|kind| layout.shown().contains(&kind));
+        let Choices { map, seeds, tuning } = laboratory.choices();
+        let laboratory = Choices {
+            map: map.filter(|_| shows_map),
+            seeds: seeds.filter(|_| shows_seeds),
+            tuning: tuning.filter(|_| shows_tuning),
+        };
         let picture = Picture::new(session.scenario().clone(), layout, session.mode(), time);
         Picture {
-            map,
-            seeds,
+            laboratory,
             speed: session.speed(),
             ruler: ruler.in_nanoseconds(),
             hidden: visible.hidden(),
@@ -88,7 +93,7 @@ impl App {
     /// Shows the picture of a link, paused. The settings before it come back with undo.
     fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
-        let Picture { scenario, map, seeds, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;
+        let Picture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;
         self.history.add_undo(self.session.scenario());
         self.session.set_scenario(scenario);
         self.session.begin_anew();
@@ -99,12 +104,8 @@ impl App {
         self.tutor = None;
         self.inviting = false;
         self.layout = layout;
-        if map.is_some() {
-            self.laboratory.choose(map);
-        }
-        if let Some(seeds) = seeds {
-            self.laboratory.seeds_mut().choose(seeds);
-        }
+        let choices = laboratory.or(self.laboratory.choices());
+        self.laboratory.restore(choices);
         self.axis = TimeAxis::default();
         self.ruler = ruler;
         self.visible = Visibility::without(&hidden);

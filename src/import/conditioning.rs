@@ -6,7 +6,6 @@ use kalmanscope_core::{Hold, InputKind, PlantKind};
 
 use super::choices::{choice_ui, number_ui, optional_ui, whole_ui};
 use super::draft::Draft;
-use super::spectra::spectra_ui;
 use crate::theme::Palette;
 
 /// The rate of a file without times, the kind of input and its course between samples, the plant.
@@ -68,9 +67,8 @@ pub(super) fn conditioning_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette)
             );
             whole_ui(ui, "Steps in place of one", &mut mapping.interpolate, 1..=8);
         });
-        if mapping.band.is_some() || mapping.every > 1 {
-            let [before, after] = draft.spectra();
-            spectra_ui(ui, before, after, palette);
+        if let Some(spectra) = draft.spectra() {
+            spectra.ui(ui, palette);
         }
     });
 }

@@ -1,14 +1,14 @@
 //! The meaning of a file's columns, as it is being chosen.
 
-use std::borrow::Borrow;
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Builder, Imported, MappedColumn, Mapping, Table, Time};
+use kalmanscope_core::import::{Builder, Imported, MappedColumn, Mapping, Time};
 use kalmanscope_core::suggest::scenario_for;
 use kalmanscope_core::{Hold, InputKind, PlantKind, Quantity, Scenario};
 
+use super::source::{Choices, Shared};
 use super::spark::Spark;
-use super::spectra::spectrum;
+use super::spectra::Spectra;
 use crate::session::RecordFile;
 
 /// The meaning of a file's columns, as it is being chosen.
@@ -31,23 +31,8 @@ pub struct Draft {
     outcome: Option<(Choices, Result<Imported, String>)>,
     /// The present choices, with their record in the making.
     making: Option<(Choices, Builder<Shared>)>,
-    /// The spectra without and with the conditioning, and the choices.
-    spectra: Option<(Choices, [Vec<[f64; 2]>; 2])>,
-}
-
-/// The spectra of no record.
-static NO_SPECTRA: [Vec<[f64; 2]>; 2] = [Vec::new(), Vec::new()];
-
-type Choices = (Mapping, InputKind, Hold);
-
-/// The table of a file that records are made of.
-#[derive(Debug)]
-struct Shared(Arc<RecordFile>);
-
-impl Borrow<Table> for Shared {
-    fn borrow(&self) -> &Table {
-        &self.0.table
-    }
+    /// The spectra without and with the conditioning, for the record that is complete.
+    spectra: Option<Spectra>,
 }
 
 /// The meaning of a column.
@@ -140,12 +125,18 @@ impl Draft {
         }
     }
 
-    /// Goes on with the record that follows from the choices, column by column, until `while_time` returns false.
+    /// Goes on with the record that follows from the choices, column by column, and then with its spectra, until
+    /// `while_time` returns false.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
-        if !self.is_behind() {
-            return;
+        if self.is_behind() {
+            self.make(while_time);
+        } else if let Some(spectra) = &mut self.spectra {
+            spectra.advance(while_time);
         }
-        let Self { file, mapping, input, hold, outcome, making, .. } = self;
+    }
+
+    fn make(&mut self, while_time: &mut dyn FnMut() -> bool) {
+        let Self { file, mapping, input, hold, outcome, making, spectra, .. } = self;
         let choices = (mapping.clone(), *input, *hold);
         let under_way = making.take().filter(|(of, _)| *of == choices).map(|(_, builder)| Ok(builder));
         let begun = under_way.unwrap_or_else(|| Builder::new(Shared(Arc::clone(file)), mapping, *input, *hold));
@@ -157,6 +148,8 @@ impl Draft {
             Ok(None)
         });
         if let Some(built) = built.transpose() {
+            *spectra =
+                built.as_ref().ok().and_then(|made| Spectra::new(Shared(Arc::clone(file)), &choices, &made.record));
             *outcome = Some((choices, built.map_err(|error| error.to_string())));
         }
     }
@@ -173,21 +166,14 @@ impl Draft {
         Some(outcome.as_ref().map_err(String::as_str))
     }
 
-    /// The spectrum of the first sensor without and with band-pass, decimation and interpolation.
-    pub(super) fn spectra(&mut self) -> &[Vec<[f64; 2]>; 2] {
-        let choices = (self.mapping.clone(), self.input, self.hold);
-        if !self.is_behind() && self.spectra.as_ref().is_none_or(|(of, _)| *of != choices) {
-            let made = self.outcome().and_then(Result::ok);
-            let after = made.map(|imported| spectrum(&imported.record)).unwrap_or_default();
-            let plain = Mapping { band: None, every: 1, interpolate: 1, ..self.mapping.clone() };
-            let built = Builder::new(&self.file.table, &plain, self.input, self.hold).and_then(Builder::finish);
-            let before = built.map(|imported| spectrum(&imported.record)).unwrap_or_default();
-            self.spectra = Some((choices, [before, after]));
-        }
-        match &self.spectra {
-            Some((_, spectra)) => spectra,
-            None => &NO_SPECTRA,
-        }
+    /// Whether something is computed.
+    pub(super) fn is_busy(&self) -> bool {
+        self.is_behind() || self.spectra.as_ref().is_some_and(Spectra::is_behind)
+    }
+
+    /// The spectra of the first sensor without and with band-pass, decimation and interpolation.
+    pub(super) fn spectra(&self) -> Option<&Spectra> {
+        self.spectra.as_ref()
     }
 
     /// The scenario that the choices lead to.
@@ -250,5 +236,35 @@ mod tests {
         draft.mapping.from = Some(9.0);
         make(&mut draft);
         assert!(draft.outcome().is_some_and(|outcome| outcome.is_err()));
+    }
+
+    #[test]
+    fn spectra_are_made_window_by_window_and_show_what_the_band_takes_away() {
+        let tones = |k: f64| (0.05 * k).sin() + 0.1 * (1.5 * k).sin();
+        let rows: String =
+            (0..40_000).map(|k| format!("{},1,{}\n", 0.01 * f64::from(k), tones(f64::from(k)))).collect();
+        let table = read(format!("t,force,displacement\n{rows}").as_bytes(), None).expect("a table");
+        let file = RecordFile { name: "record.csv".to_owned(), hash: String::new(), table };
+        let mut draft = Draft::new(Arc::new(file));
+        let pieces = |draft: &mut Draft| {
+            let all = (0..).find(|_| {
+                draft.advance(&mut || false);
+                !draft.is_busy()
+            });
+            all.expect("an end")
+        };
+        assert!(pieces(&mut draft) < 10 && draft.spectra().is_none(), "nothing is taken away");
+        draft.mapping.band = Some([2.0, 40.0]);
+        // Two spectra of overlapping windows, none of which takes as long as the whole.
+        let windows = 2 * (40_000 - 1024) / 256;
+        assert!(pieces(&mut draft) >= windows);
+        let [before, after] = draft.spectra().expect("a band has spectra").curves();
+        let at = |curve: &[[f64; 2]], hertz: f64| {
+            let point = curve.iter().min_by(|a, b| (a[0] - hertz).abs().total_cmp(&(b[0] - hertz).abs()));
+            point.expect("a curve")[1]
+        };
+        let (low, high) = (0.05 / 0.01 / std::f64::consts::TAU, 1.5 / 0.01 / std::f64::consts::TAU);
+        assert!(at(before, low) > -3.0 && at(after, low) < -20.0, "{} {}", at(before, low), at(after, low));
+        assert!((at(before, high) - at(after, high)).abs() < 0.5, "{} {}", at(before, high), at(after, high));
     }
 }

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use super::choice::part_of;
 use super::engine::{Engine, Precision, Task, Work};
+use super::state::WorkState;
 
 /// Limits the number of seeds.
 pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
@@ -158,9 +159,7 @@ pub struct Seeds {
     runs: Option<SeedRuns>,
     /// The runs before, until the present ones have enough seeds.
     before: Option<SeedRuns>,
-    is_stopped: bool,
-    problem: Option<String>,
-    version: u64,
+    state: WorkState,
     /// The seeds of the statistics with the present version.
     counted: usize,
 }
@@ -174,7 +173,7 @@ impl Seeds {
     /// Takes over a choice.
     pub fn choose(&mut self, choice: SeedChoice) {
         self.choice = choice;
-        self.is_stopped = false;
+        self.state.go_on();
     }
 
     /// The runs to show: the present ones, or those before as long as the present ones are too few.
@@ -198,26 +197,16 @@ impl Seeds {
         self.runs.as_ref().is_some_and(|runs| runs.work.is_some())
     }
 
-    /// Whether the user has stopped the work.
-    pub fn is_stopped(&self) -> bool {
-        self.is_stopped
-    }
-
-    /// Why there are no statistics, if so.
-    pub fn problem(&self) -> Option<&str> {
-        self.problem.as_deref()
-    }
-
-    /// A number that changes with what is to be shown: while seeds come in, with each twentieth more of them.
-    pub fn version(&self) -> u64 {
-        self.version
+    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes with what is to be
+    /// shown: while seeds come in, with each twentieth more of them.
+    pub fn state(&self) -> &WorkState {
+        &self.state
     }
 
     /// Stops the work, or goes on with it. Returns whether that changes anything.
     pub fn set_stopped(&mut self, stopped: bool) -> bool {
-        let changes = self.is_stopped != stopped && self.progress().is_some();
+        let changes = self.state.set_stopped(stopped, self.progress().is_some());
         if changes {
-            self.is_stopped = stopped;
             self.rest();
         }
         changes
@@ -236,7 +225,7 @@ impl Seeds {
                 Err(problem) => return self.forget(format!("There are no statistics: {problem}.")),
             }
         }
-        match engine.filter(|_| !self.is_stopped) {
+        match engine.filter(|_| !self.state.is_stopped()) {
             Some(engine) => self.work(engine, ctx),
             None => self.rest(),
         }
@@ -250,13 +239,13 @@ impl Seeds {
     }
 
     fn forget(&mut self, problem: String) {
-        (self.runs, self.before, self.problem) = (None, None, Some(problem));
+        (self.runs, self.before) = (None, None);
+        self.state.fail(problem);
     }
 
     /// Begins other runs. The present ones stay in sight if they have enough seeds.
     fn begin(&mut self, mut next: SeedRuns) {
-        self.problem = None;
-        self.is_stopped = false;
+        self.state.begin();
         self.rest();
         if let Some(last) = self.runs.take() {
             next.continue_from(&last);
@@ -288,7 +277,7 @@ impl Seeds {
         if self.before.is_none()
             && (done < self.counted || runs.is_complete() || done > self.counted + self.counted / 20)
         {
-            self.version += 1;
+            self.state.show_new();
             self.counted = done;
         }
     }

@@ -190,7 +190,7 @@ fn it_is_stopped_and_goes_on() {
     laboratory.set_stopped(true);
     with(&mut session, |scenario| scenario.seed += 1);
     follow(&mut laboratory, &session, 2);
-    assert!(!laboratory.is_stopped(), "another scenario begins");
+    assert!(!laboratory.state().is_stopped(), "another scenario begins");
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn a_filter_that_is_removed_gives_way_to_another() {
     assert_eq!(laboratory.choice().unwrap().filter, 2);
     with(&mut session, |scenario| scenario.filters.clear());
     follow(&mut laboratory, &session, 1);
-    assert!(laboratory.problem().unwrap().contains("no filter") && laboratory.shown().is_none());
+    assert!(laboratory.state().problem().unwrap().contains("no filter") && laboratory.shown().is_none());
 }
 
 #[test]
@@ -301,7 +301,7 @@ fn every_ready_made_scenario_has_a_map() {
         let session = Session::new(built_in.scenario().unwrap()).unwrap();
         let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Pieces(1))));
         follow(&mut laboratory, &session, 2);
-        assert_eq!(laboratory.problem(), None, "{}", built_in.title);
+        assert_eq!(laboratory.state().problem(), None, "{}", built_in.title);
         assert_eq!(done(&laboratory), 2, "{}: nothing begins again", built_in.title);
         let choice = laboratory.choice().unwrap();
         if session.is_measured() {
@@ -319,6 +319,6 @@ fn a_record_that_is_too_long_has_no_map() {
     let session = Session::new(long).unwrap();
     let mut laboratory = slow();
     follow(&mut laboratory, &session, 2);
-    let problem = laboratory.problem().unwrap();
+    let problem = laboratory.state().problem().unwrap();
     assert!(problem.contains("360001 samples") && laboratory.shown().is_none(), "{problem}");
 }

@@ -1,5 +1,7 @@
 //! The search for the best settings of a filter, a slice of each frame.
 
+mod choice;
+mod on_map;
 #[cfg(test)]
 mod tests;
 
@@ -7,63 +9,15 @@ use std::sync::Arc;
 
 use egui::Context;
 use kalmanscope_core::{FilterSettings, Run, Scenario, Source};
-use kalmanscope_lab::tune::{Goal, Try, Tuned, Tuner};
-use kalmanscope_lab::{Axis, Setting, simulate};
+use kalmanscope_lab::simulate;
+use kalmanscope_lab::tune::{Try, Tuned, Tuner};
 
 use super::choice::part_of;
-use super::settings::{candidates, collide, is_possible};
 use super::survey::Survey;
 use crate::session::{Budget, Session};
+use on_map::{best_of_map, path_on_map};
 
-/// The user's choice of a search, as plain data.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TuneChoice {
-    /// The id of the filter.
-    pub filter: u32,
-    /// The settings with their ranges. Keys have `*` for the filter's name, as in a map.
-    pub axes: Vec<Axis>,
-    /// The number that is made as good as can be.
-    pub goal: Goal,
-}
-
-impl TuneChoice {
-    /// The noise of all sensors and a factor on √Q, of the first filter or of that with an id.
-    pub fn usual(scenario: &Scenario, filter: Option<u32>) -> Option<Self> {
-        let exists = |id: &u32| scenario.filters.iter().any(|filter| filter.id == *id);
-        let filter = filter.filter(exists).or(scenario.filters.first().map(|filter| filter.id))?;
-        let part = part_of(scenario, &[filter]);
-        let is_usual = |key: &String| key.contains(".sensor_std.") || key == "filters.*.process_std";
-        let keys = candidates(&part, true).into_iter().filter(is_usual);
-        let axis = |key: String| Some(Axis::usual(&Setting::new(&part, &key).ok()?, &part, 2));
-        Some(Self { filter, axes: keys.filter_map(axis).collect(), goal: Goal::Likelihood })
-    }
-
-    /// The same as far as the scenario has the filter, its settings and the sensor.
-    pub(crate) fn fitted(&self, scenario: &Scenario) -> Option<Self> {
-        if !scenario.filters.iter().any(|filter| filter.id == self.filter) {
-            return Self::usual(scenario, None);
-        }
-        let part = part_of(scenario, &[self.filter]);
-        let axes = self.axes.iter().filter(|axis| is_possible(&part, &axis.key)).cloned().collect();
-        let is_measured = |goal: &Goal| match goal {
-            Goal::FreeRun(sensor) => scenario.sensors.iter().any(|other| other.measures == *sensor),
-            Goal::Likelihood | Goal::Consistency => true,
-        };
-        let goal = Some(self.goal).filter(is_measured).unwrap_or(Goal::Likelihood);
-        Some(Self { filter: self.filter, axes, goal })
-    }
-
-    /// Ticks a setting, with its usual range, or unticks it. Those that would set the same number are unticked.
-    pub(crate) fn toggle(&mut self, key: &str, part: &Scenario) {
-        let is_ticked = self.axes.iter().any(|axis| axis.key == key);
-        self.axes.retain(|axis| !collide(&axis.key, key));
-        if let Ok(setting) = Setting::new(part, key)
-            && !is_ticked
-        {
-            self.axes.push(Axis::usual(&setting, part, 2));
-        }
-    }
-}
+pub use choice::TuneChoice;
 
 /// The result of a search.
 pub struct TuneResult {
@@ -125,9 +79,14 @@ impl Tuning {
         chosen.or_else(|| TuneChoice::usual(scenario, None))
     }
 
-    /// Takes over a choice.
-    pub fn choose(&mut self, choice: TuneChoice) {
-        self.choice = Some(choice);
+    /// The choice as the user has made it; none for the usual one.
+    pub fn chosen(&self) -> Option<&TuneChoice> {
+        self.choice.as_ref()
+    }
+
+    /// Takes over a choice, or goes back to the usual one.
+    pub fn choose(&mut self, choice: Option<TuneChoice>) {
+        self.choice = choice;
     }
 
     /// The share of the search that is done, at least, from 0 to 1; none where none is under way.
@@ -139,6 +98,16 @@ impl Tuning {
     pub fn path(&self) -> &[Try] {
         let result = self.result.as_ref().map_or(&[][..], |result| &result.tuned.path);
         self.search.as_ref().map_or(result, |search| search.tuner.path())
+    }
+
+    /// The path in a map whose axes are among the settings that are tuned: the filter's place there, and the points.
+    pub(crate) fn path_in(&self, survey: &Survey) -> Option<(usize, Vec<[f64; 2]>)> {
+        let of_search = |search: &Search| path_on_map(survey, &search.choice, &search.of, search.tuner.path());
+        let of_result = |result: &TuneResult| path_on_map(survey, &result.choice, &result.of, &result.tuned.path);
+        match &self.search {
+            Some(search) => of_search(search),
+            None => self.result.as_ref().and_then(of_result),
+        }
     }
 
     /// The result of the last search that came to an end.
@@ -201,28 +170,4 @@ impl Tuning {
             self.result = Some(TuneResult { choice, of, tuned: tuner.finish() });
         }
     }
-}
-
-/// The values of the tuned settings in the best cell of a map: its own settings must be among them. The others stay as they
-/// are.
-fn best_of_map(survey: &Survey, choice: &TuneChoice, part: &Scenario) -> Option<Vec<f64>> {
-    let filter = survey.filters().iter().position(|id| *id == choice.filter)?;
-    let place = |key: &str| choice.axes.iter().position(|axis| axis.key == key);
-    let [x, y] = survey.axes();
-    let places = [place(&x.key)?, place(&y.key)?];
-    let score = |cell: usize| {
-        let score = choice.goal.score(survey.value(cell, filter, choice.goal.measure())?);
-        score.is_finite().then_some((cell, score))
-    };
-    let (best, _) = (0..survey.ensemble().cells()).filter_map(score).max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-    let setting = |axis: &Axis| Setting::new(part, &axis.key).ok();
-    let mut values: Vec<f64> =
-        choice.axes.iter().map(|axis| setting(axis).map_or(f64::NAN, |setting| setting.get(part))).collect();
-    let present = survey.present(part);
-    for ((at, value), present) in places.into_iter().zip(survey.ensemble().values(best)).zip(present) {
-        // A factor of the map is relative to the numbers at the map's beginning.
-        let is_factor = setting(&choice.axes[at]).is_some_and(|setting| setting.is_factor());
-        values[at] = if is_factor { value / present } else { value };
-    }
-    values.iter().all(|value| value.is_finite()).then_some(values)
 }

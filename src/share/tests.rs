@@ -1,5 +1,7 @@
 //! Links that programs have written, and links that nobody should have written.
 
+use kalmanscope_core::Quantity;
+use kalmanscope_lab::tune::Goal;
 use kalmanscope_lessons::BUILT_IN;
 
 use super::*;
@@ -67,6 +69,22 @@ fn marks_speed_and_hidden_entries_come_along_and_cost_nothing_where_they_are_not
     let hidden = vec![LegendEntry::Truth, LegendEntry::Verdicts, LegendEntry::Filter(2)];
     let marked = Picture { speed: 0.25, ruler, hidden, ..plain };
     assert_eq!(read(&marked.fragment().expect("it is short")).expect("it is whole"), marked);
+}
+
+#[test]
+fn the_choices_of_the_laboratory_come_along_and_impossible_ones_are_told() {
+    let mut plain = picture();
+    plain.scenario.number_filters();
+    let usual = TuneChoice::usual(&plain.scenario, None).expect("there is a filter");
+    for goal in [Goal::Likelihood, Goal::Consistency, Goal::FreeRun(Quantity::DISPLACEMENT)] {
+        let laboratory = Choices { tuning: Some(TuneChoice { goal, ..usual.clone() }), ..Choices::default() };
+        let tuned = Picture { laboratory, ..plain.clone() };
+        let fragment = tuned.fragment().expect("it is short");
+        assert_eq!(read(&fragment).expect("it is whole").laboratory, tuned.laboratory);
+    }
+    let laboratory = Choices { tuning: Some(TuneChoice { filter: 99, ..usual }), ..Choices::default() };
+    let wrong = Picture { laboratory, ..plain }.fragment().expect("it is short");
+    assert!(read(&wrong).unwrap_err().to_string().contains("Tune for me: it is about filter number 99"));
 }
 
 #[test]

@@ -6,6 +6,9 @@ use super::Catalogue;
 use crate::probe;
 use crate::request::Request;
 
+/// The space between two lessons, for a pointer \[points\].
+const LINES_APART: f32 = 1.0;
+
 /// An invitation to the first lesson, for new users.
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
     let text = RichText::new("New here? Begin with the first lesson").color(ui.visuals().hyperlink_color);
@@ -22,6 +25,10 @@ pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Req
         // As high as the window allows.
         let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
+            if !ui.input(egui::InputState::has_touch_screen) {
+                // All of them in a window of usual height.
+                ui.spacing_mut().item_spacing.y = LINES_APART;
+            }
             let mut group = "";
             for (place, lesson) in catalogue.lessons().iter().enumerate() {
                 if lesson.group != group {

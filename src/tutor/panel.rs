@@ -98,30 +98,30 @@ impl Tutor {
             button.on_disabled_hover_text(missing.as_deref().unwrap_or_default()).clicked()
         };
         ui.add_space(4.0);
+        // Above the buttons, which stay where they are when it goes.
+        if let Some(missing) = &missing {
+            ui.label(RichText::new(missing).small().weak());
+        }
+        let is_last = step + 1 == lesson.steps.len();
+        let next = place.map(|place| place + 1).and_then(|next| Some((next, catalogue.at(next)?)));
+        if let Some((next, lesson)) = next.filter(|_| is_last)
+            && button(ui, "Next lesson", format!("Next: {}", lesson.title))
+        {
+            requests.extend([Request::FinishLesson, Request::StartLesson(next)]);
+        }
         ui.horizontal_wrapped(|ui| {
             if ui.add_enabled(*step > 0, Button::new("Back")).clicked() {
                 requests.push(Request::GoToStep(step - 1));
             }
             ui.weak(format!("{} of {}", step + 1, lesson.steps.len()));
-            if step + 1 < lesson.steps.len() {
+            if !is_last {
                 if button(ui, "Next", "Next".to_owned()) {
                     requests.push(Request::GoToStep(step + 1));
                 }
-                return;
-            }
-            if button(ui, "Done", "Done".to_owned()) {
+            } else if button(ui, "Done", "Done".to_owned()) {
                 requests.extend([Request::FinishLesson, Request::LeaveLesson]);
             }
-            let next = place.map(|place| place + 1).and_then(|next| Some((next, catalogue.at(next)?)));
-            if let Some((next, lesson)) = next
-                && button(ui, "Next lesson", format!("Next: {}", lesson.title))
-            {
-                requests.extend([Request::FinishLesson, Request::StartLesson(next)]);
-            }
         });
-        if let Some(missing) = missing {
-            ui.label(RichText::new(missing).small().weak());
-        }
     }
 
     /// The action that the next step waits for, if any.

@@ -7,6 +7,7 @@ mod head;
 mod legend;
 mod marks;
 mod panel;
+mod path;
 mod picture;
 mod places;
 mod scale;
@@ -20,6 +21,7 @@ use crate::view::{Proportions, View, ViewContext};
 use head::head_ui;
 use legend::Legend;
 use panel::PanelView;
+use path::Path;
 use places::{Place, arrange};
 
 pub(super) use legend::score_text;
@@ -63,12 +65,16 @@ impl View for Map {
         let panels = picture::panels(ui.ctx(), laboratory, survey, choice.measure, context.palette);
         medium.note_plots(ui.ctx(), panels.len());
         let has_truth = !marks::truths(survey.axes(), context).is_empty();
-        let legend = Legend::new(ui, &panels, (has_truth, choice.measure), room.width(), context.palette);
+        let path = laboratory.tuning().path_in(survey).map(|(filter, points)| Path { filter, points });
+        let path = path.filter(|path| path.points.len() > 1);
+        let marks = (has_truth, path.is_some(), choice.measure);
+        let legend = Legend::new(ui, &panels, marks, room.width(), context.palette);
         let bottom = (room.bottom() - legend.height).max(room.top() + PROGRESS);
         let area = Rect::from_min_max(room.min + vec2(0.0, PROGRESS), pos2(room.right(), bottom));
         for Place { at, room, has_bar } in arrange(ui, area, &panels, survey) {
             let is_old = laboratory.is_shown_old();
-            let view = PanelView { panel: &panels[at], survey, measure: choice.measure, is_old, has_bar };
+            let view =
+                PanelView { panel: &panels[at], survey, measure: choice.measure, path: path.as_ref(), is_old, has_bar };
             view.ui(ui, room, context, requests);
         }
         legend.ui(ui, pos2(room.left() + 4.0, bottom), context.palette);
@@ -79,7 +85,7 @@ impl View for Map {
 /// The laboratory with its choice and the survey to show. Where there is none, says why.
 pub(super) fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
     let laboratory = context.laboratory?;
-    if let Some(problem) = laboratory.problem() {
+    if let Some(problem) = laboratory.state().problem() {
         ui.weak(problem);
     }
     laboratory.choice().zip(laboratory.shown()).map(|(choice, survey)| (laboratory, choice, survey))

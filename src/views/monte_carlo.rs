@@ -57,7 +57,7 @@ impl View for MonteCarlo {
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
         let seeds = context.laboratory?.seeds();
         let medium = Medium::of(ui.ctx());
-        if let Some(problem) = seeds.problem() {
+        if let Some(problem) = seeds.state().problem() {
             ui.weak(problem);
             return None;
         }
@@ -116,12 +116,13 @@ fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_ol
         return;
     }
     let room = if is_wide {
-        // As high as the two charts beside it.
+        // As high as the two charts beside it, or as the legend above leaves room for.
         let corner = pos2(area.left() + width + 2.0 * GAP, area.top());
         let bottom = last.top() - height - GAP;
         let legend = Rect::from_min_max(corner, pos2(area.right(), bottom));
         let mut child = ui.new_child(UiBuilder::new().id_salt("legend").max_rect(legend));
         legend::legend_ui(&mut child, curves, context, is_old, true);
+        let bottom = bottom.max(child.min_rect().bottom() + GAP);
         Rect::from_min_max(pos2(area.left() + width + GAP, bottom), area.max)
     } else {
         Rect::from_min_max(pos2(area.left(), top), area.max)

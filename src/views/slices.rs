@@ -16,8 +16,15 @@ pub(super) struct Slices;
 /// Space between the plots \[points\].
 const GAP: f32 = 8.0;
 
-/// Limits the width of a plot below which plots are one below the other \[points\].
+/// Limits the width of a plot below which plots are one below the other, and the height in which they are \[points\].
 const LEAST: f32 = 170.0;
+const LEAST_HEIGHT: f32 = 240.0;
+
+/// Limits the ratio of height to width above which plots are one below the other.
+const UPRIGHT: f32 = 1.1;
+
+/// Limits how far below the best log likelihood a scale reaches: as a multiple of the distance of the median.
+const BELOW_BEST: f64 = 3.0;
 
 /// The ratio of the largest to the smallest score beyond which a scale is logarithmic.
 const DECADES: f64 = 50.0;
@@ -63,9 +70,11 @@ impl View for Slices {
     }
 }
 
+/// The rooms of both plots, beside each other or one below the other, so that neither is narrow.
 fn rooms(area: Rect) -> [Rect; 2] {
     let beside = 0.5 * (area.width() - GAP);
-    if beside >= LEAST || area.height() < 240.0 {
+    let is_high = area.height() > UPRIGHT * area.width();
+    if (beside >= LEAST && !is_high) || area.height() < LEAST_HEIGHT {
         let size = vec2(beside, area.height());
         return [0.0, beside + GAP].map(|x| Rect::from_min_size(area.min + vec2(x, 0.0), size));
     }
@@ -167,6 +176,7 @@ impl Slice<'_> {
 fn range(measure: Measure, values: impl Iterator<Item = f64>) -> Scale {
     let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
     let ends = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let ends = if measure == Measure::LogLikelihood { (ends.0.max(least_shown(values, ends.1)), ends.1) } else { ends };
     let (low, high) = if ends.0 <= ends.1 { ends } else { (0.0, 1.0) };
     if low > 0.0 && high > DECADES * low {
         return Scale::new(low / 1.3, high * 1.3, true);
@@ -175,4 +185,35 @@ fn range(measure: Measure, values: impl Iterator<Item = f64>) -> Scale {
     let (low, high) = if is_flag { (0.0, 1.0) } else { (low, high) };
     let margin = 0.06 * (high - low).max(1e-9 + 0.02 * high.abs());
     Scale::new(low - margin, high + margin, false)
+}
+
+/// The least log likelihood on a scale: impossible settings have such small ones that nothing else would be seen.
+fn least_shown(mut values: Vec<f64>, best: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let median = values.get(values.len() / 2).copied().unwrap_or(best);
+    best - BELOW_BEST * (best - median).max(10.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn impossible_settings_do_not_flatten_the_likelihood() {
+        let values = (-20..=20).map(|x: i32| 9000.0 - f64::from(x).powi(2) - 1e-9 * f64::from(x.min(0)).powi(12));
+        let scale = range(Measure::LogLikelihood, values);
+        let share = |value: f64| scale.share(value);
+        assert!(share(9000.0) > 0.9 && share(8600.0) > 0.05 && share(8600.0) < 0.8, "{}", share(8600.0));
+        assert!(share(-1e6) < 0.0, "out of sight");
+    }
+
+    #[test]
+    fn plots_stand_beside_each_other_where_there_is_width_for_both() {
+        let beside = |width: f32, height: f32| {
+            let [a, b] = rooms(Rect::from_min_size(Pos2::ZERO, vec2(width, height)));
+            a.top() == b.top()
+        };
+        assert!(beside(600.0, 300.0) && beside(300.0, 200.0));
+        assert!(!beside(370.0, 580.0) && !beside(470.0, 690.0) && !beside(300.0, 300.0));
+    }
 }

@@ -14,8 +14,8 @@ use crate::view::{Proportions, View, ViewContext};
 pub(super) struct Tune;
 
 /// Limits the width from which the result stands beside the settings, and the width of these \[points\].
-const WIDE: f32 = 660.0;
-const SETTINGS: f32 = 345.0;
+const WIDE: f32 = 675.0;
+const SETTINGS: f32 = 360.0;
 
 impl View for Tune {
     fn name(&self) -> &'static str {
@@ -61,15 +61,18 @@ impl View for Tune {
         let room = ui.available_rect_before_wrap();
         if room.width() < WIDE {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                settings::settings_ui(ui, context, &choice, is_working, requests);
+                settings::head_ui(ui, context, &choice, is_working, requests);
+                // In sight of the button.
                 result_ui(ui, requests);
+                settings::settings_ui(ui, context, &choice, requests);
             });
             return None;
         }
         let (left, right) = room.split_left_right_at_x(room.left() + SETTINGS);
         let mut left = ui.new_child(UiBuilder::new().id_salt("settings").max_rect(left));
         ScrollArea::vertical().auto_shrink(false).show(&mut left, |ui| {
-            settings::settings_ui(ui, context, &choice, is_working, requests);
+            settings::head_ui(ui, context, &choice, is_working, requests);
+            settings::settings_ui(ui, context, &choice, requests);
         });
         let right = right.with_min_x(right.left() + 12.0);
         let mut right = ui.new_child(UiBuilder::new().id_salt("result").max_rect(right));

@@ -396,3 +396,44 @@ fn two_marks_in_a_free_decay_tell_frequency_and_damping_by_hand() {
     }
     assert_eq!(numbers.len(), 2, "{by_hand}");
 }
+
+#[test]
+fn marks_belong_to_their_record() {
+    for other in ["Slow drift", "Measured: a circuit"] {
+        let mut screen = screen(DESKTOP, Theme::Light);
+        screen.state_mut().session_mut().set_mode(Mode::Whole);
+        screen.state_mut().session_mut().seek(20.0);
+        screen.key_press(Key::A);
+        screen.run_steps(2);
+        assert_eq!(marks(&screen), [Some(20.0), None]);
+        screen.get_by_label("Scenario").click();
+        screen.run_steps(3);
+        screen.get_by_label(other).click();
+        screen.run_steps(3);
+        assert_eq!(marks(&screen), [None, None], "{other}");
+    }
+}
+
+#[test]
+fn a_measured_scenario_shows_what_was_measured() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.get_by_label("Scenario").click();
+    screen.run_steps(3);
+    screen.get_by_label("Measured: a circuit").click();
+    screen.run_steps(3);
+    assert!(screen.query_by_label("About Measured and predicted").is_some());
+    assert!(screen.query_by_label("About Parameters").is_some(), "the other views stay");
+}
+
+#[test]
+fn a_message_about_something_done_goes_by_itself() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    screen.state_mut().session_mut().pause();
+    screen.key_press(Key::C);
+    screen.run_steps(3);
+    assert!(screen.state().notice().is_some_and(|notice| notice.contains("clipboard")));
+    screen.run_steps(60 * 7);
+    assert!(screen.state().notice().is_some(), "there is time to read it");
+    screen.run_steps(60 * 2);
+    assert_eq!(screen.state().notice(), None);
+}

@@ -268,3 +268,31 @@ fn a_verdict_that_a_lesson_speaks_of_is_in_sight() {
         }
     }
 }
+
+#[test]
+fn the_way_on_stays_where_it_is_from_question_to_answer_to_change() {
+    let mut screen = lesson(DESKTOP, "Fading memory and a sudden loss");
+    let place = |screen: &Screen, label: &str| screen.get_by_label(label).rect().center().y;
+    let before = place(&screen, "Next");
+    click(&mut screen, "Show me");
+    assert_eq!(place(&screen, "Next"), before, "after the answer");
+    click(&mut screen, "Next");
+    assert_eq!(place(&screen, "Next"), before, "before the change");
+    click(&mut screen, "λ = 1.005");
+    assert_eq!(place(&screen, "Next"), before, "after the change");
+    click(&mut screen, "Next");
+    click(&mut screen, "λ = 1.02");
+    click(&mut screen, "Next");
+    assert_eq!(place(&screen, "Done"), before, "a click too many ends the lesson, and does not begin another");
+}
+
+#[test]
+fn the_menu_has_all_lessons_in_sight_on_a_desktop() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    click(&mut screen, "Lessons");
+    for lesson in kalmanscope_lessons::lessons() {
+        let title = lesson.expect("a built-in lesson can be read").title;
+        let rect = screen.get_by_label(&title).rect();
+        assert!(rect.bottom() <= DESKTOP.y && rect.height() >= 22.0, "{title}: {rect}");
+    }
+}

@@ -69,7 +69,7 @@ fn dot(screen: &Screen) -> Pos2 {
 fn the_map_has_the_numbers_of_a_sweep_of_the_scenario() {
     let screen = laboratory(DESKTOP, Theme::Light, Some(2));
     let laboratory = screen.state().laboratory();
-    assert_eq!((laboratory.progress(), laboratory.problem()), (None, None));
+    assert_eq!((laboratory.progress(), laboratory.state().problem()), (None, None));
     let survey = laboratory.shown().expect("there is a map");
     for (at, name) in ["EKF", "UKF"].into_iter().enumerate() {
         let axes = survey.axes().map(|axis| Axis { key: axis.key.replace('*', name), ..axis.clone() }).to_vec();
@@ -90,7 +90,7 @@ fn the_dot_is_dragged_and_everything_follows_in_one_step_of_undo() {
     let mut screen = laboratory(DESKTOP, Theme::Light, None);
     screen.run_steps(90);
     let checksum = screen.state().session().run().checksum();
-    let known = screen.state().laboratory().version();
+    let known = screen.state().laboratory().state().version();
     let (from, to) = (dot(&screen), middle(&screen, [5, 2]));
     screen.hover_at(from);
     screen.run_steps(2);
@@ -112,7 +112,7 @@ fn the_dot_is_dragged_and_everything_follows_in_one_step_of_undo() {
     assert!((factor / expected - 1.0).abs() < 0.02, "{factor} instead of {expected}");
     assert_eq!(guess(&screen, 1), 8.0, "the filter that is not on the map stays");
     assert_ne!(screen.state().session().run().checksum(), checksum, "the run follows");
-    assert_eq!(screen.state().laboratory().version(), known, "the map stays");
+    assert_eq!(screen.state().laboratory().state().version(), known, "the map stays");
     assert!((dot(&screen) - to).length() < 2.0);
     screen.run_steps(90);
     screen.get_by_label("Undo").click();
@@ -166,7 +166,7 @@ fn a_link_shows_the_same_map_and_old_links_show_none() {
     let link = share::copy(&mut screen);
     let choice = screen.state().laboratory().choice().cloned();
     let mut other = super::screen(DESKTOP, Theme::Light);
-    assert_eq!(other.state().picture().map, None, "no view of it is shown");
+    assert_eq!(other.state().picture().laboratory.map, None, "no view of it is shown");
     other.event(egui::Event::Paste(link));
     other.run_steps(4);
     assert_eq!((other.state().notice(), other.state().laboratory().choice().cloned()), (None, choice));
@@ -176,11 +176,11 @@ fn a_link_shows_the_same_map_and_old_links_show_none() {
 #[test]
 fn out_of_sight_the_laboratory_rests() {
     let mut screen = laboratory(DESKTOP, Theme::Light, None);
-    let done = screen.state().laboratory().version();
+    let done = screen.state().laboratory().state().version();
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     screen.state_mut().session_mut().set_scenario(Scenario { duration: 6.0, ..Scenario::default() });
     screen.run_steps(4);
-    assert_eq!(screen.state().laboratory().version(), done);
+    assert_eq!(screen.state().laboratory().state().version(), done);
     *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Slices]);
     screen.run_steps(4);
     let shown = screen.state().laboratory().shown().expect("there is a map");

@@ -33,7 +33,7 @@ fn short() -> Scenario {
 fn the_statistics_are_those_of_the_seeds_run_alone() {
     let screen = monte_carlo(DESKTOP, Theme::Light, short(), 30);
     let seeds = screen.state().laboratory().seeds();
-    assert_eq!((seeds.progress(), seeds.problem()), (None, None));
+    assert_eq!((seeds.progress(), seeds.state().problem()), (None, None));
     let shown = seeds.shown().expect("there are some").statistics();
     let ensemble = MonteCarlo::ensemble(scenario(&screen).clone(), vec![0, 1], 30, shown.samples().len());
     let ensemble = ensemble.expect("it is possible");
@@ -84,11 +84,11 @@ fn a_link_and_a_saved_session_keep_the_seeds() {
     let mut screen = monte_carlo(DESKTOP, Theme::Light, short(), 44);
     let link = share::copy(&mut screen);
     let mut other = super::screen(DESKTOP, Theme::Light);
-    assert_eq!(other.state().picture().seeds, None, "no view of them is shown");
+    assert_eq!(other.state().picture().laboratory.seeds, None, "no view of them is shown");
     other.event(egui::Event::Paste(link));
     other.run_steps(4);
     assert_eq!(other.state().notice(), None);
-    assert_eq!(other.state().picture().seeds, Some(SeedChoice { seeds: 44, parameter: None }));
+    assert_eq!(other.state().picture().laboratory.seeds, Some(SeedChoice { seeds: 44, parameter: None }));
     let mut memory = Memory::default();
     screen.state_mut().save(&mut memory);
     let restored = App::restored(Some(&memory)).expect("it can be run");

@@ -92,7 +92,7 @@ fn the_menu_copies_a_link_of_the_page() {
     let mut screen = screen(DESKTOP, Theme::Light);
     *screen.state_mut() = App::with_scenario(Scenario::default()).expect("it runs").at_page("https://example.org/k/");
     screen.run_steps(2);
-    screen.get_by_label("Scenario").click();
+    screen.get_by_label("Export").click();
     screen.run_steps(3);
     screen.get_by_label("Copy link").click();
     let link = (0..4).find_map(|_| {

@@ -75,3 +75,19 @@ fn a_stopped_filter_says_so_and_the_rest_goes_on() {
     assert!(screen.query_by_label_contains("EKF stopped at").is_some());
     assert_eq!(screen.state().session().run().estimates()[1].len(), 6001);
 }
+
+#[test]
+fn a_third_view_leaves_the_oscillator_its_height_on_a_phone() {
+    let picture = "The oscillator: springs, dampers and masses, with each filter's estimate of the displacement";
+    for size in [PHONE, Vec2::new(844.0, 390.0)] {
+        for others in [&[ViewKind::Parameters][..], &[ViewKind::Parameters, ViewKind::States, ViewKind::Errors]] {
+            let mut screen = screen(size, Theme::Light);
+            *screen.state_mut().layout_mut() = Layout::column(&[&[ViewKind::Oscillator], others].concat());
+            screen.run_steps(5);
+            screen.get_by_label(picture).scroll_to_me();
+            screen.run_steps(20);
+            let rect = screen.get_by_label(picture).rect();
+            assert!(rect.height() > 60.0 && rect.bottom() <= size.y, "{rect} of {size} beside {others:?}");
+        }
+    }
+}

@@ -1,6 +1,8 @@
 //! Tuning: a search on screen, its result, and taking it.
 
+use kalmanscope::laboratory::Choices;
 use kalmanscope_core::{Pass, Run};
+use kalmanscope_lab::tune::Goal;
 
 use super::*;
 
@@ -59,4 +61,26 @@ fn another_change_makes_the_result_old() {
     set(&mut screen, "EKF fading factor", 1.02);
     assert!(screen.query_by_label("Use these values").is_none());
     assert!(screen.query_by_label_contains("tune again").is_some());
+}
+
+#[test]
+fn a_link_and_a_saved_session_carry_the_ticks_and_the_goal() {
+    let mut screen = tune(DESKTOP, Theme::Light);
+    screen.get_by_label("factor on √Q").click();
+    screen.run_steps(3);
+    choose(&mut screen, "Goal of the tuning", "a mean NIS as expected");
+    let chosen = screen.state().laboratory().tuning().chosen().cloned().expect("the user has chosen");
+    assert_eq!((chosen.axes.len(), chosen.goal), (2, Goal::Consistency));
+    let link = screen.state().link().expect("it is short");
+    let mut other = super::screen(DESKTOP, Theme::Light);
+    other.state_mut().open_address(&link);
+    other.run_steps(3);
+    assert_eq!(other.state().laboratory().tuning().chosen(), Some(&chosen));
+    let mut memory = Memory::default();
+    screen.state_mut().save(&mut memory);
+    let restored = App::restored(Some(&memory)).expect("it can be run");
+    assert_eq!(restored.laboratory().tuning().chosen(), Some(&chosen));
+    // Without the view a link says nothing of it.
+    *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
+    assert_eq!(screen.state().picture().laboratory, Choices::default());
 }

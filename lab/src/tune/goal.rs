@@ -1,11 +1,13 @@
 //! The goal of tuning.
 
 use kalmanscope_core::Quantity;
+use serde::{Deserialize, Serialize};
 
 use crate::Measure;
 
-/// The number that tuning makes as good as it can.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The number that tuning makes as good as it can. In files it is the name of its measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Measure", into = "Measure")]
 pub enum Goal {
     /// The log likelihood of all measurements, from the innovations and their covariances.
     ///
@@ -42,6 +44,27 @@ impl Goal {
             // A 95 % interval of one parameter: half the quantile 3.84 of χ² with one degree of freedom.
             Self::Likelihood => 1.92,
             Self::FreeRun(_) | Self::Consistency => 0.01,
+        }
+    }
+}
+
+impl From<Goal> for Measure {
+    fn from(goal: Goal) -> Self {
+        goal.measure()
+    }
+}
+
+impl TryFrom<Measure> for Goal {
+    type Error = String;
+
+    fn try_from(measure: Measure) -> Result<Self, Self::Error> {
+        match measure {
+            Measure::LogLikelihood => Ok(Self::Likelihood),
+            Measure::FreeRun(sensor) => Ok(Self::FreeRun(sensor)),
+            Measure::Nis => Ok(Self::Consistency),
+            other => {
+                Err(format!("`{other}` is no goal of tuning: it may be `log_likelihood`, `nis` or `free_run.SENSOR`"))
+            }
         }
     }
 }

@@ -139,10 +139,10 @@ fn a_map_under_way_comes_first() {
 fn without_filters_a_sentence_says_so() {
     let mut laboratory = slow(12);
     laboratory.follow_seeds(&session(), &[], true, &Context::default());
-    assert_eq!(laboratory.seeds().problem(), Some("No filter is shown."));
+    assert_eq!(laboratory.seeds().state().problem(), Some("No filter is shown."));
     assert!(laboratory.seeds().shown().is_none());
     follow(&mut laboratory, &session(), 1);
-    assert_eq!((laboratory.seeds().problem(), done(&laboratory)), (None, 1));
+    assert_eq!((laboratory.seeds().state().problem(), done(&laboratory)), (None, 1));
 }
 
 #[test]

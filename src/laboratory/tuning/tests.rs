@@ -1,7 +1,8 @@
 use super::*;
 use crate::laboratory::{Choice, Laboratory, Precision, Slices};
-use kalmanscope_core::Channel;
-use kalmanscope_lab::Measure;
+use kalmanscope_core::{Channel, Quantity};
+use kalmanscope_lab::tune::Goal;
+use kalmanscope_lab::{Axis, Measure, Setting};
 
 /// A session whose first filter takes its sensors for five times noisier than they are.
 fn session() -> Session {
@@ -46,7 +47,7 @@ fn a_tick_takes_those_away_that_would_set_the_same_number() {
 fn a_search_ends_with_better_values_which_are_applied_once() {
     let session = session();
     let mut laboratory = laboratory();
-    laboratory.tuning_mut().choose(choice(&SENSORS));
+    laboratory.tuning_mut().choose(Some(choice(&SENSORS)));
     laboratory.tune(&session);
     assert!(laboratory.tuning().progress().is_some());
     laboratory.follow_tuning(&session, false, &Context::default());
@@ -71,7 +72,7 @@ fn a_search_ends_with_better_values_which_are_applied_once() {
 fn a_change_of_the_settings_ends_the_search() {
     let mut session = session();
     let mut laboratory = laboratory();
-    laboratory.tuning_mut().choose(choice(&SENSORS));
+    laboratory.tuning_mut().choose(Some(choice(&SENSORS)));
     laboratory.tune(&session);
     let mut scenario = session.scenario().clone();
     scenario.filters[0].fading = 1.01;
@@ -84,7 +85,7 @@ fn a_change_of_the_settings_ends_the_search() {
 #[test]
 fn without_a_tick_a_sentence_says_so() {
     let mut laboratory = laboratory();
-    laboratory.tuning_mut().choose(choice(&[]));
+    laboratory.tuning_mut().choose(Some(choice(&[])));
     laboratory.tune(&session());
     assert_eq!(laboratory.tuning().problem(), Some("Tick a setting to tune."));
     assert!(!laboratory.tuning_mut().cancel());
@@ -111,9 +112,40 @@ fn the_search_begins_at_the_best_cell_of_a_map_of_its_settings() {
     let likelihood = |cell: usize| survey.value(cell, 0, Measure::LogLikelihood).unwrap();
     let best = (0..12).max_by(|a, b| likelihood(*a).total_cmp(&likelihood(*b))).unwrap();
     let (expected, score) = (survey.ensemble().values(best), likelihood(best));
-    laboratory.tuning_mut().choose(choice(&["filters.*.process_std", "filters.*.sensor_std"]));
+    laboratory.tuning_mut().choose(Some(choice(&["filters.*.process_std", "filters.*.sensor_std"])));
     laboratory.tune(&session);
     let second = &laboratory.tuning().path()[1];
     assert!((second.values[0] / expected[1] - 1.0).abs() < 1e-9 && (second.values[1] / expected[0] - 1.0).abs() < 1e-9);
     assert!((second.score / score - 1.0).abs() < 1e-9);
+    // The path in the map goes from the setting on screen over the best cell, whatever a factor is relative to.
+    let survey = laboratory.shown().unwrap();
+    let (filter, points) = laboratory.tuning().path_in(survey).unwrap();
+    let are_close = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a / b - 1.0).abs() < 1e-9);
+    assert_eq!(filter, 0);
+    assert!(
+        are_close(points[0], survey.present(session.scenario())) && are_close(points[1], [expected[0], expected[1]])
+    );
+    laboratory.tuning_mut().choose(Some(choice(&SENSORS)));
+    laboratory.tune(&session);
+    assert_eq!(laboratory.tuning().path_in(laboratory.shown().unwrap()), None, "the axes are not tuned");
+}
+
+#[test]
+fn an_impossible_choice_is_told() {
+    let session = session();
+    let scenario = session.scenario();
+    let usual = TuneChoice::usual(scenario, None).unwrap();
+    let error = |choice: &TuneChoice| choice.check(scenario).unwrap_err();
+    assert_eq!(usual.check(scenario), Ok(()));
+    assert!(error(&TuneChoice { filter: 99, ..usual.clone() }).contains("filter number 99"));
+    assert!(
+        error(&TuneChoice { goal: Goal::FreeRun(Quantity::ACCELERATION), ..usual.clone() }).contains("acceleration")
+    );
+    let with = |key: &str| {
+        let axis = Axis { key: key.to_owned(), ..usual.axes[0].clone() };
+        TuneChoice { axes: usual.axes.iter().cloned().chain([axis]).collect(), ..usual.clone() }
+    };
+    assert!(error(&with(SENSORS[0])).contains("set twice"));
+    assert!(error(&with("seed")).contains("not a setting of a filter"));
+    assert!(!error(&with("filters.*.speed")).is_empty());
 }

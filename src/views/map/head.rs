@@ -202,7 +202,7 @@ fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
 /// Stops the work, and goes on with it; says how far it is.
 fn work_ui(ui: &mut Ui, laboratory: &Laboratory, requests: &mut Vec<Request>) {
     let Some(share) = laboratory.progress() else { return };
-    let is_stopped = laboratory.is_stopped();
+    let is_stopped = laboratory.state().is_stopped();
     let button = ui.button(if is_stopped { "Go on" } else { "Stop" });
     if button.on_hover_text(format!("{:.0} % of the cells are known", 100.0 * share)).clicked() {
         requests.push(Request::ComputeMap(is_stopped));

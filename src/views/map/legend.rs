@@ -7,6 +7,7 @@ use kalmanscope_core::VerdictKind;
 use kalmanscope_lab::Measure;
 
 use super::cells::End;
+use super::path;
 use super::picture::Panel;
 use crate::text::significant;
 use crate::theme::Palette;
@@ -24,6 +25,7 @@ const GAP: f32 = 14.0;
 enum Mark {
     Line,
     Dashes,
+    Path,
     Hatching,
     Grey,
     Dot,
@@ -47,7 +49,7 @@ impl Legend {
     pub(super) fn new(
         ui: &Ui,
         panels: &[Panel],
-        (has_truth, measure): (bool, Measure),
+        (has_truth, has_path, measure): (bool, bool, Measure),
         width: f32,
         palette: &Palette,
     ) -> Self {
@@ -58,6 +60,7 @@ impl Legend {
             (true, Mark::Dot, "setting on screen"),
             (has_contour, Mark::Line, "consistent: mean NIS in its 99 % interval"),
             (has_truth, Mark::Dashes, "truth"),
+            (has_path, Mark::Path, "path of Tune for me"),
             (any(End::Lost), Mark::Hatching, "lost the truth"),
             (any(End::Stopped), Mark::Grey, if is_never { "stopped, or never settled" } else { "stopped" }),
             (is_never && !any(End::Stopped), Mark::Grey, "never settled"),
@@ -113,6 +116,7 @@ impl Mark {
                     );
                 }
             }
+            Self::Path => path::sample(painter, rect),
             Self::Grey => _ = painter.rect_filled(rect, 0.0, palette.grid),
             Self::Dot => {
                 painter.circle(rect.center(), 4.0, palette.warning, Stroke::new(1.0, Color32::WHITE));

@@ -6,6 +6,7 @@ use kalmanscope_lab::{Measure, Spacing};
 use super::bar::{self, bar_ui};
 use super::cells::is_ratio;
 use super::marks::{contour_ui, dot_ui, hatching_ui, said, truth_ui, truths};
+use super::path::{Path, path_ui};
 use super::picture::{Contents, Panel};
 use super::scale::CONSISTENT;
 use crate::controls::color::color_of;
@@ -28,6 +29,8 @@ pub(super) struct PanelView<'a> {
     pub(super) panel: &'a Panel,
     pub(super) survey: &'a Survey,
     pub(super) measure: Measure,
+    /// The path of a search through the map, if there is one.
+    pub(super) path: Option<&'a Path>,
     pub(super) is_old: bool,
     /// Whether the panel beside it has the same bar.
     pub(super) has_bar: bool,
@@ -36,7 +39,7 @@ pub(super) struct PanelView<'a> {
 impl PanelView<'_> {
     /// Draws the panel into a room.
     pub(super) fn ui(&self, ui: &mut Ui, room: Rect, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
-        let Self { panel, survey, measure: _, is_old, has_bar } = *self;
+        let Self { panel, survey, measure: _, path, is_old, has_bar } = *self;
         let axes = survey.axes();
         let mut ui = ui.new_child(UiBuilder::new().id_salt(self.key()).max_rect(room));
         let ui = &mut ui;
@@ -53,6 +56,9 @@ impl PanelView<'_> {
         graph.axes_ui(ui, names.each_ref().map(String::as_str), context.palette, false);
         contour_ui(ui, &graph, axes, &panel.contour);
         truth_ui(ui, &graph, &truths(axes, context));
+        if let Some(path) = path.filter(|path| panel.contents == Contents::Filter(path.filter)) {
+            path_ui(ui, &graph, path);
+        }
         if has_bar {
             bar_ui(ui, &graph, &panel.colors, context.palette);
         }

@@ -61,7 +61,7 @@ pub(super) fn panels(
     palette: &Palette,
 ) -> Arc<Vec<Panel>> {
     let of = (laboratory.edition(), measure, ctx.theme());
-    let version = laboratory.version();
+    let version = laboratory.state().version();
     let id = Id::unique("panels of the map");
     if let Some(kept) = ctx.data(|data| data.get_temp::<Kept>(id)).filter(|kept| kept.of == of) {
         let rest = (SHARE * kept.cost).saturating_sub(kept.made.elapsed());

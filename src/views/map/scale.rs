@@ -14,7 +14,7 @@ use crate::verdict::word;
 pub(super) const CONSISTENT: f64 = 2.575_829_303_548_901;
 
 /// The ratio of the largest to the smallest score beyond which colours are logarithmic.
-const DECADES: f64 = 20.0;
+const DECADES: f64 = 10.0;
 
 /// Limits the scores that the range of colours is taken from, and the share of them beyond either end.
 const MOST: usize = 4096;

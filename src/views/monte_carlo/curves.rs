@@ -56,7 +56,7 @@ pub(super) struct FilterCurves {
 /// The curves of the runs on screen.
 pub(super) fn of(ctx: &Context, seeds: &Seeds, runs: &SeedRuns, context: &ViewContext<'_>) -> Arc<Curves> {
     let wanted = seeds.choice().parameter;
-    cached(ctx, Id::unique("Monte Carlo"), (seeds.version(), wanted), || Some(made(runs, wanted, context)))
+    cached(ctx, Id::unique("Monte Carlo"), (seeds.state().version(), wanted), || Some(made(runs, wanted, context)))
 }
 
 fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> Curves {

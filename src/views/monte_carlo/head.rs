@@ -48,7 +48,7 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
             }
         }
         if let Some([done, all]) = seeds.progress() {
-            let is_stopped = seeds.is_stopped();
+            let is_stopped = seeds.state().is_stopped();
             if ui.button(if is_stopped { "Go on" } else { "Stop" }).clicked() {
                 requests.push(Request::RunSeeds(is_stopped));
             }

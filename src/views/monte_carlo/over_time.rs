@@ -25,7 +25,7 @@ const FILL: f32 = 0.16;
 const GREY: f32 = 0.32;
 
 /// Limits the axis of NEES and NIS.
-const RATIOS: RangeInclusive<f64> = 1e-3..=1e4;
+const RATIOS: RangeInclusive<f64> = 1e-3..=1e6;
 
 impl Chart {
     pub(super) const ALL: [Self; 3] = [Self::Nees, Self::Nis, Self::Error];

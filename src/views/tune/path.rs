@@ -1,4 +1,4 @@
-//! The path of the search: the score of each try that was better than all before.
+//! The path of the search: the gain of each try that was better than all before.
 
 use egui::{Pos2, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 
@@ -11,21 +11,18 @@ const HEIGHT: f32 = 190.0;
 
 /// Draws the path, if there is one.
 pub(super) fn path_ui(ui: &mut Ui, tuning: &Tuning, context: &ViewContext<'_>) {
-    let scores: Vec<f64> = tuning.path().iter().map(|tried| tried.score).collect();
-    let finite = || scores.iter().copied().filter(|score| score.is_finite() && score.abs() < 1e99);
-    let Some(high) = finite().reduce(f64::max) else { return };
-    let low = finite().fold(high, f64::min);
-    let margin = 0.06 * (high - low).max(1e-3 * high.abs()).max(1e-9);
+    let is_score = |score: &f64| score.is_finite() && score.abs() < 1e99;
+    let scores = || tuning.path().iter().map(|tried| tried.score);
+    // Where the filter stops at first, the gain is over the first try that comes to the end.
+    let Some(start) = scores().find(is_score) else { return };
+    let gains = || scores().enumerate().filter(|(_, score)| is_score(score)).map(|(at, score)| (at, score - start));
+    let high = gains().map(|(_, gain)| gain).fold(0.0, f64::max);
+    let margin = 0.06 * high.max(1e-3);
     let (room, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
-    let x = Scale::new(-0.3, scores.len().max(2) as f64 - 0.7, false);
-    let graph = Graph::new(room, x, Scale::new(low - margin, high + margin, false));
-    graph.axes_ui(ui, ["better tries, one after the other", "score, more is better"], context.palette, true);
-    let points: Vec<Pos2> = scores
-        .iter()
-        .enumerate()
-        .filter(|(_, score)| score.is_finite() && score.abs() < 1e99)
-        .map(|(at, score)| graph.at([at as f64, *score]))
-        .collect();
+    let x = Scale::new(-0.3, tuning.path().len().max(2) as f64 - 0.7, false);
+    let graph = Graph::new(room, x, Scale::new(-margin, high + margin, false));
+    graph.axes_ui(ui, ["better tries, one after the other", "gain over the start"], context.palette, true);
+    let points: Vec<Pos2> = gains().map(|(at, gain)| graph.at([at as f64, gain])).collect();
     let painter = ui.painter_at(graph.rect.expand(4.0));
     painter.extend(points.iter().map(|point| Shape::circle_filled(*point, 2.5, context.palette.accent)));
     painter.add(Shape::line(points, Stroke::new(1.6, context.palette.accent)));

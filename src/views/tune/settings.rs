@@ -11,8 +11,8 @@ use crate::request::Request;
 use crate::text::significant;
 use crate::view::ViewContext;
 
-/// Shows the choices and the button, and requests others where one of them changes.
-pub(super) fn settings_ui(
+/// Shows filter, goal and the button, and requests another choice where one of them changes.
+pub(super) fn head_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     choice: &TuneChoice,
@@ -29,7 +29,15 @@ pub(super) fn settings_ui(
             requests.push(Request::Tune(!is_working));
         }
     });
-    let part = part_of(scenario, &[choice.filter]);
+    if next != *choice {
+        requests.push(Request::ChooseTuning(Box::new(next)));
+    }
+}
+
+/// Shows the settings with their ranges, and requests another choice where one of them changes.
+pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, choice: &TuneChoice, requests: &mut Vec<Request>) {
+    let mut next = choice.clone();
+    let part = part_of(context.session.run().scenario(), &[choice.filter]);
     Grid::new("settings to tune").spacing(vec2(6.0, 3.0)).show(ui, |ui| {
         for text in ["setting", "now", "from", "to"] {
             ui.weak(text);

@@ -1,0 +1,22 @@
+//! What a record is made of: a table that is shared with the window, and the choices in it.
+
+use std::borrow::Borrow;
+use std::sync::Arc;
+
+use kalmanscope_core::import::{Mapping, Table};
+use kalmanscope_core::{Hold, InputKind};
+
+use crate::session::RecordFile;
+
+/// The choices that a record depends on.
+pub(super) type Choices = (Mapping, InputKind, Hold);
+
+/// The table of a file that records are made of.
+#[derive(Clone, Debug)]
+pub(super) struct Shared(pub(super) Arc<RecordFile>);
+
+impl Borrow<Table> for Shared {
+    fn borrow(&self) -> &Table {
+        &self.0.table
+    }
+}

@@ -1,0 +1,56 @@
+//! All that the user has chosen in the laboratory, for links and sessions.
+
+use kalmanscope_core::Scenario;
+
+use super::{Choice, Laboratory, SeedChoice, TuneChoice};
+
+/// The choices of all views of the laboratory; none where the usual one holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Choices {
+    /// The map.
+    pub map: Option<Choice>,
+    /// The seeds of Monte Carlo.
+    pub seeds: Option<SeedChoice>,
+    /// The settings to tune and the goal.
+    pub tuning: Option<TuneChoice>,
+}
+
+impl Choices {
+    /// Whether the choices are possible with a scenario.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong.
+    pub fn check(&self, scenario: &Scenario) -> Result<(), String> {
+        let Self { map, seeds, tuning } = self;
+        map.as_ref().map_or(Ok(()), |map| map.check(scenario))?;
+        seeds.as_ref().map_or(Ok(()), SeedChoice::check).map_err(|reason| format!("Monte Carlo: {reason}"))?;
+        tuning
+            .as_ref()
+            .map_or(Ok(()), |tuning| tuning.check(scenario))
+            .map_err(|reason| format!("Tune for me: {reason}"))
+    }
+
+    /// These choices, and others where there is none.
+    pub(crate) fn or(self, others: Self) -> Self {
+        let Self { map, seeds, tuning } = self;
+        Self { map: map.or(others.map), seeds: seeds.or(others.seeds), tuning: tuning.or(others.tuning) }
+    }
+}
+
+impl Laboratory {
+    /// The choices of all views.
+    pub fn choices(&self) -> Choices {
+        Choices {
+            map: self.choice().cloned(),
+            seeds: Some(self.seeds().choice().clone()),
+            tuning: self.tuning().chosen().cloned(),
+        }
+    }
+
+    /// Takes over the choices of all views.
+    pub fn restore(&mut self, Choices { map, seeds, tuning }: Choices) {
+        self.choose(map);
+        self.seeds_mut().choose(seeds.unwrap_or_default());
+        self.tuning_mut().choose(tuning);
+    }
+}

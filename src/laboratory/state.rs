@@ -1,0 +1,59 @@
+//! The state of work that the user sees: whether it has been stopped, why it is not possible, and whether there is something
+//! new to show.
+
+/// The state of the work on a map, or on the statistics over many seeds.
+#[derive(Debug, Default)]
+pub struct WorkState {
+    is_stopped: bool,
+    problem: Option<String>,
+    version: u64,
+}
+
+impl WorkState {
+    /// Whether the user has stopped the work.
+    pub fn is_stopped(&self) -> bool {
+        self.is_stopped
+    }
+
+    /// Why there is nothing to show, if so.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
+    /// A number that changes with what is to be shown.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Stops the work, or lets it go on. Returns whether that changes anything: work that is complete cannot be stopped.
+    pub(super) fn set_stopped(&mut self, stopped: bool, is_incomplete: bool) -> bool {
+        let changes = self.is_stopped != stopped && is_incomplete;
+        if changes {
+            self.is_stopped = stopped;
+        }
+        changes
+    }
+
+    /// Other work has been chosen: it goes on.
+    pub(super) fn go_on(&mut self) {
+        self.is_stopped = false;
+    }
+
+    /// Other work has begun.
+    pub(super) fn begin(&mut self) {
+        (self.is_stopped, self.problem) = (false, None);
+    }
+
+    /// There is nothing to show, for a reason.
+    pub(super) fn fail(&mut self, problem: String) {
+        if self.problem.as_ref() != Some(&problem) {
+            self.problem = Some(problem);
+            self.version += 1;
+        }
+    }
+
+    /// There is something new to show.
+    pub(super) fn show_new(&mut self) {
+        self.version += 1;
+    }
+}
