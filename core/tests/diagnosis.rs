@@ -166,3 +166,21 @@ fn tests_and_causes_have_names_of_their_own_and_say_how_to_read_them() {
     let known = |key: &&str| CAUSES.iter().any(|cause| cause.key == *key);
     assert!(Fault::ALL.iter().all(|fault| fault.causes().iter().all(known)));
 }
+
+/// Of a part that is forgiven for an error, no sentence says that innovations are as large as expected.
+#[test]
+fn what_a_filter_has_recovered_from_is_said() {
+    let mut told = Vec::new();
+    for seed in [503_256, 504_624, 505_632] {
+        let situation = Situation::draw(seed);
+        let record = situation.record().unwrap();
+        let mut run = Run::on_record(&situation.told, record.clone()).unwrap();
+        run.finish();
+        let estimates = &run.estimates()[0];
+        let diagnosis = Diagnosis::new(&Diagnostics::new(estimates, &record), estimates, &record, None).unwrap();
+        let recovery = diagnosis.evidence.into_iter().filter(|one| one.test.name == "recovery");
+        told.extend(recovery.map(|one| one.sentence));
+    }
+    assert_eq!(told.len(), 3);
+    assert!(told.iter().all(|sentence| sentence.contains("times its σ off")), "{told:#?}");
+}

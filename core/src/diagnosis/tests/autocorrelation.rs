@@ -9,6 +9,9 @@ use crate::diagnostics::chi_squared;
 /// Limits the correlations that do no harm.
 const TOLERANCE: f64 = 0.08;
 
+/// A first correlation that is smaller than this share of the largest tells no direction.
+const SLIGHT: f64 = 0.5;
+
 pub(super) static TEST: Test = Test {
     name: "whiteness of the innovations",
     statistic: "N (N + 2) Σ r_l² / (N - l) over the lags l = 1 … 20",
@@ -38,7 +41,11 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
                 statistic,
                 p_value: chi_squared::upper_tail(statistic, LAGS as u32 - 1).unwrap_or(1.0),
                 effect: largest.abs() / TOLERANCE,
-                speaks_for: direction(case, first, one.level(&span.parts)),
+                speaks_for: direction(
+                    case,
+                    if first.abs() < SLIGHT * largest.abs() { largest } else { first },
+                    one.level(&span.parts),
+                ),
                 sentence: format!("the innovations of the {sensor} are correlated{when}: {first:.2} at lag 1{also}"),
                 ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
             });
@@ -50,11 +57,11 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
 const ABOUT_RIGHT: f64 = 1.05;
 
 /// The verdict that a correlation speaks for. Where the filter expects larger innovations than there are, it trusts its
-/// sensors too little, whatever the sign; else innovations that resemble the one before are errors that stay.
-fn direction(case: &Case<'_>, first: f64, own: f64) -> VerdictKind {
+/// sensors too little, whatever the sign; else innovations that resemble those before are errors that stay.
+fn direction(case: &Case<'_>, correlation: f64, own: f64) -> VerdictKind {
     let (level, _) = case.nis(&case.kept);
     let are_small = level < 1.0 || own < 1.0 && level < ABOUT_RIGHT;
-    if case.any_too_small() && level < 1.15 || first < 0.0 && are_small {
+    if case.any_too_small() && level < 1.15 || correlation < 0.0 && are_small {
         VerdictKind::Underconfident
     } else {
         VerdictKind::Overconfident

@@ -1,9 +1,16 @@
 //! Whether a part of the record was bad, and the filter has come back from it.
 
 use crate::diagnosis::case::Case;
+use crate::diagnosis::errors::ChannelErrors;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
+
+/// Innovations² that surprise nobody, over their expectation.
+const CALM: std::ops::Range<f64> = 0.8..1.25;
+
+/// The error of a channel that is worth a word, in standard deviations.
+const OFF: f64 = 2.0;
 
 pub(super) static TEST: Test = Test {
     name: "recovery",
@@ -17,8 +24,19 @@ pub(super) static TEST: Test = Test {
 fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let Some(samples) = case.forgiven_samples() else { return };
     let [from, to] = [samples.start, samples.end].map(|k| short(case.record.time(k.min(case.samples.end - 1))));
+    let (level, of_innovations) = innovations(case);
+    let (off, of_errors) = errors(case);
+    let is_error = off > OFF && CALM.contains(&level);
+    let (statistic, what) = if is_error { (off, of_errors) } else { (level, of_innovations) };
+    let sentence = format!("between {from} s and {to} s {what}; it has recovered");
+    let one = Evidence::new(test, Subject::All, case).certain(VerdictKind::Recovered, 1.0, sentence);
+    found.push(Evidence { statistic, samples, ..one });
+}
+
+/// The innovations² in the forgiven parts, over their expectation, and words for them: those of a sensor, where all sensors
+/// together are as expected.
+fn innovations(case: &Case<'_>) -> (f64, String) {
     let level = case.nis(&case.forgiven).0;
-    // Of a sensor, where all sensors together are as expected.
     let distance = |level: f64| libm::log(level).abs();
     let farthest = case.sensors.iter().map(|one| (one.level(&case.forgiven), one.sensor.key()));
     let farthest = farthest.max_by(|a, b| distance(a.0).total_cmp(&distance(b.0)));
@@ -26,10 +44,14 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         Some((of_sensor, key)) if (0.9..1.1).contains(&level) => (of_sensor, format!(" of the {key}")),
         _ => (level, String::new()),
     };
-    let sentence = format!(
-        "between {from} s and {to} s innovations²{whose} are {} times what the filter expects; it has recovered",
-        short(level)
-    );
-    let one = Evidence::new(test, Subject::All, case).certain(VerdictKind::Recovered, 1.0, sentence);
-    found.push(Evidence { statistic: level, samples, ..one });
+    (level, format!("innovations²{whose} are {} times what the filter expects", short(level)))
+}
+
+/// The largest root mean square error of a channel in the forgiven parts, in standard deviations, and words for it; 0 where
+/// no truth is known.
+fn errors(case: &Case<'_>) -> (f64, String) {
+    let of = |one: &ChannelErrors| (one.level(&case.forgiven).sqrt(), one.channel.name());
+    let known = case.errors.iter().map(of).filter(|(off, _)| !off.is_nan());
+    let (off, name) = known.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, ""));
+    (off, format!("the {name} is {} times its σ off", short(off)))
 }
