@@ -40,6 +40,13 @@ pub fn in_hertz(x: f64, unit: &str) -> Option<String> {
     (unit == "rad/s").then(|| format!("{} Hz", significant(x / TAU, 4)))
 }
 
+/// An error of an angular frequency \[rad/s\] in hertz, for one that is written with `decimals`; `None` where the unit is
+/// another one.
+pub fn error_in_hertz(x: f64, unit: &str, decimals: usize) -> Option<String> {
+    // A hertz is more than six radians a second.
+    (unit == "rad/s").then(|| format!("{} Hz", fixed(x / TAU, decimals + 1)))
+}
+
 /// Reads the output of [`significant`], and any number in Rust's notation.
 pub fn parse(text: &str) -> Option<f64> {
     text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
@@ -111,6 +118,8 @@ mod tests {
         assert_eq!(in_hertz(6.0, "rad/s").as_deref(), Some("0.9549 Hz"));
         assert_eq!(in_hertz(-0.1 * TAU, "rad/s").as_deref(), Some("−0.1 Hz"));
         assert_eq!(in_hertz(6.0, "m/s"), None);
+        assert_eq!(error_in_hertz(-0.002_286, "rad/s", 3).as_deref(), Some("−0.0004 Hz"));
+        assert_eq!(error_in_hertz(0.1, "m", 3), None);
     }
 
     #[test]

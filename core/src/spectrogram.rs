@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn the_density_of_a_tone_has_its_power_and_windows_come_one_by_one() {
-        let measured: Vec<f64> = (0..30_000).map(|k| 3.0 * libm::sin(0.7 * k as f64)).collect();
+        let measured: Vec<f64> = (0..30_000).map(|k| 3.0 * libm::sin(0.7 * f64::from(k))).collect();
         let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: vec![0.0; 30_000] };
         let record = Record::new(0.02, input, vec![(Quantity::DISPLACEMENT, measured)]).unwrap();
         let mut windows = Windows::new(&record, 0, 30_000, 4).unwrap();

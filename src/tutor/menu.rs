@@ -7,7 +7,7 @@ use crate::probe;
 use crate::request::Request;
 
 /// The space between two lessons, for a pointer \[points\].
-const LINES_APART: f32 = 1.0;
+const LINES_APART: f32 = 2.0;
 
 /// An invitation to the first lesson, for new users.
 pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {

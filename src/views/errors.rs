@@ -10,7 +10,7 @@ use crate::plot::series::{Band, Series};
 use crate::request::Request;
 use crate::session::{Bound, Wanted};
 use crate::sheet::{Column, Sheet, readouts};
-use crate::text::{decimals, fixed, in_hertz};
+use crate::text::{decimals, error_in_hertz, fixed};
 use crate::view::{View, ViewContext};
 
 /// Estimate minus truth.
@@ -82,7 +82,7 @@ fn columns<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec<Column<'a>> {
         let color = palette.shade(estimates.color());
         let column = Column::new(estimates.name(), color, move |k| (k < estimates.len()).then(|| text(k)));
         let error = move |k: usize| (k < estimates.len()).then(|| estimates.canonical_mean(k, at) - truth[k]);
-        Some(column.with_aside(move |k| in_hertz(error(k)?, channel.unit())))
+        Some(column.with_aside(move |k| error_in_hertz(error(k)?, channel.unit(), decimals)))
     };
     context.filters().filter_map(column).collect()
 }
