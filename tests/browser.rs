@@ -105,6 +105,22 @@ fn maps_are_computed_by_web_gpu() {
     });
 }
 
+/// `cargo test --test browser -- --ignored --nocapture`: the time of large maps.
+#[test]
+#[ignore = "a measurement, which wants the machine for itself"]
+fn large_maps_in_workers() {
+    let address = served().page();
+    let driver = Driver::start();
+    runtime().block_on(async {
+        for filter in ["EKF", "UKF"] {
+            let page = driver.open().await;
+            page.prepare(laboratory::STOPWATCH).await;
+            starts(&page, &format!("{address}{}", laboratory::large_map(filter))).await;
+            laboratory::time_of_a_map(&page, filter).await;
+        }
+    });
+}
+
 /// `cargo test --test browser -- --ignored --nocapture`: frames a second over the whole record, and where the time goes.
 #[test]
 #[ignore = "a measurement, which wants the machine for itself"]

@@ -2,7 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use kalmanscope_core::Source;
+use kalmanscope::App;
+use kalmanscope::laboratory::Choice;
+use kalmanscope::layout::Layout;
+use kalmanscope::request::ViewKind;
+use kalmanscope::session::Mode;
+use kalmanscope_core::{Scenario, Source};
 use kalmanscope_lab::{Ensemble, Runner, Sheet};
 use serde_json::Value;
 
@@ -32,4 +37,39 @@ pub(crate) async fn a_map_is_made_in_workers(page: &Page) {
     assert_eq!(map["checksum"], Value::from(format!("{:016x}", sheet.checksum())));
     let loaded = page.value("performance.getEntriesByType('resource').map(it => it.name).join(' ')").await;
     assert!(loaded.as_str().unwrap().contains("laboratory-worker.js?v="), "{loaded}");
+}
+
+/// Notes the time of the first rows of a map, of a picture from every eighth cell each way, and of the last row \[ms\].
+pub(crate) const STOPWATCH: &str = "
+    window.rows = {};
+    setInterval(() => {
+        const map = window.wasmBindings?.kalmanscope_summary && JSON.parse(wasmBindings.kalmanscope_summary()).map;
+        if (!map) return;
+        const note = (name, least) => { if (map.done >= least) window.rows[name] ??= performance.now(); };
+        note('first', 1);
+        note('picture', map.cells / 64);
+        note('last', map.cells);
+    }, 20);";
+
+/// The link to a map of 128 × 128 runs of 2 001 samples by this filter of the usual scenario.
+pub(crate) fn large_map(filter: &str) -> String {
+    let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
+    scenario.filters.retain(|other| other.name == filter);
+    let mut app = App::with_scenario(scenario).unwrap();
+    *app.layout_mut() = Layout::column(&[ViewKind::Map]);
+    let run = app.session().run();
+    let choice = Choice::usual(run.scenario(), run.record(), false, 128).unwrap();
+    app.laboratory_mut().choose(Some(choice));
+    // A picture that moves takes time from the workers where there is no graphics processor.
+    app.session_mut().set_mode(Mode::Whole);
+    app.session_mut().pause();
+    app.link().unwrap()
+}
+
+/// Prints how long a map takes from the first frame on, with the start of the workers.
+pub(crate) async fn time_of_a_map(page: &Page, filter: &str) {
+    page.wait_until("window.rows.last !== undefined", PATIENCE).await.unwrap();
+    let times = "(frame => ['first', 'picture', 'last'].map(name => window.rows[name] - frame))\
+                 (performance.getEntriesByName('first frame')[0].startTime)";
+    println!("{filter}: first rows, first picture and all rows after [ms] {}", page.value(times).await);
 }

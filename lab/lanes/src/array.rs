@@ -6,12 +6,12 @@ use crate::lane::{LANES, Lane, Mask};
 
 /// Numbers.
 #[derive(Clone, Copy)]
-#[repr(align(64))]
+#[cfg_attr(not(target_arch = "wasm32"), repr(align(64)))]
 pub(crate) struct Array([f64; LANES]);
 
 /// Truth values: all bits of a lane are ones, or none, as the comparisons of vector units have it.
 #[derive(Clone, Copy)]
-#[repr(align(64))]
+#[cfg_attr(not(target_arch = "wasm32"), repr(align(64)))]
 pub(crate) struct Bits([u64; LANES]);
 
 impl Array {

@@ -119,7 +119,7 @@ fn groups(filters: &[Option<OscillatorFilter>], runs: &[LaneRun<'_>]) -> Vec<Vec
     places
 }
 
-/// Runs up to eight filters; lanes that are left over repeat the last one.
+/// Runs as many filters as there are lanes, or fewer; lanes that are left over repeat the last one.
 fn run_batch(
     level: Level,
     places: &[usize],

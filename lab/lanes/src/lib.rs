@@ -1,8 +1,9 @@
-//! Filters side by side: eight runs at a time in the lanes of vector registers, each with the bits of the single filter.
+//! Filters side by side: eight runs at a time in the lanes of vector registers, two in a browser, each with the bits of the
+//! single filter.
 //!
 //! ```text
-//! runs ──alike──▶ batches of eight ──steps in lanes──▶ outcomes
-//!                        └ a lane whose step is special: the single filter takes it
+//! runs ──alike──▶ batches ──steps in lanes──▶ outcomes
+//!                    └ a lane whose step is special: the single filter takes it
 //! ```
 //!
 //! KF, EKF and UKF of the linear oscillator go in lanes ([`serves`]); [`outcomes`] runs any other filter by itself. A step in
