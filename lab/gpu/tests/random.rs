@@ -2,34 +2,22 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 mod common;
+#[path = "../../lanes/tests/common/mod.rs"]
+mod runs;
 
 use common::{CLOSE, gpu};
-use kalmanscope_core::record::Input;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Force, Quantity, Record, Scenario, Sensor, Signal, Values,
-};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Scenario};
 use kalmanscope_gpu::{GpuRun, serves};
 use kalmanscope_lab::simulate;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-
-const CHANNELS: [Channel; 4] =
-    [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+use runs::{CHANNELS, Shaken, size, values, with_gaps};
 
 /// The scenarios of a test, and the number of filters in each.
 const SCENARIOS: usize = 40;
 const FILTERS: usize = 12;
-
-fn values(of: [f64; 4]) -> Values {
-    Values::ZERO.with(CHANNELS.into_iter().zip(of))
-}
-
-/// A number between two powers of ten.
-fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
-    exponents.prop_map(|e| 10_f64.powf(e))
-}
 
 fn zero_or(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 5 => size(exponents)]
@@ -72,34 +60,9 @@ fn ensemble() -> impl Strategy<Value = Scenario> {
     )
         .prop_flat_map(|(measured, kind, (seed, dt, steps), (wn, zeta, force))| {
             let filters = proptest::collection::vec(filter(kind, measured.len(), [wn, zeta]), FILTERS);
-            filters.prop_map(move |filters| {
-                let plant = kalmanscope_core::Plant::default();
-                let plant = plant.with(CHANNELS[2], Signal::Constant(wn)).with(CHANNELS[3], Signal::Constant(zeta));
-                let sensors = measured.iter().map(|&measures| Sensor { measures, noise_std: 0.02 }).collect();
-                Scenario {
-                    seed,
-                    dt,
-                    duration: f64::from(steps) * dt,
-                    plant,
-                    force: Force::WhiteNoise { std: force },
-                    sensors,
-                    filters,
-                    ..Scenario::default()
-                }
-            })
+            let shaken = Shaken { seed, steps: (dt, steps), parameters: [wn, zeta], force };
+            filters.prop_map(move |filters| shaken.watched(&measured, filters))
         })
-}
-
-/// The record where some measurements are missing, with or without its truth.
-fn with_gaps(record: &Record, keeps_truth: bool, is_missing: impl Fn(usize, usize) -> bool) -> Record {
-    let columns = record.sensors().iter().enumerate().map(|(sensor, &quantity)| {
-        let keep = |(k, &value): (usize, &f64)| if is_missing(sensor, k) { f64::NAN } else { value };
-        (quantity, record.measured(sensor).iter().enumerate().map(keep).collect())
-    });
-    let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
-    let new = Record::new(record.dt(), input, columns.collect()).unwrap();
-    let truth = CHANNELS.map(|channel| (channel, record.truth(channel).unwrap().to_vec()));
-    if keeps_truth { new.with_truth(truth.to_vec()).unwrap() } else { new }
 }
 
 #[derive(Debug, Default)]
@@ -171,7 +134,7 @@ impl Tally {
             pairs.push((format!("mean of {}", channel.key()), outcome.mean[i], exact.mean[i], 0.1 / CLOSE * room));
         }
         for ((channel, score), (_, other)) in outcome.channels.iter().zip(&exact.channels) {
-            // What a filter knows for certain and rightly has no error but that of single precision.
+            // A parameter that a filter rightly knows for certain has the error of single precision alone.
             let size = other.rmse.max(1e-5);
             pairs.push((format!("RMSE of {}", channel.key()), score.rmse, other.rmse, size));
         }
@@ -208,7 +171,7 @@ fn random_runs_of_other_seeds() {
     }
 }
 
-/// What a filter cannot go on with stops it on the graphics processor too, at the same sample, with the sums until then.
+/// A filter that overflows stops on the graphics processor at the same sample as in the core, with the same sums until then.
 #[test]
 fn a_filter_that_overflows_stops() {
     let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };

@@ -1,38 +1,26 @@
 //! Every lane has the bits of the single filter.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-use kalmanscope_core::record::Input;
+mod common;
+
+use common::{CHANNELS, Shaken, size, values, with_gaps};
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Force, Quantity, Record, Run, Scenario, Sensor, Signal, Values,
-};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Values};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};
-
-const PARAMETERS: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
 /// The same cases every time, so that a failure is reproducible.
 fn config(cases: u32) -> ProptestConfig {
     ProptestConfig { cases, rng_seed: RngSeed::Fixed(20_261_122), failure_persistence: None, ..Default::default() }
 }
 
-/// A number of any size between two powers of ten.
-fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
-    exponents.prop_map(|e| 10_f64.powf(e))
-}
-
 fn zero_or(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 7 => size(exponents)]
 }
 
-fn values(of: [f64; 4]) -> Values {
-    let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, PARAMETERS[0], PARAMETERS[1]];
-    Values::ZERO.with(channels.into_iter().zip(of))
-}
-
-/// Four numbers as values of the channels.
+/// Numbers of one kind for all channels.
 fn per_channel<S: Strategy<Value = f64>>(of: impl Fn() -> S) -> impl Strategy<Value = Values> {
     [of(), of(), of(), of()].prop_map(values)
 }
@@ -80,21 +68,8 @@ fn ensemble() -> impl Strategy<Value = Scenario> {
     )
         .prop_flat_map(|(measured, kind, (decays, wild), (seed, dt, steps), (wn, zeta, force), lanes)| {
             let filters = proptest::collection::vec(filter(kind, measured.len(), decays, wild), lanes);
-            filters.prop_map(move |filters| {
-                let plant = kalmanscope_core::Plant::default();
-                let plant = plant.with(PARAMETERS[0], Signal::Constant(wn)).with(PARAMETERS[1], Signal::Constant(zeta));
-                let sensors = measured.iter().map(|&measures| Sensor { measures, noise_std: 0.02 }).collect();
-                Scenario {
-                    seed,
-                    dt,
-                    duration: f64::from(steps) * dt,
-                    plant,
-                    force: Force::WhiteNoise { std: force },
-                    sensors,
-                    filters,
-                    ..Scenario::default()
-                }
-            })
+            let shaken = Shaken { seed, steps: (dt, steps), parameters: [wn, zeta], force };
+            filters.prop_map(move |filters| shaken.watched(&measured, filters))
         })
 }
 
@@ -102,19 +77,6 @@ fn simulated(scenario: &Scenario) -> Record {
     let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
     run.finish();
     run.record().clone()
-}
-
-/// The same record where some measurements are missing, with or without its truth.
-fn with_gaps(record: &Record, keeps_truth: bool, is_missing: impl Fn(usize, usize) -> bool) -> Record {
-    let columns = record.sensors().iter().enumerate().map(|(sensor, &quantity)| {
-        let keep = |(k, &value): (usize, &f64)| if is_missing(sensor, k) { f64::NAN } else { value };
-        (quantity, record.measured(sensor).iter().enumerate().map(keep).collect())
-    });
-    let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
-    let new = Record::new(record.dt(), input, columns.collect()).unwrap();
-    let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, PARAMETERS[0], PARAMETERS[1]];
-    let truth = channels.map(|channel| (channel, record.truth(channel).unwrap().to_vec()));
-    if keeps_truth { new.with_truth(truth.to_vec()).unwrap() } else { new }
 }
 
 /// Every number of an outcome, bit by bit; one NaN is as good as another.
@@ -205,7 +167,7 @@ fn random_ensembles_are_of_all_kinds() {
             served += usize::from(serves(&run).unwrap());
             stopped += usize::from(outcome.stop.is_some());
             mirrored += usize::from(outcome.mean[2] < 0.0);
-            let frequency = scenario.filters[run.place].initial_mean[PARAMETERS[0]];
+            let frequency = scenario.filters[run.place].initial_mean[CHANNELS[2]];
             long += usize::from(frequency.abs() * scenario.dt > 0.25);
         }
     }
@@ -223,8 +185,8 @@ fn filters_that_stop_and_filters_that_do_not_share_a_batch() {
         .map(|i| {
             let mut filter = good.clone();
             if i % 3 == 1 {
-                filter.initial_mean[PARAMETERS[1]] = -40.0 * f64::from(i);
-                filter.initial_mean[PARAMETERS[0]] = 300.0;
+                filter.initial_mean[CHANNELS[3]] = -40.0 * f64::from(i);
+                filter.initial_mean[CHANNELS[2]] = 300.0;
                 filter.sensor_std = vec![1e3, 1e3];
             }
             filter
@@ -257,12 +219,12 @@ fn a_determinant_out_of_range_is_taken_from_the_covariance() {
 fn a_truth_that_is_missing_at_times_is_left_to_the_single_filter() {
     let scenario = Scenario { duration: 4.0, ..Scenario::default() };
     let record = simulated(&scenario);
-    let mut truth = record.truth(PARAMETERS[0]).unwrap().to_vec();
+    let mut truth = record.truth(CHANNELS[2]).unwrap().to_vec();
     truth[100..150].fill(f64::NAN);
     let whole = with_gaps(&record, true, |_, _| false);
-    let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, PARAMETERS[1]];
+    let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, CHANNELS[3]];
     let mut columns = channels.map(|channel| (channel, whole.truth(channel).unwrap().to_vec())).to_vec();
-    columns.push((PARAMETERS[0], truth));
+    columns.push((CHANNELS[2], truth));
     let record = with_gaps(&record, false, |_, _| false).with_truth(columns).unwrap();
     let runs = [LaneRun { scenario: &scenario, place: 0, record: &record }; 3];
     assert!(serves(&runs[0]).unwrap());

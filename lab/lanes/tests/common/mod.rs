@@ -1,0 +1,63 @@
+//! Random runs of the oscillator, for the tests that hold filters side by side to the single one.
+
+use kalmanscope_core::record::Input;
+use kalmanscope_core::{Channel, FilterSettings, Force, Plant, Quantity, Record, Scenario, Sensor, Signal, Values};
+use proptest::prelude::*;
+
+/// The filters' state.
+pub(crate) const CHANNELS: [Channel; 4] =
+    [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
+
+/// Four numbers as values of the channels.
+pub(crate) fn values(of: [f64; 4]) -> Values {
+    Values::ZERO.with(CHANNELS.into_iter().zip(of))
+}
+
+/// A number of any size between two powers of ten.
+pub(crate) fn size(exponents: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
+    exponents.prop_map(|e| 10_f64.powf(e))
+}
+
+/// The plant of a scenario and its load.
+#[derive(Clone, Debug)]
+pub(crate) struct Shaken {
+    pub(crate) seed: u64,
+    /// Time between samples \[s\], and the number of steps.
+    pub(crate) steps: (f64, u32),
+    /// True ωₙ \[rad/s\] and ζ.
+    pub(crate) parameters: [f64; 2],
+    /// Standard deviation of the force over mass \[m/s²\].
+    pub(crate) force: f64,
+}
+
+impl Shaken {
+    /// The scenario with these sensors and filters.
+    pub(crate) fn watched(&self, measured: &[Quantity], filters: Vec<FilterSettings>) -> Scenario {
+        let Self { seed, steps: (dt, steps), parameters: [frequency, damping], force } = *self;
+        let plant = Plant::default();
+        let plant = plant.with(CHANNELS[2], Signal::Constant(frequency)).with(CHANNELS[3], Signal::Constant(damping));
+        Scenario {
+            seed,
+            dt,
+            duration: f64::from(steps) * dt,
+            plant,
+            force: Force::WhiteNoise { std: force },
+            sensors: measured.iter().map(|&measures| Sensor { measures, noise_std: 0.02 }).collect(),
+            filters,
+            ..Scenario::default()
+        }
+    }
+}
+
+/// The record where some measurements are missing, with or without its truth. `is_missing` is asked with the sensor's place
+/// and the sample.
+pub(crate) fn with_gaps(record: &Record, keeps_truth: bool, is_missing: impl Fn(usize, usize) -> bool) -> Record {
+    let columns = record.sensors().iter().enumerate().map(|(sensor, &quantity)| {
+        let keep = |(k, &value): (usize, &f64)| if is_missing(sensor, k) { f64::NAN } else { value };
+        (quantity, record.measured(sensor).iter().enumerate().map(keep).collect())
+    });
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
+    let new = Record::new(record.dt(), input, columns.collect()).unwrap();
+    let truth = CHANNELS.map(|channel| (channel, record.truth(channel).unwrap().to_vec()));
+    if keeps_truth { new.with_truth(truth.to_vec()).unwrap() } else { new }
+}
