@@ -10,6 +10,7 @@ mod identity;
 mod keyboard;
 mod lessons;
 mod map;
+mod marks;
 mod memory;
 mod monte_carlo;
 mod playback;

@@ -1,0 +1,94 @@
+//! Two marked times: how they are set, what their table tells, and when they go.
+
+use super::hand::{click_at, in_plot, whole};
+use super::*;
+
+pub(super) fn marks(screen: &Screen) -> [Option<f64>; 2] {
+    End::BOTH.map(|end| screen.state().ruler().time(end))
+}
+
+#[test]
+fn shift_and_a_click_mark_two_times_whose_values_stand_in_a_table() {
+    let mut screen = whole();
+    for share in [0.25, 0.75] {
+        let at = in_plot(&screen, share);
+        click_at(&mut screen, at, Modifiers::SHIFT);
+    }
+    let [Some(a), Some(b)] = marks(&screen) else { panic!("{:?}", marks(&screen)) };
+    assert!((a - 15.5).abs() < 2.0 && (b - 46.4).abs() < 2.0, "{a} {b}");
+    assert_eq!(screen.state().session().time(), 20.0, "playback stays");
+    let label = format!("Δt {:.3} s", b - a);
+    assert!(screen.query_by_label_contains(&label).is_some(), "{label}");
+    assert!(screen.query_by_label_contains("no force between A and B").is_some());
+    // A mark is dragged by its line.
+    let at = in_plot(&screen, 0.75);
+    let x = screen.get_by_label("Plot of the natural frequency").rect();
+    let line = egui::pos2(at.x, x.top() + 20.0);
+    screen.hover_at(line);
+    screen.run_steps(2);
+    screen.drag_at(line);
+    screen.run_steps(2);
+    for step in 1..=5 {
+        screen.hover_at(line - egui::vec2(8.0 * step as f32, 0.0));
+        screen.run_steps(2);
+    }
+    screen.drop_at(line - egui::vec2(40.0, 0.0));
+    screen.run_steps(2);
+    let moved = marks(&screen)[1].unwrap();
+    assert!(moved < b - 1.0, "{moved} instead of {b}");
+    assert!(screen.state().axis().follows, "a mark was dragged, not the plot");
+}
+
+#[test]
+fn marks_are_set_by_keys_too() {
+    let mut screen = whole();
+    screen.key_press(Key::A);
+    screen.run_steps(2);
+    screen.state_mut().session_mut().seek(25.0);
+    screen.key_press(Key::B);
+    screen.run_steps(2);
+    assert_eq!(marks(&screen), [Some(20.0), Some(25.0)]);
+    screen.key_press(Key::B);
+    screen.run_steps(2);
+    assert_eq!(marks(&screen), [Some(20.0), None]);
+}
+
+#[test]
+fn two_marks_in_a_free_decay_tell_frequency_and_damping_by_hand() {
+    let mut screen = whole();
+    let free = kalmanscope_lessons::BuiltIn::named("free-vibration").unwrap().scenario().unwrap();
+    let session = screen.state_mut().session_mut();
+    session.set_scenario(free);
+    for (time, key) in [(1.0, Key::A), (6.0, Key::B)] {
+        screen.state_mut().session_mut().seek(time);
+        screen.run_steps(2);
+        screen.key_press(key);
+        screen.run_steps(2);
+    }
+    let truth = |channel| scenario(&screen).plant.parameter(channel).unwrap().at(0.0);
+    let expected = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(truth);
+    let label = screen.query_all_by_label_contains("ωₙ ").filter_map(|node| node.accesskit_node().value());
+    let by_hand = label.into_iter().find(|text| text.contains("ζ ")).expect("the numbers by hand");
+    let numbers: Vec<f64> = by_hand.split([' ', ',']).filter_map(kalmanscope::text::parse).collect();
+    for (number, expected) in numbers.iter().zip(expected) {
+        assert!((number / expected - 1.0).abs() < 0.02, "{by_hand} instead of {expected}");
+    }
+    assert_eq!(numbers.len(), 2, "{by_hand}");
+}
+
+#[test]
+fn marks_belong_to_their_record() {
+    for other in ["Slow drift", "Measured: a circuit"] {
+        let mut screen = screen(DESKTOP, Theme::Light);
+        screen.state_mut().session_mut().set_mode(Mode::Whole);
+        screen.state_mut().session_mut().seek(20.0);
+        screen.key_press(Key::A);
+        screen.run_steps(2);
+        assert_eq!(marks(&screen), [Some(20.0), None]);
+        screen.get_by_label("Scenario").click();
+        screen.run_steps(3);
+        screen.get_by_label(other).click();
+        screen.run_steps(3);
+        assert_eq!(marks(&screen), [None, None], "{other}");
+    }
+}
