@@ -110,7 +110,7 @@ impl Laboratory {
         &self.state
     }
 
-    /// What has become of the graphics processor; none where the engine uses none.
+    /// Whether the graphics processor is there; none where the engine uses none.
     pub fn graphics(&self) -> Option<Finding> {
         self.engine.graphics()
     }

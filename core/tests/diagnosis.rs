@@ -167,7 +167,7 @@ fn tests_and_causes_have_names_of_their_own_and_say_how_to_read_them() {
     assert!(Fault::ALL.iter().all(|fault| fault.causes().iter().all(known)));
 }
 
-/// Of a part that is forgiven for an error, no sentence says that innovations are as large as expected.
+/// Where a part is forgiven for an error, the sentence names the error, and not innovations that are as large as expected.
 #[test]
 fn what_a_filter_has_recovered_from_is_said() {
     let mut told = Vec::new();

@@ -1,4 +1,4 @@
-//! What a record is made of: a table that is shared with the window, and the choices in it.
+//! The source of an imported record: a table that is shared with the window, and the choices in it.
 
 use std::borrow::Borrow;
 use std::sync::Arc;

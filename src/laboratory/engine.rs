@@ -19,7 +19,7 @@ pub trait Engine {
     /// The number of values on each axis of a new map, so that it is complete soon.
     fn usual_count(&self) -> usize;
 
-    /// What has become of the graphics processor; none where the engine uses none.
+    /// Whether the graphics processor is there; none where the engine uses none.
     fn graphics(&self) -> Option<Finding> {
         None
     }
@@ -42,7 +42,7 @@ pub struct Task<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Precision {
-    /// What is fastest will do: single precision where there is a graphics processor.
+    /// The fastest one: single precision where there is a graphics processor.
     #[default]
     Fastest,
     /// Double precision, by the processor.
@@ -69,11 +69,11 @@ pub struct Rows {
     pub cells: Vec<usize>,
     /// Their rows, one after the other.
     pub numbers: Vec<f64>,
-    /// What has computed them.
+    /// The computer of these rows.
     pub by: Computer,
 }
 
-/// What computes rows.
+/// A computer of rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Computer {
     /// The program between two frames.
@@ -100,17 +100,17 @@ impl fmt::Display for Computer {
 
 /// A graphics processor that there may be.
 pub trait Graphics {
-    /// What is known of it. The first call begins to look for it; the context is woken when there is an answer.
+    /// Whether it is there. The first call begins the search, and the context is woken when that ends.
     fn find(&self, ctx: &Context) -> Finding;
 
-    /// What is known of it by now.
+    /// Whether it is there, as far as the search has come.
     fn found(&self) -> Finding;
 
     /// Begins to run cells. None where it cannot.
     fn start(&self, task: Task<'_>, ctx: &Context) -> Option<Box<dyn GraphicsWork>>;
 }
 
-/// What is known of a graphics processor.
+/// The state of the search for a graphics processor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Finding {
     /// Nothing yet.

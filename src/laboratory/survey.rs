@@ -19,7 +19,7 @@ pub struct Survey {
     sheet: Sheet,
     work: Option<Box<dyn Work>>,
     precision: Precision,
-    /// What has computed the rows that are known.
+    /// The threads, workers or graphics processor that have computed the known rows.
     computers: Vec<Computer>,
 }
 
@@ -63,7 +63,7 @@ impl Survey {
         &self.sheet
     }
 
-    /// What has computed the rows that are known.
+    /// The threads, workers or graphics processor that have computed the known rows.
     pub fn computers(&self) -> &[Computer] {
         &self.computers
     }

@@ -39,7 +39,7 @@ pub struct MapState {
     pub done: usize,
     /// Checksum of all of them, as 16 hexadecimal digits.
     pub checksum: String,
-    /// What has computed them, each in words.
+    /// The computers of these rows, in words.
     pub computers: Vec<String>,
     /// The ensemble, as [`Ensemble::to_json`](kalmanscope_lab::Ensemble::to_json) writes it.
     pub ensemble: String,

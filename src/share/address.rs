@@ -77,7 +77,7 @@ pub fn is_embedded(address: &str) -> bool {
     value(address, "embed").is_some()
 }
 
-/// Whether an address asks for maps by WebGPU even where that is a program on the processor, as in tests: `?gpu=software`.
+/// Whether an address accepts WebGPU by a software adapter, as tests do: `?gpu=software`.
 pub fn allows_software_graphics(address: &str) -> bool {
     value(address, "gpu").is_some_and(|value| value == "software")
 }

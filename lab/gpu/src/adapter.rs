@@ -7,13 +7,13 @@ use wgpu::{Adapter, AdapterInfo, DeviceDescriptor, DeviceType, Instance, Instanc
 use crate::error::GpuError;
 use crate::program::Programs;
 
-/// Whether a program that plays the part of a graphics processor will do. It is slower than threads of one's own, and good for
+/// Whether a software adapter, such as lavapipe, is accepted. It is slower than threads of one's own, and good for
 /// tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Software {
     /// Only a graphics processor will do.
     Refused,
-    /// A program will do where there is no graphics processor.
+    /// A software adapter is accepted where there is no graphics processor.
     Allowed,
 }
 

@@ -1,4 +1,4 @@
-//! What a browser tells of its graphics processor.
+//! The name of a browser's graphics processor.
 
 use js_sys::{Function, Object, Promise, Reflect};
 use wasm_bindgen::{JsCast as _, JsValue};

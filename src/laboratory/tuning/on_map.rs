@@ -16,8 +16,8 @@ fn places(survey: &Survey, choice: &TuneChoice) -> Option<(usize, [usize; 2])> {
     Some((filter, [place(&x.key)?, place(&y.key)?]))
 }
 
-/// What a number of a search is multiplied with to be one of the map, for each of its axes: both have factors, but relative
-/// to the numbers at their own beginnings.
+/// For each axis of the map, the ratio of the map's number to the search's number. A factor is relative to the numbers at the
+/// beginning, and map and search begin at different times.
 fn ratios(survey: &Survey, part: &Scenario) -> [f64; 2] {
     let present = survey.present(part);
     let settings = survey.ensemble().settings();

@@ -35,17 +35,14 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let largest = (1..).zip(correlation).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
             let (lag, largest) = largest.unwrap_or((1, 0.0));
             let first = correlation[0];
+            let telling = if first.abs() < SLIGHT * largest.abs() { largest } else { first };
             let also = if lag == 1 { String::new() } else { format!(", {largest:.2} at lag {lag}") };
             let (sensor, when) = (one.sensor.key(), span.words);
             found.push(Evidence {
                 statistic,
                 p_value: chi_squared::upper_tail(statistic, LAGS as u32 - 1).unwrap_or(1.0),
                 effect: largest.abs() / TOLERANCE,
-                speaks_for: direction(
-                    case,
-                    if first.abs() < SLIGHT * largest.abs() { largest } else { first },
-                    one.level(&span.parts),
-                ),
+                speaks_for: direction(case, telling, one.level(&span.parts)),
                 sentence: format!("the innovations of the {sensor} are correlated{when}: {first:.2} at lag 1{also}"),
                 ..Evidence::over(test, Subject::Sensor(one.sensor), &span)
             });
