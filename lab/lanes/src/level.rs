@@ -3,6 +3,7 @@
 use kalmanscope_core::kernel::abreast::Method;
 use kalmanscope_core::score::Outcome;
 
+#[cfg(not(target_arch = "wasm32"))]
 use crate::array::Array;
 use crate::lane::LANES;
 use crate::observation::{Observations, Run};
@@ -63,12 +64,30 @@ impl Level {
                 return with_vectors(token, is_ukf, runs, observations, samples);
             }
         }
+        #[cfg(target_arch = "wasm32")]
+        return if is_ukf {
+            with_pairs::<true>(runs, observations, samples)
+        } else {
+            with_pairs::<false>(runs, observations, samples)
+        };
+        #[cfg(not(target_arch = "wasm32"))]
         if is_ukf {
             run::<Array, true>((), runs, observations, samples)
         } else {
             run::<Array, false>((), runs, observations, samples)
         }
     }
+}
+
+#[cfg(target_arch = "wasm32")]
+#[inline(never)]
+#[target_feature(enable = "simd128")]
+fn with_pairs<const UKF: bool>(
+    runs: &[Run<'_>; LANES],
+    observations: &Observations<'_>,
+    samples: &[usize],
+) -> [Option<Outcome>; LANES] {
+    run::<crate::pair::Pair, UKF>((), runs, observations, samples)
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -36,6 +36,7 @@
     reason = "closures of iterators that are not inlined have no vector instructions; indices are those of the equations"
 )]
 
+#[cfg(not(target_arch = "wasm32"))]
 mod array;
 mod batch;
 mod belief;
@@ -46,6 +47,8 @@ mod lane;
 mod level;
 mod linearised;
 mod observation;
+#[cfg(target_arch = "wasm32")]
+mod pair;
 mod run;
 mod sigma_points;
 mod sums;
