@@ -132,6 +132,7 @@ mod web {
     mod file_input;
     mod messages;
     mod tables;
+    mod worker;
     mod workers;
 
     use std::cell::RefCell;
@@ -230,6 +231,9 @@ mod web {
 
     pub(super) fn main() {
         eframe::WebLogger::init(log::LevelFilter::Warn).ok();
+        if web_sys::window().is_none() {
+            return worker::serve();
+        }
         wasm_bindgen_futures::spawn_local(async {
             if let Err(error) = start().await {
                 show_failure(&error);

@@ -25,14 +25,25 @@ impl Pass {
     /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::NoFilter`] where there is no such filter,
     /// [`RunError::MissingSensor`] and [`RunError::InputKind`] where the record does not fit the scenario.
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
-        scenario.validate()?;
+        let sensors = Self::columns(scenario, place, record)?;
         let mut scenario = scenario.clone();
         scenario.number_filters();
-        let filter = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let filter = &scenario.filters[place];
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-        let sensors = sensor_places(&scenario, record)?;
         let context = FilterContext::new(&scenario, &quantities, record.dt(), filter);
         Ok(Self::with(filter, context, sensors))
+    }
+
+    /// The columns of a record for the sensors of a scenario, over which its filter at `place` can run.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn columns(scenario: &Scenario, place: usize, record: &Record) -> Result<Vec<usize>, RunError> {
+        scenario.validate()?;
+        if scenario.filters.get(place).is_none() {
+            return Err(RunError::NoFilter(place));
+        }
+        sensor_places(scenario, record)
     }
 
     pub(crate) fn with(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {

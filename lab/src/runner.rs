@@ -6,7 +6,7 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate::Simulator;
 use kalmanscope_core::{Pass, Record, Scenario, Source};
 
-use crate::ensemble::{Ensemble, EnsembleError};
+use crate::ensemble::{Ensemble, EnsembleError, Plan};
 use crate::outcome;
 
 /// The records that are kept for the next cells.
@@ -40,7 +40,7 @@ impl Runner {
                 return Err(EnsembleError::Fixed(setting.key().to_owned()));
             }
             for &place in &ensemble.plan().filters {
-                Pass::new(ensemble.scenario(), place, record)?;
+                Pass::columns(ensemble.scenario(), place, record)?;
             }
         }
         Ok(Self { ensemble, source, records: Mutex::new(Vec::new()) })
@@ -94,13 +94,12 @@ impl Runner {
         let (trace, score) = (self.ensemble.trace(), plan.measures.len());
         for (nth, (&place, outcomes)) in plan.filters.iter().zip(outcomes).enumerate() {
             for (at, (row, run)) in rows.chunks_mut(width).zip(runs).enumerate() {
-                let Some(CellRun { scenario, record }) = run else { continue };
-                let numbers = &mut row[nth * score..(nth + 1) * score];
+                let Some(run) = run else { continue };
+                let CellRun { scenario, record } = run;
                 if let Some(outcome) = outcomes.get(at).and_then(Option::as_ref) {
-                    numbers.copy_from_slice(&outcome::of_sums(scenario, place, record, &plan.measures, outcome));
-                    trace.fill(nth, &outcome.looks, row);
+                    self.fill(nth, run, outcome, row);
                 } else if let Ok(scores) = outcome::any(scenario, place, record, &plan.measures) {
-                    numbers.copy_from_slice(&scores);
+                    row[nth * score..(nth + 1) * score].copy_from_slice(&scores);
                     // To look at nothing needs no second run.
                     if !trace.samples().is_empty()
                         && let Ok(outcome) = Outcome::at(scenario, place, record, trace.samples())
@@ -111,6 +110,26 @@ impl Runner {
             }
         }
         rows
+    }
+
+    /// The row of a run from the outcomes of all filters of the plan, whose scores need no more than sums. The row of an
+    /// impossible scenario is NaN.
+    pub fn row_of_sums(&self, run: Option<&CellRun>, outcomes: &[&Outcome]) -> Vec<f64> {
+        let mut row = vec![f64::NAN; self.ensemble.width()];
+        if let Some(run) = run {
+            for (nth, outcome) in outcomes.iter().enumerate() {
+                self.fill(nth, run, outcome, &mut row);
+            }
+        }
+        row
+    }
+
+    /// Writes what the outcome of the plan's `nth` filter says into the row of a run.
+    fn fill(&self, nth: usize, CellRun { scenario, record }: &CellRun, outcome: &Outcome, row: &mut [f64]) {
+        let Plan { filters, measures, .. } = self.ensemble.plan();
+        let scores = outcome::of_sums(scenario, filters[nth], record, measures, outcome);
+        row[nth * measures.len()..][..measures.len()].copy_from_slice(&scores);
+        self.ensemble.trace().fill(nth, &outcome.looks, row);
     }
 
     /// The record of a cell with this scenario, which is possible.

@@ -86,7 +86,7 @@ impl Work for AcceleratedWork {
             }
             Some(Err(_)) => {
                 (self.on_graphics, self.may_accelerate) = (None, false);
-                if self.on_other.is_none() {
+                if self.on_other.is_none() && self.is_done.contains(&false) {
                     self.on_other = self.other.start(self.task(), &self.ctx).ok();
                 }
             }

@@ -147,8 +147,9 @@ fn work(gpu: &Gpu, name: &Arc<str>, job: &Job) -> Result<(), GpuError> {
     while next < job.order.len() {
         let cells = job.order[next..(next + portion).min(job.order.len())].to_vec();
         let begin = Instant::now();
-        let numbers = pollster::block_on(gpu.rows(&job.runner, &cells, &is_wanted))?;
         next += cells.len();
+        // What is left out is for threads, when the job has ended.
+        let (cells, numbers) = pollster::block_on(gpu.rows(&job.runner, &cells, &is_wanted))?;
         if job.rows.send(Rows { cells, numbers, by: Computer::Graphics(Arc::clone(name)) }).is_err() {
             return Ok(());
         }

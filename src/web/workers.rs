@@ -2,7 +2,6 @@
 
 mod graphics;
 mod member;
-mod record;
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -12,11 +11,11 @@ use js_sys::{Array, Float64Array, Uint32Array};
 use kalmanscope::laboratory::{Accelerated, Computer, Engine, Precision, Rows, Slices, Task, Work};
 use kalmanscope_core::Source;
 use kalmanscope_lab::{Ensemble, EnsembleError, Runner};
+use kalmanscope_worker::in_message;
 use wasm_bindgen::JsCast as _;
 use web_sys::MessageEvent;
 
-use member::Member;
-use record::in_message;
+use member::{Member, Program};
 
 /// Limits the workers.
 const MOST: usize = 8;
@@ -120,7 +119,7 @@ fn begin(team: &Rc<RefCell<Team>>, task: Given) -> u32 {
         present.members.retain(|member| !member.is_stuck());
         while present.members.len() < processors().min(MOST) {
             let place = free_number(&present.members);
-            match Member::new(place, listener(team, place)) {
+            match Member::new(place, Program::Page, listener(team, place)) {
                 Ok(member) => present.members.push(member),
                 Err(reason) => {
                     present.broken = Some(reason);

@@ -36,7 +36,7 @@ pub(crate) async fn a_map_is_made_in_workers(page: &Page) {
     sheet.fill(&cells, &runner.rows(&cells));
     assert_eq!(map["checksum"], Value::from(format!("{:016x}", sheet.checksum())));
     let loaded = page.value("performance.getEntriesByType('resource').map(it => it.name).join(' ')").await;
-    assert!(loaded.as_str().unwrap().contains("laboratory-worker.js?v="), "{loaded}");
+    assert!(loaded.as_str().unwrap().contains("/worker.js?program=kalmanscope-"), "{loaded}");
 }
 
 /// Notes the time of the first rows of a map, of a picture from every eighth cell each way, and of the last row \[ms\].

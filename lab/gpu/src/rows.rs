@@ -1,6 +1,7 @@
 //! The rows of an ensemble's cells.
 
-use kalmanscope_lab::{CellRun, Ensemble, Runner, outcomes_of};
+use kalmanscope_core::score::Outcome;
+use kalmanscope_lab::{CellRun, Ensemble, Runner};
 
 use crate::adapter::Gpu;
 use crate::batch::{GpuRun, serves};
@@ -19,8 +20,8 @@ impl Gpu {
         ensemble.plan().filters.iter().all(serves)
     }
 
-    /// The rows of some cells, one after the other, as [`Runner::rows`] has them. A run that is not served is done on the
-    /// processor.
+    /// The cells among some that are served with all their filters, and their rows, one after the other, as
+    /// [`Runner::rows`] has them.
     ///
     /// # Errors
     /// Those of [`Self::outcomes`].
@@ -29,34 +30,30 @@ impl Gpu {
         runner: &Runner,
         cells: &[usize],
         is_wanted: &dyn Fn() -> bool,
-    ) -> Result<Vec<f64>, GpuError> {
+    ) -> Result<(Vec<usize>, Vec<f64>), GpuError> {
         let runs = runner.runs(cells);
-        let mut all = Vec::new();
+        let mut outcomes: Vec<Vec<Option<Outcome>>> = vec![Vec::new(); cells.len()];
         for &place in &runner.ensemble().plan().filters {
             let possible: Vec<GpuRun<'_>> =
                 runs.iter().flatten().map(|CellRun { scenario, record }| GpuRun { scenario, place, record }).collect();
-            let mut outcomes = self.outcomes(&possible, is_wanted).await?.into_iter();
-            let mut outcomes: Vec<_> = runs.iter().map(|run| run.as_ref().and_then(|_| outcomes.next()?)).collect();
-            fill(&runs, place, &mut outcomes);
-            all.push(outcomes);
+            let mut of_filter = self.outcomes(&possible, is_wanted).await?.into_iter();
+            for (outcomes, _) in outcomes.iter_mut().zip(&runs).filter(|(_, run)| run.is_some()) {
+                outcomes.push(of_filter.next().flatten());
+            }
         }
-        Ok(runner.rows_of(&runs, &all))
+        let (mut served, mut rows) = (Vec::new(), Vec::new());
+        for ((&cell, run), outcomes) in cells.iter().zip(&runs).zip(&outcomes) {
+            let all: Option<Vec<&Outcome>> = outcomes.iter().map(Option::as_ref).collect();
+            if let Some(outcomes) = all {
+                served.push(cell);
+                rows.extend(runner.row_of_sums(run.as_ref(), &outcomes));
+            }
+        }
+        Ok((served, rows))
     }
 }
 
 /// Whether runs differ by their filters, so that many have one record. Else the time goes into simulation.
 fn has_axis_of_filters(ensemble: &Ensemble) -> bool {
     ensemble.settings().iter().any(kalmanscope_lab::Setting::is_of_filters)
-}
-
-/// Computes what is missing side by side.
-fn fill(runs: &[Option<CellRun>], place: usize, outcomes: &mut [Option<kalmanscope_core::score::Outcome>]) {
-    let missing: Vec<usize> = (0..runs.len()).filter(|&at| runs[at].is_some() && outcomes[at].is_none()).collect();
-    if missing.is_empty() {
-        return;
-    }
-    let some: Vec<Option<CellRun>> = missing.iter().map(|&at| runs[at].clone()).collect();
-    for (at, outcome) in missing.into_iter().zip(outcomes_of(&some, place, &[])) {
-        outcomes[at] = outcome;
-    }
 }

@@ -11,8 +11,9 @@ use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::MessageEvent;
 use web_time::{Duration, Instant};
 
-use super::member::Member;
-use super::record::in_message;
+use kalmanscope_worker::in_message;
+
+use super::member::{Member, Program};
 
 /// The cells of the first portion: enough for a first picture.
 const FIRST: usize = 64;
@@ -42,9 +43,13 @@ struct State {
 struct Given {
     order: Vec<usize>,
     next: usize,
+    /// The number of cells of the last portion.
+    given: usize,
     portion: usize,
     begun: Instant,
     rows: Vec<Rows>,
+    /// Whether there are cells that it does not serve.
+    has_left: bool,
     has_given_up: bool,
 }
 
@@ -68,7 +73,7 @@ impl Graphics for Processor {
         state.ctx = ctx.clone();
         if state.finding == Finding::Searching && state.worker.is_none() {
             if has_web_gpu() {
-                match Member::new(0, listener(&self.state, self.software)) {
+                match Member::new(0, Program::Graphics, listener(&self.state, self.software)) {
                     Ok(worker) => state.worker = Some(worker),
                     Err(reason) => state.finding = Finding::Absent(reason),
                 }
@@ -94,9 +99,11 @@ impl Graphics for Processor {
         state.task = Some(Given {
             order: task.order,
             next: 0,
+            given: 0,
             portion: FIRST,
             begun: Instant::now(),
             rows: Vec::new(),
+            has_left: false,
             has_given_up: false,
         });
         state.feed();
@@ -136,15 +143,18 @@ impl State {
         let (Some(worker), Some(task)) = (&self.worker, &mut self.task) else { return };
         let end = (task.next + task.portion).min(task.order.len());
         let cells: Vec<u32> = task.order[task.next..end].iter().map(|&cell| cell as u32).collect();
-        if !cells.is_empty() {
+        if cells.is_empty() {
+            task.has_given_up |= task.has_left;
+        } else {
             worker.tell(&Array::of3(&"cells".into(), &self.job.into(), &Uint32Array::from(cells.as_slice())));
-            (task.next, task.begun) = (end, Instant::now());
+            (task.given, task.next, task.begun) = (cells.len(), end, Instant::now());
         }
     }
 
     fn take(&mut self, cells: &Uint32Array, numbers: &Float64Array) {
         let Some(task) = &mut self.task else { return };
-        let cells = cells.to_vec().into_iter().map(|cell| cell as usize).collect();
+        let cells: Vec<usize> = cells.to_vec().into_iter().map(|cell| cell as usize).collect();
+        task.has_left |= cells.len() < task.given;
         let by = Computer::Graphics(Arc::clone(&self.name));
         task.rows.push(Rows { cells, numbers: numbers.to_vec(), by });
         let factor = PORTION.as_secs_f64() / task.begun.elapsed().as_secs_f64().max(1e-3);

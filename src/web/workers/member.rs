@@ -4,9 +4,9 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use js_sys::{Array, Reflect};
-use wasm_bindgen::JsCast as _;
 use wasm_bindgen::closure::Closure;
-use web_sys::{Event, MessageEvent, Worker};
+use wasm_bindgen::{JsCast as _, JsValue};
+use web_sys::{Event, MessageEvent, Worker, WorkerOptions, WorkerType};
 use web_time::{Duration, Instant};
 
 /// Limits the time of a portion of cells, so that another task is heard of soon.
@@ -17,6 +17,15 @@ const LONG: Duration = Duration::from_millis(250);
 
 /// Portions that a worker has at once, so that it need not wait for the page's next frame.
 const AT_ONCE: usize = 2;
+
+/// The program of a worker.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Program {
+    /// The page's own, which the browser has loaded and compiled.
+    Page,
+    /// That for the graphics processor, which is loaded with the first worker.
+    Graphics,
+}
 
 /// A worker with what it has been given.
 pub(super) struct Member {
@@ -39,9 +48,10 @@ impl Member {
     /// The reason in words where the browser has no workers.
     pub(super) fn new(
         number: u32,
+        program: Program,
         listener: impl FnMut(Result<MessageEvent, String>) + 'static,
     ) -> Result<Self, String> {
-        let worker = Worker::new(&address()).map_err(|error| format!("{error:?}"))?;
+        let worker = start(program).map_err(|error| format!("{error:?}"))?;
         let listener = Rc::new(RefCell::new(listener));
         let other = Rc::clone(&listener);
         let hear = Closure::<dyn FnMut(MessageEvent)>::new(move |event| (listener.borrow_mut())(Ok(event)));
@@ -136,10 +146,17 @@ impl Drop for Member {
     }
 }
 
-/// The worker's script with the page's version: the worker's files have no hash in their names.
-fn address() -> String {
+/// A worker that starts its program. The scripts' names have no hash, so the page's version is in each address.
+fn start(program: Program) -> Result<Worker, JsValue> {
     let document = web_sys::window().and_then(|window| window.document());
     let meta = document.and_then(|document| document.query_selector("meta[name=version]").ok().flatten());
     let version = meta.and_then(|meta| meta.get_attribute("content")).unwrap_or_default();
-    format!("./laboratory-worker.js?v={version}")
+    if program == Program::Graphics {
+        return Worker::new(&format!("./graphics-worker.js?v={version}"));
+    }
+    let options = WorkerOptions::new();
+    options.set_type(WorkerType::Module);
+    let worker = Worker::new_with_options(&format!("./worker.js?program={version}"), &options)?;
+    worker.post_message(&wasm_bindgen::module())?;
+    Ok(worker)
 }

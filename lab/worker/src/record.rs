@@ -1,0 +1,45 @@
+//! Records in messages.
+
+use js_sys::{Array, Float64Array};
+use kalmanscope_core::record::Input;
+use kalmanscope_core::{Channel, Quantity, Record, Scenario, Source};
+use wasm_bindgen::{JsCast as _, JsValue};
+
+/// The keys of the truth's columns begin with this.
+const TRUE: &str = "true_";
+
+/// A given record as `[dt, input, [key, column], …]`; null for a simulation.
+pub fn in_message(source: &Source) -> JsValue {
+    let Source::Measured(record) = source else { return JsValue::NULL };
+    let numbers = |values: &[f64]| JsValue::from(Float64Array::from(values));
+    let message = Array::of2(&record.dt().into(), &numbers(record.input()));
+    let push = |key: &str, values: &[f64]| {
+        message.push(&Array::of2(&key.into(), &numbers(values)));
+    };
+    for (place, quantity) in record.sensors().iter().enumerate() {
+        push(quantity.key(), record.measured(place));
+    }
+    for channel in Channel::all() {
+        if let Some(truth) = record.truth(*channel) {
+            push(&format!("{TRUE}{}", channel.key()), truth);
+        }
+    }
+    message.into()
+}
+
+/// The record of a message, if it is one; its input is of the scenario's kind.
+pub fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
+    let numbers = |value: JsValue| Some(value.dyn_into::<Float64Array>().ok()?.to_vec());
+    let dt = record.get(0).as_f64()?;
+    let input = Input { kind: scenario.input, hold: scenario.hold, values: numbers(record.get(1))? };
+    let (mut sensors, mut truth) = (Vec::new(), Vec::new());
+    for column in record.iter().skip(2) {
+        let column: Array = column.dyn_into().ok()?;
+        let (key, values) = (column.get(0).as_string()?, numbers(column.get(1))?);
+        match key.strip_prefix(TRUE) {
+            Some(channel) => truth.push((Channel::from_key(channel)?, values)),
+            None => sensors.push((Quantity::from_key(&key)?, values)),
+        }
+    }
+    Record::new(dt, input, sensors).ok()?.with_truth(truth).ok()
+}

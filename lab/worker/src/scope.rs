@@ -1,0 +1,61 @@
+//! The worker's side of the conversation.
+
+use js_sys::{Array, Float64Array, Uint32Array};
+use wasm_bindgen::closure::Closure;
+use wasm_bindgen::{JsCast as _, JsValue};
+use web_sys::{DedicatedWorkerGlobalScope, MessageEvent};
+
+/// The words of a message from the page.
+pub struct Words(Array);
+
+impl Words {
+    /// The word at a place; undefined after the last one.
+    pub fn get(&self, at: u32) -> JsValue {
+        self.0.get(at)
+    }
+
+    /// The text at a place; empty where there is none.
+    pub fn text(&self, at: u32) -> String {
+        self.get(at).as_string().unwrap_or_default()
+    }
+
+    /// The job of which the message is; not a number where it is of none.
+    pub fn job(&self) -> f64 {
+        self.get(1).as_f64().unwrap_or(f64::NAN)
+    }
+}
+
+/// Tells the page that the worker is ready, and gives it the page's messages for as long as it lives. What makes the program
+/// end is told to the page.
+pub fn hear(mut listener: impl FnMut(&Words) + 'static) {
+    std::panic::set_hook(Box::new(|panic| {
+        tell(&Array::of3(&"failed".into(), &JsValue::NULL, &panic.to_string().into()));
+    }));
+    let hear = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+        if let Ok(words) = event.data().dyn_into::<Array>() {
+            listener(&Words(words));
+        }
+    });
+    scope().set_onmessage(Some(hear.as_ref().unchecked_ref()));
+    hear.forget();
+    tell(&Array::of1(&"ready".into()));
+}
+
+/// Sends the rows of some cells.
+pub fn answer(job: f64, cells: &[usize], rows: &[f64]) {
+    let rows = Float64Array::from(rows);
+    let cells: Vec<u32> = cells.iter().map(|&cell| cell as u32).collect();
+    let cells = Uint32Array::from(cells.as_slice());
+    let message = Array::of4(&"rows".into(), &job.into(), &cells, &rows);
+    // A page that has gone needs no rows.
+    let _ = scope().post_message_with_transfer(&message, &Array::of1(&rows.buffer()));
+}
+
+/// Sends a message.
+pub fn tell(message: &Array) {
+    let _ = scope().post_message(message);
+}
+
+fn scope() -> DedicatedWorkerGlobalScope {
+    js_sys::global().unchecked_into()
+}
