@@ -46,6 +46,9 @@ async function keep() {
   const cache = await caches.open(name);
   // The browser has just loaded them.
   await cache.addAll([...files].map((file) => new Request(file, { cache: "force-cache" })));
+  // The page's workers run the same program.
+  const [, script] = html.match(/name="version" content="([^"]+)"/);
+  await cache.add(`./worker.js?program=${script}`);
   await cache.put(folder, page);
 }
 
@@ -64,7 +67,7 @@ async function kept(request) {
   return (await cache.match(request, { ignoreVary: true })) ?? fetch(request);
 }
 
-// Files of this version that not every reader needs, such as those of the laboratory.
+// Files of this version that not every reader needs, such as those for the graphics processor.
 async function keptOnceLoaded(request) {
   const cache = await caches.open(name);
   const old = await cache.match(request, { ignoreVary: true });

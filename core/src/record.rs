@@ -85,6 +85,12 @@ impl Record {
     }
 
     /// Changes every value of the input.
+    /// The same record under an input that is this many times as large.
+    pub fn with_input_times(mut self, factor: f64) -> Self {
+        self.change_input(|value| factor * value);
+        self
+    }
+
     pub(crate) fn change_input(&mut self, change: impl Fn(f64) -> f64) {
         self.input.iter_mut().for_each(|value| *value = change(*value));
     }

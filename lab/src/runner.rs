@@ -8,6 +8,7 @@ use kalmanscope_core::{Pass, Record, Scenario, Source};
 
 use crate::ensemble::{Ensemble, EnsembleError, Plan};
 use crate::outcome;
+use crate::setting::record_gain;
 
 /// The records that are kept for the next cells.
 const KEPT: usize = 16;
@@ -36,7 +37,7 @@ impl Runner {
     /// change a given record.
     pub fn new(ensemble: Ensemble, source: Source) -> Result<Self, EnsembleError> {
         if let Source::Measured(record) = &source {
-            if let Some(setting) = ensemble.settings().iter().find(|setting| !setting.is_of_filters()) {
+            if let Some(setting) = ensemble.settings().iter().find(|setting| !setting.suits_given_record()) {
                 return Err(EnsembleError::Fixed(setting.key().to_owned()));
             }
             for &place in &ensemble.plan().filters {
@@ -132,9 +133,18 @@ impl Runner {
         self.ensemble.trace().fill(nth, &outcome.looks, row);
     }
 
+    /// The factor on the input of a given record in a scenario: it was imported with the gain of the ensemble's scenario.
+    fn input_factor(&self, scenario: &Scenario) -> f64 {
+        let own = record_gain(self.ensemble.scenario());
+        record_gain(scenario).zip(own).map_or(1.0, |(gain, own)| gain / own)
+    }
+
     /// The record of a cell with this scenario, which is possible.
     fn record(&self, cell: usize, scenario: &Scenario) -> Arc<Record> {
-        if let Source::Measured(record) = &self.source {
+        let factor = self.input_factor(scenario);
+        if let Source::Measured(record) = &self.source
+            && factor == 1.0
+        {
             return Arc::clone(record);
         }
         let number = self.ensemble.record_of(cell);
@@ -142,7 +152,10 @@ impl Runner {
         if let Some((_, record)) = records().iter().find(|(other, _)| *other == number) {
             return Arc::clone(record);
         }
-        let record = Arc::new(simulate(scenario));
+        let record = Arc::new(match &self.source {
+            Source::Measured(record) => Record::clone(record).with_input_times(factor),
+            Source::Simulated => simulate(scenario),
+        });
         let mut records = records();
         if records.len() >= KEPT {
             records.remove(0);
@@ -279,5 +292,26 @@ mod tests {
         });
         let refused = runner("filters.EKF.process_std", &other).err().unwrap();
         assert!(matches!(refused, EnsembleError::Run(RunError::MissingSensor(_))));
+    }
+
+    #[test]
+    fn a_given_record_follows_the_gain_of_its_input() {
+        let mapping = "file = \"a.csv\"\n[time]\nrate = 100.0\n[input]\ncolumn = \"u\"\ngain = 2.0\n";
+        let mapping = format!("{mapping}[sensors.displacement]\ncolumn = \"x\"\n[sensors.velocity]\ncolumn = \"v\"\n");
+        let mapping = kalmanscope_core::import::Mapping::from_toml(&mapping).unwrap();
+        let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+        let record = Arc::new(simulate(&scenario));
+        let scenario = Scenario { record: Some(mapping), ..scenario };
+        let axes = vec![Axis::parse("record.input.gain=1:3:3").unwrap()];
+        let plan = Plan { filters: vec![0], measures: vec![Measure::Nis], axes, ..Plan::default() };
+        let source = Source::Measured(Arc::clone(&record));
+        let runner = Runner::new(Ensemble::new(scenario, plan).unwrap(), source).unwrap();
+        let runs = runner.runs(&[0, 1, 2]);
+        for (run, factor) in runs.iter().zip([0.5, 1.0, 1.5]) {
+            let input: Vec<f64> = record.input().iter().map(|u| factor * u).collect();
+            assert_eq!(run.as_ref().unwrap().record.input(), input);
+        }
+        let nis = runner.rows(&[0, 1, 2]);
+        assert!(nis[1] < nis[0] && nis[1] < nis[2], "the gain that the record has: {nis:?}");
     }
 }

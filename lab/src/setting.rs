@@ -41,6 +41,12 @@ enum Global {
     InputDelay,
     Displacement,
     Velocity,
+    RecordGain,
+}
+
+/// The gain of the input of a measured record, if the scenario names one with an input.
+pub(crate) fn record_gain(scenario: &Scenario) -> Option<f64> {
+    Some(scenario.record.as_ref()?.input.as_ref()?.gain)
 }
 
 impl Setting {
@@ -61,6 +67,11 @@ impl Setting {
     /// Whether the setting belongs to filters: the record stays the same whatever its value.
     pub fn is_of_filters(&self) -> bool {
         matches!(self.place, Place::Filters(..))
+    }
+
+    /// Whether a given record can follow the setting: it stays as it is, or its input is multiplied.
+    pub fn suits_given_record(&self) -> bool {
+        self.is_of_filters() || self.place == Place::Scenario(Global::RecordGain)
     }
 
     /// Whether the setting is a number without fractions, such as a seed.
@@ -125,6 +136,7 @@ impl Setting {
                 Global::InputDelay => f64::from(scenario.plant.input_delay),
                 Global::Displacement => scenario.plant.initial.displacement,
                 Global::Velocity => scenario.plant.initial.velocity,
+                Global::RecordGain => record_gain(scenario).unwrap_or(f64::NAN),
             },
             Place::Parameter(channel) => scenario.plant.parameter(*channel).map_or(f64::NAN, |signal| signal.at(0.0)),
             Place::Noise(sensor) => scenario.sensors.get(*sensor).map_or(f64::NAN, |sensor| sensor.noise_std),
@@ -146,6 +158,11 @@ impl Setting {
                 Global::InputDelay => scenario.plant.input_delay = libm::round(value) as i32,
                 Global::Displacement => scenario.plant.initial.displacement = value,
                 Global::Velocity => scenario.plant.initial.velocity = value,
+                Global::RecordGain => {
+                    if let Some(input) = scenario.record.as_mut().and_then(|record| record.input.as_mut()) {
+                        input.gain = value;
+                    }
+                }
             },
             Place::Parameter(channel) => scenario.plant.set(*channel, Signal::Constant(value)),
             Place::Noise(sensor) => {

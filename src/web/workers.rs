@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use egui::Context;
 use js_sys::{Array, Float64Array, Uint32Array};
-use kalmanscope::laboratory::{Accelerated, Computer, Engine, Precision, Rows, Slices, Task, Work};
+use kalmanscope::laboratory::{Accelerated, Computer, Engine, Pace, Precision, Rows, Slices, Task, Work};
 use kalmanscope_core::Source;
 use kalmanscope_lab::{Ensemble, EnsembleError, Runner};
 use kalmanscope_worker::in_message;
@@ -40,6 +40,7 @@ struct Given {
     order: Vec<usize>,
     next: usize,
     rows: Vec<Rows>,
+    pace: Pace,
     ctx: Context,
 }
 
@@ -55,6 +56,7 @@ impl Engine for Workers {
         let task = Given {
             ensemble: ensemble.to_json(),
             record: in_message(source),
+            pace: Pace::new(order.len()),
             order,
             next: 0,
             rows: Vec::new(),
@@ -167,10 +169,10 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
                     && let Some(task) = task
                 {
                     let cells = words.get(2).unchecked_into::<Uint32Array>().to_vec();
-                    let cells = cells.into_iter().map(|cell| cell as usize).collect();
+                    let cells: Vec<usize> = cells.into_iter().map(|cell| cell as usize).collect();
                     let numbers = words.get(3).unchecked_into::<Float64Array>().to_vec();
+                    task.pace.take(cells.len(), &task.ctx);
                     task.rows.push(Rows { cells, numbers, by });
-                    task.ctx.request_repaint();
                 }
             }
             _ => {

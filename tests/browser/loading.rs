@@ -72,4 +72,7 @@ pub(crate) async fn opens_without_a_network(page: &Page, server: &Server) {
     println!("first frame after {:.2} s without a network", first_frame(page).await);
     assert_eq!(page.value(VERSION).await, version);
     assert!(page.summary().await["samples"].as_u64().unwrap() > 0);
+    let script =
+        "fetch('./worker.js?program=' + document.querySelector('meta[name=version]').content).then(it => it.ok)";
+    assert_eq!(page.value(script).await, true, "its workers start too");
 }

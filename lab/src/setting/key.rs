@@ -3,7 +3,7 @@
 use kalmanscope_core::{Channel, Quantity, Scenario};
 
 use super::member::{Member, Stds};
-use super::{Global, Place};
+use super::{Global, Place, record_gain};
 
 /// The place of the setting with a key.
 pub(super) fn place(scenario: &Scenario, key: &str) -> Option<Place> {
@@ -16,6 +16,7 @@ pub(super) fn place(scenario: &Scenario, key: &str) -> Option<Place> {
         ["plant", "input_delay"] => Place::Scenario(Global::InputDelay),
         ["plant", "initial", "displacement"] => Place::Scenario(Global::Displacement),
         ["plant", "initial", "velocity"] => Place::Scenario(Global::Velocity),
+        ["record", "input", "gain"] => record_gain(scenario).map(|_| Place::Scenario(Global::RecordGain))?,
         ["plant", parameter] => {
             let channel = Channel::from_key(parameter)?;
             scenario.plant.parameters().find(|c| *c == channel).map(Place::Parameter)?

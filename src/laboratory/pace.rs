@@ -1,0 +1,58 @@
+//! How often a map is drawn while its rows come.
+
+use egui::Context;
+use web_time::Duration;
+
+/// The share of the cells that a first picture has: every eighth each way.
+const FIRST: usize = 64;
+
+/// The time between two later pictures: drawing takes processors from what computes the map.
+const BETWEEN: Duration = Duration::from_millis(100);
+
+/// Wakes the screen as rows come: at once until there is a first picture and at the end, a few times a second between.
+pub struct Pace {
+    cells: usize,
+    come: usize,
+}
+
+impl Pace {
+    /// For a map of which so many cells are to come.
+    pub fn new(cells: usize) -> Self {
+        Self { cells, come: 0 }
+    }
+
+    /// Notes that the rows of some cells have come.
+    pub fn take(&mut self, cells: usize, ctx: &Context) {
+        self.come += cells;
+        if self.come <= self.cells / FIRST || self.come >= self.cells {
+            ctx.request_repaint();
+        } else {
+            ctx.request_repaint_after(BETWEEN);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use super::*;
+
+    #[test]
+    fn the_first_picture_and_the_last_come_at_once() {
+        assert_eq!(waits(&[10]), [Duration::ZERO]);
+        assert_eq!(waits(&[11]), [BETWEEN]);
+        assert_eq!(waits(&[600, 40]), [BETWEEN, Duration::ZERO]);
+    }
+
+    /// What a screen is asked to wait as rows of 640 cells come.
+    fn waits(portions: &[usize]) -> Vec<Duration> {
+        let (ctx, waits) = (Context::default(), Arc::new(Mutex::new(Vec::new())));
+        let told = Arc::clone(&waits);
+        ctx.set_request_repaint_callback(move |info| told.lock().unwrap().push(info.delay));
+        let mut pace = Pace::new(640);
+        portions.iter().for_each(|&cells| pace.take(cells, &ctx));
+        let waits = waits.lock().unwrap().clone();
+        waits
+    }
+}
