@@ -244,7 +244,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
             return Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite });
         }
         if self.adaptation.is_on() {
-            self.adaptation.adapt_kernel(&observation, correction, &mut self.noise);
+            self.adaptation.adapt_kernel(observation.measured(), correction, &mut self.noise);
         }
         Ok(())
     }

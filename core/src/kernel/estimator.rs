@@ -40,60 +40,79 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, 
     }
 }
 
+/// Writes a sample down in the channels' units.
 fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     filter: &Filter<P, B, N>,
     correction: &Correction<N>,
     sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
     let belief = filter.belief().gaussian();
+    let noise = filter.is_adaptive().then(|| filter.noise());
+    let told = Told { belief: &belief, correction, sensors: filter.outputs.len(), noise };
     if filter.model().in_units() {
-        push(filter, &belief, correction, sink);
+        told.push(sink);
         return Ok(());
     }
-    let (belief, unit) = filter.model().to_units(&belief);
-    let mut correction = correction.clone();
-    for gain in &mut correction.gain {
-        for i in 0..N {
-            gain[i] *= unit[i];
-        }
-    }
-    if !belief.is_finite() || correction.gain.as_flattened().iter().any(|k| !k.is_finite()) {
-        return Err(FilterError::NotFinite);
-    }
-    push(filter, &belief, &correction, sink);
-    Ok(())
+    told.push_in_units(filter.model(), sink)
 }
 
-/// Writes a sample down. In a history, with lengths that the compiler knows: to copy a number is not worth a call.
-fn push<P: Model<N>, B: Belief<P, N>, const N: usize>(
-    filter: &Filter<P, B, N>,
-    belief: &Gaussian<N>,
-    correction: &Correction<N>,
-    sink: &mut dyn Sink,
-) {
-    let process;
-    let noise = if filter.is_adaptive() {
-        let Noise { process: matrix, sensors, fading: _ } = filter.noise();
-        process = matrix.diagonal();
-        Some(AssumedNoise { process: process.as_slice(), sensors })
-    } else {
-        None
-    };
-    let m = filter.outputs.len();
-    let Some(history) = sink.history() else {
+/// A belief and what its last measurement told; of no type that depends on the filter, so that the program writes it down
+/// in one way for all of a size.
+#[derive(Clone, Copy)]
+struct Told<'a, const N: usize> {
+    belief: &'a Gaussian<N>,
+    correction: &'a Correction<N>,
+    /// The number of sensors.
+    sensors: usize,
+    /// The noise, where it is learnt.
+    noise: Option<&'a Noise<N>>,
+}
+
+impl<const N: usize> Told<'_, N> {
+    /// Writes it down for a model whose state is in other units than the channels'.
+    ///
+    /// # Errors
+    /// [`FilterError::NotFinite`] where a number in the channels' units is not finite.
+    #[cold]
+    fn push_in_units<P: Model<N>>(self, model: &P, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let (belief, unit) = model.to_units(self.belief);
+        let mut correction = self.correction.clone();
+        for gain in &mut correction.gain {
+            for i in 0..N {
+                gain[i] *= unit[i];
+            }
+        }
+        if !belief.is_finite() || correction.gain.as_flattened().iter().any(|k| !k.is_finite()) {
+            return Err(FilterError::NotFinite);
+        }
+        Told { belief: &belief, correction: &correction, ..self }.push(sink);
+        Ok(())
+    }
+
+    /// Writes it down. In a history, with lengths that the compiler knows for the usual numbers of sensors: to copy a number
+    /// is not worth a call.
+    fn push(self, sink: &mut dyn Sink) {
+        let Self { belief, correction, sensors: m, noise } = self;
+        let process;
+        let noise = if let Some(Noise { process: matrix, sensors, fading: _ }) = noise {
+            process = matrix.diagonal();
+            Some(AssumedNoise { process: process.as_slice(), sensors })
+        } else {
+            None
+        };
+        if let (1 | 2, Some(history)) = (m, sink.history()) {
+            if m == 1 {
+                append::<N, 1>(belief, correction, noise, history);
+            } else {
+                append::<N, 2>(belief, correction, noise, history);
+            }
+            return;
+        }
         let mut cov = [f64::NAN; MAX_SENSORS * MAX_SENSORS];
         for i in 0..m {
             cov[i * m..(i + 1) * m].copy_from_slice(&correction.innovation_cov[i][..m]);
         }
         sink.push(&sample(belief, correction, m, &cov[..m * m], noise));
-        return;
-    };
-    match m {
-        1 => append::<N, 1>(belief, correction, noise, history),
-        2 => append::<N, 2>(belief, correction, noise, history),
-        3 => append::<N, 3>(belief, correction, noise, history),
-        MAX_SENSORS => append::<N, MAX_SENSORS>(belief, correction, noise, history),
-        _ => append::<N, 0>(belief, correction, noise, history),
     }
 }
 

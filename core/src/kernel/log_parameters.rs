@@ -3,7 +3,7 @@
 use crate::Channel;
 use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::kernel::model::{Model, one_by_one};
-use crate::kernel::propagation::{exp_and_integral, runge_kutta};
+use crate::kernel::propagation::{runge_kutta, shared_exp_and_integral};
 
 /// A plant whose state has, if `on`, `ln θ` in place of every parameter θ that cannot be negative
 /// ([`Channel::is_positive`]), so that no estimate is.
@@ -49,7 +49,7 @@ impl<P> LogParameters<P> {
         P: Model<N>,
     {
         if self.plant.eta() != 0.0 {
-            let (transition, integral) = exp_and_integral(&self.jacobian(state), dt);
+            let (transition, integral) = shared_exp_and_integral(&self.jacobian(state), dt);
             return (state + integral * self.rate(state, force), transition);
         }
         let (plain, scale) = Self::plain(state);

@@ -1,5 +1,6 @@
 //! The motion of a state of a known size over one step: exact for linear rates, Runge-Kutta for others.
 
+mod any_size;
 mod chain;
 mod held;
 
@@ -7,6 +8,7 @@ use super::gaussian::{Matrix, Vector};
 use crate::integrate::{INVERSE_FACTORIAL, doublings};
 
 pub use crate::integrate::ImpulseResponse;
+pub(crate) use any_size::shared_exp_and_integral;
 #[doc(hidden)]
 pub use chain::SERIES;
 pub(crate) use chain::chain_step;

@@ -1,7 +1,7 @@
 //! Steps of plants whose parameters do not move, or decay: only the motion has an exponential.
 
 use super::chain::{Chain, ChainResponse};
-use super::{ImpulseResponse, exp_and_integral};
+use super::{ImpulseResponse, exp_and_integral, shared_exp_and_integral};
 use crate::kernel::gaussian::{Matrix, Vector};
 
 /// One step of local linearisation of an oscillator `[x, v, parameters]` whose parameters decay at the rate `eta`: the
@@ -118,7 +118,7 @@ fn decaying_parameters_step<const M: usize, const N: usize>(
 ) -> (Vector<N>, Matrix<N, N>) {
     if eta * dt > 1.0 {
         // Beside so fast a decay exp((F + η I) dt) may overflow.
-        let (transition, integral) = exp_and_integral(jacobian, dt);
+        let (transition, integral) = shared_exp_and_integral(jacobian, dt);
         return (state + integral * rate, transition);
     }
     let motion: Matrix<M, M> = jacobian.fixed_view::<M, M>(0, 0).into_owned();
