@@ -23,8 +23,8 @@ pub enum Document {
     Flag(bool),
     /// An integer.
     Integer(i64),
-    /// An integer above the largest `i64`.
-    Unsigned(u64),
+    /// An integer that is no `i64`.
+    Large(i128),
     /// A number in single precision, which has fewer digits when it is written.
     Single(f32),
     /// A number.

@@ -81,7 +81,7 @@ fn words(value: &Document) -> String {
         Document::Null => "none".to_owned(),
         Document::Flag(on) => if *on { "yes" } else { "no" }.to_owned(),
         Document::Integer(number) => significant(*number as f64, 4),
-        Document::Unsigned(number) => significant(*number as f64, 4),
+        Document::Large(number) => significant(*number as f64, 4),
         Document::Single(number) => significant(f64::from(*number), 4),
         Document::Number(number) => significant(*number, 4),
         Document::Text(text) => text.clone(),

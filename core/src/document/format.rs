@@ -7,13 +7,22 @@ use serde::ser::{Serialize, Serializer};
 
 use super::Document;
 
+impl From<u64> for Document {
+    fn from(value: u64) -> Self {
+        i64::try_from(value).map_or(Self::Large(value.into()), Self::Integer)
+    }
+}
+
 impl Serialize for Document {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Null => serializer.serialize_none(),
             Self::Flag(value) => serializer.serialize_bool(*value),
             Self::Integer(value) => serializer.serialize_i64(*value),
-            Self::Unsigned(value) => serializer.serialize_u64(*value),
+            Self::Large(value) => match u64::try_from(*value) {
+                Ok(value) => serializer.serialize_u64(value),
+                Err(_) => serializer.serialize_i128(*value),
+            },
             Self::Single(value) => serializer.serialize_f32(*value),
             Self::Number(value) => serializer.serialize_f64(*value),
             Self::Text(value) => serializer.serialize_str(value),
@@ -59,7 +68,11 @@ impl<'de> Visitor<'de> for Builder {
     }
 
     fn visit_u64<E: de::Error>(self, value: u64) -> Result<Document, E> {
-        Ok(i64::try_from(value).map_or(Document::Unsigned(value), Document::Integer))
+        Ok(Document::from(value))
+    }
+
+    fn visit_i128<E: de::Error>(self, value: i128) -> Result<Document, E> {
+        Ok(Document::Large(value))
     }
 
     fn visit_f32<E: de::Error>(self, value: f32) -> Result<Document, E> {

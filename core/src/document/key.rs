@@ -11,7 +11,7 @@ pub(super) fn written(key: Document) -> Result<String, DocumentError> {
     match key {
         Document::Text(key) => Ok(key),
         Document::Integer(key) => Ok(key.to_string()),
-        Document::Unsigned(key) => Ok(key.to_string()),
+        Document::Large(key) => Ok(key.to_string()),
         _ => Err(de::Error::custom("a key must be a word or an integer")),
     }
 }

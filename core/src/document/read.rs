@@ -24,7 +24,10 @@ impl Document {
             Self::Null => Unexpected::Other("null"),
             Self::Flag(value) => Unexpected::Bool(*value),
             Self::Integer(value) => Unexpected::Signed(*value),
-            Self::Unsigned(value) => Unexpected::Unsigned(*value),
+            Self::Large(value) => match u64::try_from(*value) {
+                Ok(value) => Unexpected::Unsigned(value),
+                Err(_) => Unexpected::Other("a large integer"),
+            },
             Self::Single(value) => Unexpected::Float(f64::from(*value)),
             Self::Number(value) => Unexpected::Float(*value),
             Self::Text(value) => Unexpected::Str(value),
@@ -44,7 +47,10 @@ fn list<'de, V: Visitor<'de>>(values: &'de [Document], visitor: V) -> Result<V::
 fn integer<'de, V: Visitor<'de>>(document: &'de Document, visitor: V) -> Result<V::Value, DocumentError> {
     match document {
         Document::Integer(value) => visitor.visit_i64(*value),
-        Document::Unsigned(value) => visitor.visit_u64(*value),
+        Document::Large(value) => match u64::try_from(*value) {
+            Ok(value) => visitor.visit_u64(value),
+            Err(_) => visitor.visit_i128(*value),
+        },
         other => Err(other.mismatch(&visitor)),
     }
 }

@@ -81,6 +81,9 @@ fn what_is_written_is_read_back() {
     assert_eq!(Document::read_json::<Everything>(&Document::json(&value).unwrap()).unwrap(), value);
     let undefined: f64 = Document::read_toml::<BTreeMap<String, f64>>("x = nan").unwrap()["x"];
     assert!(undefined.is_nan());
+    let large = format!("x = {}", i128::MAX);
+    assert_eq!(Document::from_toml(&large).unwrap().get("x"), Some(&Document::Large(i128::MAX)));
+    assert!(Document::read_toml::<BTreeMap<String, u64>>(&large).is_err(), "it is more than a u64 can hold");
 }
 
 #[test]

@@ -47,7 +47,7 @@ impl Serializer for Writer {
     }
 
     fn serialize_u64(self, value: u64) -> Written {
-        Ok(i64::try_from(value).map_or(Document::Unsigned(value), Document::Integer))
+        Ok(value.into())
     }
 
     fn serialize_bytes(self, value: &[u8]) -> Written {
