@@ -94,7 +94,7 @@ fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool 
 
 /// The scenarios that come along; with them the way to other files where the bar has no room for it.
 fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &mut Vec<Request>) {
-    let menu = ui.menu_button("Scenario", |ui| {
+    let (button, _) = MenuButton::new("Scenario").ui(ui, |ui| {
         if !is_roomy {
             if choose_file_ui(ui, "Open a file…", requests) {
                 ui.close();
@@ -115,7 +115,7 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &m
             ui.close();
         }
     });
-    probe::remember(ui.ctx(), "Scenario", menu.response.rect);
+    probe::remember(ui.ctx(), "Scenario", button.rect);
 }
 
 fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {

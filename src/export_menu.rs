@@ -1,5 +1,6 @@
 //! The menu of exports.
 
+use egui::containers::menu::MenuButton;
 use egui::{Context, Id, Popup, RichText, Ui};
 
 use crate::probe;
@@ -7,7 +8,7 @@ use crate::request::{Export, FigureFormat, Picture, Request};
 
 /// Shows the menu's button, and the menu while it is open.
 pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
-    let response = ui.menu_button(if narrow { "↓" } else { "Export" }, |ui| {
+    let (button, _) = MenuButton::new(if narrow { "↓" } else { "Export" }).ui(ui, |ui| {
         if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
             requests.push(Request::CopyLink);
             ui.close();
@@ -33,7 +34,6 @@ pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
             entry(ui, export);
         }
     });
-    let button = response.response;
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label("Export"));
     probe::remember(ui.ctx(), "Export", button.rect);
     let popup = Popup::default_response_id(&button);

@@ -224,7 +224,7 @@ mod web {
         let summary = RUNNER.with_borrow(|runner| {
             let (runner, ctx) = runner.as_ref()?;
             let page = runner.app_mut::<Page>()?;
-            serde_json::to_string(&page.app.screen_state(ctx)).ok()
+            kalmanscope_core::Document::json(&page.app.screen_state(ctx)).ok()
         });
         summary.unwrap_or_else(|| "null".to_owned())
     }

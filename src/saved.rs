@@ -1,11 +1,10 @@
 //! The saved session, and the reasons why parts of it may be unreadable.
 
 use egui::ThemePreference;
-use kalmanscope_core::Scenario;
+use kalmanscope_core::{Document, Scenario};
 use kalmanscope_lessons::BuiltIn;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde_json::{Map, Value};
 
 use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
 use crate::layout::Layout;
@@ -89,11 +88,12 @@ impl Saved {
 
     /// The parts that can be read, defaults for the others, and the reasons.
     fn read(text: &str) -> (Self, Vec<String>) {
-        let parts = match serde_json::from_str(text) {
-            Ok(parts) => parts,
+        let document = match Document::from_json(text) {
+            Ok(document @ Document::Table(_)) => document,
+            Ok(_) => return (Self::default(), vec!["it is not an object".to_owned()]),
             Err(error) => return (Self::default(), vec![error.to_string()]),
         };
-        let mut reader = Reader { parts, problems: Vec::new() };
+        let mut reader = Reader { document, problems: Vec::new() };
         let version: u64 = reader.part("version", 1);
         if version > VERSION {
             reader.problems.push(format!("it has version {version}, and this program reads versions up to {VERSION}"));
@@ -125,14 +125,14 @@ impl Saved {
 
 /// Reads one part after the other, and notes the unreadable ones.
 struct Reader {
-    parts: Map<String, Value>,
+    document: Document,
     problems: Vec<String>,
 }
 
 impl Reader {
     /// The part under a key, or its default where it is missing or unreadable.
     fn part<T: DeserializeOwned>(&mut self, key: &str, usual: T) -> T {
-        let part = self.parts.remove(key).map(serde_json::from_value);
+        let part = self.document.get(key).map(Document::read);
         part.and_then(|part| self.note(key, part)).unwrap_or(usual)
     }
 
@@ -163,7 +163,7 @@ impl Reader {
             return self.part("layout", Layout::default());
         }
         let text: String = self.part("layout", String::new());
-        let layout = (!text.is_empty()).then(|| serde_json::from_str(&text));
+        let layout = (!text.is_empty()).then(|| Document::read_json(&text));
         layout.and_then(|layout| self.note("layout", layout)).unwrap_or_default()
     }
 }
@@ -193,7 +193,7 @@ pub(crate) fn save(
     let (mode, speed) = (session.mode(), session.speed());
     let lessons = studies;
     let Choices { map, seeds, tuning } = laboratory;
-    match serde_json::to_string(&Written {
+    match Document::json(&Written {
         version: VERSION,
         scenario,
         mode,

@@ -1,9 +1,8 @@
 //! A session as a file: scenario, views and playback.
 
 use egui_tiles::Tree;
-use kalmanscope_core::Scenario;
+use kalmanscope_core::{Document, DocumentError, Scenario};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use thiserror::Error;
 
 use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
@@ -23,7 +22,7 @@ pub(crate) enum SessionFileError {
     #[error("it has format {0}, and this program reads formats up to {VERSION}")]
     Newer(u64),
     #[error("the session cannot be read: {0}")]
-    Json(#[from] serde_json::Error),
+    Json(#[from] DocumentError),
     #[error("its scenario: {0}")]
     Scenario(#[from] kalmanscope_core::ScenarioError),
     #[error("`{key}` is {value}, but must be a finite number{more}")]
@@ -60,7 +59,7 @@ pub(crate) fn text(
     layout: &Layout,
     Choices { map, seeds, tuning }: Choices,
 ) -> Result<String, SessionFileError> {
-    Ok(serde_json::to_string_pretty(&Written {
+    Ok(Document::json_lines(&Written {
         kalmanscope_session: VERSION,
         program: env!("CARGO_PKG_VERSION").to_owned(),
         scenario: session.scenario().to_toml()?,
@@ -79,13 +78,13 @@ pub(crate) fn read(bytes: &[u8]) -> Option<Result<SavedScreen, SessionFileError>
     if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
         return None;
     }
-    let value: Value = serde_json::from_slice(bytes).ok()?;
-    let version = value.get(KEY)?.as_u64().unwrap_or(u64::MAX);
-    Some(if version > VERSION { Err(SessionFileError::Newer(version)) } else { saved(value) })
+    let document = Document::from_json(std::str::from_utf8(bytes).ok()?).ok()?;
+    let version = document.get(KEY)?.read().unwrap_or(u64::MAX);
+    Some(if version > VERSION { Err(SessionFileError::Newer(version)) } else { saved(&document) })
 }
 
-fn saved(value: Value) -> Result<SavedScreen, SessionFileError> {
-    let Written { scenario, mode, speed, time, layout, map, seeds, tuning, .. } = serde_json::from_value(value)?;
+fn saved(document: &Document) -> Result<SavedScreen, SessionFileError> {
+    let Written { scenario, mode, speed, time, layout, map, seeds, tuning, .. } = document.read()?;
     if !(speed.is_finite() && speed > 0.0) {
         return Err(SessionFileError::Number { key: "speed", value: speed, more: " above 0" });
     }

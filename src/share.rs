@@ -11,7 +11,7 @@ pub mod message;
 mod outline;
 mod packed;
 
-use kalmanscope_core::{Scenario, ScenarioError};
+use kalmanscope_core::{Document, DocumentError, Scenario, ScenarioError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -130,7 +130,7 @@ impl Picture {
         let Self { scenario, views, enlarged, laboratory, mode, time, speed, ruler, hidden } = self.clone();
         let Choices { map, seeds, tuning } = laboratory;
         let screen = Screen { views, enlarged, map, seeds, tuning, mode, time, speed, marks: ruler, hidden };
-        let screen = serde_json::to_string(&screen).map_err(|error| LinkError::Screen(error.to_string()))?;
+        let screen = Document::json(&screen).map_err(|error: DocumentError| LinkError::Screen(error.to_string()))?;
         let text = format!("{screen}\n{}", scenario.to_toml()?);
         let link = format!("{VERSION}.{}", base64url::encode(&packed::pack(&text)));
         if link.len() > LONGEST { Err(LinkError::TooLong(link.len())) } else { Ok(format!("{MARK}{link}")) }
@@ -158,7 +158,8 @@ impl Picture {
 
     fn from_text(text: &str) -> Result<Self, LinkError> {
         let (screen, scenario) = text.split_once('\n').ok_or(LinkError::Damaged)?;
-        let screen: Screen = serde_json::from_str(screen).map_err(|error| LinkError::Screen(error.to_string()))?;
+        let screen: Screen =
+            Document::read_json(screen).map_err(|error: DocumentError| LinkError::Screen(error.to_string()))?;
         let Screen { views, enlarged, map, seeds, tuning, mode, time, speed, marks: ruler, hidden } = screen;
         if let Some(views) = &views {
             views.validate().map_err(LinkError::Screen)?;

@@ -15,7 +15,7 @@ use thiserror::Error;
 use crate::filter::FilterKind;
 use crate::import::Mapping;
 use crate::model::{Hold, InputKind};
-use crate::{Force, PlantKind, Quantity};
+use crate::{DocumentError, Force, PlantKind, Quantity};
 
 pub use color::FilterColor;
 pub use filter::FilterSettings;
@@ -83,6 +83,12 @@ pub enum ScenarioError {
         /// The allowed values.
         allowed: String,
     },
+}
+
+impl From<DocumentError> for ScenarioError {
+    fn from(error: DocumentError) -> Self {
+        Self::Syntax(error.to_string())
+    }
 }
 
 impl Default for Scenario {

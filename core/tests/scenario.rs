@@ -186,12 +186,12 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
         ),
         (
             "[force]\nnoise = 1",
-            "line 2: `force`: unknown variant `noise`, expected one of `none`, `white_noise`, `sine`, `chirp`, \
+            "line 2: `force.noise`: unknown variant `noise`, expected one of `none`, `white_noise`, `sine`, `chirp`, \
              `impulse_train`, `step`",
         ),
         (
             "[force]\nwhite_noise = { std = 1, mean = 2 }",
-            "line 2: `force.white_noise`: unexpected keys in table: mean, available keys: std",
+            "line 2: `force.white_noise.mean`: unknown field `mean`, expected `std`",
         ),
         (
             "[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 1\nbias = 2",
@@ -258,8 +258,8 @@ fn a_value_of_the_wrong_type_is_refused_with_line_path_and_the_expected_type() {
             "[plant]\nnatural_frequency = { step = { from = 1, to = 2 } }",
             "line 2: `plant.natural_frequency.step`: missing field `at`",
         ),
-        ("force = 3", "line 1: `force`: wanted string or table"),
-        ("force = {}", "line 1: `force`: wanted exactly 1 element, found 0 elements"),
+        ("force = 3", "line 1: `force`: invalid type: integer `3`, expected a word, or a table with exactly one key"),
+        ("force = {}", "line 1: `force`: invalid value: map, expected a table with exactly one key"),
         ("[force]\nsine = { amplitude = 1.0 }", "line 2: `force.sine`: missing field `frequency`"),
         (
             "[force]\nsine = { amplitude = \"a\", frequency = 1 }",

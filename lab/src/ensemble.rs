@@ -1,6 +1,6 @@
 //! Many runs of one scenario, which differ in the values of some settings.
 
-use kalmanscope_core::{Channel, RunError, Scenario};
+use kalmanscope_core::{Channel, Document, DocumentError, RunError, Scenario};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -98,7 +98,7 @@ impl Ensemble {
 
     /// The ensemble as JSON, for another thread of a page: `[scenario, plan]`.
     pub fn to_json(&self) -> String {
-        serde_json::to_string(&(&self.scenario, &self.plan)).unwrap_or_default()
+        Document::json(&(&self.scenario, &self.plan)).unwrap_or_default()
     }
 
     /// The ensemble that [`Self::to_json`] has written. Unlike TOML files, which people write, it leaves nothing out.
@@ -106,7 +106,7 @@ impl Ensemble {
     /// # Errors
     /// As [`Self::new`], and [`EnsembleError::Syntax`] where it cannot be read.
     pub fn from_json(text: &str) -> Result<Self, EnsembleError> {
-        let read = serde_json::from_str(text).map_err(|error| EnsembleError::Syntax(error.to_string()));
+        let read = Document::read_json(text).map_err(|error: DocumentError| EnsembleError::Syntax(error.to_string()));
         let (scenario, plan) = read?;
         Self::new(scenario, plan)
     }

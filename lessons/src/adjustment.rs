@@ -1,6 +1,6 @@
 //! The changes that a lesson makes to a scenario.
 
-use kalmanscope_core::{Quantity, Scenario, ScenarioError, Sensor};
+use kalmanscope_core::{Document, Quantity, Scenario, ScenarioError, Sensor};
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -130,7 +130,7 @@ fn add_filter(file: &mut Table, filter: &Table) -> Result<(), LessonError> {
 
 /// The scenario with all its settings, defaults included, so that each has a path.
 pub(crate) fn written(scenario: &Scenario) -> Result<Table, LessonError> {
-    Table::try_from(scenario).map_err(|error| LessonError::Scenario(ScenarioError::Syntax(error.to_string())))
+    Ok(Document::table(scenario).map_err(ScenarioError::from)?)
 }
 
 /// The scenario of a table, by way of its text, so that missing settings are filled in and everything is checked.

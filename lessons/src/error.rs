@@ -1,6 +1,6 @@
 //! Errors of lessons.
 
-use kalmanscope_core::{Quantity, RunError, ScenarioError};
+use kalmanscope_core::{DocumentError, Quantity, RunError, ScenarioError};
 use thiserror::Error;
 
 /// The reason why a lesson cannot be used.
@@ -66,6 +66,12 @@ pub enum LessonError {
         /// The error.
         error: Box<LessonError>,
     },
+}
+
+impl From<DocumentError> for LessonError {
+    fn from(error: DocumentError) -> Self {
+        Self::Syntax(error.to_string())
+    }
 }
 
 impl LessonError {

@@ -1,7 +1,6 @@
 //! Files that may be a lesson or a scenario.
 
-use kalmanscope_core::Scenario;
-use toml::Table;
+use kalmanscope_core::{Document, Scenario};
 
 use crate::{Lesson, LessonError};
 
@@ -23,8 +22,8 @@ impl File {
     /// # Errors
     /// [`LessonError`] where it is neither a possible lesson nor a possible scenario.
     pub fn from_toml(text: &str) -> Result<Self, LessonError> {
-        let table: Table = toml::from_str(text).map_err(|error| LessonError::Syntax(error.to_string()))?;
-        if OF_LESSONS.iter().any(|key| table.contains_key(*key)) {
+        let document = Document::from_toml(text)?;
+        if OF_LESSONS.iter().any(|key| document.get(key).is_some()) {
             Lesson::from_toml(text).map(Self::Lesson)
         } else {
             Ok(Self::Scenario(Scenario::from_toml(text)?))

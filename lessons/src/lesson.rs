@@ -1,6 +1,6 @@
 //! Lessons and their files.
 
-use kalmanscope_core::{Channel, Scenario};
+use kalmanscope_core::{Channel, Document, Scenario};
 use serde::Deserialize;
 use toml::Table;
 
@@ -28,12 +28,23 @@ pub struct Lesson {
 
 /// The initial scenario of a lesson.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(untagged)]
+#[serde(try_from = "Document")]
 pub enum Base {
     /// A built-in one, by the name of its file.
     Named(String),
     /// A scenario of the lesson's own, as in a scenario file.
     Inline(Table),
+}
+
+impl TryFrom<Document> for Base {
+    type Error = &'static str;
+
+    fn try_from(document: Document) -> Result<Self, Self::Error> {
+        match document {
+            Document::Text(name) => Ok(Self::Named(name)),
+            other => other.read().map(Self::Inline).map_err(|_| "expected the name of a built-in scenario, or a table"),
+        }
+    }
 }
 
 /// A step of a lesson.
@@ -168,7 +179,7 @@ impl Lesson {
 
     /// Reads a lesson, but does not try its scenarios and checks.
     pub(crate) fn read(text: &str) -> Result<Self, LessonError> {
-        toml::from_str(text).map_err(|error| LessonError::Syntax(error.to_string()))
+        Ok(Document::read_toml(text)?)
     }
 
     /// The initial scenario, before the first step's change.

@@ -1,5 +1,6 @@
 //! The app in the frame of another page: what that page may read.
 
+use kalmanscope_core::Document;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -61,7 +62,9 @@ impl App {
     pub fn answer_message(&self, Message { id, wish }: &Message) -> Value {
         match wish {
             Wish::Set(_) => answer(id, "set", true),
-            Wish::Get(Topic::State) => answer(id, "state", json!(self.state())),
+            Wish::Get(Topic::State) => {
+                answer(id, "state", json!(Document::of(&self.state()).unwrap_or(Document::Null)))
+            }
             Wish::Get(Topic::Link) => match self.link() {
                 Ok(link) => answer(id, "link", link),
                 Err(error) => answer(id, "error", format!("There is no link to this picture: {error}.")),

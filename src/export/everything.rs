@@ -1,12 +1,12 @@
 //! Scenario, record, estimates and diagnosis as one JSON.
 
-use kalmanscope_core::{Channel, Diagnosis, Estimates, Record, Scenario};
+use kalmanscope_core::{Channel, Diagnosis, Document, DocumentError, Estimates, Record, Scenario};
 use serde_json::{Map, Value, json};
 
 use crate::session::Session;
 
 /// The text of the file. Undefined numbers are `null`. Means are canonical, as everywhere on screen.
-pub(super) fn json(session: &Session) -> Result<String, serde_json::Error> {
+pub(super) fn json(session: &Session) -> Result<String, DocumentError> {
     let run = session.run();
     let scenario: &Scenario = session.scenario();
     let filters = run.estimates().iter().enumerate().map(|(place, estimates)| {
@@ -17,11 +17,11 @@ pub(super) fn json(session: &Session) -> Result<String, serde_json::Error> {
     let filters: Vec<Value> = filters.collect();
     let everything = json!({
         "kalmanscope": env!("CARGO_PKG_VERSION"),
-        "scenario": scenario,
+        "scenario": Document::of(scenario)?,
         "record": record(run.record()),
         "filters": filters,
     });
-    serde_json::to_string(&everything)
+    serde_json::to_string(&everything).map_err(serde::ser::Error::custom)
 }
 
 fn record(record: &Record) -> Value {

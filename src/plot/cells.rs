@@ -17,7 +17,7 @@ const LOW: f32 = 120.0;
 
 /// Fills `ui` with `count` cells in two columns, or one where it is narrow. Passes each cell its number and whether it
 /// is in the last row.
-pub(crate) fn cells_ui(ui: &mut Ui, count: usize, mut cell_ui: impl FnMut(&mut Ui, usize, bool)) {
+pub(crate) fn cells_ui(ui: &mut Ui, count: usize, cell_ui: &mut dyn FnMut(&mut Ui, usize, bool)) {
     let area = ui.available_size();
     let medium = Medium::of(ui.ctx());
     medium.note_plots(ui.ctx(), count);

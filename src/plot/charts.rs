@@ -14,13 +14,13 @@ pub(crate) fn charts_ui<'a>(
     count: usize,
     input: &PlotInput<'_>,
     requests: &mut Vec<Request>,
-    chart: impl Fn(usize, bool) -> Chart<'a>,
+    chart: &dyn Fn(usize, bool) -> Chart<'a>,
 ) -> Option<f64> {
     let id = ui.scope_id().with("alone");
     let mut alone: Option<usize> = ui.data(|data| data.get_temp(id)).filter(|place| *place < count);
     let (first, shown) = alone.map_or((0, count), |place| (place, 1));
     let mut pointed = None;
-    cells_ui(ui, shown, |ui, i, last_row| {
+    cells_ui(ui, shown, &mut |ui, i, last_row| {
         let response = chart(first + i, last_row).show(ui, input, requests);
         pointed = response.pointed.or(pointed);
         if response.alone {

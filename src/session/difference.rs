@@ -1,7 +1,8 @@
 //! Names the settings in which two scenarios differ.
 
-use kalmanscope_core::{Channel, Scenario};
-use serde_json::Value;
+use std::collections::BTreeSet;
+
+use kalmanscope_core::{Channel, Document, Scenario};
 
 use crate::text::significant;
 
@@ -31,23 +32,24 @@ pub(super) fn difference(before: &Scenario, now: &Scenario) -> Option<String> {
     (!all.is_empty()).then(|| all.into_iter().take(NAMED).collect::<Vec<_>>().join(", ") + more)
 }
 
-fn value(of: &impl serde::Serialize) -> Value {
-    serde_json::to_value(of).unwrap_or(Value::Null)
+fn value(of: &impl serde::Serialize) -> Document {
+    Document::of(of).unwrap_or(Document::Null)
 }
 
 /// Appends every setting below `path` in which the two differ.
-fn compare(before: &Value, now: &Value, path: &mut Vec<String>, all: &mut Vec<String>) {
+fn compare(before: &Document, now: &Document, path: &mut Vec<String>, all: &mut Vec<String>) {
     match (before, now) {
         _ if before == now => {}
-        (Value::Object(one), Value::Object(other)) => {
-            for key in one.keys().chain(other.keys().filter(|key| !one.contains_key(*key))) {
+        (Document::Table(one), Document::Table(other)) => {
+            let keys: BTreeSet<&String> = one.iter().chain(other).map(|(key, _)| key).collect();
+            for key in keys {
                 path.push(key.clone());
-                let of = |map: &serde_json::Map<String, Value>| map.get(key).cloned().unwrap_or(Value::Null);
-                compare(&of(one), &of(other), path, all);
+                let of = |document: &Document| document.get(key).cloned().unwrap_or(Document::Null);
+                compare(&of(before), &of(now), path, all);
                 path.pop();
             }
         }
-        (Value::Array(one), Value::Array(other)) if one.len() == other.len() => {
+        (Document::List(one), Document::List(other)) if one.len() == other.len() => {
             for (i, (one, other)) in one.iter().zip(other).enumerate() {
                 path.push((i + 1).to_string());
                 compare(one, other, path, all);
@@ -74,13 +76,16 @@ fn name(path: &[String]) -> String {
     path.iter().map(word).collect::<Vec<_>>().join(" ")
 }
 
-fn words(value: &Value) -> String {
+fn words(value: &Document) -> String {
     match value {
-        Value::Null => "none".to_owned(),
-        Value::Bool(on) => if *on { "yes" } else { "no" }.to_owned(),
-        Value::Number(number) => significant(number.as_f64().unwrap_or(f64::NAN), 4),
-        Value::String(text) => text.clone(),
-        Value::Array(_) | Value::Object(_) => "other".to_owned(),
+        Document::Null => "none".to_owned(),
+        Document::Flag(on) => if *on { "yes" } else { "no" }.to_owned(),
+        Document::Integer(number) => significant(*number as f64, 4),
+        Document::Large(number) => significant(*number as f64, 4),
+        Document::Single(number) => significant(f64::from(*number), 4),
+        Document::Number(number) => significant(*number, 4),
+        Document::Text(text) => text.clone(),
+        Document::List(_) | Document::Table(_) => "other".to_owned(),
     }
 }
 

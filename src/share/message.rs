@@ -1,6 +1,6 @@
 //! Messages between the page and one that embeds it, as JSON. `docs/embed.md` has the whole set.
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::{Document, Scenario};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -111,8 +111,9 @@ impl Message {
         if value.get("set").is_some_and(|set| !set.is_object()) {
             return Err(refused("The value of `set` must be an object.".to_owned()));
         }
-        let Written { set, get, .. } =
-            serde_json::from_value(value).map_err(|error| refused(format!("A message is impossible: {error}.")))?;
+        let Written { set, get, .. } = Document::of(&value)
+            .and_then(|value| value.read())
+            .map_err(|error| refused(format!("A message is impossible: {error}.")))?;
         let wish = match (set, get) {
             (Some(set), None) => Wish::Set(set.requests().map_err(refused)?),
             (None, Some(topic)) => Wish::Get(topic),

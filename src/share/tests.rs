@@ -163,7 +163,7 @@ fn impossible_pictures_are_refused_with_their_reason() {
         (screen.replace("12.34", "-1"), "the time is -1"),
         (screen.replace("12.34", "1e999"), "number out of range"),
         (screen.replace("12.34", "1,\"speed\":-1"), "the speed is -1"),
-        (screen.replace("12.34", "1,\"marks\":[1,2,3]"), "trailing characters"),
+        (screen.replace("12.34", "1,\"marks\":[1,2,3]"), "`marks`: invalid length 3"),
         (screen.replace("12.34", "1,\"hidden\":[\"all\"]"), "unknown variant `all`"),
         (screen.replace("12.34", "1,\"enlarged\":\"Phase\""), "enlarged is not shown"),
         (screen.replace("12.34", "1,\"more\":1"), "unknown field `more`"),

@@ -1,5 +1,6 @@
 //! The ways to a lesson: the menu, and an invitation for new users.
 
+use egui::containers::menu::MenuButton;
 use egui::{Button, RichText, ScrollArea, TextWrapMode, Ui};
 
 use super::Catalogue;
@@ -21,7 +22,7 @@ pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 
 /// The menu of all lessons, by group; finished ones have a tick.
 pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
-    let menu = ui.menu_button("Lessons", |ui| {
+    let (button, _) = MenuButton::new("Lessons").ui(ui, |ui| {
         // As high as the window allows.
         let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);
         ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
@@ -37,7 +38,7 @@ pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Req
                 }
                 let finished = catalogue.is_finished(lesson);
                 let text = if finished { format!("{} ✓", lesson.title) } else { lesson.title.clone() };
-                let button = ui.button(text).on_hover_text(&lesson.summary);
+                let button = ui.button(text).on_hover_text(lesson.summary.as_str());
                 if finished {
                     let name = format!("{}, finished", lesson.title);
                     button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
@@ -50,5 +51,5 @@ pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Req
             }
         });
     });
-    probe::remember(ui.ctx(), "Lessons", menu.response.rect);
+    probe::remember(ui.ctx(), "Lessons", button.rect);
 }

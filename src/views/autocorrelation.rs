@@ -58,7 +58,7 @@ impl View for Autocorrelation {
             (None, Medium::Screen) => "Of all samples; mark A and B for a part of them.",
             (None, Medium::Figure) => "Of all samples.",
         });
-        cells_ui(ui, sensors.len(), |ui, sensor, last_row| {
+        cells_ui(ui, sensors.len(), &mut |ui, sensor, last_row| {
             let mut band = 0.0_f64;
             let (mut lowest, mut highest) = (0.0_f64, 0.0_f64);
             let mut charts = Vec::new();

@@ -58,7 +58,7 @@ impl View for Channels {
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
         let channels = self.channels(context);
-        charts_ui(ui, channels.len(), &context.plot_input(), requests, |i, last_row| {
+        charts_ui(ui, channels.len(), &context.plot_input(), requests, &|i, last_row| {
             chart(channels[i], context, last_row)
         })
     }

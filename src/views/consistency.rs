@@ -49,7 +49,7 @@ impl View for Consistency {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        charts_ui(ui, 2, &context.plot_input(), requests, |i, last_row| {
+        charts_ui(ui, 2, &context.plot_input(), requests, &|i, last_row| {
             chart(if i == 0 { &NIS } else { &NEES }, context, last_row)
         })
     }

@@ -47,7 +47,7 @@ impl View for Errors {
         if channels.is_empty() {
             ui.weak("The truth of this record is not known.");
         }
-        charts_ui(ui, channels.len(), &context.plot_input(), requests, |i, last_row| {
+        charts_ui(ui, channels.len(), &context.plot_input(), requests, &|i, last_row| {
             chart(channels[i], context, last_row)
         })
     }

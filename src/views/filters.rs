@@ -46,7 +46,7 @@ impl View for Filters {
                 names_ui(ui, &mut scenario, context.palette);
                 ui.end_row();
                 for row in rows(&scenario) {
-                    ui.label(RichText::new(&row.symbol).weak()).on_hover_text(&row.name);
+                    ui.label(RichText::new(&row.symbol).weak()).on_hover_text(row.name.as_str());
                     row_ui(ui, &row, &mut scenario.filters, context.palette);
                     ui.end_row();
                 }

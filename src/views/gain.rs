@@ -47,7 +47,7 @@ impl View for Gain {
             return None;
         }
         let sensor = sensor_ui(ui, &context.session.sensors());
-        charts_ui(ui, channels.len(), &context.plot_input(), requests, |i, last_row| {
+        charts_ui(ui, channels.len(), &context.plot_input(), requests, &|i, last_row| {
             chart(channels[i], sensor, context, last_row)
         })
     }

@@ -50,7 +50,7 @@ impl View for Innovations {
         // The innovations of several filters in one chart would be one block of colour.
         let filters: Vec<&Estimates> = context.filters().map(|(_, estimates)| estimates).collect();
         let rows = if sensors.len() * filters.len() <= ROWS { filters.len().max(1) } else { 1 };
-        charts_ui(ui, sensors.len() * rows, &context.plot_input(), requests, |i, last_row| {
+        charts_ui(ui, sensors.len() * rows, &context.plot_input(), requests, &|i, last_row| {
             let (sensor, row) = (i / rows, i % rows);
             let filters = if rows > 1 { &filters[row..=row] } else { &filters[..] };
             chart(sensor, sensors[sensor], filters, context, last_row)

@@ -50,7 +50,7 @@ impl View for Measured {
         if sensors.is_empty() {
             ui.weak("Nothing is measured.");
         }
-        charts_ui(ui, 2 * sensors.len(), &context.plot_input(), requests, |i, last_row| {
+        charts_ui(ui, 2 * sensors.len(), &context.plot_input(), requests, &|i, last_row| {
             let (sensor, quantity) = (i / 2, sensors[i / 2]);
             if i % 2 == 0 {
                 signals(sensor, quantity, context, last_row)

@@ -76,7 +76,7 @@ fn unreadable_parts_are_reported_and_kept() {
     let (mut app, memory) = saved();
     let text = &memory.0[KEY];
     let scenario = app.session().scenario().clone();
-    let changes: [(&str, &str, &str); 7] = [
+    let changes: [(&str, &str, &str); 8] = [
         ("dt = 0.01", "dt = -1.0", "`dt` is -1"),
         ("\"Whole\"", "\"Sideways\"", "Sideways"),
         ("\"speed\":5.0", "\"speed\":-5.0", "speed"),
@@ -84,6 +84,7 @@ fn unreadable_parts_are_reported_and_kept() {
         ("\"version\":2", "\"version\":3", "version 3"),
         ("\"version\":2", "\"version\":\"two\"", "version"),
         ("{", "", ""),
+        (text, "5", ""),
     ];
     for (old, new, told) in changes {
         let broken = text.replacen(old, new, 1);

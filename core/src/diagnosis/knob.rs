@@ -2,7 +2,7 @@
 
 use toml::{Table, Value};
 
-use crate::{Scenario, ScenarioError};
+use crate::{Document, Scenario, ScenarioError};
 
 /// An edit of a scenario: a key and its new value.
 ///
@@ -70,8 +70,7 @@ impl Knob {
     /// # Errors
     /// As [`Self::apply`].
     pub fn apply_all(knobs: &[Self], scenario: &Scenario) -> Result<Scenario, ScenarioError> {
-        let syntax = |error: &dyn std::fmt::Display| ScenarioError::Syntax(error.to_string());
-        let mut file = Table::try_from(scenario).map_err(|error| syntax(&error))?;
+        let mut file = Document::table(scenario)?;
         for knob in knobs {
             let unknown = || ScenarioError::Syntax(format!("the scenario has no setting `{}`", knob.key));
             let (table, key) = match knob.filter() {
@@ -80,7 +79,8 @@ impl Knob {
             };
             set(table.ok_or_else(unknown)?, key, &knob.value);
         }
-        Scenario::from_toml(&toml::to_string(&file).map_err(|error| syntax(&error))?)
+        let text = toml::to_string(&file).map_err(|error| ScenarioError::Syntax(error.to_string()))?;
+        Scenario::from_toml(&text)
     }
 }
 

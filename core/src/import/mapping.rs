@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Dialect, ImportError};
-use crate::Quantity;
 use crate::scenario::{is_default, is_one};
+use crate::{Document, Quantity};
 
 /// The meaning of a file's columns, and how they become a record: the table `[record]` of a scenario.
 ///
@@ -90,7 +90,7 @@ pub struct MappedColumn {
 
 /// The offset of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "a number, \"mean\" or { mean = [from, to] } in seconds")]
+#[serde(untagged, try_from = "Document")]
 pub enum Offset {
     /// A number, in the cells' unit.
     Number(f64),
@@ -109,6 +109,18 @@ pub enum Offset {
 pub enum MeanWord {
     /// All cells.
     Mean,
+}
+
+impl TryFrom<Document> for Offset {
+    type Error = &'static str;
+
+    fn try_from(document: Document) -> Result<Self, Self::Error> {
+        let number = || document.read().map(Self::Number);
+        let word = || document.read().map(Self::Mean);
+        let part = || document.get("mean")?.read().ok().map(|mean| Self::Part { mean });
+        let offset = number().or_else(|_| word()).ok().or_else(part);
+        offset.ok_or("expected a number, \"mean\" or { mean = [from, to] } in seconds")
+    }
 }
 
 impl Default for Mapping {
@@ -205,16 +217,12 @@ impl Mapping {
     /// # Errors
     /// [`crate::ScenarioError::Syntax`] where the text is not a mapping.
     pub fn from_toml(text: &str) -> Result<Self, crate::ScenarioError> {
-        #[derive(Deserialize)]
-        struct Whole {
-            record: Mapping,
-        }
-        let syntax = |error: toml::de::Error| crate::ScenarioError::Syntax(error.to_string().trim_end().to_owned());
-        let table: toml::Table = toml::from_str(text).map_err(syntax)?;
-        if table.contains_key("record") {
-            return toml::from_str::<Whole>(text).map(|whole| whole.record).map_err(syntax);
-        }
-        toml::from_str(text).map_err(syntax)
+        let document = Document::from_toml(text)?;
+        let mapping = match document.get("record") {
+            Some(record) => record.read().map_err(|error| error.at_key("record")),
+            None => document.read(),
+        };
+        mapping.map_err(|error| error.in_toml(text).into())
     }
 }
 

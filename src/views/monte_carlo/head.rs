@@ -1,5 +1,6 @@
 //! The line above the charts: seeds, parameter, and the progress.
 
+use egui::containers::menu::MenuButton;
 use egui::{ComboBox, DragValue, Ui};
 
 use super::curves;
@@ -21,15 +22,14 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
         let number = number.on_hover_text(hint);
         number.ctx.accesskit_node_builder(number.id, |node| node.set_label("Seeds"));
         ui.weak("seeds");
-        ui.menu_button("…", |ui| {
+        let (button, _) = MenuButton::new("…").ui(ui, |ui| {
             for count in USUAL {
                 if ui.button(format!("{count} seeds")).clicked() {
                     next.seeds = count;
                 }
             }
-        })
-        .response
-        .on_hover_text("Usual numbers of seeds");
+        });
+        button.on_hover_text("Usual numbers of seeds");
         if let Some(runs) = seeds.shown() {
             let curves = curves::of(ui.ctx(), seeds, runs, context);
             if let Some(shown) = curves.parameter {

@@ -1,10 +1,10 @@
 //! Writes a scenario as a file. Leaves out channels that no plant of the scenario has, numbers with their default
 //! value, and ids that equal the filters' places.
 
-use crate::{Scenario, Values};
+use crate::{Document, Scenario, ScenarioError, Values};
 
 /// The text of the file.
-pub(super) fn text(scenario: &Scenario) -> Result<String, toml::ser::Error> {
+pub(super) fn text(scenario: &Scenario) -> Result<String, ScenarioError> {
     let mut scenario = scenario.clone();
     let (truth, input) = (scenario.plant.kind, scenario.input);
     let are_in_order = (1..).zip(&scenario.filters).all(|(number, filter)| filter.id == number);
@@ -19,5 +19,5 @@ pub(super) fn text(scenario: &Scenario) -> Result<String, toml::ser::Error> {
         filter.process_std = filter.process_std.written_over(&Values::PROCESS_STD, channels);
     }
     // The detour over a table puts subtables after plain values.
-    toml::to_string(&toml::Table::try_from(&scenario)?)
+    Ok(Document::toml(&scenario)?)
 }

@@ -1,0 +1,65 @@
+//! The contents of a file of settings, in no format.
+//!
+//! Types are read from a [`Document`] and written to one; only documents are read from TOML and JSON and written to them.
+//! So a program has the code of each type once and that of each format once, and not that of each pair.
+
+mod error;
+mod format;
+mod json;
+mod key;
+mod read;
+mod toml;
+mod write;
+
+pub use error::DocumentError;
+use serde::{Deserialize, Serialize};
+
+/// A value of a file, with all that it contains.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Document {
+    /// Nothing. TOML has no word for it, and leaves out the key.
+    Null,
+    /// Yes or no.
+    Flag(bool),
+    /// An integer.
+    Integer(i64),
+    /// An integer that is no `i64`.
+    Large(i128),
+    /// A number in single precision, which has fewer digits when it is written.
+    Single(f32),
+    /// A number.
+    Number(f64),
+    /// A text.
+    Text(String),
+    /// Values in order.
+    List(Vec<Self>),
+    /// Keys with their values, in the order of the file.
+    Table(Vec<(String, Self)>),
+}
+
+impl Document {
+    /// The value as a document.
+    ///
+    /// # Errors
+    /// [`DocumentError`] where a key is not a word, or the value's type refuses.
+    pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, DocumentError> {
+        value.serialize(write::Writer)
+    }
+
+    /// Reads a value of a type.
+    ///
+    /// # Errors
+    /// [`DocumentError`] with the path of the key and the reason.
+    pub fn read<'de, T: Deserialize<'de>>(&'de self) -> Result<T, DocumentError> {
+        T::deserialize(self)
+    }
+
+    /// The value of a key; `None` where this is not a table or has no such key.
+    pub fn get(&self, key: &str) -> Option<&Self> {
+        let Self::Table(entries) = self else { return None };
+        entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)
+    }
+}
+
+#[cfg(test)]
+mod tests;
