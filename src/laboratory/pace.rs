@@ -6,10 +6,10 @@ use web_time::Duration;
 /// The share of the cells that a first picture has: every eighth each way.
 const FIRST: usize = 64;
 
-/// The time between two later pictures: drawing takes processors from what computes the map.
-const BETWEEN: Duration = Duration::from_millis(100);
+/// The time between two other pictures: drawing takes processors from what computes the map.
+const BETWEEN: Duration = Duration::from_millis(200);
 
-/// Wakes the screen as rows come: at once until there is a first picture and at the end, a few times a second between.
+/// Wakes the screen as rows come: at once for the first picture and the last, else a few times a second.
 pub struct Pace {
     cells: usize,
     come: usize,
@@ -23,8 +23,9 @@ impl Pace {
 
     /// Notes that the rows of some cells have come.
     pub fn take(&mut self, cells: usize, ctx: &Context) {
+        let (before, first) = (self.come, self.cells / FIRST);
         self.come += cells;
-        if self.come <= self.cells / FIRST || self.come >= self.cells {
+        if (before < first && first <= self.come) || self.come >= self.cells {
             ctx.request_repaint();
         } else {
             ctx.request_repaint_after(BETWEEN);
@@ -40,9 +41,9 @@ mod tests {
 
     #[test]
     fn the_first_picture_and_the_last_come_at_once() {
-        assert_eq!(waits(&[10]), [Duration::ZERO]);
-        assert_eq!(waits(&[11]), [BETWEEN]);
-        assert_eq!(waits(&[600, 40]), [BETWEEN, Duration::ZERO]);
+        assert_eq!(waits(&[9]), [BETWEEN]);
+        assert_eq!(waits(&[9, 1]), [BETWEEN, Duration::ZERO]);
+        assert_eq!(waits(&[640]), [Duration::ZERO]);
     }
 
     /// What a screen is asked to wait as rows of 640 cells come.

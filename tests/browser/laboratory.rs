@@ -39,17 +39,19 @@ pub(crate) async fn a_map_is_made_in_workers(page: &Page) {
     assert!(loaded.as_str().unwrap().contains("/worker.js?program=kalmanscope-"), "{loaded}");
 }
 
-/// Notes the time of the first rows of a map, of a picture from every eighth cell each way, and of the last row \[ms\].
+/// Notes the time of the first rows of a map, of a picture from every eighth cell each way, and of the last row \[ms\]. It asks
+/// seldom after the picture, since each answer describes the whole screen.
 pub(crate) const STOPWATCH: &str = "
     window.rows = {};
-    setInterval(() => {
+    const look = () => {
         const map = window.wasmBindings?.kalmanscope_summary && JSON.parse(wasmBindings.kalmanscope_summary()).map;
-        if (!map) return;
-        const note = (name, least) => { if (map.done >= least) window.rows[name] ??= performance.now(); };
+        const note = (name, least) => { if (map?.done >= least) window.rows[name] ??= performance.now(); };
         note('first', 1);
-        note('picture', map.cells / 64);
-        note('last', map.cells);
-    }, 20);";
+        note('picture', map?.cells / 64);
+        note('last', map?.cells);
+        setTimeout(look, window.rows.picture ? 250 : 20);
+    };
+    look();";
 
 /// The link to a map of 128 × 128 runs of 2 001 samples by this filter of the usual scenario.
 pub(crate) fn large_map(filter: &str) -> String {
