@@ -53,7 +53,6 @@ mod tests {
         ctx.set_request_repaint_callback(move |info| told.lock().unwrap().push(info.delay));
         let mut pace = Pace::new(640);
         portions.iter().for_each(|&cells| pace.take(cells, &ctx));
-        let waits = waits.lock().unwrap().clone();
-        waits
+        waits.lock().unwrap().clone()
     }
 }
