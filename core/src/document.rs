@@ -3,12 +3,14 @@
 //! Types are read from a [`Document`] and written to one; only documents are read from TOML and JSON and written to them.
 //! So a program has the code of each type once and that of each format once, and not that of each pair.
 
+mod access;
 mod error;
 mod format;
 mod json;
 mod key;
 mod read;
 mod toml;
+mod variant;
 mod write;
 
 pub use error::DocumentError;
