@@ -16,7 +16,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// For a map of which so many cells are to come.
+    /// The pace of a map with this number of cells to compute.
     pub fn new(cells: usize) -> Self {
         Self { cells, come: 0 }
     }
@@ -46,7 +46,7 @@ mod tests {
         assert_eq!(waits(&[640]), [Duration::ZERO]);
     }
 
-    /// What a screen is asked to wait as rows of 640 cells come.
+    /// The delays until the next picture that are asked for while the rows of 640 cells come in these portions.
     fn waits(portions: &[usize]) -> Vec<Duration> {
         let (ctx, waits) = (Context::default(), Arc::new(Mutex::new(Vec::new())));
         let told = Arc::clone(&waits);

@@ -148,7 +148,7 @@ fn work(gpu: &Gpu, name: &Arc<str>, job: &Job) -> Result<(), GpuError> {
         let cells = job.order[next..(next + portion).min(job.order.len())].to_vec();
         let begin = Instant::now();
         next += cells.len();
-        // What is left out is for threads, when the job has ended.
+        // Threads compute the cells that are missing in the rows, after this job has ended.
         let (cells, numbers) = pollster::block_on(gpu.rows(&job.runner, &cells, &is_wanted))?;
         if job.rows.send(Rows { cells, numbers, by: Computer::Graphics(Arc::clone(name)) }).is_err() {
             return Ok(());

@@ -20,8 +20,8 @@ impl Gpu {
         ensemble.plan().filters.iter().all(serves)
     }
 
-    /// The cells among some that are served with all their filters, and their rows, one after the other, as
-    /// [`Runner::rows`] has them.
+    /// Runs some cells. Returns those of which the graphics processor serves all filters, and their rows one after the other,
+    /// in the form of [`Runner::rows`].
     ///
     /// # Errors
     /// Those of [`Self::outcomes`].

@@ -21,9 +21,9 @@ const AT_ONCE: usize = 2;
 /// The program of a worker.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Program {
-    /// The page's own, which the browser has loaded and compiled.
+    /// The page's own program, which the browser has loaded and compiled.
     Page,
-    /// That for the graphics processor, which is loaded with the first worker.
+    /// The program for the graphics processor. The browser loads it with the first map.
     Graphics,
 }
 

@@ -46,7 +46,7 @@ impl Square {
         self
     }
 
-    /// `s I` and this
+    /// The sum of `s I` and this matrix.
     fn plus_identity(self, s: f64) -> Self {
         let n = self.n;
         let mut identity = Self { n, numbers: [0.0; LARGEST * LARGEST] };

@@ -10,7 +10,7 @@ use kalmanscope_worker::{Words, answer, cells, hear, runner, tell};
 use wasm_bindgen_futures::spawn_local;
 
 /// The processor, once it has been found, and the last job.
-#[derive(Clone, Default)]
+#[derive(Default)]
 struct Graphics {
     gpu: Rc<RefCell<Option<Rc<Gpu>>>>,
     job: Rc<Cell<f64>>,
@@ -57,7 +57,7 @@ impl Graphics {
         };
     }
 
-    /// Runs some cells, and answers when they are done.
+    /// Runs some cells of the present job, and answers when they are done.
     fn take(&self, job: f64, cells: Vec<usize>) {
         let (Some(gpu), Some(runner)) = (self.gpu.borrow().clone(), self.runner.borrow().clone()) else { return };
         let present = Rc::clone(&self.job);
