@@ -23,6 +23,9 @@ pub use summary::{Final, Score, Summary};
 pub use totals::{MeanSquare, Total};
 pub use whiteness::{LAGS, LjungBox, Whiteness};
 
+/// The number of samples that are taken in at once, which stay in the processor's cache.
+const PORTION: usize = 64;
+
 /// The depth of the diagnostics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Depth {
@@ -106,37 +109,32 @@ impl Diagnostics {
             return;
         }
         let end = end.min(estimates.len());
-        let new = self.samples..end;
-        match self.depth {
-            Depth::Consistency => new.for_each(|k| self.push_consistency(estimates, record, k)),
-            Depth::All => new.for_each(|k| self.push(estimates, record, k)),
+        while self.samples < end {
+            let portion = self.samples..end.min(self.samples + PORTION);
+            self.samples = portion.end;
+            self.push(estimates, record, portion);
         }
-        self.samples = end;
         self.stop = estimates.stop().filter(|_| end == estimates.len());
     }
 
-    #[inline]
-    fn push_consistency(&mut self, estimates: &Estimates, record: &Record, k: usize) {
-        let errors = self.accuracy.look(estimates, record, k);
-        self.nees.push(errors, estimates.mean(k), estimates.cov(k));
-        let measured = estimates.innovation(k).iter().filter(|innovation| !innovation.is_nan()).count();
-        self.nis.push(estimates.nis()[k], measured as u32);
-        self.likelihood.push(estimates, k);
-    }
-
-    #[inline]
-    fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) {
-        let errors = self.accuracy.push(estimates, record, k);
-        self.nees.push(errors, estimates.mean(k), estimates.cov(k));
-        let m = self.whiteness.len();
-        let innovation_cov = estimates.innovation_cov(k);
-        let mut measured = 0;
-        for (i, (whiteness, &innovation)) in self.whiteness.iter_mut().zip(estimates.innovation(k)).enumerate() {
-            measured += u32::from(!innovation.is_nan());
-            whiteness.push(innovation / innovation_cov[i * (m + 1)].sqrt());
+    fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) {
+        let Self { depth, accuracy, nees, nis, whiteness, likelihood, .. } = self;
+        let errors = match depth {
+            Depth::Consistency => accuracy.look(estimates, record, samples.clone()),
+            Depth::All => accuracy.push(estimates, record, samples.clone()),
+        };
+        let channels = errors.len() / samples.len();
+        for (row, k) in samples.enumerate() {
+            nees.push(&errors[row * channels..][..channels], estimates.mean(k), estimates.cov(k));
+            let innovation = estimates.innovation(k);
+            let measured = innovation.iter().filter(|innovation| !innovation.is_nan()).count();
+            nis.push(estimates.nis()[k], measured as u32);
+            likelihood.push(estimates, k);
+            let (m, cov) = (whiteness.len(), estimates.innovation_cov(k));
+            for (i, (whiteness, &innovation)) in whiteness.iter_mut().zip(innovation).enumerate() {
+                whiteness.push(innovation / cov[i * (m + 1)].sqrt());
+            }
         }
-        self.nis.push(estimates.nis()[k], measured);
-        self.likelihood.push(estimates, k);
     }
 
     /// The depth of these diagnostics.
@@ -222,6 +220,12 @@ impl Diagnostics {
         self.nees.totals().within(range)
     }
 
+    /// For each sample of a range that exists, the NEES of the `window` samples up to it over its expectation; NaN where there
+    /// is none.
+    pub fn moving_nees(&self, window: usize, range: Range<usize>) -> Vec<f64> {
+        self.nees.totals().moving_means(window, range)
+    }
+
     /// The mean NEES of all samples, and the 95 % interval of a single sample's.
     ///
     /// Errors of one run are strongly correlated from sample to sample, and the number of independent samples is
@@ -239,6 +243,12 @@ impl Diagnostics {
     /// The sum of the NIS over a range of samples.
     pub fn nis_within(&self, range: Range<usize>) -> Total {
         self.nis.within(range)
+    }
+
+    /// For each sample of a range that exists, the NIS of the `window` samples up to it over its expectation; NaN where there
+    /// is none.
+    pub fn moving_nis(&self, window: usize, range: Range<usize>) -> Vec<f64> {
+        self.nis.moving_means(window, range)
     }
 
     /// The mean NIS of all samples with a measurement, and its 95 % interval: the innovations of a consistent filter are

@@ -23,6 +23,15 @@ impl<'a> Series<'a> {
         Self::new(values.len(), |samples| values[samples].iter().copied())
     }
 
+    /// `make` makes the values of some of the samples up to `len`; it is called once for all that are shown.
+    pub(crate) fn made(len: usize, make: impl Fn(Range<usize>) -> Vec<f64> + 'a) -> Self {
+        let made = move |range: Range<usize>, columns| {
+            let (first, values) = (range.start, make(range.clone()));
+            reduce(range, columns, |samples| values[samples.start - first..samples.end - first].iter().copied())
+        };
+        Self { len, reduce: Box::new(made) }
+    }
+
     /// The series through a monotonic function, which is called for the extremes only.
     pub(crate) fn through(self, function: fn(f64) -> f64) -> Self {
         let Self { len, reduce } = self;

@@ -60,11 +60,21 @@ struct Square {
     symbol: &'static str,
     name: &'static str,
     within: fn(&Diagnostics, Range<usize>) -> Total,
+    moving: fn(&Diagnostics, usize, Range<usize>) -> Vec<f64>,
 }
 
-const NIS: Square = Square { symbol: "NIS", name: "normalised innovation squared", within: Diagnostics::nis_within };
-const NEES: Square =
-    Square { symbol: "NEES", name: "normalised estimation error squared", within: Diagnostics::nees_within };
+const NIS: Square = Square {
+    symbol: "NIS",
+    name: "normalised innovation squared",
+    within: Diagnostics::nis_within,
+    moving: Diagnostics::moving_nis,
+};
+const NEES: Square = Square {
+    symbol: "NEES",
+    name: "normalised estimation error squared",
+    within: Diagnostics::nees_within,
+    moving: Diagnostics::moving_nees,
+};
 
 /// The numbers of both, in words.
 fn remark() -> String {
@@ -89,11 +99,8 @@ fn columns<'a>(square: &Square, context: &ViewContext<'a>) -> Vec<Column<'a>> {
 
 fn chart<'a>(square: &Square, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, axis, .. } = *context;
-    let Square { symbol, name, within } = *square;
+    let Square { symbol, name, within, moving } = *square;
     let window = window(context);
-    let ratio = move |diagnostics: &Diagnostics, k: usize| {
-        within(diagnostics, (k + 1).saturating_sub(window)..k + 1).per_degree()
-    };
     let mut layers: Vec<Layer<'a>> = vec![Layer::Level { value: 0.0, color: palette.truth, label: "" }];
     // The samples of one window are independent for NIS; for NEES they count as one.
     let last = context
@@ -110,7 +117,7 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>, last_row: bool) -> Char
     }
     for (place, estimates, diagnostics) in context.diagnostics() {
         layers.push(Layer::Line {
-            series: Series::new(diagnostics.len(), move |samples| samples.map(move |k| ratio(diagnostics, k)))
+            series: Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples))
                 .through(f64::log10),
             color: palette.shade(estimates.color()),
             width: line_width(place, 2.0),

@@ -108,7 +108,8 @@ pub(super) struct Accuracy {
     squares: RangeSums,
     /// The numbers of samples up to each with a known truth, and with the truth inside ±2σ: one a known channel and sample.
     counts: Vec<(u32, u32)>,
-    /// The last errors, as they stand in the filter's own form, and the sign that makes mirrored channels canonical.
+    /// The errors of the last samples, as they stand in the filter's own form, a row for each, and the sign that makes mirrored
+    /// channels of the last one canonical.
     errors: Vec<f64>,
     sign: f64,
 }
@@ -127,39 +128,53 @@ impl Accuracy {
         *sign = 1.0;
     }
 
-    /// The errors of sample `k` in the filter's own form.
-    #[inline]
-    pub(super) fn look(&mut self, estimates: &Estimates, record: &Record, k: usize) -> &[f64] {
+    /// The errors of some samples in the filter's own form, a row of known channels for each.
+    ///
+    /// Channel by channel, since a channel's sums then stay in registers.
+    pub(super) fn look(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
         let Self { known, frequency, errors, sign, .. } = self;
-        let mean = estimates.mean(k);
-        *sign = sign_of(mean, *frequency);
-        for (one, error) in known.iter().zip(errors.iter_mut()) {
-            *error = one.error(mean, *sign, record.truth_at(one.truth, k));
+        let width = known.len();
+        errors.clear();
+        errors.resize(width * samples.len(), f64::NAN);
+        for (at, one) in known.iter().enumerate() {
+            let column = errors[at..].iter_mut().step_by(width);
+            for (error, k) in column.zip(samples.clone()) {
+                let mean = estimates.mean(k);
+                *error = one.error(mean, sign_of(mean, *frequency), record.truth_at(one.truth, k));
+            }
+        }
+        if let Some(last) = samples.last() {
+            *sign = sign_of(estimates.mean(last), *frequency);
         }
         errors
     }
 
-    /// The errors of sample `k`, which are also added to the tallies.
-    #[inline]
-    pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, k: usize) -> &[f64] {
-        let Self { known, first, frequency, squares, counts, errors, sign } = self;
-        let number = *first + k;
-        let (mean, cov) = (estimates.mean(k), estimates.cov(k));
-        *sign = sign_of(mean, *frequency);
-        squares.push(known.iter_mut().zip(errors.iter_mut()).map(|(one, error)| {
-            let truth = record.truth_at(one.truth, k);
-            *error = one.error(mean, *sign, truth);
-            one.take_in(*error, truth, cov[one.place * (mean.len() + 1)], number);
-            if error.is_nan() { 0.0 } else { *error * *error }
-        }));
-        counts.extend(known.iter().map(|one| (one.total.known, one.total.inside)));
+    /// The same, which are also added to the tallies.
+    pub(super) fn push(&mut self, estimates: &Estimates, record: &Record, samples: Range<usize>) -> &[f64] {
+        self.look(estimates, record, samples.clone());
+        let Self { known, first, squares, counts, errors, .. } = self;
+        let (width, before) = (known.len(), counts.len());
+        counts.resize(before + errors.len(), (0, 0));
+        for (at, one) in known.iter_mut().enumerate() {
+            let mut tracked = *one;
+            let column = errors[at..].iter().zip(&mut counts[before + at..]).step_by(width);
+            for ((&error, count), k) in column.zip(samples.clone()) {
+                let variance = estimates.cov(k)[tracked.place * (estimates.channels().len() + 1)];
+                tracked.take_in(error, record.truth_at(tracked.truth, k), variance, *first + k);
+                *count = (tracked.total.known, tracked.total.inside);
+            }
+            *one = tracked;
+        }
+        for row in errors.chunks_exact(width.max(1)) {
+            squares.push(row.iter().map(|error| if error.is_nan() { 0.0 } else { error * error }));
+        }
         errors
     }
 
     /// The last error of a tracked channel; NaN where the truth is not known.
     pub(super) fn error(&self, at: usize) -> f64 {
         let sign = if self.known[at].channel.is_mirrored() { self.sign } else { 1.0 };
-        sign * self.errors[at]
+        sign * self.errors[self.errors.len() - self.known.len() + at]
     }
 
     /// The number of the sample since which a tracked channel has settled.
@@ -232,7 +247,7 @@ mod tests {
             let cov: Vec<f64> = (0..16).map(|i| if i % 5 == 0 { STD * STD } else { 0.0 }).collect();
             estimates.append(&Sample::unmeasured(&[0.0, 0.0, frequency, damping], &cov));
             record.push(0.0, [], pairs.map(|(_, truth)| truth));
-            accuracy.push(&estimates, &record, k);
+            accuracy.push(&estimates, &record, k..k + 1);
         }
         accuracy
     }

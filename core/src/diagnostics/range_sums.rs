@@ -13,6 +13,8 @@ const BLOCK: usize = 16;
 #[derive(Clone, Debug, Default)]
 pub(super) struct RangeSums {
     width: usize,
+    /// Rows until the next block is complete.
+    missing: usize,
     /// The rows, then blocks of rows, then blocks of these, each row by row.
     levels: Vec<Vec<f64>>,
 }
@@ -20,7 +22,7 @@ pub(super) struct RangeSums {
 impl RangeSums {
     /// Begins anew with rows of `width` numbers, in the same memory.
     pub(super) fn restart(&mut self, width: usize) {
-        self.width = width;
+        (self.width, self.missing) = (width, BLOCK);
         self.levels.iter_mut().for_each(Vec::clear);
         if self.levels.is_empty() {
             self.levels.push(Vec::new());
@@ -35,16 +37,22 @@ impl RangeSums {
     /// Appends a row.
     #[inline]
     pub(super) fn push(&mut self, row: impl IntoIterator<Item = f64>) {
-        let rows = &mut self.levels[0];
-        rows.extend(row);
-        if rows.len().is_multiple_of(BLOCK * self.width.max(1)) {
+        self.levels[0].extend(row);
+        self.missing -= 1;
+        if self.missing == 0 {
+            self.missing = BLOCK;
             self.complete_blocks();
         }
     }
 
+    /// All rows, one after the other.
+    pub(super) fn rows(&self) -> &[f64] {
+        self.levels.first().map_or(&[], Vec::as_slice)
+    }
+
     #[cold]
     fn complete_blocks(&mut self) {
-        let Self { width, levels } = self;
+        let Self { width, levels, .. } = self;
         let size = BLOCK * *width;
         for level in 0.. {
             let len = levels[level].len();

@@ -87,6 +87,50 @@ impl Totals {
         self.whole
     }
 
+    /// For each sample of `range`, which exist, the mean over all numbers that were squared in the `window` samples up to it;
+    /// NaN if there is none.
+    ///
+    /// ```text
+    /// Σ_(k-w<i≤k) = Σ_(k-w<i<s) + Σ_(s≤i≤k),  s = w ⌊k/w⌋
+    /// ```
+    ///
+    /// Both sums grow by one term a sample, backwards and forwards from s, so that no term outside a window has a part in it.
+    ///
+    /// Source: van Herk (1992), A fast algorithm for local minimum and maximum filters on rectangular and octagonal kernels.
+    pub(super) fn moving_means(&self, window: usize, range: Range<usize>) -> Vec<f64> {
+        let (squares, window) = (self.squares.rows(), window.max(1));
+        let mut means = Vec::with_capacity(range.len());
+        // The sums from each sample of the block before to its end.
+        let mut behind = Vec::with_capacity(window + 1);
+        let mut start = range.start - range.start % window;
+        while start < range.end {
+            let before = &squares[start.saturating_sub(window)..start];
+            behind.clear();
+            behind.push(0.0);
+            behind.extend(before.iter().rev().scan(0.0, |sum, square| {
+                *sum += square;
+                Some(*sum)
+            }));
+            let mut sum = 0.0;
+            for k in start..range.end.min(start + window) {
+                sum += squares[k];
+                if k >= range.start {
+                    // The window begins in the block before, or with the first sample.
+                    let more = (start + window - 1 - k).min(before.len());
+                    means.push((sum + behind[more]) / f64::from(self.degrees(start - more, k + 1)));
+                }
+            }
+            start += window;
+        }
+        means
+    }
+
+    /// The degrees of freedom of the samples from `start` to before `end`.
+    fn degrees(&self, start: usize, end: usize) -> u32 {
+        let until = |end: usize| end.checked_sub(1).map_or(0, |k| self.counts[k].0);
+        until(end) - until(start)
+    }
+
     /// The total over the part of `range` that exists.
     pub(super) fn within(&self, range: Range<usize>) -> Total {
         let end = range.end.min(self.counts.len());
@@ -120,6 +164,27 @@ mod tests {
         assert_eq!(totals.within(4..99), Total { sum: 5.0, degrees: 2, samples: 1 });
         assert_eq!(totals.within(0..5), totals.whole());
         assert_eq!(totals.within(9..9), Total::default());
+    }
+
+    #[test]
+    fn moving_means_are_those_of_each_window() {
+        let mut totals = Totals::default();
+        totals.clear();
+        for k in 0..97 {
+            let degrees = [1, 2, 0, 1, 3][k % 5];
+            totals.push(if k == 40 { 1e18 } else { 0.1 + k as f64 }, degrees);
+        }
+        for (window, range) in
+            [(1, 0..97), (7, 0..97), (7, 13..60), (40, 39..97), (97, 0..97), (500, 90..97), (3, 9..9)]
+        {
+            let means = totals.moving_means(window, range.clone());
+            assert_eq!(means.len(), range.len());
+            for (k, mean) in range.zip(means) {
+                let direct = totals.within((k + 1).saturating_sub(window)..k + 1).per_degree();
+                let is_same = (mean - direct).abs() <= 1e-14 * direct.abs() || mean.is_nan() && direct.is_nan();
+                assert!(is_same, "window {window}, sample {k}: {mean} instead of {direct}");
+            }
+        }
     }
 
     #[test]
