@@ -52,6 +52,17 @@ impl Runner {
         &self.ensemble
     }
 
+    /// The time that the filters of a cell take on an ordinary processor, to within a factor of three \[s\].
+    pub fn time_of_cell(&self) -> f64 {
+        let scenario = self.ensemble.scenario();
+        let samples = match &self.source {
+            Source::Measured(record) => record.len(),
+            Source::Simulated => scenario.samples(),
+        };
+        let time = |&place: &usize| scenario.filters[place].time_of_step(scenario.plant.kind);
+        1e-9 * samples as f64 * self.ensemble.plan().filters.iter().map(time).sum::<f64>()
+    }
+
     /// The rows of some cells, one after the other. The row of an impossible scenario is NaN. Filters that lanes serve go
     /// side by side, so a portion should have eight cells or more.
     pub fn rows(&self, cells: &[usize]) -> Vec<f64> {
@@ -237,6 +248,15 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_cell_takes_the_time_of_its_filters_over_all_samples() {
+        let of = |axes: &[&str]| runner(axes, &["nis"]).time_of_cell();
+        let (short, many) = (of(&["seed=1:4:4"]), of(&["seed=1:9:9"]));
+        assert_eq!(short, many, "a cell has no share in the others");
+        // 501 samples, an EKF and a UKF.
+        assert!((1e-4..3e-3).contains(&short), "{short}");
     }
 
     fn per_degree(mean: &MeanSquare) -> f64 {

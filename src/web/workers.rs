@@ -1,10 +1,11 @@
 //! Runs ensembles in workers of the page, one a processor.
 
+mod adapter;
 mod graphics;
 mod member;
 
 use std::cell::RefCell;
-use std::rc::Rc;
+use std::rc::{Rc, Weak};
 
 use egui::Context;
 use js_sys::{Array, Float64Array, Uint32Array};
@@ -13,12 +14,21 @@ use kalmanscope_core::Source;
 use kalmanscope_lab::{Ensemble, EnsembleError, Runner};
 use kalmanscope_worker::in_message;
 use wasm_bindgen::JsCast as _;
+use wasm_bindgen::closure::Closure;
 use web_sys::MessageEvent;
+use web_time::{Duration, Instant};
 
 use member::{Member, Program};
 
 /// Limits the workers.
 const MOST: usize = 8;
+
+/// The time for which the page computes at once while it waits for its workers.
+const PORTION: Duration = Duration::from_millis(8);
+
+/// The cells that it computes at once, and the limit of their time \[s\].
+const SIDE_BY_SIDE: usize = 8;
+const LIGHT: f64 = 0.05;
 
 /// The workers that serve all maps. They are started with the first one.
 struct Workers(Rc<RefCell<Team>>);
@@ -31,10 +41,22 @@ struct Team {
     task: Option<Given>,
     /// The reason why there can be no workers.
     broken: Option<String>,
+    /// Whether the page computes until they are ready.
+    is_bridged: bool,
+}
+
+impl Team {
+    /// Whether there are light cells to compute and no worker is ready yet.
+    fn needs_page(&self) -> bool {
+        let is_light = |task: &Given| SIDE_BY_SIDE as f64 * task.runner.time_of_cell() < LIGHT;
+        let mut task = self.task.iter().filter(|task| task.next < task.order.len());
+        self.broken.is_none() && !self.members.iter().any(Member::is_ready) && task.any(is_light)
+    }
 }
 
 /// The cells that are to be run.
 struct Given {
+    runner: Runner,
     ensemble: String,
     record: wasm_bindgen::JsValue,
     order: Vec<usize>,
@@ -52,8 +74,8 @@ pub(super) fn engine(software: bool) -> Box<dyn Engine> {
 impl Engine for Workers {
     fn start(&self, task: Task<'_>, ctx: &Context) -> Result<Box<dyn Work>, EnsembleError> {
         let Task { ensemble, source, order, .. } = task;
-        Runner::new(ensemble.clone(), source.clone())?;
         let task = Given {
+            runner: Runner::new(ensemble.clone(), source.clone())?,
             ensemble: ensemble.to_json(),
             record: in_message(source),
             pace: Pace::new(order.len()),
@@ -69,6 +91,21 @@ impl Engine for Workers {
 
     fn usual_count(&self) -> usize {
         if processors() > 2 { 64 } else { 48 }
+    }
+}
+
+impl Given {
+    /// Computes some cells.
+    fn compute(&mut self) {
+        let begun = Instant::now();
+        while self.next < self.order.len() && begun.elapsed() < PORTION {
+            let end = (self.next + SIDE_BY_SIDE).min(self.order.len());
+            let cells = self.order[self.next..end].to_vec();
+            let numbers = self.runner.rows(&cells);
+            self.pace.take(cells.len(), &self.ctx);
+            self.rows.push(Rows { cells, numbers, by: Computer::Frames });
+            self.next = end;
+        }
     }
 }
 
@@ -134,7 +171,28 @@ fn begin(team: &Rc<RefCell<Team>>, task: Given) -> u32 {
     if let Some(task) = task {
         members.iter_mut().for_each(|member| feed(member, *job, task));
     }
+    if present.needs_page() && !std::mem::replace(&mut present.is_bridged, true) {
+        bridge(Rc::downgrade(team));
+    }
     present.job
+}
+
+/// Computes cells on the page, a portion between two events of it, until the first worker is ready.
+fn bridge(team: Weak<RefCell<Team>>) {
+    let go_on = move || {
+        let Some(present) = team.upgrade() else { return };
+        let mut present = present.borrow_mut();
+        present.is_bridged = present.needs_page();
+        if present.is_bridged {
+            present.task.iter_mut().for_each(Given::compute);
+            bridge(team);
+        }
+    };
+    let window = web_sys::window();
+    let soon = Closure::once_into_js(go_on);
+    if let Some(Err(error)) = window.map(|it| it.set_timeout_with_callback(soon.unchecked_ref())) {
+        log::warn!("The page waits for its workers: {error:?}");
+    }
 }
 
 fn free_number(members: &[Member]) -> u32 {

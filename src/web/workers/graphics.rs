@@ -5,14 +5,16 @@ use std::rc::{Rc, Weak};
 use std::sync::Arc;
 
 use egui::Context;
-use js_sys::{Array, Float64Array, Reflect, Uint32Array};
+use js_sys::{Array, Float64Array, Uint32Array};
 use kalmanscope::laboratory::{Computer, Finding, GivenUp, Graphics, GraphicsWork, Rows, Task};
-use wasm_bindgen::{JsCast as _, JsValue};
+use wasm_bindgen::JsCast as _;
+use wasm_bindgen_futures::spawn_local;
 use web_sys::MessageEvent;
 use web_time::{Duration, Instant};
 
 use kalmanscope_worker::in_message;
 
+use super::adapter;
 use super::member::{Member, Program};
 
 /// The cells of the first portion: enough for a first picture.
@@ -30,6 +32,8 @@ pub(super) struct Processor {
 }
 
 struct State {
+    /// Whether the browser has been asked for one.
+    is_asked: bool,
     finding: Finding,
     worker: Option<Member>,
     name: Arc<str>,
@@ -56,6 +60,7 @@ struct Given {
 impl Processor {
     pub(super) fn new(software: bool) -> Self {
         let state = State {
+            is_asked: false,
             finding: Finding::Searching,
             worker: None,
             name: Arc::from(""),
@@ -71,15 +76,8 @@ impl Graphics for Processor {
     fn find(&self, ctx: &Context) -> Finding {
         let mut state = self.state.borrow_mut();
         state.ctx = ctx.clone();
-        if state.finding == Finding::Searching && state.worker.is_none() {
-            if has_web_gpu() {
-                match Member::new(0, Program::Graphics, listener(&self.state, self.software)) {
-                    Ok(worker) => state.worker = Some(worker),
-                    Err(reason) => state.finding = Finding::Absent(reason),
-                }
-            } else {
-                state.finding = Finding::Absent("this browser has no WebGPU".to_owned());
-            }
+        if !std::mem::replace(&mut state.is_asked, true) {
+            spawn_local(start(Rc::clone(&self.state), self.software));
         }
         state.finding.clone()
     }
@@ -161,6 +159,13 @@ impl State {
         task.portion = ((task.portion as f64 * factor.clamp(0.25, 8.0)) as usize).clamp(FIRST, MOST);
     }
 
+    /// Notes that there is none.
+    fn miss(&mut self, reason: String) {
+        log::info!("Maps are computed by workers: {reason}");
+        self.finding = Finding::Absent(reason);
+        self.ctx.request_repaint();
+    }
+
     fn give_up(&mut self) {
         if let Some(task) = &mut self.task {
             task.has_given_up = true;
@@ -176,6 +181,16 @@ impl State {
             _ => Finding::Absent(reason),
         };
         self.give_up();
+    }
+}
+
+/// Starts the worker, if the browser offers a processor: most of the work of a start is saved where there is none.
+async fn start(state: Rc<RefCell<State>>, software: bool) {
+    let offer = adapter::ask(software).await;
+    let mut present = state.borrow_mut();
+    match offer.and_then(|()| Member::new(0, Program::Graphics, listener(&state, software))) {
+        Ok(worker) => present.worker = Some(worker),
+        Err(reason) => present.miss(reason),
     }
 }
 
@@ -205,8 +220,7 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
                 state.finding = Finding::Ready;
             }
             "no graphics" => {
-                log::info!("Maps are computed by workers: {}", text(1));
-                state.finding = Finding::Absent(text(1));
+                state.miss(text(1));
                 if let Some(worker) = &state.worker {
                     worker.end();
                 }
@@ -223,11 +237,4 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
         }
         state.ctx.request_repaint();
     }
-}
-
-/// Whether the browser has WebGPU at all. Without it no worker is started.
-fn has_web_gpu() -> bool {
-    let navigator = web_sys::window().map(|window| JsValue::from(window.navigator()));
-    let gpu = navigator.and_then(|navigator| Reflect::get(&navigator, &"gpu".into()).ok());
-    gpu.is_some_and(|gpu| gpu.is_object())
 }

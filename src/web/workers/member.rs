@@ -76,6 +76,11 @@ impl Member {
         self.is_ready = true;
     }
 
+    /// Whether it listens.
+    pub(super) fn is_ready(&self) -> bool {
+        self.is_ready
+    }
+
     /// Whether it has been busy with one portion for long.
     pub(super) fn is_stuck(&self) -> bool {
         self.given.first().is_some_and(|begin| begin.elapsed() > LONG)
