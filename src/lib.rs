@@ -12,6 +12,7 @@ pub mod drop;
 pub mod export;
 mod export_menu;
 pub mod figure;
+mod hover;
 pub mod import;
 pub mod inbox;
 mod keys;

@@ -2,6 +2,7 @@
 
 use egui::{Button, ComboBox, DragValue, Rect, RichText, Slider, Ui, vec2};
 
+use crate::hover::hover_text;
 use crate::probe;
 use crate::request::Request;
 use crate::session::{Mode, Session};
@@ -53,7 +54,7 @@ pub(crate) fn transport_ui(
 
 fn button(ui: &mut Ui, icon: &str, name: &str, key: &str) -> bool {
     let button = Button::new(RichText::new(icon).size(16.0)).min_size(egui::vec2(32.0, 26.0));
-    let response = ui.add(button).on_hover_text(format!("{name} ({key})"));
+    let response = hover_text(ui.add(button), &|| format!("{name} ({key})"));
     response.ctx.accesskit_node_builder(response.id, |node| node.set_label(name));
     probe::remember(ui.ctx(), name, response.rect);
     response.clicked()

@@ -5,8 +5,7 @@ use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Sensor};
 
 use super::lit::lit;
-use super::number::{field, std_field};
-use crate::text::in_hertz;
+use super::number::{field, std_field, tell_hertz};
 
 /// Width of the column of symbols \[points\].
 const SYMBOL_WIDTH: f32 = 22.0;
@@ -68,9 +67,7 @@ pub(super) fn belief_ui(
                 });
             });
             let unit = unit_ui(ui, length.in_place_of(channel.unit()));
-            if let Some(hertz) = in_hertz(*mean, channel.unit()) {
-                unit.on_hover_text(format!("The guess is {hertz}"));
-            }
+            tell_hertz(unit, *mean, channel.unit(), "The guess is");
             ui.end_row();
         }
         for (place, (std, sensor)) in sensor_std.iter_mut().zip(sensors).enumerate() {

@@ -2,6 +2,7 @@
 
 use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
 
+use crate::hover::hover_text;
 use crate::probe::remember;
 use crate::text::{in_hertz, parse, significant};
 
@@ -59,20 +60,18 @@ impl Number<'_> {
                 .smallest_positive(smallest(low, high))
                 .clamping(SliderClamping::Never)
                 .show_value(false)
-                .ui(ui)
-                .on_hover_text(format!("{hint}\nDouble click: back to {}", significant(initial, 5)));
+                .ui(ui);
+            let slider = hover_text(slider, &|| format!("{hint}\nDouble click: back to {}", significant(initial, 5)));
             announce(&slider, name);
             remember(ui.ctx(), name, slider.rect);
             reset(&slider, value, initial);
             let size = Vec2::new(FIELD_WIDTH, ui.spacing().interact_size.y);
-            let field = ui.add_sized(size, drag_value(value, low, high)).on_hover_text(usage(initial));
+            let field = hover_text(ui.add_sized(size, drag_value(value, low, high)), &|| usage(initial));
             announce(&field, &format!("{name}, value"));
             scroll(ui, &field, value, step(*value, low, high));
             reset(&field, value, initial);
             let label = ui.weak(unit);
-            if let Some(hertz) = in_hertz(*value, unit) {
-                label.on_hover_text(format!("That is {hertz}"));
-            }
+            tell_hertz(label, *value, unit, "That is");
         });
         limit(ui, value, least, f64::INFINITY, name, unit);
     }
@@ -108,7 +107,7 @@ pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, h
     let initial = initial(ui, name, *value);
     let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
     let field = ui.add_sized(size, drag_value(value, 0.0, scale));
-    let field = field.on_hover_text(format!("{hint}\n{}", usage(initial)));
+    let field = hover_text(field, &|| format!("{hint}\n{}", usage(initial)));
     announce(&field, name);
     remember(ui.ctx(), name, field.rect);
     scroll(ui, &field, value, step(*value, 0.0, scale));
@@ -127,6 +126,13 @@ pub fn std_field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &st
         let stroke =
             Stroke::new(2.0, ui.visuals().selection.bg_fill.gamma_multiply(if ui.is_enabled() { 0.8 } else { 0.3 }));
         ui.painter().hline(rail.min..=end, rect.bottom() - 2.0, stroke);
+    }
+}
+
+/// Tells an angular frequency \[rad/s\] in hertz, after some words, while the pointer rests on it.
+pub(super) fn tell_hertz(response: Response, value: f64, unit: &str, words: &str) {
+    if unit == "rad/s" {
+        hover_text(response, &|| format!("{words} {}", in_hertz(value, unit).unwrap_or_default()));
     }
 }
 

@@ -28,21 +28,35 @@ pub(super) fn drawn_runs<'c>(
     let mut bands: Vec<&[BandColumn]> = Vec::new();
     let of_layer = |(layer, columns): (&Layer<'_>, &'c LayerColumns)| match (layer, columns) {
         (Layer::Line { dashed: false, bounds: false, .. }, LayerColumns::Series(columns)) => {
-            let runs = joined(runs(columns, |column| is_its_turn(column, &lines, record, scale)));
+            let mut below = vec![0; columns.len()];
+            for other in &lines {
+                for (below, is_close) in below.iter_mut().zip(coinciding(columns, other, extent_of_line, scale)) {
+                    *below += i64::from(is_close);
+                }
+            }
+            let is_drawn = columns.iter().zip(below).map(|(column, below)| is_its_turn(column, below, record, scale));
+            let runs = joined(runs(is_drawn));
             lines.push(Cow::Borrowed(columns));
             runs
         }
         (&Layer::Before { now: own, .. }, LayerColumns::Series(columns)) => {
             let own = now.get(own).copied().unwrap_or_default();
-            let differs = |column: &Column| !coincides(column, own, extent_of_line, scale);
-            lines.push(columns.iter().filter(|column| differs(column)).copied().collect());
-            joined(runs(columns, differs))
+            let differs: Vec<bool> =
+                coinciding(columns, own, extent_of_line, scale).map(|is_close| !is_close).collect();
+            let different = columns.iter().zip(&differs).filter(|(_, differs)| **differs);
+            lines.push(different.map(|(column, _)| *column).collect());
+            joined(runs(differs))
         }
         (Layer::Band { .. }, LayerColumns::Band(columns)) => {
             let extent = |column: &BandColumn| (column.samples.0, column.low, column.high);
-            let runs = runs(columns, |column| !bands.iter().any(|other| coincides(column, other, extent, scale)));
+            let mut is_new = vec![true; columns.len()];
+            for other in &bands {
+                for (is_new, is_close) in is_new.iter_mut().zip(coinciding(columns, other, extent, scale)) {
+                    *is_new &= !is_close;
+                }
+            }
             bands.push(columns);
-            runs
+            runs(is_new)
         }
         (_, LayerColumns::Series(columns)) => whole(columns),
         (_, LayerColumns::Band(columns)) => whole(columns),
@@ -73,8 +87,8 @@ fn whole<C>(columns: &[C]) -> Vec<Range<usize>> {
 }
 
 /// The runs of columns that are drawn.
-fn runs<C>(columns: &[C], is_drawn: impl FnMut(&C) -> bool) -> Vec<Range<usize>> {
-    let drawn: Vec<bool> = columns.iter().map(is_drawn).collect();
+fn runs(are_drawn: impl IntoIterator<Item = bool>) -> Vec<Range<usize>> {
+    let drawn: Vec<bool> = are_drawn.into_iter().collect();
     let mut start = 0;
     let mut runs = Vec::new();
     for run in drawn.chunk_by(|a, b| a == b) {
@@ -87,24 +101,36 @@ fn runs<C>(columns: &[C], is_drawn: impl FnMut(&C) -> bool) -> Vec<Range<usize>>
     runs
 }
 
-/// Whether a line is drawn in a column: where it lies on earlier ones, every colour has its turn.
-fn is_its_turn(column: &Column, earlier: &[Cow<'_, [Column]>], record: &Record, scale: Scale) -> bool {
-    let below = earlier.iter().filter(|others| coincides(column, others, extent_of_line, scale)).count();
+/// Whether a line is drawn in a column: where it lies on this many earlier ones, every colour has its turn.
+fn is_its_turn(column: &Column, below: i64, record: &Record, scale: Scale) -> bool {
     if below == 0 {
         return true;
     }
     let turn = (record.time(column.samples.0) * scale.x / TURN).floor() as i64;
-    turn.rem_euclid(below as i64 + 1) == below as i64
+    turn.rem_euclid(below + 1) == below
 }
 
-/// Whether a column looks like that of another series at the same samples. `extent` gives its first sample, and its lowest and
-/// highest value.
-fn coincides<C>(column: &C, others: &[C], extent: impl Fn(&C) -> (usize, f64, f64), scale: Scale) -> bool {
-    let (first, low, high) = extent(column);
+/// For each column, whether it looks like that of another series at the same samples. `extent` gives a column's first sample,
+/// by which they are in order, and its lowest and highest value.
+fn coinciding<'c, C>(
+    columns: &'c [C],
+    others: &'c [C],
+    extent: impl Fn(&C) -> (usize, f64, f64) + 'c,
+    scale: Scale,
+) -> impl Iterator<Item = bool> + 'c {
     let close = CLOSE / scale.y;
-    others.binary_search_by_key(&first, |other| extent(other).0).is_ok_and(|at| {
-        let (_, other_low, other_high) = extent(&others[at]);
-        (other_low - low).abs() < close && (other_high - high).abs() < close
+    let mut rest = others;
+    columns.iter().map(move |column| {
+        let (first, low, high) = extent(column);
+        while let [next, later @ ..] = rest
+            && extent(next).0 < first
+        {
+            rest = later;
+        }
+        rest.first().is_some_and(|other| {
+            let (at, other_low, other_high) = extent(other);
+            at == first && (other_low - low).abs() < close && (other_high - high).abs() < close
+        })
     })
 }
 

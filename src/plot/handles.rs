@@ -5,6 +5,7 @@ use egui_plot::PlotTransform;
 use kalmanscope_core::Scenario;
 
 use super::input::PlotInput;
+use crate::hover::hover_text;
 use crate::request::Request;
 
 /// Radius of a handle, and of the room in which it is grasped \[points\].
@@ -55,7 +56,7 @@ pub(super) fn handles_ui(
         let is_lit = is_held || response.hovered();
         let fill = if is_lit { handle.color } else { input.palette.ground };
         painter.circle(at, RADIUS, fill, Stroke::new(2.0, handle.color));
-        let response = response.on_hover_cursor(CursorIcon::Grab).on_hover_text(format!("Drag: {}", handle.name));
+        let response = hover_text(response.on_hover_cursor(CursorIcon::Grab), &|| format!("Drag: {}", handle.name));
         if response.drag_started() && input.axis.follows {
             ui.data_mut(|data| data.insert_temp(id, true));
             requests.push(Request::Unfollow);

@@ -1,7 +1,11 @@
 //! The line above a chart: its title, and the values at the cursor.
 
-use egui::{Align, Color32, Id, Layout, Response, RichText, Sense, TextStyle, Ui, vec2};
+use std::sync::Arc;
 
+use egui::emath::GuiRounding as _;
+use egui::{Color32, Galley, Id, Rect, Response, Role, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+
+use crate::hover::hover_text;
 use crate::theme;
 
 /// A value in a heading.
@@ -26,6 +30,11 @@ impl Readout {
         self.aside.as_ref().map_or_else(|| self.text.clone(), |aside| format!("{} ({aside})", self.text))
     }
 
+    /// The value and its owner.
+    fn in_words(&self) -> String {
+        format!("{}: {}", self.hint, self.in_full())
+    }
+
     fn has_owner(&self) -> bool {
         self.color != Color32::TRANSPARENT
     }
@@ -40,41 +49,47 @@ const ELLIPSIS: f32 = 20.0;
 
 /// Name and unit at the left, values at the cursor or at playback at the right, as many as fit; the values take
 /// precedence. Returns the symbol at the very left.
+///
+/// Each frame has many of them, so texts are laid out once and painted in place.
 pub(crate) fn heading_ui(ui: &mut Ui, symbol: &str, name: &str, unit: &str, readouts: &[Readout]) -> Response {
-    ui.horizontal(|ui| {
-        ui.spacing_mut().item_spacing.x = GAP;
-        let label = ui.label(RichText::new(symbol).text_style(theme::symbol()));
-        let room = ui.available_width();
-        let unit = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
-        let named = format!("{name} {unit}");
-        let name_width = width(ui, named.trim(), &TextStyle::Body) + GAP;
-        let values = Values::new(ui, symbol, readouts, [room, room - name_width]);
-        let fits = |text: &&str| width(ui, text, &TextStyle::Body) + GAP <= room - values.total();
-        if let Some(text) = [named.trim(), &unit].into_iter().find(fits) {
-            ui.weak(text);
-        }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| values.ui(ui));
-        label
-    })
-    .inner
+    let colors = [ui.visuals().text_color(), ui.visuals().weak_text_color()];
+    let symbol_text = text(ui, symbol.to_owned(), &theme::symbol(), colors[0]);
+    let before_name = symbol_text.size().x + GAP;
+    let room = ui.available_width() - before_name;
+    let unit = if unit.is_empty() { String::new() } else { format!("[{unit}]") };
+    let named = format!("{name} {unit}");
+    let named = text(ui, named.trim().to_owned(), &TextStyle::Body, colors[1]);
+    let values = Values::new(ui, symbol, readouts, [room, room - named.size().x - GAP]);
+    let height = ui.spacing().interact_size.y.max(symbol_text.size().y).max(values.height());
+    let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
+    let response = place(ui, row, row.left(), &symbol_text, (symbol, 0));
+    let fits = |text: &Arc<Galley>| text.size().x + GAP <= room - values.total();
+    let unit = || text(ui, unit, &TextStyle::Body, colors[1]);
+    if let Some(text) = Some(named).filter(fits).or_else(|| Some(unit()).filter(fits)) {
+        place(ui, row, row.left() + before_name, &text, (symbol, 1));
+    }
+    values.ui(ui, row, symbol);
+    response
 }
 
 /// The values that fit: in a second unit where there is room beside the name, and without their ±2σ where space is short.
 struct Values<'a> {
     all: &'a [Readout],
-    /// Text and width of the values that fit.
-    shown: Vec<(String, f32)>,
+    /// Text and room of the values that fit.
+    shown: Vec<(Arc<Galley>, f32)>,
 }
 
 impl<'a> Values<'a> {
     /// `room` is the width for values alone, and beside the name.
     fn new(ui: &Ui, symbol: &str, all: &'a [Readout], [room, beside_name]: [f32; 2]) -> Self {
+        let (color, style) = (ui.visuals().text_color(), theme::readout());
         // A value keeps the largest width so far, so that nothing moves while it changes.
         let scope = ui.scope_id();
-        let sized = |readout: &Readout, text: String, kind: &str| {
+        let sized = |readout: &Readout, words: String, kind: &str| {
             let dot = if readout.has_owner() { DOT } else { 0.0 };
-            let width = width(ui, &text, &theme::readout()) + dot;
-            (text, steady(ui, scope.with((symbol, &readout.hint, kind)), width))
+            let galley = text(ui, words, &style, color);
+            let room = steady(ui, scope.with((symbol, &readout.hint, kind)), galley.size().x + dot);
+            (galley, room)
         };
         let mut values = Self { all, shown: Vec::new() };
         if all.iter().any(|readout| readout.aside.is_some()) {
@@ -92,40 +107,52 @@ impl<'a> Values<'a> {
 
     fn total(&self) -> f32 {
         let left_out = self.shown.len() < self.all.len();
-        self.shown.iter().map(|(_, width)| width + GAP).sum::<f32>() + if left_out { ELLIPSIS } else { 0.0 }
+        self.shown.iter().map(|(_, room)| room + GAP).sum::<f32>() + if left_out { ELLIPSIS } else { 0.0 }
     }
 
-    /// From the right; where some are left out, the hint lists all.
-    fn ui(&self, ui: &mut Ui) {
+    fn height(&self) -> f32 {
+        self.shown.iter().map(|(text, _)| text.size().y).fold(0.0, f32::max)
+    }
+
+    /// From the right of a row; where some are left out, the hint lists all.
+    fn ui(&self, ui: &Ui, row: Rect, symbol: &str) {
         let Self { all, shown } = self;
+        let mut right = row.right();
         if shown.len() < all.len() {
-            let lines = all.iter().map(|r| format!("{}: {}", r.hint, r.in_full()));
-            ui.label(RichText::new("…").small()).on_hover_text(lines.collect::<Vec<_>>().join("\n"));
+            let dots = text(ui, "…".to_owned(), &TextStyle::Small, ui.visuals().text_color());
+            let more = place(ui, row, right - dots.size().x, &dots, (symbol, 2));
+            right -= dots.size().x + GAP;
+            hover_text(more, &|| all.iter().map(Readout::in_words).collect::<Vec<_>>().join("\n"));
         }
-        for (readout, (text, width)) in all.iter().zip(shown).rev() {
-            let size = vec2(*width, ui.available_height());
-            ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Center), |ui| {
-                ui.spacing_mut().item_spacing.x = 0.0;
-                let label = ui.label(RichText::new(text).text_style(theme::readout()));
-                label.on_hover_text(format!("{}: {}", readout.hint, readout.in_full()));
-                // Text in a light colour is hard to read on a light ground: a dot has the colour.
-                if readout.has_owner() {
-                    let (dot, _) = ui.allocate_exact_size(vec2(DOT, DOT), Sense::hover());
-                    ui.painter().circle_filled(dot.left_center() + vec2(0.35 * DOT, 0.0), 0.35 * DOT, readout.color);
-                }
-            });
+        for (i, (readout, (text, room))) in all.iter().zip(shown).enumerate().rev() {
+            let left = right - text.size().x;
+            hover_text(place(ui, row, left, text, (symbol, 3 + i)), &|| readout.in_words());
+            // Text in a light colour is hard to read on a light ground: a dot has the colour.
+            if readout.has_owner() {
+                let centre = pos2(left - 0.65 * DOT, row.center().y);
+                ui.painter().circle_filled(centre, 0.35 * DOT, readout.color);
+            }
+            right -= room + GAP;
         }
     }
+}
+
+/// Paints a text in the middle of a row. `of` is the heading's symbol and the text's number in it.
+fn place(ui: &Ui, row: Rect, left: f32, text: &Arc<Galley>, of: (&str, usize)) -> Response {
+    let at = pos2(left, row.center().y - 0.5 * text.size().y).round_to_pixels(ui.pixels_per_point());
+    ui.painter().galley(at, Arc::clone(text), Color32::PLACEHOLDER);
+    let response = ui.interact(Rect::from_min_size(at, text.size()), ui.unique_id().with(of), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, ui.is_enabled(), text.text()));
+    response
+}
+
+fn text(ui: &Ui, text: String, style: &TextStyle, color: Color32) -> Arc<Galley> {
+    ui.painter().layout_no_wrap(text, style.resolve(ui.style()), color)
 }
 
 /// The value without its ±2σ.
 fn value(text: &str) -> &str {
     text.split(' ').next().unwrap_or(text)
-}
-
-fn width(ui: &Ui, text: &str, style: &TextStyle) -> f32 {
-    let font = style.resolve(ui.style());
-    ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER).size().x
 }
 
 /// The largest width so far, unless that was much larger.

@@ -1,0 +1,14 @@
+//! Texts over widgets, written only where somebody sees or hears them: most frames nobody does.
+
+use egui::Response;
+
+/// Shows a text while the pointer rests on a widget, which is also the widget's description.
+pub(crate) fn hover_text(response: Response, text: &dyn Fn() -> String) -> Response {
+    if response.ctx.has_accesskit_node(response.id) {
+        return response.on_hover_text(text());
+    }
+    response.on_hover_ui(|ui| {
+        ui.set_max_width(ui.spacing().tooltip_width);
+        ui.label(text());
+    })
+}
