@@ -18,6 +18,20 @@ pub(crate) fn add_products(sums: &mut [f64], a: &[f64], b: &[f64], range: Range<
     }
 }
 
+/// The same for few samples, whose neighbours b has besides: `LAGS - 1` more than a, of which the first is the one that the
+/// largest lag takes for the first of a.
+pub(crate) fn add_near_products<const LAGS: usize>(sums: &mut [f64; LAGS], a: &[f64], b: &[f64]) {
+    let mut reversed = [0.0; LAGS];
+    for (a, b) in a.iter().zip(b.array_windows::<LAGS>()) {
+        for (sum, b) in reversed.iter_mut().zip(b) {
+            *sum += a * b;
+        }
+    }
+    for (sum, added) in sums.iter_mut().zip(reversed.iter().rev()) {
+        *sum += added;
+    }
+}
+
 fn product(a: &[f64], b: &[f64]) -> f64 {
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
     let (b_chunks, b_rest) = b.as_chunks::<LANES>();
@@ -34,6 +48,16 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn near_products_are_those_of_the_whole_series() {
+        let series = |seed: f64| (0..97).map(|k| libm::sin(seed * f64::from(k * k))).collect::<Vec<f64>>();
+        let (a, b) = (series(1.0), series(0.7));
+        let (mut near, mut direct) = ([1.0; 12], [1.0; 12]);
+        add_products(&mut direct, &a, &b, 30..46, -4);
+        add_near_products(&mut near, &a[30..46], &b[30 - 7..46 + 4]);
+        assert!(near.iter().zip(direct).all(|(near, direct)| (near - direct).abs() < 1e-12), "{near:?}");
+    }
 
     #[test]
     fn every_lag_has_the_sum_of_its_products() {
