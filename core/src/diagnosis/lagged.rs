@@ -1,9 +1,22 @@
-//! Products of two series at several lags.
+//! Sums of a series, and its products with another at several lags.
 
 use std::ops::Range;
 
 /// The number of terms that are added side by side, for vector instructions.
 const LANES: usize = 4;
+
+/// The sum of a function of each value.
+#[inline]
+pub(crate) fn sum_of(values: &[f64], of: impl Fn(f64) -> f64) -> f64 {
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for chunk in chunks {
+        for (sum, value) in sums.iter_mut().zip(chunk) {
+            *sum += of(*value);
+        }
+    }
+    sums.iter().sum::<f64>() + rest.iter().map(|value| of(*value)).sum::<f64>()
+}
 
 /// Adds to each sum, in order of the lags from `first` on, `Σ a_k b_(k - lag)` over the k in `range` for which b reaches so
 /// far.
@@ -32,7 +45,8 @@ pub(crate) fn add_near_products<const LAGS: usize>(sums: &mut [f64; LAGS], a: &[
     }
 }
 
-fn product(a: &[f64], b: &[f64]) -> f64 {
+/// `Σ a_k b_k`.
+pub(crate) fn product(a: &[f64], b: &[f64]) -> f64 {
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
     let (b_chunks, b_rest) = b.as_chunks::<LANES>();
     let mut sums = [0.0; LANES];

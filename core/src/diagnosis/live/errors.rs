@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::granule::{AFTER, GRANULE, first_in, pieces, samples_of};
 use super::series::Series;
 use crate::diagnosis::errors::{ChannelErrors, Sums};
+use crate::diagnosis::lagged::product;
 use crate::diagnosis::parts::{self, PARTS};
 use crate::{Channel, Estimates, Record};
 
@@ -97,6 +98,30 @@ impl<'a> Columns<'a> {
         for (((error, mean), truth), variance) in errors.iter_mut().zip(means).zip(truth).zip(variances) {
             *error = (mean - truth) / variance.sqrt();
         }
+        let errors = &errors[..samples.len()];
+        let known =
+            errors.iter().zip(variances).map(|(error, variance)| u32::from(!error.is_nan() & (*variance != 0.0)));
+        match known.sum::<u32>() as usize == samples.len() {
+            true => Stretch::of_known(errors),
+            false => Stretch::of_any(errors, variances),
+        }
+    }
+}
+
+impl Stretch {
+    /// Of some errors, at least one.
+    fn of_known(errors: &[f64]) -> Self {
+        let sums = Sums {
+            count: errors.len() as f64,
+            square: product(errors, errors),
+            product: product(&errors[1..], &errors[..errors.len() - 1]),
+            inside: f64::from(errors.iter().map(|error| u32::from(error.abs() <= 2.0)).sum::<u32>()),
+        };
+        Self { sums, first: errors[0], last: errors[errors.len() - 1] }
+    }
+
+    /// Of those errors that are known.
+    fn of_any(errors: &[f64], variances: &[f64]) -> Self {
         let (mut sums, mut first, mut last) = (Sums::default(), 0.0, 0.0);
         for (&error, &variance) in errors.iter().zip(variances) {
             let is_first = sums.count == 0.0;
@@ -105,11 +130,9 @@ impl<'a> Columns<'a> {
                 (first, sums.product) = (last, 0.0);
             }
         }
-        Stretch { sums, first, last }
+        Self { sums, first, last }
     }
-}
 
-impl Stretch {
     /// Adds to sums of the samples before, whose last known error is `before`.
     fn add_to(&self, sums: &mut Sums, before: &mut f64) {
         if self.sums.count == 0.0 {

@@ -27,7 +27,8 @@ pub(super) struct Piece {
 /// The pieces of some samples of a window.
 pub(super) fn pieces(samples: &Range<usize>, window: &Range<usize>) -> impl Iterator<Item = Piece> {
     let (samples, reach) = (samples.clone(), window.start + BEFORE..window.end.saturating_sub(AFTER));
-    (samples.start / GRANULE..samples.end.div_ceil(GRANULE)).map(move |number| {
+    let end = if samples.is_empty() { 0 } else { samples.end.div_ceil(GRANULE) };
+    (samples.start / GRANULE..end).map(move |number| {
         let whole = samples_of(number);
         let part = whole.start.max(samples.start)..whole.end.min(samples.end);
         let is_kept = part == whole && reach.start <= whole.start && whole.end <= reach.end;
@@ -55,6 +56,7 @@ mod tests {
         {
             let all: Vec<Piece> = pieces(&samples, &window).collect();
             let joined: Vec<usize> = all.iter().flat_map(|piece| piece.samples.clone()).collect();
+            assert!(all.iter().all(|piece| !piece.samples.is_empty()));
             assert_eq!(joined, samples.clone().collect::<Vec<_>>());
             for (piece, number) in all.iter().filter_map(|piece| Some((piece, piece.granule?))) {
                 assert_eq!(piece.samples, samples_of(number));

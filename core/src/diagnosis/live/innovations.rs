@@ -6,7 +6,7 @@ use super::granule::{AFTER, BEFORE, GRANULE, first_in, pieces, samples_of};
 use super::input::{self, GranuleInput, NearInput, WindowInput};
 use super::series::Series;
 use crate::diagnosis::innovations::{CROSS_LAGS, SensorInnovations, Sums, limited};
-use crate::diagnosis::lagged::add_near_products;
+use crate::diagnosis::lagged::{add_near_products, sum_of};
 use crate::diagnosis::parts::{self, PARTS};
 use crate::{Estimates, Quantity, Record};
 
@@ -137,11 +137,9 @@ impl LiveSensor {
 fn sums(squares: &[f64], near: &[f64], input: &NearInput) -> Sums {
     let values = &near[BEFORE..];
     let mut sums = Sums::default();
-    for square in squares.iter().filter(|square| !square.is_nan()) {
-        sums.count += 1.0;
-        sums.square += square;
-    }
-    sums.sum = values.iter().sum();
+    sums.count = f64::from(squares.iter().map(|square| u32::from(!square.is_nan())).sum::<u32>());
+    sums.square = sum_of(squares, |square| if square.is_nan() { 0.0 } else { square });
+    sums.sum = sum_of(values, |value| value);
     add_near_products(&mut sums.products, values, near);
     add_near_products(&mut sums.cross, values, &input[..CROSS_LAGS - 1 + values.len()]);
     sums
