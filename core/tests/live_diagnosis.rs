@@ -83,7 +83,7 @@ fn compare(run: &mut Run, known: Option<&Arc<Record>>, forgets: bool, name: &str
             let diagnostics = Diagnostics::new(estimates, record);
             let samples = run.len().saturating_sub(WINDOW)..run.len();
             let name = format!("{name}, {}, {samples:?} after {}", estimates.name(), record.forgotten());
-            let is_aligned = (record.forgotten() + samples.start) % ALIGNED == 0;
+            let is_aligned = (record.forgotten() + samples.start).is_multiple_of(ALIGNED);
             let ours = live.over(samples.clone(), &diagnostics, estimates, record, None).unwrap();
             let whole = Diagnosis::over(samples, &diagnostics, estimates, record, None).unwrap();
             let is_whole = is_aligned && whole.bad_parts.is_empty();
@@ -175,7 +175,7 @@ fn asking_changes_nothing() {
             live.over(from..run.len(), &diagnostics, estimates, run.record(), None).unwrap()
         };
         let ours = ask(&mut often, from);
-        if run.done() % 5 == 0 {
+        if run.done().is_multiple_of(5) {
             assert!(!assert_same(&ours, &ask(&mut seldom, from), true, &format!("{from}")));
             // Another window between, also one that begins earlier.
             ask(&mut seldom, from.saturating_sub(700));

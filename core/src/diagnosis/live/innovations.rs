@@ -136,10 +136,12 @@ impl LiveSensor {
 /// That of the input's squares is left out, since it is the same for all sensors.
 fn sums(squares: &[f64], near: &[f64], input: &NearInput) -> Sums {
     let values = &near[BEFORE..];
-    let mut sums = Sums::default();
-    sums.count = f64::from(squares.iter().map(|square| u32::from(!square.is_nan())).sum::<u32>());
-    sums.square = sum_of(squares, |square| if square.is_nan() { 0.0 } else { square });
-    sums.sum = sum_of(values, |value| value);
+    let mut sums = Sums {
+        count: f64::from(squares.iter().map(|square| u32::from(!square.is_nan())).sum::<u32>()),
+        square: sum_of(squares, |square| if square.is_nan() { 0.0 } else { square }),
+        sum: sum_of(values, |value| value),
+        ..Sums::default()
+    };
     add_near_products(&mut sums.products, values, near);
     add_near_products(&mut sums.cross, values, &input[..CROSS_LAGS - 1 + values.len()]);
     sums

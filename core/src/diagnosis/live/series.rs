@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn items_keep_their_numbers_and_memory_is_bounded() {
         let mut series = Series::starting_at(7);
-        for number in 7..10_000 {
+        for number in 7_usize..10_000 {
             series.push(number);
             series.forget_before(number.saturating_sub(100));
             assert_eq!(*series.at(number), number);
