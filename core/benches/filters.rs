@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use kalmanscope_core::{
-    Diagnosis, Diagnostics, FilterKind, FilterSettings, Run, Scenario, Spectrum, frequency_response,
+    Diagnosis, Diagnostics, FilterKind, FilterSettings, LiveDiagnosis, Run, Scenario, Spectrum, frequency_response,
 };
 
 fn run(scenario: &Scenario) -> Run {
@@ -46,6 +46,36 @@ fn time_followed_steps(steps: u64, scenario: &Scenario) -> Duration {
     start.elapsed()
 }
 
+/// The samples of the window of a live diagnosis, and those between two diagnoses on a screen.
+const LIVE: (usize, usize) = (2000, 60);
+
+/// Estimates with a long record and their diagnostics, with one sensor or two.
+fn followed(sensors: usize) -> (Run, Diagnostics) {
+    let mut scenario = Scenario { duration: 900.0, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    while scenario.sensors.len() > sensors {
+        scenario.remove_sensor(scenario.sensors[sensors].measures);
+    }
+    let mut run = run(&scenario);
+    run.finish();
+    let diagnostics = Diagnostics::new(&run.estimates()[0], run.record());
+    (run, diagnostics)
+}
+
+/// The time of following `samples` samples in portions, in which a window moves.
+fn time_following(samples: u64, run: &Run) -> Duration {
+    let (window, portion) = LIVE;
+    let mut live = LiveDiagnosis::default();
+    let mut end = window;
+    let start = Instant::now();
+    for _ in 0..samples.div_ceil(portion as u64) {
+        end = if end + portion > run.len() { window } else { end + portion };
+        live.follow(end - window..end, &run.estimates()[0], run.record());
+    }
+    black_box(&live);
+    start.elapsed()
+}
+
 fn benchmarks(c: &mut Criterion) {
     let mut group = c.benchmark_group("predict and update");
     for mut case in cases::cases() {
@@ -71,6 +101,22 @@ fn benchmarks(c: &mut Criterion) {
         group.bench_function(name, |b| b.iter_custom(|steps| time_followed_steps(steps, &one)));
     }
     group.finish();
+
+    for sensors in [1, 2] {
+        let (run, diagnostics) = followed(sensors);
+        let estimates = &run.estimates()[0];
+        let mut group = c.benchmark_group(format!("live diagnosis, sensors {sensors}"));
+        group.bench_function("a sample followed", |b| b.iter_custom(|samples| time_following(samples, &run)));
+        let mut live = LiveDiagnosis::default();
+        let window = 7013..7013 + LIVE.0;
+        group.bench_function("a verdict", |b| {
+            b.iter(|| black_box(live.over(window.clone(), &diagnostics, estimates, run.record(), None)));
+        });
+        group.bench_function("a verdict from one pass", |b| {
+            b.iter(|| black_box(Diagnosis::over(window.clone(), &diagnostics, estimates, run.record(), None)));
+        });
+        group.finish();
+    }
 
     let mut whole = run(&scenario);
     whole.finish();

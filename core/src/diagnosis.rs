@@ -16,6 +16,8 @@ mod innovations;
 mod knob;
 mod lagged;
 mod level;
+mod live;
+mod one_pass;
 mod parts;
 mod periodogram;
 mod tests;
@@ -36,6 +38,7 @@ use cause::Matter;
 pub use cause::{CAUSES, Cause, Suspect};
 pub use evidence::{Evidence, Subject, Test};
 pub use knob::Knob;
+pub use live::LiveDiagnosis;
 pub use parts::PARTS;
 pub use tests::TESTS;
 pub use trial::{Finding, Trials};
@@ -80,14 +83,19 @@ impl Diagnosis {
         if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
             return None;
         }
-        let case = Case::new(diagnostics, estimates, record, bound, samples.clone());
+        let case = one_pass::case(diagnostics, estimates, record, bound, samples.clone());
+        Some(Self::of(&case, samples))
+    }
+
+    /// The diagnosis of a case, over these samples.
+    fn of(case: &Case<'_>, samples: Range<usize>) -> Self {
         let mut evidence = Vec::new();
         for test in TESTS {
-            (test.run)(&case, test, &mut evidence);
+            (test.run)(case, test, &mut evidence);
         }
         level::decide(&mut evidence);
-        let verdict = Verdict::of(&case, &evidence);
-        Some(Self { verdict, evidence, bad_parts: case.bad_samples(), samples })
+        let verdict = Verdict::of(case, &evidence);
+        Self { verdict, evidence, bad_parts: case.bad_samples(), samples }
     }
 
     /// The possible causes for the filter at `place` of a scenario, the likeliest first as far as the evidence tells without
@@ -101,7 +109,7 @@ impl Diagnosis {
         record: &Record,
     ) -> Vec<Suspect> {
         let Some(filter) = scenario.filters.get(place).filter(|_| !estimates.is_empty()) else { return Vec::new() };
-        let case = Case::new(diagnostics, estimates, record, None, self.samples.clone());
+        let case = one_pass::case(diagnostics, estimates, record, None, self.samples.clone());
         let matter = Matter { case: &case, evidence: &self.evidence, scenario, filter };
         let mut suspects = Vec::new();
         for cause in CAUSES {

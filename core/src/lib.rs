@@ -76,7 +76,7 @@ mod waste;
 pub use analysis::{Analysis, Bound, Wanted};
 pub use channel::Channel;
 pub use cramer_rao::CramerRao;
-pub use diagnosis::{Diagnosis, Verdict, VerdictKind};
+pub use diagnosis::{Diagnosis, LiveDiagnosis, Verdict, VerdictKind};
 pub use diagnostics::{Diagnostics, Summary};
 pub use document::{Document, DocumentError};
 pub use estimates::{Estimates, Stop};

@@ -1,19 +1,21 @@
 //! Whether the filters are to be believed, as far as the record has come.
 
-use kalmanscope_core::Diagnosis;
+use kalmanscope_core::{Diagnosis, LiveDiagnosis};
 
 use super::Session;
 
 /// Limits how often diagnoses of a growing record are made anew, in real time \[s\].
 const EVERY: f64 = 0.3;
 
-/// Limits the samples of a diagnosis of a growing record: about 2 ms.
+/// Limits the samples of a diagnosis of a growing record.
 const MOST: usize = 20_000;
 
 /// The diagnoses of a record that still grows.
 #[derive(Default)]
 pub(super) struct Judged {
     diagnoses: Vec<Option<Diagnosis>>,
+    /// What the diagnosis of each filter keeps from one time to the next, as long as the picture has the same number.
+    live: Vec<LiveDiagnosis>,
     /// The picture's number and the samples that were done.
     of: Option<(u64, usize)>,
     /// Real time since then \[s\].
@@ -49,9 +51,15 @@ impl Session {
         if is_due {
             let on_screen = (Self::LIVE_SPAN / run.record().dt()).ceil() as usize;
             let from = run.len().saturating_sub(on_screen.min(MOST));
-            let of =
-                |(estimates, diagnostics)| Diagnosis::over(from..run.len(), diagnostics, estimates, run.record(), None);
-            self.judged.diagnoses = run.estimates().iter().zip(diagnostics).map(of).collect();
+            let live = &mut self.judged.live;
+            if self.judged.of.is_none_or(|(generation, _)| generation != now.0) {
+                live.clear();
+            }
+            live.resize_with(run.estimates().len(), LiveDiagnosis::default);
+            let of = |((estimates, diagnostics), live): ((_, _), &mut LiveDiagnosis)| {
+                live.over(from..run.len(), diagnostics, estimates, run.record(), None)
+            };
+            self.judged.diagnoses = run.estimates().iter().zip(diagnostics).zip(live).map(of).collect();
             (self.judged.of, self.judged.age) = (Some(now), 0.0);
         }
     }

@@ -6,6 +6,7 @@ use super::distributions::chi_squared_score;
 use super::errors::ChannelErrors;
 use super::innovations::SensorInnovations;
 use super::parts::{self, ALL, Chosen, PARTS};
+use super::periodogram::Periodogram;
 use crate::diagnostics::chi_squared;
 use crate::{CramerRao, Diagnostics, Estimates, Record};
 
@@ -52,17 +53,17 @@ pub(crate) struct Span {
 }
 
 impl<'a> Case<'a> {
+    /// The case over some samples that exist, from the sums over their parts. The periodograms come after it, since they are
+    /// of what it keeps ([`Self::kept_samples`]).
     pub(crate) fn new(
         diagnostics: &'a Diagnostics,
         estimates: &'a Estimates,
         record: &'a Record,
         bound: Option<&'a CramerRao>,
         samples: Range<usize>,
+        sensors: Vec<SensorInnovations>,
+        errors: Vec<ChannelErrors>,
     ) -> Self {
-        let end = samples.end.min(estimates.len()).min(record.len());
-        let samples = samples.start.min(end)..end;
-        let sensors = SensorInnovations::of_all(estimates, record, &samples);
-        let errors = ChannelErrors::of_all(estimates, record, &samples);
         let (bad, forgiven, kept) = ([false; PARTS], [false; PARTS], ALL);
         let mut case = Self { diagnostics, estimates, record, bound, samples, sensors, errors, bad, forgiven, kept };
         let bad: Chosen = std::array::from_fn(|part| case.is_bad(part));
@@ -78,10 +79,20 @@ impl<'a> Case<'a> {
             }
             case.kept = case.forgiven.map(|forgiven| !forgiven);
         }
-        let kept: Vec<Range<usize>> =
-            (0..PARTS).filter(|&part| case.kept[part]).map(|part| parts::range(part, &case.samples)).collect();
-        SensorInnovations::transform(&mut case.sensors, &kept, case.samples.start);
         case
+    }
+
+    /// The samples of the parts that are kept, part by part.
+    pub(crate) fn kept_samples(&self) -> impl Iterator<Item = Range<usize>> {
+        (0..PARTS).filter(|&part| self.kept[part]).map(|part| self.part(part))
+    }
+
+    /// Takes the periodograms of all sensors, of what is kept.
+    pub(crate) fn with_periodograms(mut self, periodograms: Vec<Periodogram>) -> Self {
+        for (one, periodogram) in self.sensors.iter_mut().zip(periodograms) {
+            one.periodogram = periodogram;
+        }
+        self
     }
 
     /// The number of samples.

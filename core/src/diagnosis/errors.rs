@@ -24,6 +24,21 @@ pub(crate) struct Sums {
     pub(crate) inside: f64,
 }
 
+impl Sums {
+    /// Takes in the normalised error of a sample, if it is known, after the known one before.
+    #[inline]
+    pub(crate) fn take_in(&mut self, error: f64, variance: f64, before: &mut f64) {
+        if error.is_nan() || variance == 0.0 {
+            return;
+        }
+        self.count += 1.0;
+        self.square += error * error;
+        self.product += error * *before;
+        self.inside += if error.abs() <= 2.0 { 1.0 } else { 0.0 };
+        *before = error;
+    }
+}
+
 impl ChannelErrors {
     /// The pass over all channels of some estimates; those that are known for certain have no part in it.
     pub(crate) fn of_all(estimates: &Estimates, record: &Record, samples: &Range<usize>) -> Vec<Self> {
@@ -34,15 +49,7 @@ impl ChannelErrors {
             let mut before = 0.0;
             for (part, sums) in by_part.iter_mut().enumerate() {
                 for k in parts::range(part, samples) {
-                    let error = (means[k] - truth[k]) / variances[k].sqrt();
-                    if error.is_nan() || variances[k] == 0.0 {
-                        continue;
-                    }
-                    sums.count += 1.0;
-                    sums.square += error * error;
-                    sums.product += error * before;
-                    sums.inside += if error.abs() <= 2.0 { 1.0 } else { 0.0 };
-                    before = error;
+                    sums.take_in((means[k] - truth[k]) / variances[k].sqrt(), variances[k], &mut before);
                 }
             }
             let any = by_part.iter().any(|sums| sums.count > 0.0);

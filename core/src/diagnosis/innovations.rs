@@ -16,16 +16,15 @@ pub(crate) const CROSS_LAGS: usize = 20;
 /// The lag of the first of them.
 pub(crate) const FIRST_CROSS_LAG: i32 = -4;
 
-/// Limits a normalised innovation in correlations, so that one reading does not dominate them.
-const LARGEST: f64 = 5.0;
+/// Limits a normalised innovation, and the input in units of its root mean square, in correlations: so that one reading does
+/// not dominate them.
+pub(crate) const LARGEST: f64 = 5.0;
 
 /// The normalised innovations `ν = e / √S` of one sensor.
 #[derive(Clone, Debug)]
 pub(crate) struct SensorInnovations {
     pub(crate) sensor: Quantity,
     pub(crate) by_part: [Sums; PARTS],
-    /// ν, limited; 0 where nothing was measured.
-    values: Vec<f64>,
     /// Of what is kept, once that is known.
     pub(crate) periodogram: Periodogram,
 }
@@ -48,8 +47,8 @@ pub(crate) struct Sums {
 }
 
 impl SensorInnovations {
-    /// The pass over all sensors of some estimates.
-    pub(crate) fn of_all(estimates: &Estimates, record: &Record, samples: &Range<usize>) -> Vec<Self> {
+    /// The pass over all sensors of some estimates. Beside each, ν, limited, of all samples; 0 where nothing was measured.
+    pub(crate) fn of_all(estimates: &Estimates, record: &Record, samples: &Range<usize>) -> Vec<(Self, Vec<f64>)> {
         let first = samples.start;
         let m = estimates.sensors().len();
         let input = limited_input(record, samples);
@@ -69,7 +68,7 @@ impl SensorInnovations {
                     let sums = &mut by_part[part];
                     sums.count += 1.0;
                     sums.square += value * value;
-                    let limited = value.clamp(-LARGEST, LARGEST);
+                    let limited = limited(value);
                     sums.sum += limited;
                     values[k - first] = limited;
                 }
@@ -86,19 +85,14 @@ impl SensorInnovations {
                         add_products(&mut sums.cross, &values, &input, range, FIRST_CROSS_LAG);
                     }
                 }
-                Self { sensor, by_part, values, periodogram: Periodogram::default() }
+                (Self::new(sensor, by_part), values)
             })
             .collect()
     }
 
-    /// The periodograms of all sensors, of these samples; the first one of all is `first`.
-    pub(crate) fn transform(all: &mut [Self], samples: &[Range<usize>], first: usize) {
-        let samples: Vec<Range<usize>> = samples.iter().map(|of| of.start - first..of.end - first).collect();
-        let values: Vec<&[f64]> = all.iter().map(|one| one.values.as_slice()).collect();
-        let periodograms = Periodogram::of_all(&values, &samples);
-        for (one, periodogram) in all.iter_mut().zip(periodograms) {
-            one.periodogram = periodogram;
-        }
+    /// The sums of one sensor, without a periodogram.
+    pub(crate) fn new(sensor: Quantity, by_part: [Sums; PARTS]) -> Self {
+        Self { sensor, by_part, periodogram: Periodogram::default() }
     }
 
     /// The number of measurements in some parts.
@@ -132,6 +126,11 @@ impl SensorInnovations {
             if scale > 0.0 { parts::sum(chosen, |part| self.by_part[part].cross[lag]) / scale } else { 0.0 }
         })
     }
+}
+
+/// ν in correlations.
+pub(crate) fn limited(value: f64) -> f64 {
+    value.clamp(-LARGEST, LARGEST)
 }
 
 /// The input without its mean, limited to five times its root mean square.

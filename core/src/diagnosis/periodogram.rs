@@ -39,45 +39,44 @@ impl Periodogram {
     /// order. Two series take one transform.
     pub(crate) fn of_all(series: &[&[f64]], kept: &[Range<usize>]) -> Vec<Self> {
         let samples = series.first().map_or(0, |one| one.len());
-        let Some(length) = (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
-        else {
-            return vec![Self::default(); series.len()];
-        };
-        let transform = Transform::new(length);
-        let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
-        let weights: Vec<f64> = weights.iter().map(|w| w * w).collect();
-        let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
-        let begins = window_begins(kept, length);
-        let windows = begins.len();
-        if windows < WINDOWS / 2 {
-            return vec![Self::default(); series.len()];
-        }
-        let mut all = Vec::with_capacity(series.len());
-        let mut buffer = vec![(0.0, 0.0); length];
-        for pair in series.chunks(2) {
-            let (first, second) = (pair[0], pair.get(1).copied());
-            let mut power = vec![[0.0; 2]; length / 2 + 1];
+        let Some(mut windows) = WelchWindows::of(samples) else { return vec![Self::default(); series.len()] };
+        let begins = window_begins(kept, windows.length);
+        let mut all = vec![Self::empty(windows.length); series.len()];
+        for (pair, of_pair) in series.chunks(2).zip(all.chunks_mut(2)) {
             for &begin in &begins {
-                for (k, (slot, weight)) in buffer.iter_mut().zip(&weights).enumerate() {
-                    *slot = (weight * first[begin + k], second.map_or(0.0, |second| weight * second[begin + k]));
+                let window = begin..begin + windows.length;
+                let first = &pair[0][window.clone()];
+                let powers = windows.powers(first, pair.get(1).map(|second| &second[window]));
+                for (of, one) in of_pair.iter_mut().enumerate() {
+                    one.add(powers.iter().map(|both| both[of]));
                 }
-                transform.apply(&mut buffer);
-                for (j, power) in power.iter_mut().enumerate().skip(FIRST) {
-                    // The real series' transform is the even part, the imaginary one's the odd part.
-                    let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[length - j]);
-                    let (even_re, even_im) = (re + mirrored_re, im - mirrored_im);
-                    let (odd_re, odd_im) = (im + mirrored_im, re - mirrored_re);
-                    power[0] += 0.25 * (even_re * even_re + even_im * even_im);
-                    power[1] += 0.25 * (odd_re * odd_re + odd_im * odd_im);
-                }
-            }
-            for of in 0..pair.len() {
-                let kept = &power[FIRST..length / 2 - 1];
-                let power = kept.iter().map(|both| both[of] * scale / windows as f64).collect();
-                all.push(Self { length, windows, power });
             }
         }
-        all
+        all.into_iter().map(|one| one.averaged(&windows)).collect()
+    }
+
+    /// The sum over no window yet of `length` samples.
+    pub(crate) fn empty(length: usize) -> Self {
+        Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }
+    }
+
+    /// Adds the powers of a window ([`WelchWindows::powers`]).
+    pub(crate) fn add(&mut self, powers: impl Iterator<Item = f64>) {
+        self.windows += 1;
+        for (sum, power) in self.power.iter_mut().zip(powers) {
+            *sum += power;
+        }
+    }
+
+    /// The mean of the added windows; nothing where they are too few.
+    pub(crate) fn averaged(mut self, windows: &WelchWindows) -> Self {
+        if self.windows < WINDOWS / 2 {
+            return Self::default();
+        }
+        for power in &mut self.power {
+            *power = *power * windows.scale / self.windows as f64;
+        }
+        self
     }
 
     /// The number of windows: half the degrees of freedom of each power.
@@ -104,6 +103,58 @@ impl Periodogram {
         let curve = below - 2.0 * power + above;
         let shift = if curve < 0.0 { 0.5 * (below - above) / curve } else { 0.0 };
         Some((power, TAU * ((place + FIRST) as f64 + shift) / self.length as f64))
+    }
+}
+
+/// Windows of one length, and their transform.
+#[derive(Debug)]
+pub(crate) struct WelchWindows {
+    length: usize,
+    transform: Transform,
+    weights: Vec<f64>,
+    /// One over the sum of the squares of the weights.
+    scale: f64,
+    buffer: Vec<(f64, f64)>,
+    powers: Vec<[f64; 2]>,
+}
+
+impl WelchWindows {
+    /// The length of the windows of a record of this many samples; none where they are too few.
+    pub(crate) fn length_for(samples: usize) -> Option<usize> {
+        (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
+    }
+
+    /// The windows of a record of this many samples; none where they are too few.
+    pub(crate) fn of(samples: usize) -> Option<Self> {
+        let length = Self::length_for(samples)?;
+        let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
+        let weights: Vec<f64> = weights.iter().map(|w| w * w).collect();
+        let scale = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
+        let (buffer, powers) = (vec![(0.0, 0.0); length], vec![[0.0; 2]; length / 2 - 1 - FIRST]);
+        Some(Self { length, transform: Transform::new(length), weights, scale, buffer, powers })
+    }
+
+    /// The samples of a window.
+    pub(crate) fn length(&self) -> usize {
+        self.length
+    }
+
+    /// The powers of one window of one series or two at each frequency, not yet scaled.
+    pub(crate) fn powers(&mut self, first: &[f64], second: Option<&[f64]>) -> &[[f64; 2]] {
+        let Self { length, transform, weights, buffer, powers, .. } = self;
+        for (k, (slot, weight)) in buffer.iter_mut().zip(&*weights).enumerate() {
+            *slot = (weight * first[k], second.map_or(0.0, |second| weight * second[k]));
+        }
+        transform.apply(buffer);
+        for (j, power) in (FIRST..).zip(powers.iter_mut()) {
+            // The real series' transform is the even part, the imaginary one's the odd part.
+            let ((re, im), (mirrored_re, mirrored_im)) = (buffer[j], buffer[*length - j]);
+            let (even_re, even_im) = (re + mirrored_re, im - mirrored_im);
+            let (odd_re, odd_im) = (im + mirrored_im, re - mirrored_re);
+            power[0] = 0.25 * (even_re * even_re + even_im * even_im);
+            power[1] = 0.25 * (odd_re * odd_re + odd_im * odd_im);
+        }
+        powers
     }
 }
 

@@ -1,0 +1,94 @@
+//! The diagnosis of the last samples of a record that grows, from sums that are kept from one diagnosis to the next.
+//!
+//! ```text
+//! Estimates, Record ──follow──▶ sums of granules, spectra of windows ──add──▶ Case ──tests──▶ Diagnosis
+//! ```
+
+mod errors;
+mod granule;
+mod innovations;
+mod input;
+mod series;
+mod spectra;
+
+use std::ops::Range;
+
+use super::case::Case;
+use super::{Diagnosis, one_pass};
+use crate::diagnostics::Depth;
+use crate::{CramerRao, Diagnostics, Estimates, Record};
+
+use errors::LiveErrors;
+use innovations::LiveInnovations;
+use spectra::LiveSpectra;
+
+/// The diagnosis of one filter over a window of samples that moves with a growing record.
+///
+/// It is [`Diagnosis::over`] the same samples, but for rounding and for the periodogram, whose windows begin at multiples of
+/// their length from the run's beginning. A sample is taken in once: innovations and errors are added up over granules of 16
+/// samples, and a part of the window is the sum of whole granules and of the samples at its edges. Nothing is subtracted, so that
+/// a number outside a part changes nothing in it. The memory is that of twice the window.
+#[derive(Debug, Default)]
+pub struct LiveDiagnosis {
+    kept: Option<Kept>,
+}
+
+/// The sums of the samples of the window and of later ones.
+#[derive(Debug)]
+struct Kept {
+    innovations: LiveInnovations,
+    errors: LiveErrors,
+    spectra: LiveSpectra,
+}
+
+impl LiveDiagnosis {
+    /// Takes in those of some kept samples that are new, and forgets what is before them.
+    ///
+    /// `estimates` and `record` must be those that this began with, grown longer; they may have forgotten samples. Where
+    /// samples are asked for that have been forgotten here, begins again with them.
+    pub fn follow(&mut self, samples: Range<usize>, estimates: &Estimates, record: &Record) {
+        let samples = one_pass::existing(samples, estimates, record);
+        let window = numbers(&samples, record);
+        let kept = match self.kept.take() {
+            Some(kept) if kept.innovations.reaches(window.start) => kept,
+            _ => Kept {
+                innovations: LiveInnovations::new(estimates, window.start),
+                errors: LiveErrors::new(estimates, record, window.start),
+                spectra: LiveSpectra::default(),
+            },
+        };
+        let Kept { innovations, errors, spectra } = self.kept.insert(kept);
+        innovations.follow(&window, estimates, record);
+        errors.follow(&window, estimates, record);
+        spectra.follow(&window, innovations);
+    }
+
+    /// [`Diagnosis::over`] these samples, after [`Self::follow`].
+    pub fn over(
+        &mut self,
+        samples: Range<usize>,
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+        bound: Option<&CramerRao>,
+    ) -> Option<Diagnosis> {
+        if diagnostics.depth() != Depth::All || diagnostics.is_empty() {
+            return None;
+        }
+        self.follow(samples.clone(), estimates, record);
+        let Kept { innovations, errors, spectra } = self.kept.as_ref()?;
+        let existing = one_pass::existing(samples.clone(), estimates, record);
+        let window = numbers(&existing, record);
+        let sensors = innovations.by_part(&window, record);
+        let channels = errors.by_part(&window, estimates, record);
+        let case = Case::new(diagnostics, estimates, record, bound, existing, sensors, channels);
+        let kept: Vec<Range<usize>> = case.kept_samples().map(|of| numbers(&of, record)).collect();
+        let periodograms = spectra.of(&kept, case.sensors.len());
+        Some(Diagnosis::of(&case.with_periodograms(periodograms), samples))
+    }
+}
+
+/// The numbers of some kept samples, counted from the run's beginning.
+fn numbers(kept: &Range<usize>, record: &Record) -> Range<usize> {
+    kept.start + record.forgotten()..kept.end + record.forgotten()
+}
