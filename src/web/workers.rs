@@ -205,7 +205,7 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
     move |event| {
         let Some(team) = team.upgrade() else { return };
         let mut team = team.borrow_mut();
-        let Team { members, job, task, broken } = &mut *team;
+        let Team { members, job, task, broken, is_bridged: _ } = &mut *team;
         let by = Computer::Workers(members.len());
         let Some(member) = members.iter_mut().find(|member| member.number() == number) else { return };
         let words: Array = match event {
