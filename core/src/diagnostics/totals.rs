@@ -112,8 +112,9 @@ impl Totals {
                 Some(*sum)
             }));
             let mut sum = 0.0;
-            for k in start..range.end.min(start + window) {
-                sum += squares[k];
+            let end = range.end.min(start + window);
+            for (k, square) in (start..end).zip(&squares[start..end]) {
+                sum += square;
                 if k >= range.start {
                     // The window begins in the block before, or with the first sample.
                     let more = (start + window - 1 - k).min(before.len());
