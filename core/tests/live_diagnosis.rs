@@ -161,7 +161,7 @@ fn missing_numbers_and_large_ones_change_nothing() {
     assert!(compared.lines <= compared.all / 30, "{} of {}", compared.lines, compared.all);
 }
 
-/// What a window says does not depend on how often one has asked before, nor on windows before.
+/// The diagnosis of a window is the same, however often and over which windows the test has asked before.
 #[test]
 fn asking_changes_nothing() {
     let mut run = Run::new(&Scenario::default()).unwrap();

@@ -14,7 +14,7 @@ const MOST: usize = 20_000;
 #[derive(Default)]
 pub(super) struct Judged {
     diagnoses: Vec<Option<Diagnosis>>,
-    /// What the diagnosis of each filter keeps from one time to the next, as long as the picture has the same number.
+    /// The sums of each filter, which the next diagnosis uses again if the picture has the same number.
     live: Vec<LiveDiagnosis>,
     /// The picture's number and the samples that were done.
     of: Option<(u64, usize)>,

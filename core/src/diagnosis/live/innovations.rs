@@ -133,7 +133,7 @@ impl LiveSensor {
 }
 
 /// The sums of some samples, at most a granule of them: from ν² of each, ν of each and of those before, and the input near them.
-/// That of the input's squares is left out, since it is the same for all sensors.
+/// The sum of the input's squares stays 0 here: all sensors have the same one, so the caller adds it.
 fn sums(squares: &[f64], near: &[f64], input: &NearInput) -> Sums {
     let values = &near[BEFORE..];
     let mut sums = Sums {
