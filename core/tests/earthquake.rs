@@ -1,11 +1,11 @@
 //! A structure in an earthquake: total acceleration, and a ground whose acceleration is linear between samples.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-#[path = "../../lessons/examples/make_records/earthquake.rs"]
+#[path = "../../lessons/src/records/earthquake.rs"]
 mod earthquake;
-#[path = "../../lessons/examples/make_records/oscillator.rs"]
+#[path = "../../lessons/src/records/oscillator.rs"]
 mod oscillator;
-#[path = "../../lessons/examples/make_records/random.rs"]
+#[path = "../../lessons/src/records/random.rs"]
 mod random;
 
 use std::sync::Arc;

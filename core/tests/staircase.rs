@@ -1,12 +1,12 @@
 //! A stiffness that goes up and down in steps, under a force that nobody measures.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-#[path = "../../lessons/examples/make_records/oscillator.rs"]
+#[path = "../../lessons/src/records/oscillator.rs"]
 #[expect(dead_code, reason = "other tests need the force of the spring")]
 mod oscillator;
-#[path = "../../lessons/examples/make_records/random.rs"]
+#[path = "../../lessons/src/records/random.rs"]
 mod random;
-#[path = "../../lessons/examples/make_records/staircase.rs"]
+#[path = "../../lessons/src/records/staircase.rs"]
 mod staircase;
 
 use std::sync::Arc;

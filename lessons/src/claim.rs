@@ -1,5 +1,6 @@
 //! Claims: the results of a lesson's checks.
 
+use kalmanscope_core::sorting::sort_numbers;
 use std::fmt;
 
 use crate::check::{Check, NEARLY_ALL};
@@ -50,7 +51,7 @@ impl Claim {
     pub fn numbers(&self) -> Vec<f64> {
         let numbers = self.values.iter().filter_map(|(_, v)| if let Value::Number(x) = v { Some(*x) } else { None });
         let mut sorted: Vec<f64> = numbers.collect();
-        sorted.sort_by(f64::total_cmp);
+        sort_numbers(&mut sorted);
         sorted
     }
 

@@ -1,5 +1,11 @@
 //! The records that come along.
 
+mod circuit;
+mod earthquake;
+mod oscillator;
+mod random;
+mod staircase;
+
 use std::sync::Arc;
 
 use kalmanscope_core::import::{Builder, Mapping, hash, read};
@@ -7,19 +13,21 @@ use kalmanscope_core::{Scenario, Source};
 
 use crate::LessonError;
 
-macro_rules! files {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_bytes!(concat!("../assets/records/", $name)).as_slice())),*]
-    };
-}
+/// Every record that a scenario can name without its file at hand: the file's name, and its text with the random numbers of
+/// a seed.
+pub const RECORDS: &[(&str, fn(u64) -> String)] =
+    &[("circuit.csv", circuit::file), ("earthquake.csv", earthquake::file), ("staircase.csv", staircase::file)];
 
-/// Every record that a scenario can name without its file at hand: the file's name and its bytes.
-pub const RECORDS: &[(&str, &[u8])] = files!["circuit.csv", "earthquake.csv", "staircase.csv"];
+/// The seed of the files in `assets/records/`.
+pub const SEED: u64 = 1;
 
 /// The bytes of the record that a mapping names, if it comes along: its name is the same, and its hash, if there is one.
-pub fn record(mapping: &Mapping) -> Option<&'static [u8]> {
-    let (_, bytes) = RECORDS.iter().find(|(name, _)| *name == mapping.file)?;
-    (mapping.hash.is_empty() || mapping.hash == hash(bytes)).then_some(bytes)
+///
+/// They are made anew, bit by bit as in `assets/records/`: a web page need not load them.
+pub fn record(mapping: &Mapping) -> Option<Vec<u8>> {
+    let (_, file) = RECORDS.iter().find(|(name, _)| *name == mapping.file)?;
+    let bytes = file(SEED).into_bytes();
+    (mapping.hash.is_empty() || mapping.hash == hash(&bytes)).then_some(bytes)
 }
 
 /// The source of a scenario's samples: a simulation, or the record that it names and that comes along.
@@ -30,7 +38,7 @@ pub fn record(mapping: &Mapping) -> Option<&'static [u8]> {
 pub fn source(scenario: &Scenario) -> Result<Source, LessonError> {
     let Some(mapping) = &scenario.record else { return Ok(Source::Simulated) };
     let bytes = record(mapping).ok_or_else(|| LessonError::UnknownRecord(mapping.file.clone()))?;
-    source_in(scenario, bytes)
+    source_in(scenario, &bytes)
 }
 
 /// As [`source()`], with the bytes of a file in place of those that come along.
@@ -53,10 +61,11 @@ mod tests {
 
     #[test]
     fn a_record_is_found_by_its_name_and_not_with_another_hash() {
-        let (name, bytes) = RECORDS[0];
+        let (name, file) = RECORDS[0];
+        let bytes = file(SEED).into_bytes();
         let named = Mapping { file: name.to_owned(), ..Mapping::default() };
-        assert_eq!(record(&named), Some(bytes));
-        assert_eq!(record(&Mapping { hash: hash(bytes), ..named.clone() }), Some(bytes));
+        assert_eq!(record(&named).as_ref(), Some(&bytes));
+        assert_eq!(record(&Mapping { hash: hash(&bytes), ..named.clone() }), Some(bytes));
         assert_eq!(record(&Mapping { hash: hash(b"another"), ..named.clone() }), None);
         assert_eq!(record(&Mapping { file: "mine.csv".to_owned(), ..named }), None);
     }
@@ -65,11 +74,15 @@ mod tests {
     fn each_record_is_opened_by_a_scenario_of_the_menu() {
         let scenarios: Vec<Scenario> = BUILT_IN.iter().filter_map(|entry| entry.scenario().ok()).collect();
         let measured: Vec<&Scenario> = scenarios.iter().filter(|scenario| scenario.record.is_some()).collect();
-        for (name, bytes) in RECORDS {
+        for (name, file) in RECORDS {
             let of_it = |scenario: &&&Scenario| scenario.record.as_ref().is_some_and(|m| m.file == *name);
             let scenario = measured.iter().find(of_it).unwrap_or_else(|| panic!("{name} is in no scenario"));
             let hash_of_it = scenario.record.as_ref().map(|mapping| mapping.hash.clone());
-            assert_eq!(hash_of_it, Some(hash(bytes)), "a file of the user with this name is another one: {name}");
+            assert_eq!(
+                hash_of_it,
+                Some(hash(file(SEED).as_bytes())),
+                "a file of the user with this name is another one: {name}"
+            );
             let source = source(scenario).unwrap_or_else(|error| panic!("{name}: {error}"));
             let Source::Measured(record) = source else { panic!("{name} is simulated") };
             assert!(scenario.sensors.iter().all(|sensor| record.sensors().contains(&sensor.measures)), "{name}");

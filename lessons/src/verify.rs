@@ -91,7 +91,7 @@ pub fn verify_all(lessons: &[Lesson], seeds: &[u64]) -> Result<Vec<Claim>, Lesso
     }
     let mut claims: Vec<Claim> = claims.into_iter().flatten().collect();
     for claim in &mut claims {
-        claim.values.sort_by_key(|(seed, _)| *seed);
+        claim.values.sort_unstable_by_key(|(seed, _)| *seed);
     }
     Ok(claims)
 }
