@@ -51,7 +51,7 @@ pub(super) fn condition<const N: usize, const M: usize>(
         View::Curved => mirrored(minus_product(belief.cov, &(gain * innovation_cov), &gain)),
     };
     check(belief)?;
-    report(&observation.active, &innovation, innovation_cov, &factor, &gain, correction);
+    report(observation.measured(), &innovation, innovation_cov, &factor, &gain, correction);
     Ok(())
 }
 
@@ -70,6 +70,7 @@ pub(super) fn condition_on_components<const N: usize, const M: usize>(
     let mut cross = Matrix::<N, M>::zeros();
     let mut seen = Matrix::<M, M>::zeros();
     let mut innovation = observation.values;
+    let components = &components[..observation.count()];
     for (row, &i) in components.iter().enumerate() {
         innovation[row] -= belief.mean[i];
         // A row, not the same column: reading it number by number does not wait for pairs to be written.
@@ -89,7 +90,7 @@ pub(super) fn condition_on_components<const N: usize, const M: usize>(
     // Picked columns of `P - K (P Hᵀ)ᵀ`, computed again rather than fetched.
     belief.cov = joseph(&belief.cov, &gain, &cross, observation, |_| minus_product(cross, &gain, &seen));
     check(belief)?;
-    report(&observation.active, &innovation, &innovation_cov, &factor, &gain, correction);
+    report(observation.measured(), &innovation, &innovation_cov, &factor, &gain, correction);
     Ok(())
 }
 

@@ -183,7 +183,7 @@ fn sensor_jacobian<P: Model<N>, const N: usize, const M: usize>(
 ) -> Matrix<M, N> {
     let rate = model.jacobian(state);
     let mut jacobian = Matrix::<M, N>::zeros();
-    for (row, sensor) in observation.active.iter().enumerate() {
+    for (row, sensor) in observation.measured().iter().enumerate() {
         match sensor.output {
             Output::State(i) => jacobian[(row, i)] = 1.0,
             Output::Rate(i) => jacobian.set_row(row, &rate.row(i)),
