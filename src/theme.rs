@@ -98,7 +98,7 @@ fn restyle(style: &mut egui::Style, theme: Theme) {
         &mut visuals.widgets.active,
         &mut visuals.widgets.open,
     ] {
-        widget.corner_radius = CornerRadius::same(1);
+        widget.corner_radius = CornerRadius::ZERO;
         widget.fg_stroke.color = palette.text;
     }
 }
