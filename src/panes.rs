@@ -2,6 +2,7 @@
 
 use egui::{Button, Color32, RichText, ScrollArea, Sense, Stroke, Ui, UiBuilder, WidgetText, vec2};
 use egui_tiles::{Behavior, ResizeState, SimplificationOptions, TileId, UiResponse};
+use kalmanscope_core::sorting::sort_short_by_key;
 
 use crate::column::Column;
 use crate::layout::{Layout, simplification};
@@ -36,7 +37,7 @@ pub(crate) fn panes_ui(
         let mut kinds = layout.in_order();
         if !narrow {
             // On a phone that lies on its side the picture of the plant would leave the plots no room in sight.
-            kinds.sort_by_key(|kind| view(*kind).proportions() == Proportions::Flat);
+            sort_short_by_key(&mut kinds, |kind| view(*kind).proportions() == Proportions::Flat);
         }
         panes.show_column(ui, &kinds);
     } else if layout.tree().is_empty() {

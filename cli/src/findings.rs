@@ -2,6 +2,7 @@
 
 use kalmanscope_core::Diagnosis;
 use kalmanscope_core::diagnosis::{Evidence, Finding};
+use kalmanscope_core::sorting::sort_short_by;
 
 /// The most pieces of evidence, and the most causes, that are told of a filter.
 const MOST: (usize, usize) = (6, 3);
@@ -9,7 +10,7 @@ const MOST: (usize, usize) = (6, 3);
 /// The evidence that counts, the weightiest first, each with its p-value.
 pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
     let mut counting: Vec<&Evidence> = diagnosis.evidence.iter().filter(|one| one.counts).collect();
-    counting.sort_by(|a, b| b.effect.total_cmp(&a.effect));
+    sort_short_by(&mut counting, |a, b| b.effect.total_cmp(&a.effect));
     let line = |one: &&Evidence| {
         let p =
             if one.p_value > 0.0 && one.p_value < 1.0 { format!(" (p = {:.0e})", one.p_value) } else { String::new() };

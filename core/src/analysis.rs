@@ -6,6 +6,7 @@ mod wanted;
 use crate::bank::Bank;
 use crate::diagnostics::Depth;
 use crate::smoother::Smoother;
+use crate::sorting::sort_short_by_key;
 use crate::waste::Waste;
 use crate::{CramerRao, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario, Update, cost};
 
@@ -205,7 +206,7 @@ impl Analysis {
         let (kept, gone): (Vec<_>, Vec<_>) = old.smoothed.drain(..).partition(is_kept);
         self.smoothed.extend(kept);
         old.smoothed = gone;
-        self.smoothed.sort_by_key(|smoothed| ids.iter().position(|&id| id == smoothed.id()));
+        sort_short_by_key(&mut self.smoothed, |smoothed| ids.iter().position(|&id| id == smoothed.id()));
         old.bounds.append(&mut self.bounds);
         self.bounds = bounds_of(run.scenario(), run.record().dt(), std::mem::take(&mut old.bounds), |_| true);
         self.chosen = true;

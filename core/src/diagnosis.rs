@@ -30,6 +30,7 @@ mod words;
 use std::ops::Range;
 
 use crate::diagnostics::Depth;
+use crate::sorting::sort_short_by;
 use crate::{CramerRao, Diagnostics, Estimates, Record, RunError, Scenario};
 
 use case::Case;
@@ -115,7 +116,7 @@ impl Diagnosis {
         for cause in CAUSES {
             (cause.suspects)(&matter, cause, &mut suspects);
         }
-        suspects.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        sort_short_by(&mut suspects, |a, b| b.weight.total_cmp(&a.weight));
         suspects
     }
 

@@ -51,6 +51,7 @@ pub mod score;
 pub mod signal;
 pub mod simulate;
 pub mod sink;
+pub mod sorting;
 pub mod source;
 pub mod spectrogram;
 pub mod spectrum;

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use kalmanscope_core::Channel;
 use kalmanscope_core::diagnostics::chi_squared;
+use kalmanscope_core::sorting::sort_numbers;
 
 use crate::{Axis, Ensemble, EnsembleError, Measure, Plan, Slice, Spacing, Trace};
 use kalmanscope_core::Scenario;
@@ -146,8 +147,8 @@ impl MonteCarlo {
     /// Quantiles of a channel's error over the runs at each time, in the channel's unit; NaN where there is none.
     pub fn quantiles<const N: usize>(&self, nth: usize, channel: usize, shares: [f64; N]) -> Vec<[f64; N]> {
         let one = |errors: &Vec<Vec<f32>>| {
-            let mut errors = errors[channel].clone();
-            errors.sort_unstable_by(f32::total_cmp);
+            let mut errors: Vec<f64> = errors[channel].iter().copied().map(f64::from).collect();
+            sort_numbers(&mut errors);
             shares.map(|share| quantile(&errors, share))
         };
         self.filters[nth].errors.iter().map(one).collect()
@@ -176,11 +177,11 @@ impl MonteCarlo {
 }
 
 /// Interpolated between neighbours.
-fn quantile(sorted: &[f32], share: f64) -> f64 {
+fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = share * last as f64;
     let (low, rest) = (place.floor() as usize, place.fract());
-    let (a, b) = (f64::from(sorted[low]), f64::from(sorted[(low + 1).min(last)]));
+    let (a, b) = (sorted[low], sorted[(low + 1).min(last)]);
     a + rest * (b - a)
 }
 

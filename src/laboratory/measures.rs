@@ -1,5 +1,6 @@
 //! The scores that a map can show, and their names.
 
+use kalmanscope_core::sorting::sort_short_by_key;
 use kalmanscope_core::{Channel, Quantity, Record, Scenario};
 use kalmanscope_lab::{Measure, channels};
 
@@ -10,7 +11,7 @@ const MOST_CHANNELS: usize = 8;
 fn scored(scenario: &Scenario) -> Vec<Channel> {
     let places: Vec<usize> = (0..scenario.filters.len()).collect();
     let mut channels = channels(scenario, &places);
-    channels.sort_by_key(|channel| !channel.is_parameter());
+    sort_short_by_key(&mut channels, |channel| !channel.is_parameter());
     channels.truncate(MOST_CHANNELS);
     channels
 }

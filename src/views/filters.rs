@@ -1,6 +1,7 @@
 //! The numbers of all filters side by side.
 
 use egui::{Grid, Id, RichText, ScrollArea, Ui, vec2};
+use kalmanscope_core::sorting::sort_short_by_key;
 use kalmanscope_core::{Channel, FilterSettings, InputKind, Scenario};
 
 use crate::controls::color::color_of;
@@ -116,7 +117,7 @@ fn rows(scenario: &Scenario) -> Vec<Row> {
         channels
             .extend(model.channels().iter().filter(|channel| !channels.contains(channel)).copied().collect::<Vec<_>>());
     }
-    channels.sort_by_key(|channel| !channel.is_parameter());
+    sort_short_by_key(&mut channels, |channel| !channel.is_parameter());
     for channel in channels {
         let (symbol, scale) = (channel.symbol(), channel.usual().std.max(1e-3));
         let of = |what: &str| format!("{what} of {}", channel.name());

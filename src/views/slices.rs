@@ -1,6 +1,7 @@
 //! A score over one setting at a time: the row and the column of the map through the setting on screen.
 
 use egui::{Align2, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, UiBuilder, Vec2, pos2, vec2};
+use kalmanscope_core::sorting::sort_numbers;
 use kalmanscope_lab::{Axis, Measure, Spacing};
 
 use super::map::contents;
@@ -189,7 +190,7 @@ fn range(measure: Measure, values: impl Iterator<Item = f64>) -> Scale {
 
 /// The least log likelihood on a scale: impossible settings have such small ones that nothing else would be seen.
 fn least_shown(mut values: Vec<f64>, best: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
+    sort_numbers(&mut values);
     let median = values.get(values.len() / 2).copied().unwrap_or(best);
     best - BELOW_BEST * (best - median).max(10.0)
 }

@@ -1,6 +1,7 @@
 //! The range of a value axis.
 
 use kalmanscope_core::Run;
+use kalmanscope_core::sorting::sort_numbers;
 
 use super::panel::Panel;
 use super::series;
@@ -68,7 +69,7 @@ fn union(a: Range, b: Range) -> Range {
 /// The range of the values without the `out` lowest and the `out` highest; `None` if no value is left.
 fn without_tails(values: impl Iterator<Item = f64>, out: usize) -> Range {
     let mut values: Vec<f64> = values.filter(|x| x.is_finite()).collect();
-    values.sort_unstable_by(f64::total_cmp);
+    sort_numbers(&mut values);
     let kept = values.get(out..values.len().checked_sub(out)?)?;
     Some((*kept.first()?, *kept.last()?))
 }

@@ -6,6 +6,7 @@ use super::cause::Suspect;
 use super::knob::Knob;
 use super::verdict::Verdict;
 use super::window::window;
+use crate::sorting::sort_short_by;
 use crate::{Diagnostics, Estimates, FilterKind, Pass, Record, RunError, Scenario, Scores};
 
 /// Limits the samples of a trial, which are the last ones of the record.
@@ -206,7 +207,7 @@ impl Trials {
                 None => all.push((rank, finding)),
             }
         }
-        all.sort_by(|(a, one), (b, other)| {
+        sort_short_by(&mut all, |(a, one), (b, other)| {
             let key = |rank: f64, finding: &Finding| (finding.suspect.certain, rank, finding.suspect.weight);
             key(*b, other).partial_cmp(&key(*a, one)).unwrap_or(std::cmp::Ordering::Equal)
         });

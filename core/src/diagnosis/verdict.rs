@@ -1,5 +1,6 @@
 //! The verdict on a filter, in a word and in a sentence.
 
+use crate::sorting::sort_short_by;
 use std::fmt;
 
 use super::case::Case;
@@ -38,7 +39,7 @@ impl Verdict {
         let counting = || evidence.iter().filter(|one| one.counts);
         let kind = counting().map(|one| one.speaks_for).max().unwrap_or(VerdictKind::Consistent);
         let mut grounds: Vec<&Evidence> = counting().filter(|one| one.speaks_for == kind).collect();
-        grounds.sort_by(|a, b| b.effect.total_cmp(&a.effect));
+        sort_short_by(&mut grounds, |a, b| b.effect.total_cmp(&a.effect));
         // The same of the last fifth adds nothing.
         let mut told: Vec<(&str, Subject)> = Vec::new();
         grounds.retain(|one| {
@@ -49,7 +50,7 @@ impl Verdict {
         });
         let mut reasons: Vec<String> = grounds.iter().take(MOST).map(|one| one.sentence.clone()).collect();
         let mut besides: Vec<&Evidence> = counting().filter(|one| one.speaks_for != kind).collect();
-        besides.sort_by(|a, b| {
+        sort_short_by(&mut besides, |a, b| {
             (b.speaks_for, b.effect).partial_cmp(&(a.speaks_for, a.effect)).unwrap_or(std::cmp::Ordering::Equal)
         });
         if kind == VerdictKind::Recovered || kind == VerdictKind::Consistent || kind == VerdictKind::NotIdentifiable {

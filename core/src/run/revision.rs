@@ -3,6 +3,7 @@
 use super::{Run, Update};
 use crate::bank::{Bank, lookahead};
 use crate::cost;
+use crate::sorting::sort_short_by;
 use crate::source::Recording;
 use crate::spare::Spare;
 use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
@@ -53,7 +54,7 @@ impl Revision {
             }
         }
         let mut order: Vec<usize> = (0..kept.len()).filter(|&place| kept[place].is_none()).collect();
-        order.sort_by(|&a, &b| {
+        sort_short_by(&mut order, |&a, &b| {
             let of = |place: usize| cost::of_step(&scenario.filters[place], scenario.plant.kind);
             of(a).total_cmp(&of(b))
         });

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::Record;
 use crate::fourier::Transform;
+use crate::sorting::sort_numbers;
 
 /// Limits the length of a window for a noise floor.
 pub(super) const SHORT: usize = 256;
@@ -121,7 +122,7 @@ impl Spectra {
         let left = self.windows as f64 / (self.windows as f64 - 1.0).max(1.0);
         let mut powers: Vec<f64> =
             (low..high).map(|place| self.output[place] * (1.0 - self.coherence(place)).max(0.0) * left).collect();
-        powers.sort_by(f64::total_cmp);
+        sort_numbers(&mut powers);
         let median = *powers.get(powers.len() / 2)?;
         (median > 0.0).then(|| libm::sqrt(median))
     }

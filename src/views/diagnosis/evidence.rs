@@ -2,6 +2,7 @@
 
 use egui::{Color32, Label, Rect, RichText, Sense, Stroke, Ui, Vec2};
 use kalmanscope_core::diagnosis::Evidence;
+use kalmanscope_core::sorting::sort_short_by_key;
 
 use super::sentence;
 use crate::text::significant;
@@ -13,7 +14,7 @@ const BAR: Vec2 = Vec2::new(64.0, 9.0);
 /// The evidence that counts, the largest effect first; on demand also all that does not.
 pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, palette: &Palette) {
     let mut sorted: Vec<&Evidence> = evidence.iter().filter(|one| !one.sentence.is_empty()).collect();
-    sorted.sort_by(|a, b| (b.counts, b.effect).partial_cmp(&(a.counts, a.effect)).unwrap_or(std::cmp::Ordering::Equal));
+    sort_short_by_key(&mut sorted, |one| (!one.counts, -one.effect));
     let counting = sorted.iter().filter(|one| one.counts).count();
     if counting > 0 {
         ui.add_space(4.0);

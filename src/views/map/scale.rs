@@ -2,6 +2,7 @@
 
 use egui::Color32;
 use kalmanscope_core::VerdictKind;
+use kalmanscope_core::sorting::sort_numbers;
 use kalmanscope_lab::Measure;
 
 use super::cells::{Cell, End, is_ratio};
@@ -153,7 +154,7 @@ fn sorted(cells: &[&[Cell]]) -> Vec<f64> {
     let is_used = |cell: &&Cell| cell.value.is_finite() && !matches!(cell.end, End::Unknown | End::Stopped);
     let values = cells.iter().flat_map(|cells| cells.iter()).step_by(step).filter(is_used);
     let mut values: Vec<f64> = values.map(|cell| cell.value).collect();
-    values.sort_by(f64::total_cmp);
+    sort_numbers(&mut values);
     values
 }
 

@@ -1,6 +1,7 @@
 //! The histogram of the last estimates.
 
 use egui::{Rect, RichText, Role, Sense, Stroke, Tooltip, Ui, WidgetInfo, pos2};
+use kalmanscope_core::sorting::sort_numbers;
 
 use super::bands::{band, line};
 use super::curves::Curves;
@@ -32,7 +33,7 @@ impl Histogram {
         let mut ends: Option<(f64, f64)> = None;
         for estimates in estimates {
             let mut sorted: Vec<f64> = estimates.iter().copied().filter(|value| value.is_finite()).collect();
-            sorted.sort_unstable_by(f64::total_cmp);
+            sort_numbers(&mut sorted);
             let Some(last) = sorted.len().checked_sub(1) else { continue };
             let tail = (TAIL * last as f64).round() as usize;
             let (low, high) = (sorted[tail], sorted[last - tail]);
