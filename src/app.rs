@@ -274,9 +274,8 @@ impl eframe::App for App {
         self.follow_import(ctx);
         self.follow_laboratory(ctx);
         let Self { session, .. } = self;
-        if session.playing()
-            || session.behind()
-            || session.is_before_behind()
+        session.ask_for_frame(ctx);
+        if session.is_before_behind()
             || session.is_trying()
             || session.is_free_run_behind()
             || self.importing.as_ref().is_some_and(Import::is_busy)

@@ -143,6 +143,7 @@ mod web {
 
     use messages::{Message, Messages};
     use tables::Tables;
+    use workers::Workers;
 
     #[wasm_bindgen]
     extern "C" {
@@ -264,7 +265,11 @@ mod web {
             let choose = web_sys::window()
                 .and_then(|window| window.document())
                 .and_then(|document| file_input::choose(&document, &creation.egui_ctx, app.inbox()));
-            app = app.choosing(choose).computing_with(workers::engine(address::allows_software_graphics(&address)));
+            let (team, software) = (Workers::default(), address::allows_software_graphics(&address));
+            app = app
+                .choosing(choose)
+                .computing_with(workers::engine(&team, software))
+                .filtering_with(workers::filters(&team, &creation.egui_ctx));
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }

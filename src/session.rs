@@ -4,6 +4,7 @@ mod before;
 mod budget;
 mod computing;
 mod difference;
+mod elsewhere;
 mod free_runs;
 mod judging;
 mod library;
@@ -18,12 +19,14 @@ use std::sync::Arc;
 use kalmanscope_core::{Diagnostics, Estimates, Job, Quantity, Run, RunError, Scenario, Source, Study};
 use serde::{Deserialize, Serialize};
 
+use elsewhere::Away;
 use free_runs::FreeRuns;
 use judging::Judged;
 use trying::Trying;
 
 pub use before::Before;
 pub use budget::Budget;
+pub use elsewhere::{Elsewhere, FilterWork, Lost};
 pub use free_runs::ModelTime;
 pub use kalmanscope_core::{Bound, Wanted};
 pub(crate) use library::is_same;
@@ -55,6 +58,7 @@ pub struct Session {
     study: Study,
     /// The next one.
     job: Option<Job>,
+    away: Away,
     /// The number of slices that it has taken.
     slices: usize,
     /// Whether the scenario has been edited since the job began.
@@ -123,6 +127,7 @@ impl Session {
             can_be_whole: study.run().samples() <= Self::LONGEST_WHOLE + 1,
             study,
             job: None,
+            away: Away::default(),
             slices: 0,
             waiting: false,
             complete: false,

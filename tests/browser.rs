@@ -4,6 +4,8 @@
 mod accessible;
 #[path = "browser/driver.rs"]
 mod driver;
+#[path = "browser/elsewhere.rs"]
+mod elsewhere;
 #[path = "browser/embed.rs"]
 mod embed;
 #[path = "browser/export.rs"]
@@ -102,6 +104,40 @@ fn maps_are_computed_by_web_gpu() {
         starts(&page, &format!("{address}?gpu=software")).await;
         graphics::a_map_is_computed_by_web_gpu(&page, &driver.downloads()).await;
         reports_no_problems(&page, &address).await;
+    });
+}
+
+#[test]
+fn long_work_goes_in_workers() {
+    let address = served().page();
+    let driver = Driver::start();
+    runtime().block_on(async {
+        let page = driver.open().await;
+        page.prepare(elsewhere::WATCH).await;
+        elsewhere::a_long_filter_is_computed_in_a_worker(&page, &address).await;
+        for (trouble, is_begun) in [(elsewhere::NONE, false), (elsewhere::FAILS, true)] {
+            let driver = Driver::start();
+            let page = driver.open().await;
+            page.prepare(elsewhere::WATCH).await;
+            page.prepare(trouble).await;
+            elsewhere::the_page_computes_where_workers_do_not(&page, &address, is_begun).await;
+        }
+    });
+}
+
+/// `cargo test --test browser -- --ignored --nocapture`: the time of a long filter, in a worker and without one.
+#[test]
+#[ignore = "a measurement, which wants the machine for itself"]
+fn long_filters_in_workers() {
+    let address = served().page();
+    runtime().block_on(async {
+        for (name, script) in [("in a worker", ""), ("in the frames", elsewhere::NONE)] {
+            let driver = Driver::start();
+            let page = driver.open().await;
+            page.prepare(frames::STOPWATCH).await;
+            page.prepare(script).await;
+            elsewhere::time_of_a_long_filter(&page, &address, name).await;
+        }
     });
 }
 

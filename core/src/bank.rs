@@ -4,6 +4,7 @@ use crate::estimator::FilterContext;
 use crate::run_error::sensor_places;
 use crate::select::smoother;
 use crate::smoother::Smoother;
+use crate::tape::Tape;
 use crate::{Estimates, FilterSettings, Pass, Quantity, Record, RunError, Scenario};
 
 /// The filters of a scenario and their histories, over one record.
@@ -45,6 +46,19 @@ impl Bank {
         estimates.recycle(spare, samples);
         self.passes.push(pass);
         self.estimates.push(estimates);
+    }
+
+    /// Takes in the next of all `samples` samples of the filter at a place. Returns false if they are not its own.
+    pub(crate) fn take(&mut self, place: usize, tape: &Tape, samples: usize) -> bool {
+        self.passes[place].take(tape, samples, &mut self.estimates[place])
+    }
+
+    /// Drops the samples that the filter at a place has taken in.
+    pub(crate) fn begin_again(&mut self, place: usize, samples: usize) {
+        let mut estimates = self.empty(&self.scenario.filters[place]);
+        std::mem::swap(&mut estimates, &mut self.estimates[place]);
+        self.estimates[place].recycle(Some(estimates), samples);
+        self.passes[place].begin_again();
     }
 
     /// Leaves a gap at the place of the scenario's next filter, which is moved in later.

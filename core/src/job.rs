@@ -1,5 +1,7 @@
 //! The next run of a study, computed in small portions beside the present one.
 
+mod away;
+
 use crate::analysis::Subject;
 use crate::run::revision::Revision;
 use crate::study::forgotten_of;

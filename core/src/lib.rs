@@ -57,6 +57,7 @@ pub mod spectrogram;
 pub mod spectrum;
 pub mod study;
 pub mod suggest;
+pub mod tape;
 pub mod window;
 
 mod bank;
@@ -102,4 +103,5 @@ pub use source::Source;
 pub use spectrogram::{Spectrogram, Windows};
 pub use spectrum::Spectrum;
 pub use study::Study;
+pub use tape::Tape;
 pub use window::Window;

@@ -5,6 +5,7 @@ use crate::quantity::MAX_SENSORS;
 use crate::run_error::sensor_places;
 use crate::select::estimator;
 use crate::sink::Sink;
+use crate::tape::Tape;
 use crate::{Estimates, FilterError, FilterSettings, Quantity, Record, RunError, Scenario, Stop};
 
 /// A filter that runs over a record sample by sample and reports to a [`Sink`]. Whole records, live mode and maps of
@@ -75,6 +76,21 @@ impl Pass {
     /// Where and why the filter stopped, if it did.
     pub fn stop(&self) -> Option<Stop> {
         self.stop
+    }
+
+    /// Takes in the next samples of the same filter, which another pass has computed, and appends them to its history.
+    /// `samples` is the number of all samples. The pass itself can go on only from the last one. Returns false if they are
+    /// not of this filter.
+    pub(crate) fn take(&mut self, tape: &Tape, samples: usize, estimates: &mut Estimates) -> bool {
+        let Some((count, stop)) = tape.play(estimates) else { return false };
+        self.done = if stop.is_some() { samples } else { (self.done + count).min(samples) };
+        self.stop = stop;
+        true
+    }
+
+    /// Begins again after samples that were only taken in.
+    pub(crate) fn begin_again(&mut self) {
+        (self.done, self.stop) = (0, None);
     }
 
     /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A

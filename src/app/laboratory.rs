@@ -7,6 +7,7 @@ use super::App;
 use super::window::NARROW;
 use crate::laboratory::{Engine, Laboratory};
 use crate::request::ViewKind;
+use crate::session::Elsewhere;
 use crate::views::view;
 
 impl App {
@@ -16,6 +17,13 @@ impl App {
         let mut laboratory = Laboratory::new(engine);
         laboratory.restore(self.laboratory.choices());
         Self { laboratory, ..self }
+    }
+
+    /// The explorer with a computer for long filters, in place of slices of the frames.
+    #[must_use]
+    pub fn filtering_with(mut self, computer: Box<dyn Elsewhere>) -> Self {
+        self.session.compute_elsewhere(computer);
+        self
     }
 
     /// The maps.

@@ -31,10 +31,7 @@ impl Session {
         if !self.behind() {
             return false;
         }
-        if let Some(job) = self.job.take() {
-            job.cancel(&mut self.study);
-        }
-        self.waiting = false;
+        self.give_up_job();
         let run = self.study.run();
         self.scenario = run.scenario().clone();
         self.can_be_whole = run.samples() <= Self::LONGEST_WHOLE + 1;
@@ -49,6 +46,15 @@ impl Session {
         true
     }
 
+    /// Gives up the next picture.
+    fn give_up_job(&mut self) {
+        self.away.end();
+        if let Some(job) = self.job.take() {
+            job.cancel(&mut self.study);
+        }
+        self.waiting = false;
+    }
+
     /// Time between samples and their number, as they are once all is computed.
     pub(super) fn target(&self) -> (f64, usize) {
         match &self.job {
@@ -60,10 +66,7 @@ impl Session {
     /// Begins to compute what follows from the scenario, in place of what is being computed. Where it is impossible, notes
     /// why.
     pub(super) fn begin_job(&mut self) {
-        if let Some(job) = self.job.take() {
-            job.cancel(&mut self.study);
-        }
-        self.waiting = false;
+        self.give_up_job();
         self.slices = 0;
         let Self { scenario, study, clock, library, .. } = self;
         let source = match library.source(scenario) {
@@ -89,7 +92,8 @@ impl Session {
             position.min(study.run().done().max(1))
         };
         match Job::new(study, scenario, other_source, goal) {
-            Ok(job) => {
+            Ok(mut job) => {
+                self.away.begin(&mut job);
                 self.job = Some(job);
                 self.can_be_whole = can_be_whole;
                 self.problem = None;
@@ -144,9 +148,11 @@ impl Session {
         let mut while_time = self.budget.slice();
         let shown = self.shown();
         while let Some(mut job) = self.job.take() {
+            self.away.follow(&mut job, &self.study, &mut while_time);
             let is_done = self.study.free(&mut while_time) && job.advance(&self.study, &mut while_time).is_done();
             self.slices += 1;
             if is_done {
+                self.away.end();
                 job.finish(&mut self.study);
                 self.generation += 1;
                 self.clock = self.clock.min(self.end());
@@ -156,7 +162,9 @@ impl Session {
             if self.waiting && (is_done || self.slices >= PATIENCE) {
                 self.begin_job();
             }
-            if !is_done || !while_time() {
+            let has_time = while_time();
+            self.away.set_alone(has_time);
+            if !is_done || !has_time {
                 break;
             }
         }

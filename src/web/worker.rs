@@ -1,21 +1,16 @@
-//! The page's program in one of its workers: runs the cells of ensembles.
+//! The page's program in one of its workers: runs the cells of ensembles, and single filters.
 
 use js_sys::Array;
 use kalmanscope_lab::Runner;
-use kalmanscope_worker::{answer, cells, hear, runner, tell};
+use kalmanscope_worker::{Filter, Words, answer, cells, hear, runner, tell};
 
 /// Answers messages for as long as the worker lives.
 pub(super) fn serve() {
     let mut present: Option<(f64, Runner)> = None;
+    let mut filters: Vec<Filter> = Vec::new();
     hear(move |words| match words.text(0).as_str() {
         "ensemble" => {
-            present = match runner(&words.text(2), &words.get(3)) {
-                Ok(runner) => Some((words.job(), runner)),
-                Err(reason) => {
-                    tell(&Array::of3(&"failed".into(), &words.job().into(), &reason.into()));
-                    None
-                }
-            };
+            present = told(runner(&words.text(2), &words.get(3)), words).map(|runner| (words.job(), runner));
         }
         "cells" => {
             if let Some((job, runner)) = &present
@@ -25,6 +20,19 @@ pub(super) fn serve() {
                 answer(*job, &cells, &runner.rows(&cells));
             }
         }
+        "filter" => filters.extend(told(Filter::new(words), words)),
+        "samples" => {
+            let filter = filters.iter_mut().find(|filter| filter.number() == words.job());
+            if let Some(filter) = filter {
+                filter.answer(words);
+            }
+        }
+        "forget" => filters.retain(|filter| filter.number() != words.job()),
         _ => {}
     });
+}
+
+/// What a message has brought; the page is told where it cannot be used.
+fn told<T>(found: Result<T, String>, words: &Words) -> Option<T> {
+    found.map_err(|reason| tell(&Array::of3(&"failed".into(), &words.job().into(), &reason.into()))).ok()
 }

@@ -1,8 +1,10 @@
-//! Runs ensembles in workers of the page, one a processor.
+//! Runs ensembles and long filters in workers of the page, one a processor.
 
 mod adapter;
+mod filters;
 mod graphics;
 mod member;
+mod portions;
 
 use std::cell::RefCell;
 use std::rc::{Rc, Weak};
@@ -10,6 +12,7 @@ use std::rc::{Rc, Weak};
 use egui::Context;
 use js_sys::{Array, Float64Array, Uint32Array};
 use kalmanscope::laboratory::{Accelerated, Computer, Engine, Pace, Precision, Rows, Slices, Task, Work};
+use kalmanscope::session::Elsewhere;
 use kalmanscope_core::Source;
 use kalmanscope_lab::{Ensemble, EnsembleError, Runner};
 use kalmanscope_worker::in_message;
@@ -18,9 +21,10 @@ use wasm_bindgen::closure::Closure;
 use web_sys::MessageEvent;
 use web_time::{Duration, Instant};
 
+use filters::{Errand, Filters};
 use member::{Member, Program};
 
-/// Limits the workers.
+/// Limits the workers, whatever the number of processors.
 const MOST: usize = 8;
 
 /// The time for which the page computes at once while it waits for its workers.
@@ -30,8 +34,9 @@ const PORTION: Duration = Duration::from_millis(8);
 const SIDE_BY_SIDE: usize = 8;
 const LIGHT: f64 = 0.05;
 
-/// The workers that serve all maps. They are started with the first one.
-struct Workers(Rc<RefCell<Team>>);
+/// The workers that serve all maps and filters. They are started with the first one.
+#[derive(Clone, Default)]
+pub(super) struct Workers(Rc<RefCell<Team>>);
 
 #[derive(Default)]
 struct Team {
@@ -39,6 +44,9 @@ struct Team {
     /// The number of the present job.
     job: u32,
     task: Option<Given>,
+    /// Filters, and the number of the last one.
+    errands: Vec<Errand>,
+    errand: u32,
     /// The reason why there can be no workers.
     broken: Option<String>,
     /// Whether the page computes until they are ready.
@@ -67,8 +75,13 @@ struct Given {
 }
 
 /// The browser's graphics processor, or a program in its place where that will do, and workers for what it does not serve.
-pub(super) fn engine(software: bool) -> Box<dyn Engine> {
-    Box::new(Accelerated::new(Rc::new(graphics::Processor::new(software)), Rc::new(Workers(Rc::default()))))
+pub(super) fn engine(workers: &Workers, software: bool) -> Box<dyn Engine> {
+    Box::new(Accelerated::new(Rc::new(graphics::Processor::new(software)), Rc::new(workers.clone())))
+}
+
+/// Workers for long filters.
+pub(super) fn filters(workers: &Workers, ctx: &Context) -> Box<dyn Elsewhere> {
+    Box::new(Filters { team: Rc::clone(&workers.0), ctx: ctx.clone() })
 }
 
 impl Engine for Workers {
@@ -154,27 +167,35 @@ fn begin(team: &Rc<RefCell<Team>>, task: Given) -> u32 {
     let mut present = team.borrow_mut();
     present.job += 1;
     present.task = Some(task);
-    if present.broken.is_none() {
-        present.members.retain(|member| !member.is_stuck());
-        while present.members.len() < processors().min(MOST) {
-            let place = free_number(&present.members);
-            match Member::new(place, Program::Page, listener(team, place)) {
-                Ok(member) => present.members.push(member),
-                Err(reason) => {
-                    present.broken = Some(reason);
-                    break;
-                }
-            }
-        }
-    }
-    let Team { members, task, job, .. } = &mut *present;
+    muster(team, &mut present, MOST);
+    let Team { members, task, job, errands, .. } = &mut *present;
     if let Some(task) = task {
-        members.iter_mut().for_each(|member| feed(member, *job, task));
+        members.iter_mut().for_each(|member| feed(member, errands, *job, task));
     }
     if present.needs_page() && !std::mem::replace(&mut present.is_bridged, true) {
         bridge(Rc::downgrade(team));
     }
     present.job
+}
+
+/// Sees to it that there are this many workers, as far as there are processors. Those that are busy with a long portion of a
+/// map are replaced, unless a filter is there too.
+fn muster(team: &Rc<RefCell<Team>>, present: &mut Team, count: usize) {
+    let Team { members, errands, broken, .. } = present;
+    if broken.is_some() {
+        return;
+    }
+    members.retain(|member| !member.is_stuck() || errands.iter().any(|errand| errand.is_of(member)));
+    while members.len() < processors().min(MOST).min(count) {
+        let number = free_number(members);
+        match Member::new(number, Program::Page, listener(team, number)) {
+            Ok(member) => members.push(member),
+            Err(reason) => {
+                *broken = Some(reason);
+                break;
+            }
+        }
+    }
 }
 
 /// Computes cells on the page, a portion between two events of it, until the first worker is ready.
@@ -205,22 +226,24 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
     move |event| {
         let Some(team) = team.upgrade() else { return };
         let mut team = team.borrow_mut();
-        let Team { members, job, task, broken, is_bridged: _ } = &mut *team;
+        let Team { members, job, task, errands, errand: _, broken, is_bridged: _ } = &mut *team;
         let by = Computer::Workers(members.len());
         let Some(member) = members.iter_mut().find(|member| member.number() == number) else { return };
         let words: Array = match event {
             Ok(event) => event.data().unchecked_into(),
             Err(reason) => {
-                log::warn!("The laboratory has no workers: {reason}");
+                log::warn!("The page has no workers: {reason}");
                 *broken = Some(reason);
-                if let Some(task) = task {
-                    task.ctx.request_repaint();
-                }
+                wake(task.as_ref(), errands);
                 return;
             }
         };
         match words.get(0).as_string().as_deref() {
-            Some("ready") => member.set_ready(),
+            Some("ready") => {
+                member.set_ready();
+                errands.iter_mut().filter(|errand| errand.is_of(member)).for_each(|errand| errand.feed(member));
+            }
+            Some("samples") => filters::take(errands, member, &words),
             Some("rows") => {
                 member.take_back();
                 if words.get(1).as_f64() == Some(f64::from(*job))
@@ -235,22 +258,31 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
             }
             _ => {
                 let reason = words.get(2).as_string().unwrap_or_default();
-                log::warn!("A worker of the laboratory has failed: {reason}");
+                log::warn!("A worker of the page has failed: {reason}");
                 *broken = Some(reason);
-                if let Some(task) = task {
-                    task.ctx.request_repaint();
-                }
+                wake(task.as_ref(), errands);
                 return;
             }
         }
         if let Some(task) = task {
-            feed(member, *job, task);
+            feed(member, errands, *job, task);
         }
     }
 }
 
-/// Gives a worker its next cells, if it has none waiting.
-fn feed(member: &mut Member, job: u32, task: &mut Given) {
+/// Asks for a frame that sees what has become of all work.
+fn wake(task: Option<&Given>, errands: &[Errand]) {
+    if let Some(task) = task {
+        task.ctx.request_repaint();
+    }
+    errands.iter().for_each(Errand::wake);
+}
+
+/// Gives a worker its next cells, if it has none waiting and no filter.
+fn feed(member: &mut Member, errands: &[Errand], job: u32, task: &mut Given) {
+    if errands.iter().any(|errand| errand.is_of(member)) {
+        return;
+    }
     while task.next < task.order.len() && member.wants_more() {
         if !member.knows(job) {
             let Given { ensemble, record, .. } = task;

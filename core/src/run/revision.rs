@@ -6,6 +6,7 @@ use crate::cost;
 use crate::sorting::sort_short_by;
 use crate::source::Recording;
 use crate::spare::Spare;
+use crate::tape::Tape;
 use crate::{Estimates, FilterSettings, Record, RunError, Scenario, Source};
 
 /// Limits the samples of a truth that are simulated between two checks of the time: about 0.3 ms.
@@ -21,6 +22,8 @@ pub(crate) struct Revision {
     kept: Vec<Option<usize>>,
     /// The places of the changed filters, from the cheapest step to the costliest.
     order: Vec<usize>,
+    /// The places of the changed filters that are computed elsewhere.
+    away: Vec<usize>,
     is_of_everything: bool,
 }
 
@@ -58,7 +61,7 @@ impl Revision {
             let of = |place: usize| cost::of_step(&scenario.filters[place], scenario.plant.kind);
             of(a).total_cmp(&of(b))
         });
-        Ok(Self { recording, samples, bank, kept, order, is_of_everything: !same_filters })
+        Ok(Self { recording, samples, bank, kept, order, away: Vec::new(), is_of_everything: !same_filters })
     }
 
     /// Whether the record, or the way in which it is read, changes.
@@ -111,6 +114,25 @@ impl Revision {
         self.bank.passes[place].done()
     }
 
+    /// Leaves the filters at these places to be computed elsewhere.
+    pub(crate) fn leave(&mut self, places: Vec<usize>) {
+        self.away = places;
+    }
+
+    /// Takes in the next samples of a filter that is computed elsewhere. Returns false if they are not its own.
+    pub(crate) fn take(&mut self, place: usize, tape: &Tape) -> bool {
+        self.away.contains(&place) && self.bank.take(place, tape, self.samples)
+    }
+
+    /// Computes the filters that are away and not complete, from their first sample on.
+    pub(crate) fn take_back(&mut self) {
+        for place in std::mem::take(&mut self.away) {
+            if self.done(place) < self.samples {
+                self.bank.begin_again(place, self.samples);
+            }
+        }
+    }
+
     /// Forgets the first samples that are still kept, as [`Run::forget`] does.
     pub(crate) fn forget(&mut self, samples: usize) {
         if let Some(recording) = &mut self.recording {
@@ -123,7 +145,7 @@ impl Revision {
     /// the run's, for a record that does not change. Calls `while_time` after each small piece of work and returns
     /// early if it is false. Returns whether everything is done.
     pub(crate) fn advance_to(&mut self, samples: usize, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { recording, samples: all, bank, order, .. } = self;
+        let Self { recording, samples: all, bank, order, away, .. } = self;
         let goal = samples.min(*all);
         if let Some(recording) = recording {
             let recorded = (goal + bank.lookahead()).min(*all);
@@ -139,7 +161,7 @@ impl Revision {
         }
         let goal = goal.min(*all);
         let record = recording.as_ref().map_or(record, Recording::record);
-        for &place in order.iter() {
+        for &place in order.iter().filter(|place| !away.contains(place)) {
             let step = cost::of_step(&bank.scenario().filters[place], bank.scenario().plant.kind);
             let chunk = cost::chunk(step);
             while bank.passes[place].done() < goal {
@@ -150,12 +172,12 @@ impl Revision {
                 }
             }
         }
-        true
+        away.iter().all(|&place| bank.passes[place].done() >= goal)
     }
 
     /// Puts the result, of `done` samples, into the run, and the parts that it replaces into the spare memory.
     pub(crate) fn apply(self, run: &mut Run, done: usize, spare: &mut Spare) -> Update {
-        let Self { recording, samples, mut bank, kept, mut order, is_of_everything } = self;
+        let Self { recording, samples, mut bank, kept, mut order, away: _, is_of_everything } = self;
         for (place, before) in kept.into_iter().enumerate() {
             if let Some(before) = before {
                 std::mem::swap(&mut bank.passes[place], &mut run.bank.passes[before]);

@@ -11,20 +11,26 @@ const TRUE: &str = "true_";
 /// A given record as `[dt, input, [key, column], …]`; null for a simulation.
 pub fn in_message(source: &Source) -> JsValue {
     let Source::Measured(record) = source else { return JsValue::NULL };
-    let numbers = |values: &[f64]| JsValue::from(Float64Array::from(values));
-    let message = Array::of2(&record.dt().into(), &numbers(record.input()));
-    let push = |key: &str, values: &[f64]| {
-        message.push(&Array::of2(&key.into(), &numbers(values)));
-    };
-    for (place, quantity) in record.sensors().iter().enumerate() {
-        push(quantity.key(), record.measured(place));
-    }
+    let message = filtered(record);
     for channel in Channel::all() {
         if let Some(truth) = record.truth(*channel) {
-            push(&format!("{TRUE}{}", channel.key()), truth);
+            push(&message, &format!("{TRUE}{}", channel.key()), truth);
         }
     }
     message.into()
+}
+
+/// The part of a record that filters see, in the form of a given record.
+pub fn filtered(record: &Record) -> Array {
+    let message = Array::of2(&record.dt().into(), &Float64Array::from(record.input()));
+    for (place, quantity) in record.sensors().iter().enumerate() {
+        push(&message, quantity.key(), record.measured(place));
+    }
+    message
+}
+
+fn push(message: &Array, key: &str, values: &[f64]) {
+    message.push(&Array::of2(&key.into(), &Float64Array::from(values)));
 }
 
 /// The record of a message, if it is one; its input is of the scenario's kind.

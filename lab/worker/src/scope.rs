@@ -47,8 +47,13 @@ pub fn answer(job: f64, cells: &[usize], rows: &[f64]) {
     let cells: Vec<u32> = cells.iter().map(|&cell| cell as u32).collect();
     let cells = Uint32Array::from(cells.as_slice());
     let message = Array::of4(&"rows".into(), &job.into(), &cells, &rows);
-    // A page that has gone needs no rows.
-    let _ = scope().post_message_with_transfer(&message, &Array::of1(&rows.buffer()));
+    send(&message, &rows);
+}
+
+/// Sends a message, and hands over the numbers in it.
+pub(crate) fn send(message: &Array, numbers: &Float64Array) {
+    // A page that has gone needs no numbers.
+    let _ = scope().post_message_with_transfer(message, &Array::of1(&numbers.buffer()));
 }
 
 /// Sends a message.

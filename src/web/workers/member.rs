@@ -1,4 +1,4 @@
-//! One worker of the laboratory.
+//! One worker of the page.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -7,16 +7,8 @@ use js_sys::{Array, Reflect};
 use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
 use web_sys::{Event, MessageEvent, Worker, WorkerOptions, WorkerType};
-use web_time::{Duration, Instant};
 
-/// Limits the time of a portion of cells, so that another task is heard of soon.
-const PORTION: Duration = Duration::from_millis(30);
-
-/// A portion that takes longer is not waited for.
-const LONG: Duration = Duration::from_millis(250);
-
-/// Portions that a worker has at once, so that it need not wait for the page's next frame.
-const AT_ONCE: usize = 2;
+use super::portions::Portions;
 
 /// The program of a worker.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -34,9 +26,8 @@ pub(super) struct Member {
     is_ready: bool,
     /// The job whose ensemble it knows.
     job: Option<u32>,
-    /// When each portion that it has was begun.
-    given: Vec<Instant>,
-    portion: usize,
+    /// Cells that it has.
+    portions: Portions,
     _hear: Closure<dyn FnMut(MessageEvent)>,
     _fail: Closure<dyn FnMut(Event)>,
 }
@@ -62,8 +53,8 @@ impl Member {
         });
         worker.set_onmessage(Some(hear.as_ref().unchecked_ref()));
         worker.set_onerror(Some(fail.as_ref().unchecked_ref()));
-        let given = Vec::with_capacity(AT_ONCE);
-        Ok(Self { number, worker, is_ready: false, job: None, given, portion: 4, _hear: hear, _fail: fail })
+        let portions = Portions::new();
+        Ok(Self { number, worker, is_ready: false, job: None, portions, _hear: hear, _fail: fail })
     }
 
     /// Its number, which no other has.
@@ -83,12 +74,17 @@ impl Member {
 
     /// Whether it has been busy with one portion for long.
     pub(super) fn is_stuck(&self) -> bool {
-        self.given.first().is_some_and(|begin| begin.elapsed() > LONG)
+        self.portions.is_stuck()
+    }
+
+    /// Whether it has no cells.
+    pub(super) fn is_free(&self) -> bool {
+        self.portions.is_empty()
     }
 
     /// Whether it should be given more cells.
     pub(super) fn wants_more(&self) -> bool {
-        self.is_ready && self.given.len() < AT_ONCE
+        self.is_ready && self.portions.want_more()
     }
 
     /// Whether it knows the ensemble of a job.
@@ -99,12 +95,12 @@ impl Member {
     /// Notes the job whose ensemble it has been told.
     pub(super) fn learn(&mut self, job: u32) {
         self.job = Some(job);
-        self.portion = 4;
+        self.portions.shrink();
     }
 
     /// The number of cells to give it at once.
     pub(super) fn portion(&self) -> usize {
-        self.portion
+        self.portions.size()
     }
 
     /// Ends the worker before this is dropped, as where that cannot be: while the worker is listened to.
@@ -122,24 +118,12 @@ impl Member {
     /// Sends cells.
     pub(super) fn give(&mut self, message: &Array) {
         self.tell(message);
-        self.given.push(Instant::now());
+        self.portions.give();
     }
 
     /// Notes that it has sent the rows of a portion, and fits the next one to the time that it took.
     pub(super) fn take_back(&mut self) {
-        if self.given.is_empty() {
-            return;
-        }
-        let taken = self.given.remove(0).elapsed();
-        // The next one has waited for this one.
-        if let Some(next) = self.given.first_mut() {
-            *next = Instant::now();
-        }
-        if taken < PORTION / 2 {
-            self.portion = (self.portion * 2).min(4096);
-        } else if taken > PORTION * 2 {
-            self.portion = (self.portion / 2).max(1);
-        }
+        self.portions.take_back();
     }
 }
 

@@ -1,0 +1,264 @@
+//! Long filters of the next picture, which are computed beside the frames where there is something that does so.
+
+use egui::Context;
+use kalmanscope_core::{Job, Record, Scenario, Study, Tape};
+use web_time::Duration;
+
+use super::Session;
+
+/// A filter whose whole record takes longer than this on an ordinary processor is not computed in the frames \[s\].
+const LONG: f64 = 0.3;
+
+/// The time between two frames that only show the progress of such filters.
+const BETWEEN: Duration = Duration::from_millis(100);
+
+/// Runs filters beside the frames: workers of a page.
+pub trait Elsewhere {
+    /// Begins to run the filter at a place of a scenario over all of a record. None where that cannot be.
+    fn start(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<Box<dyn FilterWork>>;
+}
+
+/// The work on one filter. It ends when it is dropped.
+pub trait FilterWork {
+    /// The next samples, if they have come.
+    ///
+    /// # Errors
+    /// [`Lost`] where no more will come.
+    fn next(&mut self) -> Result<Option<Tape>, Lost>;
+}
+
+/// The work has failed, and what there is of it is worth nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lost;
+
+/// The filters of the present job that are computed elsewhere.
+#[derive(Default)]
+pub(super) struct Away {
+    computer: Option<Box<dyn Elsewhere>>,
+    /// The place of each filter, and the work on it once it has begun.
+    filters: Vec<(usize, Option<Box<dyn FilterWork>>)>,
+    /// Whether nothing else is left to compute.
+    is_alone: bool,
+}
+
+impl Away {
+    /// Ends all work.
+    pub(super) fn end(&mut self) {
+        self.filters.clear();
+        self.is_alone = false;
+    }
+
+    /// Leaves the long filters of a job to the computer.
+    pub(super) fn begin(&mut self, job: &mut Job) {
+        self.end();
+        if self.computer.is_some() {
+            self.filters = job.leave_long(LONG).into_iter().map(|place| (place, None)).collect();
+        }
+    }
+
+    /// Takes in what has come, while there is time. Where the computer fails, the job has the filters back.
+    pub(super) fn follow(&mut self, job: &mut Job, study: &Study, while_time: &mut dyn FnMut() -> bool) {
+        let Self { computer, filters, .. } = self;
+        if filters.iter().any(|(_, work)| work.is_none()) {
+            let Some(record) = job.whole_record(study) else { return };
+            for (place, work) in filters.iter_mut() {
+                *work = computer.as_ref().and_then(|computer| computer.start(job.scenario(), *place, record));
+            }
+        }
+        let is_lost = filters.iter_mut().any(|(place, work)| {
+            while while_time() {
+                match work.as_mut().map_or(Err(Lost), |work| work.next()) {
+                    Ok(Some(tape)) if job.take(*place, &tape) => {}
+                    Ok(None) => break,
+                    _ => return true,
+                }
+            }
+            false
+        });
+        if is_lost {
+            self.end();
+            job.take_back();
+        }
+    }
+
+    /// Notes whether a job that is not done has time left.
+    pub(super) fn set_alone(&mut self, has_time: bool) {
+        self.is_alone = has_time && self.filters.iter().any(|(_, work)| work.is_some());
+    }
+}
+
+impl Session {
+    /// Leaves long filters of whole records to a computer from now on.
+    pub fn compute_elsewhere(&mut self, computer: Box<dyn Elsewhere>) {
+        self.away.computer = Some(computer);
+        if self.job.is_some() {
+            self.begin_job();
+        }
+    }
+
+    /// Whether the next picture lacks nothing but filters that are computed elsewhere.
+    fn only_waits(&self) -> bool {
+        self.job.is_some() && self.away.is_alone && !self.waiting
+    }
+
+    /// Asks for the next frame of playback, or of what is being computed.
+    pub(crate) fn ask_for_frame(&self, ctx: &Context) {
+        if self.only_waits() {
+            ctx.request_repaint_after(BETWEEN);
+        } else if self.playing() || self.behind() {
+            ctx.request_repaint();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+    use std::rc::Rc;
+
+    use kalmanscope_core::{FilterKind, FilterSettings, Pass};
+
+    use super::*;
+    use crate::session::{Budget, Mode};
+
+    /// What a fake computer has been asked for, and how many portions it gives before it fails.
+    #[derive(Clone)]
+    struct Fake {
+        started: Rc<Cell<usize>>,
+        under_way: Rc<Cell<usize>>,
+        portions: usize,
+    }
+
+    struct FakeWork {
+        pass: Pass,
+        record: Record,
+        fake: Fake,
+    }
+
+    impl Elsewhere for Fake {
+        fn start(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<Box<dyn FilterWork>> {
+            self.started.set(self.started.get() + 1);
+            self.under_way.set(self.under_way.get() + 1);
+            let pass = Pass::new(scenario, place, record).ok()?;
+            Some(Box::new(FakeWork { pass, record: record.clone(), fake: self.clone() }))
+        }
+    }
+
+    impl FilterWork for FakeWork {
+        fn next(&mut self) -> Result<Option<Tape>, Lost> {
+            self.fake.portions = self.fake.portions.checked_sub(1).ok_or(Lost)?;
+            if self.fake.portions % 2 == 1 {
+                return Ok(None);
+            }
+            let mut tape = Tape::default();
+            self.pass.follow(&self.record, self.pass.done() + 500, &mut tape);
+            Ok(Some(tape))
+        }
+    }
+
+    impl Drop for FakeWork {
+        fn drop(&mut self) {
+            self.fake.under_way.set(self.fake.under_way.get() - 1);
+        }
+    }
+
+    /// A whole record of a cheap filter and of a particle filter, which takes about half a second.
+    fn scenario() -> Scenario {
+        let mut scenario = Scenario { duration: 40.0, ..Scenario::default() };
+        scenario.filters.truncate(1);
+        let particles = FilterSettings { kind: FilterKind::PF, ensemble_size: 1000, ..scenario.filters[0].clone() };
+        scenario.filters.push(FilterSettings { id: 0, name: "PF".to_owned(), ..particles });
+        scenario
+    }
+
+    fn session(portions: usize) -> (Session, Fake) {
+        let fake = Fake { started: Rc::default(), under_way: Rc::default(), portions };
+        let mut session = Session::new(scenario()).unwrap();
+        session.pause();
+        session.set_budget(Budget::Pieces(4));
+        session.compute_elsewhere(Box::new(fake.clone()));
+        session.set_mode(Mode::Whole);
+        (session, fake)
+    }
+
+    /// Lets frames pass until all is computed; returns how many of them only waited.
+    fn wait(session: &mut Session) -> usize {
+        let frame = |_| {
+            session.advance(0.1);
+            session.behind().then(|| usize::from(session.only_waits()))
+        };
+        (0..100_000).map_while(frame).sum()
+    }
+
+    fn assert_right(session: &Session) {
+        let mut at_once = Session::new(session.scenario().clone()).unwrap();
+        at_once.set_mode(Mode::Whole);
+        assert!(!session.behind() && session.run().scenario() == session.scenario());
+        assert_eq!(session.run().checksum(), at_once.run().checksum());
+    }
+
+    #[test]
+    fn a_long_filter_is_computed_elsewhere_and_a_cheap_one_here() {
+        let (mut session, fake) = session(1000);
+        let mut shares = vec![session.progress().unwrap()];
+        while let Some(share) = session.progress() {
+            shares.push(share);
+            session.advance(0.1);
+        }
+        assert!(shares.len() > 5 && shares.is_sorted(), "{shares:?}");
+        assert_right(&session);
+        assert_eq!((fake.started.get(), fake.under_way.get()), (1, 0));
+        // A cheap edit does not ask for it again.
+        let mut edited = session.scenario().clone();
+        edited.filters[0].fading = 1.01;
+        session.set_scenario(edited);
+        wait(&mut session);
+        assert_right(&session);
+        assert_eq!(fake.started.get(), 1);
+    }
+
+    #[test]
+    fn frames_wait_while_nothing_else_is_left() {
+        let (mut session, _) = session(1000);
+        session.set_budget(Budget::FRAME);
+        assert!(wait(&mut session) > 1);
+        assert!(!session.only_waits());
+    }
+
+    #[test]
+    fn an_edit_and_a_cancel_end_the_work() {
+        let (mut session, fake) = session(1000);
+        (0..8).for_each(|_| session.advance(0.1));
+        assert_eq!((fake.started.get(), fake.under_way.get()), (1, 1));
+        let edited = Scenario { seed: 7, ..session.scenario().clone() };
+        session.set_scenario(edited);
+        assert!(session.behind() && fake.under_way.get() == 0);
+        wait(&mut session);
+        assert_right(&session);
+        assert_eq!((session.run().scenario().seed, fake.under_way.get()), (7, 0));
+        session.set_scenario(Scenario { seed: 8, ..session.scenario().clone() });
+        (0..8).for_each(|_| session.advance(0.1));
+        assert!(fake.under_way.get() == 1 && session.cancel());
+        assert_eq!((session.run().scenario().seed, fake.under_way.get()), (7, 0));
+    }
+
+    #[test]
+    fn a_computer_that_fails_leaves_the_work_to_the_frames() {
+        for portions in [0, 1, 5] {
+            let (mut session, fake) = session(portions);
+            wait(&mut session);
+            assert_right(&session);
+            assert_eq!((fake.started.get(), fake.under_way.get()), (1, 0));
+        }
+    }
+
+    #[test]
+    fn live_mode_stays_in_the_frames() {
+        let (mut session, fake) = session(1000);
+        session.set_mode(Mode::Live);
+        let before = fake.started.get();
+        session.seek(30.0);
+        wait(&mut session);
+        assert_eq!((session.run().done(), fake.started.get()), (3001, before));
+    }
+}

@@ -1,0 +1,100 @@
+//! Long filters in the page's workers.
+
+use std::time::{Duration, Instant};
+
+use kalmanscope::App;
+use kalmanscope::session::Mode;
+use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
+
+use crate::page::Page;
+use crate::share::shows;
+use crate::{START, reports_no_problems, starts};
+
+/// Counts the messages to workers by their first word.
+pub(crate) const WATCH: &str = "
+    window.told = {};
+    const post = Worker.prototype.postMessage;
+    Worker.prototype.postMessage = function (...message) {
+        const word = Array.isArray(message[0]) ? message[0][0] : 'program';
+        told[word] = (told[word] ?? 0) + 1;
+        if (told[word] === window.fatal?.[word]) setTimeout(() => {
+            told.failures = 1;
+            this.dispatchEvent(new Event('error'));
+        });
+        return post.apply(this, message);
+    };";
+
+/// There are no workers.
+pub(crate) const NONE: &str = "window.Worker = class { constructor() { throw new Error('there are none'); } };";
+
+/// The first worker fails in the middle of a filter.
+pub(crate) const FAILS: &str = "window.fatal = { samples: 5 };";
+
+/// A picture of a whole record, with an EKF and a particle filter: the link to it and its checksum.
+fn picture(seed: u64, duration: f64, particles: usize) -> (String, String) {
+    let mut scenario = Scenario { duration, seed, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    let sampled = FilterSettings { kind: FilterKind::PF, ensemble_size: particles, ..scenario.filters[0].clone() };
+    scenario.filters.push(FilterSettings { id: 0, name: "PF".to_owned(), ..sampled });
+    let mut app = App::with_scenario(scenario).unwrap();
+    app.session_mut().set_mode(Mode::Whole);
+    app.session_mut().pause();
+    (app.link().unwrap(), format!("{:016x}", app.session().run().checksum()))
+}
+
+/// How many messages with this word workers have been sent.
+async fn told(page: &Page, word: &str) -> u64 {
+    page.value(&format!("window.told?.{word} ?? 0")).await.as_u64().unwrap()
+}
+
+/// The estimates have the bits of this machine's, and come from a worker; an edit in the middle gives the work up.
+pub(crate) async fn a_long_filter_is_computed_in_a_worker(page: &Page, address: &str) {
+    let (link, checksum) = picture(3, 35.0, 1000);
+    starts(page, &format!("{address}{link}")).await;
+    shows(page, &checksum).await;
+    assert_eq!((told(page, "filter").await, told(page, "forget").await), (1, 1));
+    assert!(told(page, "samples").await > 5);
+    let (long, _) = picture(4, 300.0, 1000);
+    let (link, checksum) = picture(5, 32.0, 1000);
+    page.value(&format!("location.hash = '{long}'")).await;
+    page.wait_until("told.filter === 2 && told.samples > 20", START).await.unwrap();
+    page.value(&format!("location.hash = '{link}'")).await;
+    shows(page, &checksum).await;
+    assert_eq!((told(page, "filter").await, told(page, "forget").await), (3, 3));
+    assert_eq!(page.summary().await["samples"], 3201);
+    reports_no_problems(page, address).await;
+}
+
+/// Where workers are missing or break, the page computes the same bits.
+pub(crate) async fn the_page_computes_where_workers_do_not(page: &Page, address: &str, is_begun: bool) {
+    let (link, checksum) = picture(6, 32.0, 1000);
+    starts(page, &format!("{address}{link}")).await;
+    shows(page, &checksum).await;
+    assert_eq!(told(page, "filter").await, u64::from(is_begun));
+    assert_eq!(told(page, "failures").await, u64::from(is_begun));
+    reports_no_problems(page, address).await;
+}
+
+/// Prints how long a heavy particle filter takes on the page, and the page's own time in its frames meanwhile.
+pub(crate) async fn time_of_a_long_filter(page: &Page, address: &str, name: &str) {
+    let (light, checksum) = picture(1, 10.0, 20);
+    starts(page, &format!("{address}{light}")).await;
+    shows(page, &checksum).await;
+    let (heavy, checksum) = picture(2, 50.0, 2000);
+    page.value("Object.assign(busy, { sum: 0, longest: 0, begin: performance.now() })").await;
+    let begun = Instant::now();
+    page.value(&format!("location.hash = '{heavy}'")).await;
+    let script = format!(
+        "(() => {{
+            const look = () => {{
+                if (JSON.parse(wasmBindings.kalmanscope_summary()).checksum !== '{checksum}') return setTimeout(look, 200);
+                window.over = [performance.now() - busy.begin, busy.sum, busy.longest];
+            }};
+            look();
+        }})()"
+    );
+    page.value(&script).await;
+    page.wait_until("window.over !== undefined", Duration::from_secs(200)).await.unwrap();
+    let times = page.value("over.map(Math.round)").await;
+    println!("{name}: all, in frames, longest frame [ms] {times}; seen after {:.1} s", begun.elapsed().as_secs_f64());
+}
