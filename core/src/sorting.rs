@@ -36,7 +36,7 @@ mod tests {
             let (mut ours, mut by_key, mut standard) = (items.clone(), items.clone(), items);
             sort_short_by(&mut ours, |a, b| b.0.cmp(&a.0));
             sort_short_by_key(&mut by_key, |item| std::cmp::Reverse(item.0));
-            standard.sort_by(|a, b| b.0.cmp(&a.0));
+            standard.sort_by_key(|item| std::cmp::Reverse(item.0));
             assert_eq!(ours, standard);
             assert_eq!(by_key, standard);
         }

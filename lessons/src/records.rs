@@ -13,9 +13,11 @@ use kalmanscope_core::{Scenario, Source};
 
 use crate::LessonError;
 
-/// Every record that a scenario can name without its file at hand: the file's name, and its text with the random numbers of
-/// a seed.
-pub const RECORDS: &[(&str, fn(u64) -> String)] =
+/// The text of a file with the random numbers of a seed.
+pub type Made = fn(u64) -> String;
+
+/// Every record that a scenario can name without its file at hand: the file's name, and what makes it.
+pub const RECORDS: &[(&str, Made)] =
     &[("circuit.csv", circuit::file), ("earthquake.csv", earthquake::file), ("staircase.csv", staircase::file)];
 
 /// The seed of the files in `assets/records/`.
