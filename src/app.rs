@@ -269,7 +269,9 @@ impl eframe::App for App {
         // A slow frame (a hidden tab, a breakpoint) must not skip part of the record.
         let elapsed = ctx.input(|input| f64::from(input.stable_dt)).min(0.1);
         // A number that is held is still being changed.
-        self.session.rest(if ctx.input(|input| input.pointer.any_down()) { 0.0 } else { elapsed });
+        let is_held = ctx.input(|input| input.pointer.any_down());
+        self.session.hold(is_held);
+        self.session.rest(if is_held { 0.0 } else { elapsed });
         self.session.advance(elapsed);
         self.follow_import(ctx);
         self.follow_laboratory(ctx);
@@ -278,6 +280,7 @@ impl eframe::App for App {
         if session.is_before_behind()
             || session.is_trying()
             || session.is_free_run_behind()
+            || session.owes_diagnoses()
             || self.importing.as_ref().is_some_and(Import::is_busy)
         {
             ctx.request_repaint();

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use elsewhere::Away;
 use free_runs::FreeRuns;
-use judging::Judged;
+use judging::{Hand, Judged};
 use trying::Trying;
 
 pub use before::Before;
@@ -81,6 +81,7 @@ pub struct Session {
     other: Option<Scenario>,
     /// Real time since the last edit \[s\].
     since_edit: f64,
+    hand: Hand,
     trying: Trying,
     library: Library,
     free: FreeRuns,
@@ -145,6 +146,7 @@ impl Session {
             setting: Setting::A,
             other: None,
             since_edit: f64::INFINITY,
+            hand: Hand::default(),
             trying: Trying::default(),
             library,
             free: FreeRuns::default(),

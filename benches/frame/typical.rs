@@ -2,7 +2,7 @@
 //!
 //! Six views, four filters and 6,000 samples, which is the most that a lecture shows at once.
 
-use egui::{Event, RawInput, pos2};
+use egui::{Event, Modifiers, PointerButton, RawInput, pos2};
 use kalmanscope::App;
 use kalmanscope::session::Mode;
 use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
@@ -23,10 +23,12 @@ pub(crate) fn run(wanted: &str) {
         ("whole record, the pointer moves", Mode::Whole, |_, i, input| {
             input.events.push(Event::PointerMoved(pos2(500.0 + i as f32, 300.0)));
         }),
-        ("whole record, one filter recomputed", Mode::Whole, |app, i, _| {
+        ("whole record, one filter recomputed", Mode::Whole, |app, i, input| {
+            press(i, input);
             edit(app, |scenario| scenario.filters[0].fading = 1.0 + 1e-5 * (i + 1) as f64);
         }),
-        ("whole record, everything recomputed", Mode::Whole, |app, i, _| {
+        ("whole record, everything recomputed", Mode::Whole, |app, i, input| {
+            press(i, input);
             edit(app, |scenario| scenario.sensors[0].noise_std = 0.01 + 1e-5 * (i + 1) as f64);
         }),
         ("live, at the end, nothing changes", Mode::Live, |_, _, _| {}),
@@ -41,6 +43,16 @@ pub(crate) fn run(wanted: &str) {
         let frames = frames(mode, change);
         let [change, logic, ui] = [0, 1, 2].map(|part| median(frames.iter().map(|frame| frame[part].wall).collect()));
         println!("{name:<44} {change:>9.2} {logic:>9.2} {ui:>9.2} {:>9.2}", change + logic + ui);
+    }
+}
+
+/// Presses the pointer in the first frame, as one who drags a slider does.
+fn press(frame: usize, input: &mut RawInput) {
+    if frame == 0 {
+        let pos = pos2(1279.0, 799.0);
+        let button =
+            Event::PointerButton { pos, button: PointerButton::Primary, pressed: true, modifiers: Modifiers::NONE };
+        input.events.extend([Event::PointerMoved(pos), button]);
     }
 }
 

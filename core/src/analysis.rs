@@ -36,6 +36,8 @@ pub struct Analysis {
     begun: Vec<bool>,
     /// The diagnosis of each filter, and of how many samples from the beginning it is.
     diagnoses: Vec<(Option<Diagnosis>, usize)>,
+    /// Whether diagnoses wait, while those of the runs before stay.
+    waits: bool,
     diagnosed: bool,
     smoothed: Vec<Estimates>,
     smoothing: Option<InProgress>,
@@ -97,7 +99,8 @@ impl Analysis {
     }
 
     /// The diagnosis of the filter at a place. Of a run that goes on, it is that of an earlier sample: it is made anew as soon
-    /// as half as many samples have come as are kept, and at the end. None where there is none yet.
+    /// as half as many samples have come as are kept, and at the end. While diagnoses are put off, it is that of a run before, of
+    /// as many samples. None where there is none yet.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
     }
@@ -148,7 +151,26 @@ impl Analysis {
 
     /// An empty analysis with the same wishes, which reuses the spare memory of this one.
     pub(crate) fn successor(&mut self) -> Self {
-        Self { wanted: self.wanted, spare: std::mem::take(&mut self.spare), ..Self::default() }
+        let spare = std::mem::take(&mut self.spare);
+        Self { wanted: self.wanted, waits: self.waits, spare, ..Self::default() }
+    }
+
+    /// Says whether new diagnoses wait.
+    pub(crate) fn put_off(&mut self, waits: bool) {
+        self.waits = waits;
+    }
+
+    /// Whether diagnoses wait.
+    pub(crate) fn waits(&self) -> bool {
+        self.waits
+    }
+
+    /// Keeps the diagnosis that the filter with an id had over so many samples, until there is a new one.
+    fn keep_until_due(&mut self, id: u32, samples: usize, diagnosis: Option<Diagnosis>) {
+        let Some(place) = self.filters.iter().position(|&filter| filter == id) else { return };
+        if self.waits && self.diagnostics[place].len() == samples && self.diagnoses[place].0.is_none() {
+            self.diagnoses[place].0 = diagnosis;
+        }
     }
 
     /// Takes over the memory of an unused analysis.
@@ -181,6 +203,11 @@ impl Analysis {
             self.want(old.wanted);
         }
         let Update::Filters(changed) = update else {
+            for ((id, diagnostics), (diagnosis, _)) in
+                old.filters.iter().zip(&old.diagnostics).zip(old.diagnoses.drain(..))
+            {
+                self.keep_until_due(*id, diagnostics.len(), diagnosis);
+            }
             self.recycle(old);
             return;
         };
@@ -199,6 +226,7 @@ impl Analysis {
                 self.begun[place] = begun;
                 self.diagnoses[place] = diagnosis;
             } else {
+                self.keep_until_due(*id, diagnostics.len(), diagnosis.0);
                 self.spare.push(diagnostics);
             }
         }
@@ -234,7 +262,7 @@ impl Analysis {
     }
 
     fn diagnose(&mut self, depth: Depth, subject: &Subject<'_>, while_time: &mut dyn FnMut() -> bool) -> bool {
-        let Self { diagnostics, diagnoses, filters: ids, begun, spare, .. } = self;
+        let Self { diagnostics, diagnoses, waits, filters: ids, begun, spare, .. } = self;
         let Subject { bank, record, known, .. } = subject;
         let filters = bank.estimates.len();
         ids.clear();
@@ -262,7 +290,7 @@ impl Analysis {
             let (diagnosis, of) = &mut diagnoses[place];
             let done = estimates.forgotten() + estimates.len();
             let is_old = done >= *of + estimates.len() / 2 || subject.whole;
-            if *of != done && (diagnosis.is_none() || is_old) {
+            if !*waits && *of != done && (diagnosis.is_none() || is_old) {
                 *diagnosis = Diagnosis::new(diagnostics, estimates, record, None);
                 *of = done;
             }

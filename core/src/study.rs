@@ -56,6 +56,17 @@ impl Study {
         self.analysis.want(wanted);
     }
 
+    /// Says whether the diagnoses of new samples and of [`Job`](crate::Job)s begun from now on wait. A filter whose numbers
+    /// are dragged has too many for all to be read.
+    pub fn put_off_diagnoses(&mut self, wait: bool) {
+        self.analysis.put_off(wait);
+    }
+
+    /// Whether diagnoses wait. [`Self::advance_to`] makes them once they no longer do.
+    pub fn puts_off_diagnoses(&self) -> bool {
+        self.analysis.waits()
+    }
+
     /// Returns unused memory to the system, except for what the next edit needs. Calls `while_time` after each piece and
     /// returns early if it is false. Returns whether everything is done.
     pub fn free(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {

@@ -68,7 +68,7 @@ impl Session {
     pub(super) fn begin_job(&mut self) {
         self.give_up_job();
         self.slices = 0;
-        let Self { scenario, study, clock, library, .. } = self;
+        let Self { scenario, study, clock, library, hand, .. } = self;
         let source = match library.source(scenario) {
             Ok(source) => source,
             Err(reason) => {
@@ -84,6 +84,7 @@ impl Session {
         let can_be_whole = samples <= Self::LONGEST_WHOLE + 1;
         let is_whole = can_be_whole && self.wanted_mode == Mode::Whole;
         study.keep(if is_whole { Self::LONGEST_WHOLE + 1 } else { Self::KEPT });
+        study.put_off_diagnoses(is_whole && hand.puts_off());
         let goal = if is_whole {
             samples
         } else {

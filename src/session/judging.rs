@@ -7,6 +7,9 @@ use super::Session;
 /// Limits how often diagnoses of a growing record are made anew, in real time \[s\].
 const EVERY: f64 = 0.3;
 
+/// Limits how often diagnoses are made anew while a number is dragged, in real time \[s\].
+const EVERY_WHILE_HELD: f64 = 0.15;
+
 /// Limits the samples of a diagnosis of a growing record.
 const MOST: usize = 20_000;
 
@@ -22,7 +25,58 @@ pub(super) struct Judged {
     age: f64,
 }
 
+/// The user's hand on a number.
+pub(super) struct Hand {
+    is_down: bool,
+    /// Real time since diagnoses were last made \[s\].
+    age: f64,
+}
+
+impl Default for Hand {
+    fn default() -> Self {
+        Self { is_down: false, age: f64::INFINITY }
+    }
+}
+
+impl Hand {
+    /// Whether it is time for new diagnoses.
+    fn is_due(&self) -> bool {
+        !self.is_down || self.age >= EVERY_WHILE_HELD
+    }
+
+    /// Whether the diagnoses of a picture that is begun now wait.
+    pub(super) fn puts_off(&mut self) -> bool {
+        if self.is_due() {
+            self.age = 0.0;
+            return false;
+        }
+        true
+    }
+}
+
 impl Session {
+    /// Says whether the user holds the pointer down. While a number is dragged, diagnoses of a whole record are made anew a few
+    /// times a second: more cannot be read, and a picture takes half as long without.
+    pub fn hold(&mut self, is_down: bool) {
+        self.hand.is_down = is_down;
+    }
+
+    /// Whether diagnoses wait for the hand.
+    pub(crate) fn owes_diagnoses(&self) -> bool {
+        self.study.puts_off_diagnoses()
+    }
+
+    /// Lets real time pass \[s\] and makes the diagnoses that have waited, where it is time for that.
+    pub(super) fn diagnose_in_time(&mut self, elapsed: f64) {
+        self.hand.age += elapsed;
+        if self.job.is_none() && self.owes_diagnoses() && self.hand.is_due() {
+            self.hand.age = 0.0;
+            self.study.put_off_diagnoses(false);
+            self.complete = false;
+            self.compute();
+        }
+    }
+
     /// Limits the time that live plots show \[s\].
     pub const LIVE_SPAN: f64 = 20.0;
 
@@ -67,5 +121,76 @@ impl Session {
     /// Whether the record no longer grows: its analysis has the diagnoses.
     fn is_whole(&self) -> bool {
         self.run().done() == self.run().samples()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::Mode;
+    use kalmanscope_core::diagnostics::Depth;
+    use kalmanscope_core::{Scenario, Wanted};
+
+    fn whole() -> Session {
+        let mut session = Session::new(Scenario { duration: 10.0, ..Scenario::default() }).unwrap();
+        session.set_mode(Mode::Whole);
+        session.want(Wanted { diagnostics: Some(Depth::All), ..Wanted::default() });
+        session.advance(0.0);
+        session
+    }
+
+    fn words(session: &Session) -> Vec<String> {
+        (0..session.run().estimates().len()).map(|place| format!("{:?}", session.diagnosis(place))).collect()
+    }
+
+    fn drag(session: &mut Session, fading: f64) {
+        let mut scenario = session.scenario().clone();
+        scenario.filters[0].fading = fading;
+        session.set_scenario(scenario);
+        session.advance(0.01);
+    }
+
+    #[test]
+    fn diagnoses_wait_while_a_number_is_dragged_and_come_when_it_is_let_go() {
+        let (mut session, mut other) = (whole(), whole());
+        session.hold(true);
+        drag(&mut session, 1.02);
+        let first = words(&session);
+        drag(&mut session, 1.05);
+        assert!(session.owes_diagnoses());
+        assert_eq!(words(&session), first, "the last ones stay");
+        assert_eq!(session.run().scenario().filters[0].fading, 1.05);
+        session.hold(false);
+        session.advance(0.01);
+        assert!(!session.owes_diagnoses() && !session.behind());
+        drag(&mut other, 1.05);
+        assert_eq!(words(&session), words(&other));
+        assert_ne!(words(&session), first);
+    }
+
+    #[test]
+    fn diagnoses_come_a_few_times_a_second_during_a_drag() {
+        let mut session = whole();
+        session.hold(true);
+        let mut all = Vec::new();
+        for frame in 0..60 {
+            drag(&mut session, 1.0 + 1e-3 * f64::from(frame));
+            all.push(words(&session));
+        }
+        all.dedup();
+        assert!((3..=6).contains(&all.len()), "{} in 0.6 s", all.len());
+    }
+
+    #[test]
+    fn a_run_of_another_length_has_no_diagnosis_of_the_one_before() {
+        let mut session = whole();
+        session.hold(true);
+        drag(&mut session, 1.02);
+        session.set_scenario(Scenario { duration: 5.0, ..session.scenario().clone() });
+        session.advance(0.01);
+        assert!(session.diagnosis(0).is_none());
+        session.hold(false);
+        session.advance(0.01);
+        assert!(session.diagnosis(0).is_some());
     }
 }
