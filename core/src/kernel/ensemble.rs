@@ -83,7 +83,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Ensemble<N> {
         cross /= degrees;
         observation.add_noise(&mut innovation_cov);
 
-        let factor = factor(&innovation_cov)?;
+        let factor = factor(&innovation_cov, M)?;
         let gain = factor.divide(&cross);
         let innovation = observation.values - reading_mean;
         let mut perturbed = vec![observation.values; members.len()];

@@ -42,7 +42,7 @@ pub(super) fn condition<const N: usize, const M: usize>(
 ) -> Result<(), FilterError> {
     let Expected { mean, cov: innovation_cov, cross, view } = expected;
     let innovation = observation.values - mean;
-    let factor = factor(innovation_cov)?;
+    let factor = factor(innovation_cov, observation.count())?;
     let gain = factor.divide(cross);
 
     belief.mean += gain * innovation;
@@ -83,7 +83,7 @@ pub(super) fn condition_on_components<const N: usize, const M: usize>(
     }
     let mut innovation_cov = seen;
     observation.add_noise(&mut innovation_cov);
-    let factor = factor(&innovation_cov)?;
+    let factor = factor(&innovation_cov, observation.count())?;
     let gain = factor.divide(&cross);
 
     belief.mean += gain * innovation;
@@ -109,13 +109,13 @@ pub(super) fn check<const N: usize>(belief: &Gaussian<N>) -> Result<(), FilterEr
     Ok(())
 }
 
-/// The factor of S.
+/// The factor of S, of which the first `count` rows are those of measurements.
 ///
 /// # Errors
 /// [`FilterError::NotFinite`], [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`].
 #[inline]
-pub(super) fn factor<const M: usize>(innovation_cov: &Matrix<M, M>) -> Result<Factor<M>, FilterError> {
-    Factor::new(innovation_cov).ok_or_else(|| why_no_factor(innovation_cov))
+pub(super) fn factor<const M: usize>(innovation_cov: &Matrix<M, M>, count: usize) -> Result<Factor<M>, FilterError> {
+    Factor::padded(innovation_cov, count).ok_or_else(|| why_no_factor(innovation_cov))
 }
 
 #[cold]

@@ -153,7 +153,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
             // Not even a particle that reads the very value has a likelihood then.
             return Err(FilterError::SingularInnovation);
         }
-        let factor = factor(&innovation_cov)?;
+        let factor = factor(&innovation_cov, M)?;
         let gain = factor.divide(&cross);
         if !gain.sum().is_finite() {
             // It moves no particle, so that no other number would tell.

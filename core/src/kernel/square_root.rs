@@ -164,7 +164,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SquareRoot<N> {
         }
         let innovation = observation.values - expected;
         let innovation_cov = sensors * sensors.transpose();
-        let factor = factor(&innovation_cov)?;
+        let factor = factor(&innovation_cov, M)?;
         let gain = factor.divide(&(cross * sensors.transpose()));
         *mean += gain * innovation;
         *root = Matrix::zeros();

@@ -16,6 +16,13 @@ impl<const M: usize> Factor<M> {
     /// The factor of the symmetric matrix `s`, or `None` if it is not positive definite.
     #[inline]
     pub fn new(s: &Matrix<M, M>) -> Option<Self> {
+        Self::padded(s, M)
+    }
+
+    /// As [`Self::new`], where only the first `count` rows and columns of `s` are not those of an identity. The determinant
+    /// is the product of their pivots alone: those of the rest are one but for rounding.
+    #[inline]
+    pub(crate) fn padded(s: &Matrix<M, M>, count: usize) -> Option<Self> {
         let mut columns = *s;
         let mut factor = Self { lower: Matrix::identity(), inverse_pivots: Vector::zeros(), determinant: 1.0 };
         let mut next = None;
@@ -35,7 +42,9 @@ impl<const M: usize> Factor<M> {
                 }
             }
             factor.inverse_pivots[j] = inverse;
-            factor.determinant *= pivot;
+            if j < count {
+                factor.determinant *= pivot;
+            }
         }
         Some(factor)
     }
