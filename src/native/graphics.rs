@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender, TryRecvError};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use egui::Context;
@@ -23,7 +23,7 @@ const MOST: usize = 1 << 14;
 pub(super) struct Processor {
     software: Software,
     found: Arc<Mutex<Finding>>,
-    jobs: OnceCell<Option<Sender<Job>>>,
+    jobs: OnceCell<Option<(Sender<Job>, JoinHandle<()>)>>,
 }
 
 /// The cells of a map.
@@ -48,14 +48,28 @@ impl Processor {
             let (software, found, ctx) = (self.software, Arc::clone(&self.found), ctx.clone());
             let thread = thread::Builder::new().name("graphics".to_owned());
             match thread.spawn(move || serve(software, &found, &jobs, &ctx)) {
-                Ok(_) => Some(sender),
+                Ok(thread) => Some((sender, thread)),
                 Err(error) => {
                     set(&self.found, Finding::Absent(error.to_string()));
                     None
                 }
             }
         };
-        self.jobs.get_or_init(begin).as_ref()
+        self.jobs.get_or_init(begin).as_ref().map(|(sender, _)| sender)
+    }
+}
+
+impl Drop for Processor {
+    /// Waits for a thread that serves: a driver does not bear that the program ends while it is in use. A driver that is
+    /// still looked for may never answer.
+    fn drop(&mut self) {
+        let serves = self.found() == Finding::Ready;
+        if let Some((sender, thread)) = self.jobs.take().flatten() {
+            drop(sender);
+            if serves {
+                thread.join().ok();
+            }
+        }
     }
 }
 
