@@ -36,7 +36,7 @@ pub struct Analysis {
     begun: Vec<bool>,
     /// The diagnosis of each filter, and of how many samples from the beginning it is.
     diagnoses: Vec<(Option<Diagnosis>, usize)>,
-    /// Whether diagnoses wait, while those of the runs before stay.
+    /// Whether new diagnoses are put off. The old ones stay until then.
     waits: bool,
     diagnosed: bool,
     smoothed: Vec<Estimates>,
@@ -99,8 +99,8 @@ impl Analysis {
     }
 
     /// The diagnosis of the filter at a place. Of a run that goes on, it is that of an earlier sample: it is made anew as soon
-    /// as half as many samples have come as are kept, and at the end. While diagnoses are put off, it is that of a run before, of
-    /// as many samples. None where there is none yet.
+    /// as half as many samples have come as are kept, and at the end. While diagnoses are put off, it is that of an earlier
+    /// run with as many samples. None where there is none yet.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
     }
@@ -155,21 +155,22 @@ impl Analysis {
         Self { wanted: self.wanted, waits: self.waits, spare, ..Self::default() }
     }
 
-    /// Says whether new diagnoses wait.
+    /// Says whether to put new diagnoses off.
     pub(crate) fn put_off(&mut self, waits: bool) {
         self.waits = waits;
     }
 
-    /// Whether diagnoses wait.
+    /// Whether new diagnoses are put off.
     pub(crate) fn waits(&self) -> bool {
         self.waits
     }
 
-    /// Keeps the diagnosis that the filter with an id had over so many samples, until there is a new one.
+    /// Takes over the old diagnosis of a filter until there is a new one, if both are of the same number of samples.
     fn keep_until_due(&mut self, id: u32, samples: usize, diagnosis: Option<Diagnosis>) {
         let Some(place) = self.filters.iter().position(|&filter| filter == id) else { return };
-        if self.waits && self.diagnostics[place].len() == samples && self.diagnoses[place].0.is_none() {
-            self.diagnoses[place].0 = diagnosis;
+        let is_as_long = self.diagnostics.get(place).is_some_and(|diagnostics| diagnostics.len() == samples);
+        if let Some((present @ None, _)) = self.diagnoses.get_mut(place).filter(|_| self.waits && is_as_long) {
+            *present = diagnosis;
         }
     }
 

@@ -128,8 +128,8 @@ pub trait Belief<P: Model<N>, const N: usize>: Send {
     fn gaussian(&self) -> Cow<'_, Gaussian<N>>;
 }
 
-/// Whether three sensors have an update of their own. It gives the bits of a padded one, in less time, and a page that need
-/// not load it is smaller.
+/// Whether three sensors have an update of their own. It takes less time than a padded one and gives the same bits. A page
+/// leaves it out, to be smaller.
 const THREE_APART: bool = cfg!(not(target_arch = "wasm32"));
 
 /// A recursive estimator of the N-component state of a model.

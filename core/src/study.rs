@@ -56,13 +56,13 @@ impl Study {
         self.analysis.want(wanted);
     }
 
-    /// Says whether the diagnoses of new samples and of [`Job`](crate::Job)s begun from now on wait. A filter whose numbers
-    /// are dragged has too many for all to be read.
+    /// Says whether to put off the diagnoses of new samples and of [`Job`](crate::Job)s begun from now on. While a number is
+    /// dragged, they change faster than anybody reads.
     pub fn put_off_diagnoses(&mut self, wait: bool) {
         self.analysis.put_off(wait);
     }
 
-    /// Whether diagnoses wait. [`Self::advance_to`] makes them once they no longer do.
+    /// Whether diagnoses are put off. Once they no longer are, [`Self::advance_to`] makes them.
     pub fn puts_off_diagnoses(&self) -> bool {
         self.analysis.waits()
     }

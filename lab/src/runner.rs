@@ -4,7 +4,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate::Simulator;
-use kalmanscope_core::sorting::sort_short_by_key;
 use kalmanscope_core::{Pass, Record, Scenario, Source};
 
 use crate::ensemble::{Ensemble, EnsembleError, Plan};
@@ -81,7 +80,7 @@ impl Runner {
     pub fn runs(&self, cells: &[usize]) -> Vec<Option<CellRun>> {
         // Those with one record after each other, so that it is simulated once.
         let mut order: Vec<usize> = (0..cells.len()).collect();
-        sort_short_by_key(&mut order, |&at| self.ensemble.record_of(cells[at]));
+        order.sort_by_key(|&at| self.ensemble.record_of(cells[at]));
         let mut runs = vec![None; cells.len()];
         for at in order {
             let scenario = self.ensemble.at(cells[at]);

@@ -60,8 +60,8 @@ impl Processor {
 }
 
 impl Drop for Processor {
-    /// Waits for a thread that serves: a driver does not bear that the program ends while it is in use. A driver that is
-    /// still looked for may never answer.
+    /// Waits for the thread if it has found a processor: some drivers crash if the program ends while they are used. A search
+    /// is not waited for, since it may never end.
     fn drop(&mut self) {
         let serves = self.found() == Finding::Ready;
         if let Some((sender, thread)) = self.jobs.take().flatten() {

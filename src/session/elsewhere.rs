@@ -81,7 +81,7 @@ impl Away {
         }
     }
 
-    /// Notes whether a job that is not done has time left.
+    /// Notes whether only these filters are left to compute, which is so if the frame has time for more.
     pub(super) fn set_alone(&mut self, has_time: bool) {
         self.is_alone = has_time && self.filters.iter().any(|(_, work)| work.is_some());
     }
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::session::{Budget, Mode};
 
-    /// What a fake computer has been asked for, and how many portions it gives before it fails.
+    /// Counts the filters that it is given, and fails after some portions.
     #[derive(Clone)]
     struct Fake {
         started: Rc<Cell<usize>>,

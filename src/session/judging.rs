@@ -44,7 +44,7 @@ impl Hand {
         !self.is_down || self.age >= EVERY_WHILE_HELD
     }
 
-    /// Whether the diagnoses of a picture that is begun now wait.
+    /// Whether a picture that is begun now is to be without new diagnoses.
     pub(super) fn puts_off(&mut self) -> bool {
         if self.is_due() {
             self.age = 0.0;
@@ -56,17 +56,17 @@ impl Hand {
 
 impl Session {
     /// Says whether the user holds the pointer down. While a number is dragged, diagnoses of a whole record are made anew a few
-    /// times a second: more cannot be read, and a picture takes half as long without.
+    /// times a second: nobody reads more of them, and each takes about as long as its filter.
     pub fn hold(&mut self, is_down: bool) {
         self.hand.is_down = is_down;
     }
 
-    /// Whether diagnoses wait for the hand.
+    /// Whether diagnoses are put off while the pointer is down. Those on screen are of an earlier setting.
     pub(crate) fn owes_diagnoses(&self) -> bool {
         self.study.puts_off_diagnoses()
     }
 
-    /// Lets real time pass \[s\] and makes the diagnoses that have waited, where it is time for that.
+    /// Lets real time pass \[s\] and makes the diagnoses that were put off, if it is time for that.
     pub(super) fn diagnose_in_time(&mut self, elapsed: f64) {
         self.hand.age += elapsed;
         if self.job.is_none() && self.owes_diagnoses() && self.hand.is_due() {
@@ -74,6 +74,8 @@ impl Session {
             self.study.put_off_diagnoses(false);
             self.complete = false;
             self.compute();
+            // Bad parts are drawn.
+            self.drawn += 1;
         }
     }
 
@@ -158,11 +160,13 @@ mod tests {
         let first = words(&session);
         drag(&mut session, 1.05);
         assert!(session.owes_diagnoses());
+        let drawn = session.drawn();
         assert_eq!(words(&session), first, "the last ones stay");
         assert_eq!(session.run().scenario().filters[0].fading, 1.05);
         session.hold(false);
         session.advance(0.01);
         assert!(!session.owes_diagnoses() && !session.behind());
+        assert_ne!(session.drawn(), drawn, "charts show the new bad parts");
         drag(&mut other, 1.05);
         assert_eq!(words(&session), words(&other));
         assert_ne!(words(&session), first);

@@ -60,8 +60,9 @@ impl Library {
         }
         let Some(bytes) = records::record(mapping) else { return };
         // A test reads each of them.
-        if let Ok(table) = read(bytes.clone(), mapping.dialect) {
-            self.insert(Arc::new(RecordFile { name: mapping.file.clone(), hash: hash(&bytes), table }));
+        let hash = hash(&bytes);
+        if let Ok(table) = read(bytes, mapping.dialect) {
+            self.insert(Arc::new(RecordFile { name: mapping.file.clone(), hash, table }));
         }
     }
 

@@ -86,7 +86,8 @@ impl Session {
         let mut attempts = std::mem::take(&mut self.trying.attempts);
         let wanted = std::mem::take(&mut self.trying.wanted);
         attempts.retain(|attempt| wanted.contains(&attempt.filter) && attempt.of.0 == self.generation);
-        let is_free = self.job.is_none() && self.complete;
+        // A diagnosis of an earlier setting has other suspects.
+        let is_free = self.job.is_none() && self.complete && !self.owes_diagnoses();
         let mut is_done = is_free;
         for &filter in wanted.iter().filter(|_| is_free) {
             let place = self.run().estimates().iter().position(|estimates| estimates.id() == filter);

@@ -32,7 +32,7 @@ pub(super) fn serve() {
     });
 }
 
-/// What a message has brought; the page is told where it cannot be used.
+/// Takes what a message has brought. If the worker cannot use it, the page hears why.
 fn told<T>(found: Result<T, String>, words: &Words) -> Option<T> {
     found.map_err(|reason| tell(&Array::of3(&"failed".into(), &words.job().into(), &reason.into()))).ok()
 }

@@ -1,7 +1,8 @@
 //! The verdict on a filter, in a word and in a sentence.
 
-use crate::sorting::sort_short_by;
 use std::fmt;
+
+use crate::sorting::sort_short_by;
 
 use super::case::Case;
 use super::evidence::{Evidence, Subject};

@@ -90,7 +90,7 @@ impl<const N: usize> Told<'_, N> {
     }
 
     /// Writes it down. In a history, with lengths that the compiler knows for the usual numbers of sensors: to copy a number
-    /// is not worth a call. A page does without, to be smaller.
+    /// is not worth a call. A page leaves that out, to be smaller.
     fn push(self, sink: &mut dyn Sink) {
         let Self { belief, correction, sensors: m, noise } = self;
         let process;
