@@ -57,7 +57,7 @@ pub(crate) fn run<T: Lane, const UKF: bool>(
     let mut samples = samples.iter();
     let mut next = samples.next().copied();
     let nees = batch.compare(token, 0, recent);
-    if next == Some(0) {
+    while next == Some(0) {
         batch.look(nees, T::splat(token, f64::NAN), 0);
         next = samples.next().copied();
     }
@@ -91,7 +91,7 @@ pub(crate) fn run<T: Lane, const UKF: bool>(
         }
         batch.sums.measure(nis, determinant, count as u32);
         let nees = batch.compare(token, k, recent);
-        if next == Some(k) {
+        while next == Some(k) {
             batch.look(nees, nis, k);
             next = samples.next().copied();
         }
