@@ -275,15 +275,14 @@ impl eframe::App for App {
         self.session.advance(elapsed);
         self.follow_import(ctx);
         self.follow_laboratory(ctx);
-        let Self { session, .. } = self;
+        let Self { session, importing, .. } = self;
         session.ask_for_frame(ctx);
-        if session.is_before_behind()
-            || session.is_trying()
-            || session.is_free_run_behind()
-            || session.owes_diagnoses()
-            || self.importing.as_ref().is_some_and(Import::is_busy)
+        if session.is_before_behind() || session.is_trying() || session.is_free_run_behind() || session.owes_diagnoses()
         {
             ctx.request_repaint();
+        }
+        if let Some(import) = importing {
+            import.ask_for_frame(ctx);
         }
     }
 

@@ -8,35 +8,47 @@ mod draft;
 mod source;
 mod spark;
 mod spectra;
+mod task;
 
+use std::rc::Rc;
 use std::sync::Arc;
 
-use kalmanscope_core::import::{Hash, Reader};
-use kalmanscope_core::suggest::Suggest;
+use egui::Context;
+use kalmanscope_core::import::{ImportError, Loaded, Loading};
+use kalmanscope_core::suggest::{Suggest, Suggestion};
 use kalmanscope_core::{Record, Scenario};
 
+use crate::elsewhere::{BETWEEN, Elsewhere};
 use crate::session::RecordFile;
+
+use task::Task;
 
 pub use draft::Draft;
 
 /// Limits the size of a record's file \[bytes\].
 pub const LARGEST: usize = 500_000_000;
 
+/// A file that is read in the frames takes no longer than a few of them \[bytes\].
+const LONG_FILE: usize = 4_000_000;
+
+/// As does the making of start values \[samples\].
+const LONG_RECORD: usize = 50_000;
+
 /// An import under way.
 pub struct Import {
     name: String,
     stage: Stage,
+    /// What does long work beside the frames, if there is something.
+    elsewhere: Option<Rc<dyn Elsewhere>>,
 }
 
 enum Stage {
-    /// The bytes are hashed, up to a place.
-    Hashing(Vec<u8>, Hash, usize),
-    /// The file is read; with it the hash of its bytes.
-    Reading(Box<Reader>, String),
+    /// The file is read.
+    Reading(Task<Loading, Result<Loaded, String>>),
     /// Its columns are given a meaning.
     Asking(Box<Draft>),
     /// Start values are made.
-    Suggesting(Box<Draft>, Box<Suggest>),
+    Suggesting(Box<Draft>, Box<Task<Suggest, Suggestion>>),
     /// It cannot be read.
     Failed(String),
 }
@@ -53,35 +65,33 @@ pub struct Opened {
 
 impl Import {
     /// The import of a file's bytes.
-    pub fn new(name: &str, bytes: Vec<u8>) -> Self {
-        Self { name: name.to_owned(), stage: Stage::Hashing(bytes, Hash::default(), 0) }
+    pub fn new(name: &str, bytes: Vec<u8>, elsewhere: Option<Rc<dyn Elsewhere>>) -> Self {
+        let there = elsewhere.as_ref().filter(|_| bytes.len() > LONG_FILE).and_then(|it| it.loading(&bytes));
+        let loaded = |loaded: Result<Loaded, ImportError>| loaded.map_err(|error| error.to_string());
+        let stage = Stage::Reading(Task::new(Loading::new(bytes), loaded, there));
+        Self { name: name.to_owned(), stage, elsewhere }
     }
 
     /// The import of a file that has been read, as a scenario uses it now.
-    pub fn again(file: &Arc<RecordFile>, scenario: &Scenario) -> Self {
+    pub fn again(file: &Arc<RecordFile>, scenario: &Scenario, elsewhere: Option<Rc<dyn Elsewhere>>) -> Self {
         let draft = Draft::of_scenario(Arc::clone(file), scenario);
-        Self { name: file.name.clone(), stage: Stage::Asking(Box::new(draft)) }
+        Self { name: file.name.clone(), stage: Stage::Asking(Box::new(draft)), elsewhere }
     }
 
     /// Goes on until `while_time` returns false. Returns the outcome once there is one.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> Option<Opened> {
         let stage = std::mem::replace(&mut self.stage, Stage::Failed(String::new()));
         self.stage = match stage {
-            Stage::Hashing(bytes, hash, done) => hashed(bytes, hash, done, while_time),
-            Stage::Reading(mut reader, hash) => match reader.advance(while_time) {
-                Ok(false) => Stage::Reading(reader, hash),
-                Ok(true) => match reader.finish() {
-                    Ok(table) => {
-                        let file = RecordFile { name: self.name.clone(), hash, table };
-                        Stage::Asking(Box::new(Draft::new(Arc::new(file))))
-                    }
-                    Err(error) => Stage::Failed(error.to_string()),
-                },
-                Err(error) => Stage::Failed(error.to_string()),
+            Stage::Reading(mut reading) => match reading.advance(while_time) {
+                None => Stage::Reading(reading),
+                Some(Ok(Loaded { hash, table })) => {
+                    let file = RecordFile { name: self.name.clone(), hash, table };
+                    Stage::Asking(Box::new(Draft::new(Arc::new(file))))
+                }
+                Some(Err(reason)) => Stage::Failed(reason),
             },
             Stage::Suggesting(draft, mut suggest) => {
-                if suggest.advance(while_time) {
-                    let suggestion = suggest.finish();
+                if let Some(suggestion) = suggest.advance(while_time) {
                     let file = Arc::clone(draft.file());
                     return Some(Opened { file, scenario: suggestion.scenario, reasons: suggestion.reasons });
                 }
@@ -96,12 +106,18 @@ impl Import {
         None
     }
 
-    /// Whether something is computed.
-    pub fn is_busy(&self) -> bool {
-        match &self.stage {
-            Stage::Hashing(..) | Stage::Reading(..) | Stage::Suggesting(..) => true,
-            Stage::Asking(draft) => draft.is_busy(),
-            Stage::Failed(_) => false,
+    /// Asks for the next frame, if something is computed.
+    pub(crate) fn ask_for_frame(&self, ctx: &Context) {
+        let (is_busy, is_elsewhere) = match &self.stage {
+            Stage::Reading(reading) => (true, reading.is_elsewhere()),
+            Stage::Suggesting(_, suggest) => (true, suggest.is_elsewhere()),
+            Stage::Asking(draft) => (draft.is_busy(), false),
+            Stage::Failed(_) => (false, false),
+        };
+        if is_elsewhere {
+            ctx.request_repaint_after(BETWEEN);
+        } else if is_busy {
+            ctx.request_repaint();
         }
     }
 
@@ -127,29 +143,12 @@ impl Import {
             return None;
         };
         if draft.suggest {
-            let suggest = Suggest::new(&scenario, record);
+            let elsewhere = self.elsewhere.as_ref().filter(|_| record.len() > LONG_RECORD);
+            let there = elsewhere.and_then(|it| it.suggest(&scenario, &record));
+            let suggest = Task::new(Suggest::new(&scenario, record), |suggestion| suggestion, there);
             self.stage = Stage::Suggesting(draft, Box::new(suggest));
             return None;
         }
         Some(Opened { file: Arc::clone(draft.file()), scenario, reasons: Vec::new() })
-    }
-}
-
-/// The bytes that are hashed between two looks at the clock: about a millisecond.
-const CHUNK: usize = 500_000;
-
-/// Hashes the next bytes; the reader comes after the last ones.
-fn hashed(bytes: Vec<u8>, mut hash: Hash, mut done: usize, while_time: &mut dyn FnMut() -> bool) -> Stage {
-    while done < bytes.len() {
-        let end = (done + CHUNK).min(bytes.len());
-        hash.add(&bytes[done..end]);
-        done = end;
-        if !while_time() {
-            return Stage::Hashing(bytes, hash, done);
-        }
-    }
-    match Reader::new(bytes, None) {
-        Ok(reader) => Stage::Reading(Box::new(reader), hash.text()),
-        Err(error) => Stage::Failed(error.to_string()),
     }
 }

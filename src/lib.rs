@@ -9,6 +9,7 @@ mod column;
 mod comparison;
 pub mod controls;
 pub mod drop;
+pub mod elsewhere;
 pub mod export;
 mod export_menu;
 pub mod figure;

@@ -269,7 +269,7 @@ mod web {
             app = app
                 .choosing(choose)
                 .computing_with(workers::engine(&team, software))
-                .filtering_with(workers::filters(&team, &creation.egui_ctx));
+                .working_with(workers::errands(&team, &creation.egui_ctx));
             if wants_reduced_motion() {
                 app.reduce_motion(&creation.egui_ctx);
             }

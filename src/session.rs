@@ -26,7 +26,6 @@ use trying::Trying;
 
 pub use before::Before;
 pub use budget::Budget;
-pub use elsewhere::{Elsewhere, FilterWork, Lost};
 pub use free_runs::ModelTime;
 pub use kalmanscope_core::{Bound, Wanted};
 pub(crate) use library::is_same;

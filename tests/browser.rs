@@ -125,6 +125,20 @@ fn long_work_goes_in_workers() {
     });
 }
 
+#[test]
+fn large_records_are_read_in_workers() {
+    let address = served().page();
+    runtime().block_on(async {
+        for (trouble, told) in [("", [1, 1]), (elsewhere::NONE, [0, 0]), (elsewhere::FAILS, [1, 0])] {
+            let driver = Driver::start();
+            let page = driver.open().await;
+            page.prepare(elsewhere::WATCH).await;
+            page.prepare(trouble).await;
+            import::a_large_record_is_opened(&page, &address, &driver.downloads(), told).await;
+        }
+    });
+}
+
 /// `cargo test --test browser -- --ignored --nocapture`: the time of a long filter, in a worker and without one.
 #[test]
 #[ignore = "a measurement, which wants the machine for itself"]

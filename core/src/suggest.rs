@@ -8,8 +8,13 @@ mod response;
 mod spectra;
 mod trials;
 
+use serde::{Deserialize, Serialize};
+
 use crate::import::Offset;
-use crate::{Channel, FilterKind, FilterSettings, InputKind, PlantKind, Quantity, Record, Scenario, Sensor, Signal};
+use crate::{
+    Channel, FilterKind, FilterSettings, InSlices as _, InputKind, PlantKind, Quantity, Record, Scenario, Sensor,
+    Signal,
+};
 
 use response::{Response, free_response, order, response};
 use spectra::Spectra;
@@ -18,7 +23,7 @@ use trials::{SHARES, first_alone};
 pub use trials::Suggest;
 
 /// Settings for a record, with the reason of each.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Suggestion {
     /// The scenario with the suggested settings in every filter.
     pub scenario: Scenario,

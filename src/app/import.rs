@@ -18,14 +18,14 @@ impl App {
     /// Begins the import of a file. One that the scenario waits for needs no questions.
     pub(super) fn import(&mut self, RawFile { name, bytes }: RawFile) {
         self.inviting = false;
-        self.importing = Some(Import::new(&name, bytes));
+        self.importing = Some(Import::new(&name, bytes, self.session.elsewhere().cloned()));
     }
 
     /// Asks again what the columns of the record on screen mean.
     pub(super) fn change_columns(&mut self) {
         let scenario = self.session.scenario();
         let file = scenario.record.as_ref().and_then(|mapping| self.session.library().file(mapping));
-        self.importing = file.map(|file| Import::again(file, scenario));
+        self.importing = file.map(|file| Import::again(file, scenario, self.session.elsewhere().cloned()));
     }
 
     /// Goes on with an import.

@@ -1,13 +1,15 @@
 //! The laboratory beside the session.
 
+use std::rc::Rc;
+
 use egui::Context;
 use kalmanscope_core::Estimates;
 
 use super::App;
 use super::window::NARROW;
+use crate::elsewhere::Elsewhere;
 use crate::laboratory::{Engine, Laboratory};
 use crate::request::ViewKind;
-use crate::session::Elsewhere;
 use crate::views::view;
 
 impl App {
@@ -19,9 +21,9 @@ impl App {
         Self { laboratory, ..self }
     }
 
-    /// The explorer with a computer for long filters, in place of slices of the frames.
+    /// The explorer with a computer for long filters and imports, in place of slices of the frames.
     #[must_use]
-    pub fn filtering_with(mut self, computer: Box<dyn Elsewhere>) -> Self {
+    pub fn working_with(mut self, computer: Rc<dyn Elsewhere>) -> Self {
         self.session.compute_elsewhere(computer);
         self
     }

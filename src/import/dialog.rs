@@ -10,9 +10,6 @@ use crate::request::Request;
 use crate::text::significant;
 use crate::theme::Palette;
 
-/// The share of the time for reading a file that its hash takes.
-const HASHING: f32 = 0.1;
-
 /// The choice of the user in this frame.
 enum Choice {
     Open,
@@ -60,15 +57,11 @@ impl Import {
     }
 
     fn stage_ui(&mut self, ui: &mut Ui, palette: &Palette, can_hold_out: bool) -> Option<Choice> {
-        let Self { name, stage } = self;
+        let Self { name, stage, .. } = self;
         match stage {
-            Stage::Hashing(bytes, _, done) => {
+            Stage::Reading(reading) => {
                 ui.label(format!("Reading “{name}”"));
-                progress_ui(ui, HASHING * *done as f32 / bytes.len().max(1) as f32)
-            }
-            Stage::Reading(reader, _) => {
-                ui.label(format!("Reading “{name}”"));
-                progress_ui(ui, HASHING + (1.0 - HASHING) * reader.progress() as f32)
+                progress_ui(ui, reading.progress() as f32)
             }
             Stage::Suggesting(_, suggest) => {
                 ui.label(format!("Making start values from “{name}”"));
@@ -84,7 +77,6 @@ impl Import {
 }
 
 fn progress_ui(ui: &mut Ui, share: f32) -> Option<Choice> {
-    ui.ctx().request_repaint();
     ui.add(ProgressBar::new(share).show_percentage());
     button(ui, "Cancel the import", true).then_some(Choice::Cancel)
 }

@@ -30,7 +30,7 @@ pub struct Draft {
     /// The last choices that are complete, with their record or the reason why there is none.
     outcome: Option<(Choices, Result<Imported, String>)>,
     /// The present choices, with their record in the making.
-    making: Option<(Choices, Builder<Shared>)>,
+    making: Option<(Choices, Builder<'static>)>,
     /// The spectra without and with the conditioning, for the record that is complete.
     spectra: Option<Spectra>,
 }

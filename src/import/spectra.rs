@@ -14,7 +14,7 @@ const COUNT: usize = 4;
 /// Both spectra, in the making: frequency \[Hz\], and density in dB below the highest before the conditioning.
 pub(super) struct Spectra {
     /// The record without conditioning, until it is made.
-    plain: Option<Builder<Shared>>,
+    plain: Option<Builder<'static>>,
     /// The windows before and after, until they are complete.
     windows: [Option<Windows>; 2],
     curves: [Vec<[f64; 2]>; 2],

@@ -1,7 +1,6 @@
 //! Names the settings in which two scenarios differ.
 
-use std::collections::BTreeSet;
-
+use kalmanscope_core::sorting::sort_short_by_key;
 use kalmanscope_core::{Channel, Document, Scenario};
 
 use crate::text::significant;
@@ -41,7 +40,9 @@ fn compare(before: &Document, now: &Document, path: &mut Vec<String>, all: &mut 
     match (before, now) {
         _ if before == now => {}
         (Document::Table(one), Document::Table(other)) => {
-            let keys: BTreeSet<&String> = one.iter().chain(other).map(|(key, _)| key).collect();
+            let mut keys: Vec<&String> = one.iter().chain(other).map(|(key, _)| key).collect();
+            sort_short_by_key(&mut keys, |key| *key);
+            keys.dedup();
             for key in keys {
                 path.push(key.clone());
                 let of = |document: &Document| document.get(key).cloned().unwrap_or(Document::Null);

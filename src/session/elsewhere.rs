@@ -1,42 +1,22 @@
 //! Long filters of the next picture, which are computed beside the frames where there is something that does so.
 
+use std::rc::Rc;
+
 use egui::Context;
-use kalmanscope_core::{Job, Record, Scenario, Study, Tape};
-use web_time::Duration;
+use kalmanscope_core::{Job, Study};
 
 use super::Session;
+use crate::elsewhere::{BETWEEN, Elsewhere, FilterWork, Lost};
 
 /// A filter whose whole record takes longer than this on an ordinary processor is not computed in the frames \[s\].
 const LONG: f64 = 0.3;
 
-/// The time between two frames that only show the progress of such filters.
-const BETWEEN: Duration = Duration::from_millis(100);
-
-/// Runs filters beside the frames: workers of a page.
-pub trait Elsewhere {
-    /// Begins to run the filter at a place of a scenario over all of a record. None where that cannot be.
-    fn start(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<Box<dyn FilterWork>>;
-}
-
-/// The work on one filter. It ends when it is dropped.
-pub trait FilterWork {
-    /// The next samples, if they have come.
-    ///
-    /// # Errors
-    /// [`Lost`] where no more will come.
-    fn next(&mut self) -> Result<Option<Tape>, Lost>;
-}
-
-/// The work has failed, and what there is of it is worth nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lost;
-
 /// The filters of the present job that are computed elsewhere.
 #[derive(Default)]
 pub(super) struct Away {
-    computer: Option<Box<dyn Elsewhere>>,
+    computer: Option<Rc<dyn Elsewhere>>,
     /// The place of each filter, and the work on it once it has begun.
-    filters: Vec<(usize, Option<Box<dyn FilterWork>>)>,
+    filters: Vec<(usize, Option<FilterWork>)>,
     /// Whether nothing else is left to compute.
     is_alone: bool,
 }
@@ -62,7 +42,7 @@ impl Away {
         if filters.iter().any(|(_, work)| work.is_none()) {
             let Some(record) = job.whole_record(study) else { return };
             for (place, work) in filters.iter_mut() {
-                *work = computer.as_ref().and_then(|computer| computer.start(job.scenario(), *place, record));
+                *work = computer.as_ref().and_then(|computer| computer.filter(job.scenario(), *place, record));
             }
         }
         let is_lost = filters.iter_mut().any(|(place, work)| {
@@ -89,11 +69,16 @@ impl Away {
 
 impl Session {
     /// Leaves long filters of whole records to a computer from now on.
-    pub fn compute_elsewhere(&mut self, computer: Box<dyn Elsewhere>) {
+    pub fn compute_elsewhere(&mut self, computer: Rc<dyn Elsewhere>) {
         self.away.computer = Some(computer);
         if self.job.is_some() {
             self.begin_job();
         }
+    }
+
+    /// The computer to which long work is left, if there is one.
+    pub(crate) fn elsewhere(&self) -> Option<&Rc<dyn Elsewhere>> {
+        self.away.computer.as_ref()
     }
 
     /// Whether the next picture lacks nothing but filters that are computed elsewhere.
@@ -114,11 +99,11 @@ impl Session {
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
-    use std::rc::Rc;
 
-    use kalmanscope_core::{FilterKind, FilterSettings, Pass};
+    use kalmanscope_core::{FilterKind, FilterSettings, Pass, Record, Scenario, Tape};
 
     use super::*;
+    use crate::elsewhere::{LoadingWork, SuggestWork, Work};
     use crate::session::{Budget, Mode};
 
     /// Counts the filters that it is given, and fails after some portions.
@@ -136,15 +121,23 @@ mod tests {
     }
 
     impl Elsewhere for Fake {
-        fn start(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<Box<dyn FilterWork>> {
+        fn filter(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<FilterWork> {
             self.started.set(self.started.get() + 1);
             self.under_way.set(self.under_way.get() + 1);
             let pass = Pass::new(scenario, place, record).ok()?;
             Some(Box::new(FakeWork { pass, record: record.clone(), fake: self.clone() }))
         }
+
+        fn loading(&self, _: &[u8]) -> Option<LoadingWork> {
+            None
+        }
+
+        fn suggest(&self, _: &Scenario, _: &Record) -> Option<SuggestWork> {
+            None
+        }
     }
 
-    impl FilterWork for FakeWork {
+    impl Work<Tape> for FakeWork {
         fn next(&mut self) -> Result<Option<Tape>, Lost> {
             self.fake.portions = self.fake.portions.checked_sub(1).ok_or(Lost)?;
             if self.fake.portions % 2 == 1 {
@@ -176,7 +169,7 @@ mod tests {
         let mut session = Session::new(scenario()).unwrap();
         session.pause();
         session.set_budget(Budget::Pieces(4));
-        session.compute_elsewhere(Box::new(fake.clone()));
+        session.compute_elsewhere(Rc::new(fake.clone()));
         session.set_mode(Mode::Whole);
         (session, fake)
     }

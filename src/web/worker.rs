@@ -1,13 +1,13 @@
-//! The page's program in one of its workers: runs the cells of ensembles, and single filters.
+//! The page's program in one of its workers: runs the cells of ensembles, and errands.
 
 use js_sys::Array;
 use kalmanscope_lab::Runner;
-use kalmanscope_worker::{Filter, Words, answer, cells, hear, runner, tell};
+use kalmanscope_worker::{Errand, Words, answer, cells, hear, runner, tell};
 
 /// Answers messages for as long as the worker lives.
 pub(super) fn serve() {
     let mut present: Option<(f64, Runner)> = None;
-    let mut filters: Vec<Filter> = Vec::new();
+    let mut errands: Vec<Errand> = Vec::new();
     hear(move |words| match words.text(0).as_str() {
         "ensemble" => {
             present = told(runner(&words.text(2), &words.get(3)), words).map(|runner| (words.job(), runner));
@@ -20,15 +20,14 @@ pub(super) fn serve() {
                 answer(*job, &cells, &runner.rows(&cells));
             }
         }
-        "filter" => filters.extend(told(Filter::new(words), words)),
-        "samples" => {
-            let filter = filters.iter_mut().find(|filter| filter.number() == words.job());
-            if let Some(filter) = filter {
-                filter.answer(words);
+        "more" => {
+            let errand = errands.iter_mut().find(|errand| errand.number() == words.job());
+            if let Some(errand) = errand {
+                errand.answer(words);
             }
         }
-        "forget" => filters.retain(|filter| filter.number() != words.job()),
-        _ => {}
+        "forget" => errands.retain(|errand| errand.number() != words.job()),
+        _ => errands.extend(Errand::new(words).and_then(|errand| told(errand, words))),
     });
 }
 

@@ -1,7 +1,7 @@
-//! Runs ensembles and long filters in workers of the page, one a processor.
+//! Runs ensembles, long filters and imports in workers of the page, one a processor.
 
 mod adapter;
-mod filters;
+mod errands;
 mod graphics;
 mod member;
 mod portions;
@@ -11,8 +11,8 @@ use std::rc::{Rc, Weak};
 
 use egui::Context;
 use js_sys::{Array, Float64Array, Uint32Array};
+use kalmanscope::elsewhere::Elsewhere;
 use kalmanscope::laboratory::{Accelerated, Computer, Engine, Pace, Precision, Rows, Slices, Task, Work};
-use kalmanscope::session::Elsewhere;
 use kalmanscope_core::Source;
 use kalmanscope_lab::{Ensemble, EnsembleError, Runner};
 use kalmanscope_worker::in_message;
@@ -21,7 +21,7 @@ use wasm_bindgen::closure::Closure;
 use web_sys::MessageEvent;
 use web_time::{Duration, Instant};
 
-use filters::{Errand, Filters};
+use errands::{Errand, Errands};
 use member::{Member, Program};
 
 /// Limits the workers, whatever the number of processors.
@@ -34,7 +34,7 @@ const PORTION: Duration = Duration::from_millis(8);
 const SIDE_BY_SIDE: usize = 8;
 const LIGHT: f64 = 0.05;
 
-/// The workers that serve all maps and filters. They are started with the first one.
+/// The workers that serve all maps and errands. They are started with the first one.
 #[derive(Clone, Default)]
 pub(super) struct Workers(Rc<RefCell<Team>>);
 
@@ -44,7 +44,7 @@ struct Team {
     /// The number of the present job.
     job: u32,
     task: Option<Given>,
-    /// Filters, and the number of the last one.
+    /// Errands, and the number of the last one.
     errands: Vec<Errand>,
     errand: u32,
     /// The reason why there can be no workers.
@@ -79,9 +79,9 @@ pub(super) fn engine(workers: &Workers, software: bool) -> Box<dyn Engine> {
     Box::new(Accelerated::new(Rc::new(graphics::Processor::new(software)), Rc::new(workers.clone())))
 }
 
-/// Workers for long filters.
-pub(super) fn filters(workers: &Workers, ctx: &Context) -> Box<dyn Elsewhere> {
-    Box::new(Filters { team: Rc::clone(&workers.0), ctx: ctx.clone() })
+/// Workers for long filters and imports.
+pub(super) fn errands(workers: &Workers, ctx: &Context) -> Rc<dyn Elsewhere> {
+    Rc::new(Errands { team: Rc::clone(&workers.0), ctx: ctx.clone() })
 }
 
 impl Engine for Workers {
@@ -179,7 +179,7 @@ fn begin(team: &Rc<RefCell<Team>>, task: Given) -> u32 {
 }
 
 /// Sees to it that there are this many workers, as far as there are processors. Those that are busy with a long portion of a
-/// map are replaced, unless a filter is there too.
+/// map are replaced, unless there is an errand too.
 fn muster(team: &Rc<RefCell<Team>>, present: &mut Team, count: usize) {
     let Team { members, errands, broken, .. } = present;
     if broken.is_some() {
@@ -243,7 +243,7 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
                 member.set_ready();
                 errands.iter_mut().filter(|errand| errand.is_of(member)).for_each(|errand| errand.feed(member));
             }
-            Some("samples") => filters::take(errands, member, &words),
+            Some("part") => errands::take(errands, member, &words),
             Some("rows") => {
                 member.take_back();
                 if words.get(1).as_f64() == Some(f64::from(*job))
@@ -278,7 +278,7 @@ fn wake(task: Option<&Given>, errands: &[Errand]) {
     errands.iter().for_each(Errand::wake);
 }
 
-/// Gives a worker its next cells, if it has none waiting and no filter.
+/// Gives a worker its next cells, if it has none waiting and no errand.
 fn feed(member: &mut Member, errands: &[Errand], job: u32, task: &mut Given) {
     if errands.iter().any(|errand| errand.is_of(member)) {
         return;

@@ -27,8 +27,8 @@ pub(crate) const WATCH: &str = "
 /// There are no workers.
 pub(crate) const NONE: &str = "window.Worker = class { constructor() { throw new Error('there are none'); } };";
 
-/// The first worker fails in the middle of a filter.
-pub(crate) const FAILS: &str = "window.fatal = { samples: 5 };";
+/// The first worker fails in the middle of its work.
+pub(crate) const FAILS: &str = "window.fatal = { more: 5 };";
 
 /// A picture of a whole record, with an EKF and a particle filter: the link to it and its checksum.
 fn picture(seed: u64, duration: f64, particles: usize) -> (String, String) {
@@ -43,7 +43,7 @@ fn picture(seed: u64, duration: f64, particles: usize) -> (String, String) {
 }
 
 /// How many messages with this word workers have been sent.
-async fn told(page: &Page, word: &str) -> u64 {
+pub(crate) async fn told(page: &Page, word: &str) -> u64 {
     page.value(&format!("window.told?.{word} ?? 0")).await.as_u64().unwrap()
 }
 
@@ -53,11 +53,11 @@ pub(crate) async fn a_long_filter_is_computed_in_a_worker(page: &Page, address: 
     starts(page, &format!("{address}{link}")).await;
     shows(page, &checksum).await;
     assert_eq!((told(page, "filter").await, told(page, "forget").await), (1, 1));
-    assert!(told(page, "samples").await > 5);
+    assert!(told(page, "more").await > 5);
     let (long, _) = picture(4, 300.0, 1000);
     let (link, checksum) = picture(5, 32.0, 1000);
     page.value(&format!("location.hash = '{long}'")).await;
-    page.wait_until("told.filter === 2 && told.samples > 20", START).await.unwrap();
+    page.wait_until("told.filter === 2 && told.more > 20", START).await.unwrap();
     page.value(&format!("location.hash = '{link}'")).await;
     shows(page, &checksum).await;
     assert_eq!((told(page, "filter").await, told(page, "forget").await), (3, 3));

@@ -4,23 +4,29 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
 
-use kalmanscope_core::{Run, Scenario};
+use kalmanscope_core::import::{Builder, Mapping, hash, read};
+use kalmanscope_core::suggest::{scenario_for, suggest};
+use kalmanscope_core::{Hold, Run, Scenario};
 
+use crate::elsewhere::told;
 use crate::page::Page;
+use crate::share::shows;
+use crate::{reports_no_problems, starts};
 
 /// Limits the time until a record is open.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// The record of an oscillator of 6 rad/s as a spreadsheet writes it, with semicolons, decimal commas and millimetres.
-fn sheet() -> String {
-    let text = "duration = 40.0\ndt = 0.05\nhold = \"first\"\n[plant]\nnatural_frequency = 6.0\n[[sensors]]\n\
+fn sheet(duration: f64) -> String {
+    let text = "dt = 0.05\nhold = \"first\"\n[plant]\nnatural_frequency = 6.0\n[[sensors]]\n\
                 measures = \"displacement\"\nnoise_std = 0.002\n";
-    let mut run = Run::new(&Scenario::from_toml(text).unwrap()).unwrap();
+    let scenario = Scenario { duration, ..Scenario::from_toml(text).unwrap() };
+    let mut run = Run::new(&scenario).unwrap();
     run.finish();
     let record = run.record();
     let mut sheet = "Zeit [s];Kraft;Weg [mm]\n".to_owned();
     for k in 0..record.len() {
-        let row = format!("{:.3};{:.5};{:.5}", record.time(k), record.input()[k], 1000.0 * record.measured(0)[k]);
+        let row = format!("{:.3};{:.12};{:.12}", record.time(k), record.input()[k], 1000.0 * record.measured(0)[k]);
         writeln!(sheet, "{}", row.replace('.', ",")).unwrap();
     }
     sheet
@@ -34,7 +40,7 @@ pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     page.wait_until("window.asked === 1", PATIENCE).await.unwrap();
     std::fs::create_dir_all(folder).unwrap();
     let path = folder.join("chosen.csv");
-    std::fs::write(&path, sheet()).unwrap();
+    std::fs::write(&path, sheet(40.0)).unwrap();
     page.choose_file("#file", &path).await;
     let button = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Cancel the import')";
     page.wait_until(button, PATIENCE).await.unwrap();
@@ -42,6 +48,15 @@ pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     tokio::time::sleep(Duration::from_secs(1)).await;
     page.click("Cancel the import", 0.5).await;
     page.wait_until(&format!("!{button}"), PATIENCE).await.unwrap();
+}
+
+/// The record is opened with the guess at its columns, once there is one.
+async fn opens(page: &Page) {
+    let button = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Open the record')";
+    page.wait_until(button, PATIENCE).await.unwrap();
+    // The window grows to its size and moves to the middle meanwhile.
+    tokio::time::sleep(Duration::from_secs(1)).await;
+    page.click("Open the record", 0.5).await;
 }
 
 /// A dropped file opens with one click, and its natural frequency is found.
@@ -55,14 +70,10 @@ pub(crate) async fn a_record_is_opened_by_drop(page: &Page) {
             }}
             return data.files.length;
         }})(new DataTransfer())",
-        serde_json::to_string(&sheet()).unwrap()
+        serde_json::to_string(&sheet(40.0)).unwrap()
     );
     assert_eq!(page.value(&drop).await, 1);
-    let button = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Open the record')";
-    page.wait_until(button, PATIENCE).await.unwrap();
-    // The window grows to its size and moves to the middle meanwhile.
-    tokio::time::sleep(Duration::from_secs(1)).await;
-    page.click("Open the record", 0.5).await;
+    opens(page).await;
     let all = "JSON.parse(wasmBindings.kalmanscope_summary()).samples === 801";
     page.wait_until(all, PATIENCE).await.unwrap();
     page.settle().await;
@@ -74,4 +85,34 @@ pub(crate) async fn a_record_is_opened_by_drop(page: &Page) {
             |channel: &str| estimates.iter().find(|it| it["channel"] == channel).unwrap()["mean"].as_f64().unwrap();
         assert!((of("natural_frequency") / 6.0 - 1.0).abs() < 0.01, "{summary}");
     }
+}
+
+/// A large file is read, and its start values are made, in workers as often as is said, and with the bits of this machine.
+pub(crate) async fn a_large_record_is_opened(page: &Page, address: &str, folder: &Path, [files, suggestions]: [u64; 2]) {
+    let (name, text) = ("large.csv", sheet(6000.0));
+    assert!(text.len() > 4_500_000);
+    std::fs::create_dir_all(folder).unwrap();
+    std::fs::write(folder.join(name), &text).unwrap();
+    starts(page, address).await;
+    let before = [told(page, "file").await, told(page, "suggest").await];
+    page.choose_file("#file", &folder.join(name)).await;
+    opens(page).await;
+    shows(page, &checksum(name, text.as_bytes())).await;
+    assert_eq!(told(page, "file").await - before[0], files);
+    assert_eq!(told(page, "suggest").await - before[1], suggestions);
+    reports_no_problems(page, address).await;
+}
+
+/// The checksum of a file's record with suggested settings.
+fn checksum(name: &str, bytes: &[u8]) -> String {
+    let table = read(bytes, None).unwrap();
+    let (mapping, input) = Mapping::guess(&table);
+    let mapping = Mapping { file: name.to_owned(), hash: hash(bytes), ..mapping };
+    let record = |mapping: &Mapping| Builder::new(&table, mapping, input, Hold::First).unwrap().finish().unwrap().record;
+    let raw = record(&mapping);
+    let scenario = Scenario { input, hold: Hold::First, record: Some(mapping), ..scenario_for(&raw) };
+    let scenario = suggest(&scenario, &raw).scenario;
+    let mut run = Run::on_record(&scenario, record(scenario.record.as_ref().unwrap()).into()).unwrap();
+    run.finish();
+    format!("{:016x}", run.checksum())
 }

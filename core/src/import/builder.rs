@@ -20,9 +20,8 @@ pub struct Imported {
 }
 
 /// A record in the making, column by column, from a table that it borrows or shares.
-#[derive(Debug)]
-pub struct Builder<T> {
-    table: T,
+pub struct Builder<'a> {
+    table: Box<dyn Borrow<Table> + 'a>,
     mapping: Mapping,
     kind: InputKind,
     hold: Hold,
@@ -32,14 +31,28 @@ pub struct Builder<T> {
     remarks: Vec<String>,
 }
 
-impl<T: Borrow<Table>> Builder<T> {
+impl<'a> Builder<'a> {
     /// The record of a table's columns with the meaning that a mapping gives them.
     ///
     /// # Errors
     /// [`ImportError`] where a setting is impossible, a column is missing or the times are not usable.
-    pub fn new(source: T, mapping: &Mapping, kind: InputKind, hold: Hold) -> Result<Self, ImportError> {
+    pub fn new(
+        source: impl Borrow<Table> + 'a,
+        mapping: &Mapping,
+        kind: InputKind,
+        hold: Hold,
+    ) -> Result<Self, ImportError> {
+        Self::begin(Box::new(source), mapping, kind, hold)
+    }
+
+    fn begin(
+        source: Box<dyn Borrow<Table> + 'a>,
+        mapping: &Mapping,
+        kind: InputKind,
+        hold: Hold,
+    ) -> Result<Self, ImportError> {
         mapping.validate()?;
-        let table = source.borrow();
+        let table = (*source).borrow();
         if mapping.sensors.is_empty() {
             return Err(ImportError::NoSensor);
         }
@@ -192,7 +205,7 @@ impl<T: Borrow<Table>> Builder<T> {
 
     /// A column at even times, with unit, gain, offset and delay.
     fn mapped(&self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
-        let table = self.table.borrow();
+        let table = (*self.table).borrow();
         let column = &table.columns[place(table, &mapped.column)?];
         if let Some(text) = &column.text {
             let (line, text) = (text.line, text.text.clone());
@@ -225,7 +238,7 @@ impl<T: Borrow<Table>> Builder<T> {
         if *every > 1 || *interpolate > 1 {
             return Ok(Vec::new());
         }
-        let table = self.table.borrow();
+        let table = (*self.table).borrow();
         let mut truth = Vec::new();
         for &channel in Channel::all() {
             if let Some(place) = table.place(&format!("true_{}", channel.key())) {

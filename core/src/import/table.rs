@@ -1,9 +1,11 @@
 //! Columns of numbers, as a file has them.
 
+use serde::{Deserialize, Serialize};
+
 use super::Dialect;
 
-/// The columns of a file.
-#[derive(Clone, Debug, PartialEq)]
+/// The columns of a file. A document of it has all but the numbers, which are too many for a text.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// The file's form.
     pub dialect: Dialect,
@@ -15,20 +17,21 @@ pub struct Table {
 }
 
 /// A column of a file.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Column {
     /// The name in the header, or `column 1` and so on.
     pub name: String,
     /// The unit in the header.
     pub unit: Option<String>,
     /// The numbers, in the file's unit; NaN where a cell is empty or has other text.
+    #[serde(skip)]
     pub values: Vec<f64>,
     /// The first cell with text that is not a number.
     pub text: Option<TextCell>,
 }
 
 /// A cell with text that is not a number.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TextCell {
     /// Line of the file, counted from 1.
     pub line: usize,
@@ -60,7 +63,7 @@ impl Table {
 }
 
 /// The lines of rows: blocks of rows without a line between them.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Lines {
     /// The first row of each block, and its line.
     blocks: Vec<(usize, usize)>,

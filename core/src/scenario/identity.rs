@@ -1,7 +1,5 @@
 //! The ids of filters.
 
-use std::collections::BTreeSet;
-
 use super::Scenario;
 
 impl Scenario {
@@ -9,13 +7,13 @@ impl Scenario {
     /// place, counted from 1, or else the first free number.
     pub fn number_filters(&mut self) {
         let mut taken = self.filter_ids();
-        let mut seen = BTreeSet::from([0]);
+        let mut seen = vec![0];
         for (number, filter) in (1..).zip(&mut self.filters) {
-            if !seen.insert(filter.id) {
+            if seen.contains(&filter.id) {
                 filter.id = if taken.contains(&number) { free(&taken) } else { number };
-                taken.insert(filter.id);
-                seen.insert(filter.id);
+                taken.push(filter.id);
             }
+            seen.push(filter.id);
         }
     }
 
@@ -24,12 +22,12 @@ impl Scenario {
         free(&self.filter_ids())
     }
 
-    fn filter_ids(&self) -> BTreeSet<u32> {
+    fn filter_ids(&self) -> Vec<u32> {
         self.filters.iter().map(|filter| filter.id).collect()
     }
 }
 
-fn free(taken: &BTreeSet<u32>) -> u32 {
+fn free(taken: &[u32]) -> u32 {
     (1..).find(|id| !taken.contains(id)).unwrap_or_default()
 }
 

@@ -1,6 +1,7 @@
 //! Suggestions that are tried out: the making of a [`Suggestion`], a slice after the other.
 
 use super::Suggestion;
+use crate::in_slices::InSlices;
 use crate::{FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
 
 /// The samples of which the likelihood is taken.
@@ -53,9 +54,12 @@ impl Suggest {
         let (trial, free, likelihoods, errors) = Default::default();
         Self { suggestion, record, stage: Stage::Data, trial, free, likelihoods, errors }
     }
+}
 
-    /// The share that is done, from 0 to 1.
-    pub fn progress(&self) -> f64 {
+impl InSlices for Suggest {
+    type Outcome = Suggestion;
+
+    fn progress(&self) -> f64 {
         let all = (SHARES.len() + 3) as f64;
         match self.stage {
             Stage::Data => 0.0,
@@ -66,8 +70,7 @@ impl Suggest {
         }
     }
 
-    /// Goes on until `while_time` returns false, which is called about every millisecond. Returns whether all is done.
-    pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+    fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while self.stage != Stage::Done {
             self.stage = match self.stage {
                 Stage::Data => {
@@ -126,8 +129,7 @@ impl Suggest {
         self.stage == Stage::Done
     }
 
-    /// The suggestions that are made by now.
-    pub fn finish(self) -> Suggestion {
+    fn finish(self) -> Suggestion {
         self.suggestion
     }
 }

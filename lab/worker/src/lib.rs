@@ -1,26 +1,37 @@
 //! The conversation between a page and one of its workers: the worker is given an ensemble, then cells of it, and answers with
-//! their rows; or a filter, then numbers of samples, and answers with these.
+//! their rows; or an errand, a filter or the import of a record, then numbers of portions, and answers with what it has of it.
 //!
 //! | from the page | from the worker |
 //! |---|---|
 //! | | `["ready"]` |
 //! | `["ensemble", job, ensemble, record]` | `["failed", job, reason]` where it cannot be used |
 //! | `["cells", job, Uint32Array]` | `["rows", job, Uint32Array, Float64Array]` |
-//! | `["filter", number, scenario, place, record]` | `["failed", number, reason]` where it cannot be used |
-//! | `["samples", number, count]` | `["samples", number, Float64Array]` |
+//! | `["filter", number, scenario, record, place]` | `["failed", number, reason]` where it cannot be used |
+//! | `["file", number, Uint8Array]` | |
+//! | `["suggest", number, scenario, record]` | `["failed", number, reason]` where it cannot be used |
+//! | `["more", number, count]` | `["part", number, part]` |
 //! | `["forget", number]` | |
 //!
-//! A job is a number, an ensemble JSON. `record` is null, or `[dt, input, [key, column], …]` with a `Float64Array` for each column. Samples are
-//! the numbers of a tape. Rows and samples are handed over, not copied.
+//! A job is a number, an ensemble JSON. `record` is null, or `[dt, input, [key, column], …]` with a `Float64Array` for each column. A part of
+//! a filter is a `Float64Array`, the numbers of a tape. Of a file or start values it is the share that is done, and at last the outcome: of a
+//! file `[hash, table, column, …]` or a text with the reason why it cannot be read, of start values JSON. Columns of numbers are handed
+//! over, not copied.
 
 #![cfg(target_arch = "wasm32")]
 
+mod errand;
+mod file;
 mod filter;
 mod message;
 mod record;
 mod scope;
+mod slices;
+mod suggestion;
 
-pub use filter::{Filter, filter_message, tape};
+pub use errand::Errand;
+pub use file::{file_message, loaded};
+pub use filter::{filter_message, tape};
 pub use message::{cells, runner};
 pub use record::{filtered, in_message, measured};
 pub use scope::{Words, answer, hear, tell};
+pub use suggestion::{suggest_message, suggestion};

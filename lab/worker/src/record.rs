@@ -2,7 +2,7 @@
 
 use js_sys::{Array, Float64Array};
 use kalmanscope_core::record::Input;
-use kalmanscope_core::{Channel, Quantity, Record, Scenario, Source};
+use kalmanscope_core::{Channel, Document, Quantity, Record, Scenario, Source};
 use wasm_bindgen::{JsCast as _, JsValue};
 
 /// The keys of the truth's columns begin with this.
@@ -48,4 +48,14 @@ pub fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
         }
     }
     Record::new(dt, input, sensors).ok()?.with_truth(truth).ok()
+}
+
+/// The scenario of a text, and the record of a message for it.
+///
+/// # Errors
+/// The reason in words where one of them is not what it should be.
+pub(crate) fn scenario_and_record(scenario: &str, record: JsValue) -> Result<(Scenario, Record), String> {
+    let scenario: Scenario = Document::read_json(scenario).map_err(|error| error.to_string())?;
+    let record = record.dyn_into::<Array>().ok().and_then(|record| measured(&record, &scenario));
+    Ok((scenario, record.ok_or("the record of the message is not one")?))
 }

@@ -47,13 +47,13 @@ pub fn answer(job: f64, cells: &[usize], rows: &[f64]) {
     let cells: Vec<u32> = cells.iter().map(|&cell| cell as u32).collect();
     let cells = Uint32Array::from(cells.as_slice());
     let message = Array::of4(&"rows".into(), &job.into(), &cells, &rows);
-    send(&message, &rows);
+    send(&message, &Array::of1(&rows.buffer()));
 }
 
-/// Sends a message, and hands over the numbers in it.
-pub(crate) fn send(message: &Array, numbers: &Float64Array) {
+/// Sends a message, and hands over buffers in it.
+pub(crate) fn send(message: &Array, handed_over: &Array) {
     // A page that has gone needs no numbers.
-    let _ = scope().post_message_with_transfer(message, &Array::of1(&numbers.buffer()));
+    let _ = scope().post_message_with_transfer(message, handed_over);
 }
 
 /// Sends a message.

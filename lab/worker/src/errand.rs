@@ -1,0 +1,57 @@
+//! Long work on one thing in a worker, a portion after the other.
+
+use js_sys::Array;
+use wasm_bindgen::JsValue;
+
+use crate::file::{file, loaded_message};
+use crate::filter::Filter;
+use crate::scope::{Words, send};
+use crate::slices::Slices;
+use crate::suggestion::{suggest, suggestion_message};
+
+/// Long work on one thing.
+pub struct Errand {
+    number: f64,
+    work: Box<dyn Work>,
+}
+
+/// What does it.
+pub(crate) trait Work {
+    /// Goes on by so much, and returns what there is to send. Buffers that are added to `handed_over` are not copied.
+    fn go_on(&mut self, count: usize, handed_over: &Array) -> JsValue;
+}
+
+impl Errand {
+    /// The errand of a message, if it is one.
+    ///
+    /// # Errors
+    /// The reason in words where it cannot be done.
+    pub fn new(words: &Words) -> Option<Result<Self, String>> {
+        let work: Result<Box<dyn Work>, String> = match words.text(0).as_str() {
+            "filter" => Filter::new(words).map(|filter| Box::new(filter) as _),
+            "file" => Ok(Box::new(Slices::new(file(words), loaded_message))),
+            "suggest" => suggest(words).map(|suggest| Box::new(Slices::new(suggest, suggestion_message)) as _),
+            _ => return None,
+        };
+        Some(work.map(|work| Self { number: words.job(), work }))
+    }
+
+    /// Its number on the page.
+    pub fn number(&self) -> f64 {
+        self.number
+    }
+
+    /// Goes on by as much as a message asks for, and sends what there is.
+    pub fn answer(&mut self, words: &Words) {
+        let handed_over = Array::new();
+        let part = self.work.go_on(words.get(2).as_f64().unwrap_or(0.0) as usize, &handed_over);
+        send(&Array::of3(&"part".into(), &self.number.into(), &part), &handed_over);
+    }
+}
+
+/// The numbers of a message, whose buffer is handed over.
+pub(crate) fn numbers(values: &[f64], handed_over: &Array) -> JsValue {
+    let values = js_sys::Float64Array::from(values);
+    handed_over.push(&values.buffer());
+    values.into()
+}

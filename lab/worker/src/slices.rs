@@ -1,0 +1,35 @@
+//! Work with an outcome in a worker: its share that is done is sent, and the outcome at last.
+
+use js_sys::Array;
+use kalmanscope_core::InSlices;
+use wasm_bindgen::JsValue;
+
+use crate::errand::Work;
+
+/// Work with an outcome, until that has been sent.
+pub(crate) struct Slices<S: InSlices> {
+    work: Option<S>,
+    message: fn(&S::Outcome, &Array) -> JsValue,
+}
+
+impl<S: InSlices> Slices<S> {
+    /// Work whose outcome is sent as this message.
+    pub(crate) fn new(work: S, message: fn(&S::Outcome, &Array) -> JsValue) -> Self {
+        Self { work: Some(work), message }
+    }
+}
+
+impl<S: InSlices> Work for Slices<S> {
+    fn go_on(&mut self, count: usize, handed_over: &Array) -> JsValue {
+        let Some(work) = &mut self.work else { return JsValue::NULL };
+        let mut left = count;
+        let is_done = work.advance(&mut || {
+            left = left.saturating_sub(1);
+            left > 0
+        });
+        if !is_done {
+            return work.progress().into();
+        }
+        self.work.take().map_or(JsValue::NULL, |work| (self.message)(&work.finish(), handed_over))
+    }
+}

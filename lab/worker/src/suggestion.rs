@@ -1,0 +1,34 @@
+//! Start values in messages.
+
+use js_sys::Array;
+use kalmanscope_core::suggest::{Suggest, Suggestion};
+use kalmanscope_core::{Document, Record, Scenario};
+use wasm_bindgen::JsValue;
+
+use crate::record::{filtered, scenario_and_record};
+use crate::scope::Words;
+
+/// The message that asks a worker for start values of a scenario on a record.
+pub fn suggest_message(number: u32, scenario: &Scenario, record: &Record) -> Array {
+    let scenario = Document::json(scenario).unwrap_or_default();
+    Array::of4(&"suggest".into(), &number.into(), &scenario.into(), &filtered(record))
+}
+
+/// The making of start values that a message asks for.
+///
+/// # Errors
+/// The reason in words where it cannot be.
+pub(crate) fn suggest(words: &Words) -> Result<Suggest, String> {
+    let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
+    Ok(Suggest::new(&scenario, record))
+}
+
+/// Start values as JSON.
+pub(crate) fn suggestion_message(suggestion: &Suggestion, _: &Array) -> JsValue {
+    Document::json(suggestion).unwrap_or_default().into()
+}
+
+/// The start values of a worker's message; none where it has none.
+pub fn suggestion(value: &JsValue) -> Option<Suggestion> {
+    Document::read_json(&value.as_string()?).ok()
+}

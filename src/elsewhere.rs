@@ -1,0 +1,53 @@
+//! Long work beside the frames, where there is something that does it: workers of a page.
+
+use std::time::Duration;
+
+use kalmanscope_core::import::Loaded;
+use kalmanscope_core::suggest::Suggestion;
+use kalmanscope_core::{Record, Scenario, Tape};
+
+/// The time between two frames that only show how far such work is.
+pub(crate) const BETWEEN: Duration = Duration::from_millis(100);
+
+/// What is sent of a filter is its next samples.
+pub type FilterWork = Box<dyn Work<Tape>>;
+
+/// What is sent of a file, and the reason why it cannot be read.
+pub type LoadingWork = Box<dyn Work<Report<Result<Loaded, String>>>>;
+
+/// What is sent of the making of start values.
+pub type SuggestWork = Box<dyn Work<Report<Suggestion>>>;
+
+/// Does long work beside the frames. Each answer is none where it cannot.
+pub trait Elsewhere {
+    /// Begins to run the filter at a place of a scenario over all of a record.
+    fn filter(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<FilterWork>;
+
+    /// Begins to read the file with these bytes.
+    fn loading(&self, bytes: &[u8]) -> Option<LoadingWork>;
+
+    /// Begins to make start values for a scenario on a record.
+    fn suggest(&self, scenario: &Scenario, record: &Record) -> Option<SuggestWork>;
+}
+
+/// Work that is done elsewhere. It ends when it is dropped.
+pub trait Work<T> {
+    /// What has come next, if something has.
+    ///
+    /// # Errors
+    /// [`Lost`] where no more will come.
+    fn next(&mut self) -> Result<Option<T>, Lost>;
+}
+
+/// The work has failed, and what there is of it is worth nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lost;
+
+/// How far work is that has an outcome.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Report<T> {
+    /// The share that is done, from 0 to 1.
+    Share(f64),
+    /// The outcome.
+    Done(T),
+}
