@@ -56,10 +56,32 @@ impl Document {
         T::deserialize(self)
     }
 
+    /// A table of keys with their values.
+    pub fn of_entries<K: Into<String>>(entries: impl IntoIterator<Item = (K, Self)>) -> Self {
+        Self::Table(entries.into_iter().map(|(key, value)| (key.into(), value)).collect())
+    }
+
+    /// A list of numbers.
+    pub fn of_numbers(numbers: impl IntoIterator<Item = f64>) -> Self {
+        Self::List(numbers.into_iter().map(Self::Number).collect())
+    }
+
     /// The value of a key; `None` where this is not a table or has no such key.
     pub fn get(&self, key: &str) -> Option<&Self> {
         let Self::Table(entries) = self else { return None };
         entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)
+    }
+}
+
+impl From<&str> for Document {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl<T: Into<Document>> From<Option<T>> for Document {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Null, Into::into)
     }
 }
 

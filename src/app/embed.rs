@@ -2,13 +2,12 @@
 
 use kalmanscope_core::Document;
 use serde::Serialize;
-use serde_json::{Value, json};
 
 use super::App;
 use crate::probe::Latest;
 use crate::saved::{Found, Saved};
 use crate::session::{Budget, Mode};
-use crate::share::message::{Message, Refusal, Topic, Wish, answer};
+use crate::share::message::{Message, Refusal, Topic, Wish, answer, answer_error};
 use crate::theme;
 
 /// Playback and the latest estimates, as the page that embeds this one reads them.
@@ -59,19 +58,17 @@ impl App {
     }
 
     /// The answer to a message, after the frame that has followed it.
-    pub fn answer_message(&self, Message { id, wish }: &Message) -> Value {
+    pub fn answer_message(&self, Message { id, wish }: &Message) -> Document {
         match wish {
-            Wish::Set(_) => answer(id, "set", true),
-            Wish::Get(Topic::State) => {
-                answer(id, "state", json!(Document::of(&self.state()).unwrap_or(Document::Null)))
-            }
+            Wish::Set(_) => answer(id, "set", Document::Flag(true)),
+            Wish::Get(Topic::State) => answer(id, "state", Document::of(&self.state()).unwrap_or(Document::Null)),
             Wish::Get(Topic::Link) => match self.link() {
-                Ok(link) => answer(id, "link", link),
-                Err(error) => answer(id, "error", format!("There is no link to this picture: {error}.")),
+                Ok(link) => answer(id, "link", Document::Text(link)),
+                Err(error) => answer_error(id, &format!("There is no link to this picture: {error}.")),
             },
             Wish::Get(Topic::Scenario) => match self.session.scenario().to_toml() {
-                Ok(toml) => answer(id, "scenario", toml),
-                Err(error) => answer(id, "error", format!("The scenario cannot be written: {error}.")),
+                Ok(toml) => answer(id, "scenario", Document::Text(toml)),
+                Err(error) => answer_error(id, &format!("The scenario cannot be written: {error}.")),
             },
         }
     }

@@ -1,95 +1,89 @@
 //! Scenario, record, estimates and diagnosis as one JSON.
 
-use kalmanscope_core::{Channel, Diagnosis, Document, DocumentError, Estimates, Record, Scenario};
-use serde_json::{Map, Value, json};
+use kalmanscope_core::diagnosis::Evidence;
+use kalmanscope_core::{Channel, Diagnosis, Document, DocumentError, Estimates, Record, Stop};
 
 use crate::session::Session;
 
 /// The text of the file. Undefined numbers are `null`. Means are canonical, as everywhere on screen.
 pub(super) fn json(session: &Session) -> Result<String, DocumentError> {
     let run = session.run();
-    let scenario: &Scenario = session.scenario();
-    let filters = run.estimates().iter().enumerate().map(|(place, estimates)| {
-        let mut filter = filter(estimates);
-        filter.insert("diagnosis".to_owned(), session.diagnosis(place).map_or(Value::Null, diagnosis));
-        Value::Object(filter)
-    });
-    let filters: Vec<Value> = filters.collect();
-    let everything = json!({
-        "kalmanscope": env!("CARGO_PKG_VERSION"),
-        "scenario": Document::of(scenario)?,
-        "record": record(run.record()),
-        "filters": filters,
-    });
-    serde_json::to_string(&everything).map_err(serde::ser::Error::custom)
+    let filters = run.estimates().iter().enumerate();
+    let filters = filters.map(|(place, estimates)| filter(estimates, session.diagnosis(place)));
+    let everything = Document::of_entries([
+        ("kalmanscope", env!("CARGO_PKG_VERSION").into()),
+        ("scenario", Document::of(session.scenario())?),
+        ("record", record(run.record())?),
+        ("filters", Document::List(filters.collect::<Result<_, _>>()?)),
+    ]);
+    Document::json(&everything)
 }
 
-fn record(record: &Record) -> Value {
-    let times: Vec<f64> = (0..record.len()).map(|k| record.time(k)).collect();
-    let measured =
-        (0..record.sensors().len()).map(|i| (record.sensors()[i].key().to_owned(), json!(record.measured(i))));
-    let truth = Channel::all().iter().filter_map(|c| Some((c.key().to_owned(), json!(record.truth(*c)?))));
-    json!({
-        "dt": record.dt(),
-        "time": times,
-        "input_kind": record.input_kind(),
-        "hold": record.hold(),
-        "input": record.input(),
-        "measured": Value::Object(measured.collect()),
-        "truth": Value::Object(truth.collect()),
-    })
+fn record(record: &Record) -> Result<Document, DocumentError> {
+    let numbers = |values: &[f64]| Document::of_numbers(values.iter().copied());
+    let measured = record.sensors().iter().enumerate().map(|(i, q)| (q.key(), numbers(record.measured(i))));
+    let truth = Channel::all().iter().filter_map(|c| Some((c.key(), numbers(record.truth(*c)?))));
+    Ok(Document::of_entries([
+        ("dt", Document::Number(record.dt())),
+        ("time", Document::of_numbers((0..record.len()).map(|k| record.time(k)))),
+        ("input_kind", Document::of(&record.input_kind())?),
+        ("hold", Document::of(&record.hold())?),
+        ("input", numbers(record.input())),
+        ("measured", Document::of_entries(measured)),
+        ("truth", Document::of_entries(truth)),
+    ]))
 }
 
-fn filter(estimates: &Estimates) -> Map<String, Value> {
-    let samples = 0..estimates.len();
-    let of_channels = |value: &dyn Fn(usize, usize) -> f64| -> Value {
-        let column = |(place, channel): (usize, &Channel)| {
-            let values: Vec<f64> = samples.clone().map(|k| value(k, place)).collect();
-            (channel.key().to_owned(), json!(values))
-        };
-        Value::Object(estimates.channels().iter().enumerate().map(column).collect())
+fn filter(estimates: &Estimates, found: Option<&Diagnosis>) -> Result<Document, DocumentError> {
+    let column = |value: &dyn Fn(usize) -> f64| Document::of_numbers((0..estimates.len()).map(value));
+    let of_channels = |value: &dyn Fn(usize, usize) -> f64| {
+        let channels = estimates.channels().iter().enumerate();
+        Document::of_entries(channels.map(|(place, channel)| (channel.key(), column(&|k| value(k, place)))))
     };
-    let of_sensors = |value: &dyn Fn(usize, usize) -> f64| -> Value {
-        let column = |place: usize| {
-            let values: Vec<f64> = samples.clone().map(|k| value(k, place)).collect();
-            (estimates.sensors()[place].key().to_owned(), json!(values))
-        };
-        Value::Object((0..estimates.sensors().len()).map(column).collect())
+    let of_sensors = |value: &dyn Fn(usize, usize) -> f64| {
+        let sensors = estimates.sensors().iter().enumerate();
+        Document::of_entries(sensors.map(|(place, sensor)| (sensor.key(), column(&|k| value(k, place)))))
     };
     let sensors = estimates.sensors().len();
-    let log_likelihood: Vec<f64> = samples.clone().map(|k| estimates.log_likelihood(k)).collect();
-    let stop = estimates.stop().map(|stop| json!({ "sample": stop.sample, "reason": stop.reason.to_string() }));
-    let parts = [
-        ("name", json!(estimates.name())),
-        ("kind", json!(estimates.kind().name())),
-        ("plant", json!(estimates.plant())),
+    Ok(Document::of_entries([
+        ("name", estimates.name().into()),
+        ("kind", estimates.kind().name().into()),
+        ("plant", Document::of(&estimates.plant())?),
         ("mean", of_channels(&|k, place| estimates.canonical_mean(k, place))),
         ("std", of_channels(&|k, place| estimates.std(k, place))),
         ("innovation", of_sensors(&|k, place| estimates.innovation(k)[place])),
         ("innovation_std", of_sensors(&|k, place| estimates.innovation_cov(k)[place * (sensors + 1)].sqrt())),
-        ("nis", json!(estimates.nis())),
-        ("log_likelihood", json!(log_likelihood)),
-        ("stop", json!(stop)),
-    ];
-    parts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
+        ("nis", Document::of_numbers(estimates.nis().iter().copied())),
+        ("log_likelihood", column(&|k| estimates.log_likelihood(k))),
+        ("stop", estimates.stop().map(stop).into()),
+        ("diagnosis", found.map(diagnosis).into()),
+    ]))
 }
 
-fn diagnosis(diagnosis: &Diagnosis) -> Value {
-    let evidence = diagnosis.evidence.iter().map(|one| {
-        json!({
-            "test": one.test.name,
-            "sentence": one.sentence,
-            "statistic": one.statistic,
-            "p_value": one.p_value,
-            "effect": one.effect,
-            "counts": one.counts,
-        })
-    });
+fn stop(stop: Stop) -> Document {
+    let reason = stop.reason.to_string();
+    Document::of_entries([("sample", (stop.sample as u64).into()), ("reason", Document::Text(reason))])
+}
+
+fn diagnosis(diagnosis: &Diagnosis) -> Document {
     let verdict = diagnosis.verdict.as_ref();
-    json!({
-        "verdict": verdict.map(|verdict| verdict.kind.key()),
-        "reason": verdict.map(|verdict| &verdict.reason),
-        "evidence": evidence.collect::<Vec<Value>>(),
-        "bad_parts": diagnosis.bad_parts.iter().map(|part| [part.start, part.end]).collect::<Vec<_>>(),
-    })
+    let part = |place: usize| Document::from(place as u64);
+    let bad_parts = diagnosis.bad_parts.iter().map(|range| Document::List(vec![part(range.start), part(range.end)]));
+    Document::of_entries([
+        ("verdict", verdict.map(|verdict| verdict.kind.key()).into()),
+        ("reason", verdict.map(|verdict| &*verdict.reason).into()),
+        ("evidence", Document::List(diagnosis.evidence.iter().map(evidence).collect())),
+        ("bad_parts", Document::List(bad_parts.collect())),
+    ])
+}
+
+fn evidence(one: &Evidence) -> Document {
+    Document::of_entries([
+        ("test", one.test.name.into()),
+        ("sentence", one.sentence.as_str().into()),
+        ("statistic", Document::Number(one.statistic)),
+        ("p_value", Document::Number(one.p_value)),
+        ("effect", Document::Number(one.effect)),
+        ("counts", Document::Flag(one.counts)),
+    ])
 }

@@ -2,14 +2,13 @@
 
 use kalmanscope_core::{Document, Scenario};
 use serde::Deserialize;
-use serde_json::{Value, json};
 
 use super::address::{self, Target};
 use crate::request::Request;
 use crate::session::Mode;
 
 /// The newest set of messages.
-const VERSION: u64 = 1;
+const VERSION: i64 = 1;
 
 /// Limits the characters of a message.
 pub const LONGEST: usize = 65_536;
@@ -21,7 +20,7 @@ const LONGEST_ID: usize = 100;
 #[derive(Debug, PartialEq)]
 pub struct Message {
     /// The name of the message, which its answer repeats.
-    pub id: Value,
+    pub id: Document,
     /// The request in it.
     pub wish: Wish,
 }
@@ -51,7 +50,7 @@ pub enum Topic {
 #[derive(Debug, PartialEq)]
 pub struct Refusal {
     /// The name of the message; `None` where it is not one of ours, and gets no answer.
-    pub id: Option<Value>,
+    pub id: Option<Document>,
     /// The sentence.
     pub reason: String,
 }
@@ -62,7 +61,7 @@ struct Written {
     #[serde(rename = "kalmanscope")]
     _version: u64,
     #[serde(default, rename = "id")]
-    _id: Value,
+    _id: Option<Document>,
     set: Option<Set>,
     get: Option<Topic>,
 }
@@ -98,22 +97,22 @@ impl Message {
         if text.len() > LONGEST {
             return Err(foreign(&format!("A message is longer than {LONGEST} characters.")));
         }
-        let value: Value = serde_json::from_str(text).map_err(|_| foreign("A message is not an object."))?;
+        let value = Document::from_json(text).map_err(|_| foreign("A message is not an object."))?;
         let Some(version) = value.get("kalmanscope") else {
             return Err(foreign("A message has no key `kalmanscope`."));
         };
-        let id = value.get("id").filter(|id| is_name(id)).cloned().unwrap_or_default();
+        let id = value.get("id").filter(|id| is_name(id)).cloned().unwrap_or(Document::Null);
         let refused = |reason: String| Refusal { id: Some(id.clone()), reason };
-        if version.as_u64() != Some(VERSION) {
+        if *version != Document::Integer(VERSION) {
+            let version = Document::json(version).unwrap_or_default();
             return Err(refused(format!("The version of a message is {version}, but must be {VERSION}.")));
         }
         // A list would be taken for an object's values.
-        if value.get("set").is_some_and(|set| !set.is_object()) {
+        if value.get("set").is_some_and(|set| !matches!(set, Document::Table(_))) {
             return Err(refused("The value of `set` must be an object.".to_owned()));
         }
-        let Written { set, get, .. } = Document::of(&value)
-            .and_then(|value| value.read())
-            .map_err(|error| refused(format!("A message is impossible: {error}.")))?;
+        let Written { set, get, .. } =
+            value.read().map_err(|error| refused(format!("A message is impossible: {error}.")))?;
         let wish = match (set, get) {
             (Some(set), None) => Wish::Set(set.requests().map_err(refused)?),
             (None, Some(topic)) => Wish::Get(topic),
@@ -125,19 +124,25 @@ impl Message {
 
 impl Refusal {
     /// The answer, if there is one.
-    pub fn answer(&self) -> Option<Value> {
-        self.id.as_ref().map(|id| answer(id, "error", self.reason.clone()))
+    pub fn answer(&self) -> Option<Document> {
+        self.id.as_ref().map(|id| answer_error(id, &self.reason))
     }
 }
 
 /// The answer to a message.
-pub fn answer(id: &Value, key: &str, contents: impl Into<Value>) -> Value {
-    json!({ "kalmanscope": VERSION, "id": id, key: contents.into() })
+pub fn answer(id: &Document, key: &str, contents: Document) -> Document {
+    Document::of_entries([("kalmanscope", Document::Integer(VERSION)), ("id", id.clone()), (key, contents)])
+}
+
+/// The answer that says why there is no other.
+pub(crate) fn answer_error(id: &Document, reason: &str) -> Document {
+    answer(id, "error", reason.into())
 }
 
 /// The message that the page can be spoken to from now on.
-pub fn ready() -> Value {
-    json!({ "kalmanscope": VERSION, "ready": env!("CARGO_PKG_VERSION") })
+pub fn ready() -> Document {
+    let version = env!("CARGO_PKG_VERSION").into();
+    Document::of_entries([("kalmanscope", Document::Integer(VERSION)), ("ready", version)])
 }
 
 impl Set {
@@ -187,6 +192,10 @@ impl Set {
 }
 
 /// Whether a message's name is short enough to be repeated: a number, or a text of at most [`LONGEST_ID`].
-fn is_name(id: &Value) -> bool {
-    id.is_number() || id.as_str().is_some_and(|id| id.len() <= LONGEST_ID)
+fn is_name(id: &Document) -> bool {
+    match id {
+        Document::Text(text) => text.len() <= LONGEST_ID,
+        Document::Integer(_) | Document::Large(_) | Document::Number(_) => true,
+        _ => false,
+    }
 }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use kalmanscope::share::message::{self, LONGEST, Refusal};
-use serde_json::Value;
+use kalmanscope_core::Document;
 use wasm_bindgen::prelude::*;
 use web_sys::{MessageEvent, Window};
 
@@ -68,7 +68,7 @@ impl Messages {
 
 impl Message {
     /// Answers the window that has sent the message, unless it shows a page of another origin by now.
-    pub(super) fn answer(&self, answer: &Value) {
+    pub(super) fn answer(&self, answer: &Document) {
         // A page from a file, or in a sandbox, has an origin that cannot be named.
         let origin = if self.origin == "null" { "*" } else { &self.origin };
         post(&self.sender, answer, origin);
@@ -96,8 +96,9 @@ fn taken(event: &MessageEvent, parent: &Window) -> Result<Message, &'static str>
     Ok(Message { text, sender: parent.clone(), origin: event.origin() })
 }
 
-fn post(window: &Window, message: &Value, origin: &str) {
-    let sent = parse(&message.to_string()).and_then(|message| window.post_message(&message, origin));
+fn post(window: &Window, message: &Document, origin: &str) {
+    let sent =
+        parse(&Document::json(message).unwrap_or_default()).and_then(|message| window.post_message(&message, origin));
     if let Err(error) = sent {
         log::warn!("A message cannot be sent: {error:?}");
     }

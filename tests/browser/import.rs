@@ -88,7 +88,12 @@ pub(crate) async fn a_record_is_opened_by_drop(page: &Page) {
 }
 
 /// A large file is read, and its start values are made, in workers as often as is said, and with the bits of this machine.
-pub(crate) async fn a_large_record_is_opened(page: &Page, address: &str, folder: &Path, [files, suggestions]: [u64; 2]) {
+pub(crate) async fn a_large_record_is_opened(
+    page: &Page,
+    address: &str,
+    folder: &Path,
+    [files, suggestions]: [u64; 2],
+) {
     let (name, text) = ("large.csv", sheet(6000.0));
     assert!(text.len() > 4_500_000);
     std::fs::create_dir_all(folder).unwrap();
@@ -108,7 +113,8 @@ fn checksum(name: &str, bytes: &[u8]) -> String {
     let table = read(bytes, None).unwrap();
     let (mapping, input) = Mapping::guess(&table);
     let mapping = Mapping { file: name.to_owned(), hash: hash(bytes), ..mapping };
-    let record = |mapping: &Mapping| Builder::new(&table, mapping, input, Hold::First).unwrap().finish().unwrap().record;
+    let record =
+        |mapping: &Mapping| Builder::new(&table, mapping, input, Hold::First).unwrap().finish().unwrap().record;
     let raw = record(&mapping);
     let scenario = Scenario { input, hold: Hold::First, record: Some(mapping), ..scenario_for(&raw) };
     let scenario = suggest(&scenario, &raw).scenario;

@@ -160,10 +160,11 @@ fn an_address_opens_a_lesson_or_a_scenario() {
 fn send(screen: &mut Screen, message: &Value) -> Option<Value> {
     let taken = screen.state_mut().take_message(&message.to_string());
     screen.run_steps(3);
-    match taken {
+    let answer = match taken {
         Ok(message) => Some(screen.state().answer_message(&message)),
         Err(refusal) => refusal.answer(),
-    }
+    };
+    answer.map(|answer| serde_json::to_value(answer).expect("a message is JSON"))
 }
 
 #[test]
