@@ -174,6 +174,9 @@ impl Axis {
         if last == "fading" {
             return linear(1.0, if now > 1.02 { 2.0 * now - 1.0 } else { 1.02 });
         }
+        if last == "gain" && now > 0.0 {
+            return ratios(now / 10.0, now * 10.0);
+        }
         if is_std {
             let centre = if now > 0.0 { now } else { setting.channel().map_or(1e-3, |c| c.usual().std / 100.0) };
             return ratios(centre / 100.0, centre * 100.0);

@@ -34,7 +34,10 @@ impl<H: InSlices, T> Task<H, T> {
         while let Some(there) = &mut self.there {
             match there.next() {
                 Ok(Some(Report::Share(share))) => self.share = share,
-                Ok(Some(Report::Done(outcome))) => return Some(outcome),
+                Ok(Some(Report::Done(outcome))) => {
+                    (self.here, self.there) = (None, None);
+                    return Some(outcome);
+                }
                 Ok(None) => return None,
                 Err(_) => self.there = None,
             }
@@ -43,5 +46,61 @@ impl<H: InSlices, T> Task<H, T> {
         let is_done = here.advance(while_time);
         self.share = here.progress();
         if is_done { self.here.take().map(|here| (self.outcome)(here.finish())) } else { None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kalmanscope_core::import::{ImportError, Loaded, Loading};
+
+    use super::*;
+    use crate::elsewhere::Lost;
+
+    type Outcome = Result<Loaded, ImportError>;
+
+    /// Sends what it is given, then fails.
+    struct Fake(Vec<Option<Report<Outcome>>>);
+
+    impl Work<Report<Outcome>> for Fake {
+        fn next(&mut self) -> Result<Option<Report<Outcome>>, Lost> {
+            if self.0.is_empty() { Err(Lost) } else { Ok(self.0.remove(0)) }
+        }
+    }
+
+    fn file() -> Loading {
+        Loading::new(b"t,x\n0,1\n0.1,2\n".to_vec())
+    }
+
+    /// Frames until the outcome, with the share that each of them shows.
+    fn frames(there: Option<Vec<Option<Report<Outcome>>>>) -> (Vec<f64>, Outcome) {
+        let there = there.map(|reports| Box::new(Fake(reports)) as Box<dyn Work<Report<Outcome>>>);
+        let mut task = Task::new(file(), |outcome| outcome, there);
+        let mut shares = vec![task.progress()];
+        loop {
+            if let Some(outcome) = task.advance(&mut || false) {
+                assert!(task.advance(&mut || true).is_none(), "once");
+                return (shares, outcome);
+            }
+            shares.push(task.progress());
+        }
+    }
+
+    #[test]
+    fn the_outcome_comes_from_elsewhere() {
+        let there = vec![Some(Report::Share(0.25)), None, None, Some(Report::Share(0.5)), None];
+        let there = there.into_iter().chain([Some(Report::Done(Err(ImportError::Matlab)))]).collect();
+        let (shares, outcome) = frames(Some(there));
+        assert_eq!(shares, [0.0, 0.25, 0.25, 0.5]);
+        assert_eq!(outcome.unwrap_err().to_string(), ImportError::Matlab.to_string());
+    }
+
+    #[test]
+    fn work_that_is_lost_is_done_here_from_its_beginning() {
+        let whole = file().finish().unwrap();
+        for there in [None, Some(vec![]), Some(vec![Some(Report::Share(0.9)), None])] {
+            let (shares, outcome) = frames(there);
+            assert_eq!(outcome.unwrap(), whole);
+            assert!(shares.len() > 1);
+        }
     }
 }

@@ -51,7 +51,8 @@ impl Choice {
         let filter = if exists(self.filter) { self.filter } else { scenario.filters.first()?.id };
         let second = self.second.filter(|second| *second != filter && exists(*second));
         let part = part_of(scenario, &[Some(filter), second].into_iter().flatten().collect::<Vec<_>>());
-        let is_free = |key: &str| !is_measured || Setting::new(&part, key).is_ok_and(|setting| setting.is_of_filters());
+        let is_free =
+            |key: &str| !is_measured || Setting::new(&part, key).is_ok_and(|setting| setting.suits_given_record());
         let kept =
             self.axes.each_ref().map(|axis| Some(axis).filter(|a| is_possible(&part, &a.key) && is_free(&a.key)));
         let count = self.axes[0].count;

@@ -3,9 +3,24 @@
 use kalmanscope_core::{Channel, Quantity, Scenario};
 use kalmanscope_lab::{Setting, channels};
 
-/// The keys of the settings that may be varied, in the order of a menu: first what filters are told, then the truth. The
-/// scenario has the chosen filters only; all of them get the same value.
+/// The keys of the settings that may be varied, in the order of a menu: first what filters are told, then what the record is
+/// made with. The scenario has the chosen filters only; all of them get the same value.
 pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> {
+    let mut keys = of_filters(scenario);
+    if is_measured {
+        keys.push("record.input.gain".to_owned());
+    } else {
+        let sensors = scenario.sensors.iter().map(|sensor| sensor.measures.key());
+        keys.extend(scenario.plant.parameters().map(|channel| format!("plant.{}", channel.key())));
+        keys.extend(sensors.map(|key| format!("sensors.{key}.noise_std")));
+        keys.extend(["plant.disturbance_std", "seed"].map(str::to_owned));
+    }
+    keys.retain(|key| is_possible(scenario, key));
+    keys
+}
+
+/// The keys of the settings of filters alone.
+pub(crate) fn of_filters(scenario: &Scenario) -> Vec<String> {
     let places: Vec<usize> = (0..scenario.filters.len()).collect();
     let channels = channels(scenario, &places);
     let sensors = || scenario.sensors.iter().map(|sensor| sensor.measures.key());
@@ -19,11 +34,6 @@ pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> 
     keys.extend(sensors().map(|key| of("sensor_std", key)));
     keys.extend(motion().map(|key| of("process_std", key)));
     keys.extend(["initial_std", "eta"].map(|what| format!("filters.*.{what}")));
-    if !is_measured {
-        keys.extend(scenario.plant.parameters().map(|channel| format!("plant.{}", channel.key())));
-        keys.extend(sensors().map(|key| format!("sensors.{key}.noise_std")));
-        keys.extend(["plant.disturbance_std", "seed"].map(str::to_owned));
-    }
     keys.retain(|key| is_possible(scenario, key));
     keys
 }
@@ -54,6 +64,7 @@ pub(crate) fn name(key: &str) -> String {
         ["filters", .., "initial_std"] => "factor on √P₀".to_owned(),
         ["filters", .., "fading"] => "fading factor λ".to_owned(),
         ["filters", .., "eta"] => "decay η".to_owned(),
+        ["record", "input", "gain"] => "gain of the input".to_owned(),
         ["plant", "disturbance_std"] => "true disturbance".to_owned(),
         ["plant", key] => format!("true {}", symbol(key)),
         ["sensors", key, "noise_std"] => format!("true noise of {}", sensor(key)),
@@ -85,7 +96,7 @@ mod tests {
             assert_eq!(keys[0], "filters.*.initial_mean.natural_frequency");
             for key in &keys {
                 let setting = Setting::new(&scenario, key).unwrap();
-                assert!(!is_measured || setting.is_of_filters(), "{key} would change the record");
+                assert!(!is_measured || setting.suits_given_record(), "{key} would change the record");
                 assert!(key == "seed" || !name(key).contains('.'), "{key} has no name");
             }
             assert_eq!(keys.contains(&"seed".to_owned()), !is_measured);

@@ -127,7 +127,7 @@ impl Survey {
             && self.ensemble.plan().axes == choice.axes
             && self.has(choice.measure)
             && self.precision == choice.precision
-            && is_same(&self.source, source);
+            && (is_same(&self.source, source) || self.varies(source));
         if !same_plan {
             return false;
         }
@@ -141,6 +141,12 @@ impl Survey {
             };
             moved(&part) == moved(base)
         }
+    }
+
+    /// Whether a source is another one only since an axis varies the record that is given. The scenario says which it is.
+    fn varies(&self, source: &Source) -> bool {
+        let is_given = matches!((&self.source, source), (Source::Measured(_), Source::Measured(_)));
+        is_given && self.ensemble.settings().iter().any(|setting| !setting.is_of_filters())
     }
 
     /// The axes' settings that multiply a table, with the table's name.

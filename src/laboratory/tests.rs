@@ -3,7 +3,7 @@ use kalmanscope_core::{Channel, FilterSettings, Scenario};
 use kalmanscope_lab::{Axis, Measure, Runner, Spacing};
 
 use super::*;
-use crate::session::Budget;
+use crate::session::{Budget, Mode};
 
 /// A session of two seconds.
 fn session() -> Session {
@@ -321,4 +321,41 @@ fn a_record_that_is_too_long_has_no_map() {
     follow(&mut laboratory, &session, 2);
     let problem = laboratory.state().problem().unwrap();
     assert!(problem.contains("360001 samples") && laboratory.shown().is_none(), "{problem}");
+}
+
+#[test]
+fn a_map_varies_the_gain_of_a_measured_input_and_stays_as_the_dot_moves() {
+    let built_in = kalmanscope_lessons::BUILT_IN.iter().map(|built_in| built_in.scenario().unwrap());
+    let is_driven = |scenario: &Scenario| scenario.record.as_ref().is_some_and(|mapping| mapping.input.is_some());
+    let scenarios: Vec<Scenario> = built_in.filter(is_driven).collect();
+    assert!(!scenarios.is_empty());
+    for scenario in scenarios {
+        let mut session = Session::new(scenario).unwrap();
+        session.set_mode(Mode::Whole);
+        let gain = |session: &Session| session.scenario().record.as_ref().unwrap().input.as_ref().unwrap().gain;
+        let own = gain(&session);
+        let axis = |text: &str| Axis::parse(text).unwrap();
+        let across = axis(&format!("record.input.gain={}:{}:3:log", 0.5 * own, 2.0 * own));
+        let axes = [across, axis("filters.*.process_std=0.5:2:3:log")];
+        assert!(candidates(session.scenario(), true).contains(&axes[0].key), "the menu offers it");
+        let usual = Choice::usual(session.scenario(), session.run().record(), true, 3).unwrap();
+        let mut laboratory = Laboratory::new(Box::new(Slices(Budget::Unlimited)));
+        laboratory.choose(Some(Choice { axes, measure: Measure::Nis, ..usual }));
+        follow(&mut laboratory, &session, 20);
+        assert_eq!((laboratory.state().problem(), done(&laboratory)), (None, 9));
+        let survey = laboratory.shown().unwrap();
+        let value = survey.value(survey.ensemble().cell(&[0, 2]), 0, Measure::Nis).unwrap();
+        let opened = survey.with(session.scenario(), [0.5 * own, 2.0]).unwrap();
+        session.set_scenario(opened);
+        assert_eq!(gain(&session), 0.5 * own);
+        let run = session.run();
+        let estimates = run.estimates().iter().find(|one| one.id() == survey.filters()[0]).unwrap();
+        let nis = kalmanscope_core::Diagnostics::new(estimates, run.record()).mean_nis().unwrap();
+        let nis = nis.mean / nis.expected;
+        assert!((nis / value - 1.0).abs() < 1e-9, "{nis} in the run, {value} in the map");
+        follow(&mut laboratory, &session, 2);
+        let survey = laboratory.shown().unwrap();
+        assert_eq!((survey.sheet().done(), laboratory.is_working()), (9, false), "nothing begins again");
+        assert_eq!(survey.present(session.scenario())[0], 0.5 * own);
+    }
 }

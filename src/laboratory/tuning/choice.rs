@@ -6,7 +6,7 @@ use kalmanscope_lab::{Axis, Setting};
 use serde::{Deserialize, Serialize};
 
 use crate::laboratory::choice::part_of;
-use crate::laboratory::settings::{candidates, collide, is_possible};
+use crate::laboratory::settings::{collide, is_possible, of_filters};
 
 /// The user's choice of a search, as plain data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ impl TuneChoice {
         let filter = filter.filter(exists).or(scenario.filters.first().map(|filter| filter.id))?;
         let part = part_of(scenario, &[filter]);
         let is_usual = |key: &String| key.contains(".sensor_std.") || key == "filters.*.process_std";
-        let keys = candidates(&part, true).into_iter().filter(is_usual);
+        let keys = of_filters(&part).into_iter().filter(is_usual);
         let axis = |key: String| Some(Axis::usual(&Setting::new(&part, &key).ok()?, &part, 2));
         Some(Self { filter, axes: keys.filter_map(axis).collect(), goal: Goal::Likelihood })
     }

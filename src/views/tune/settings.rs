@@ -6,7 +6,7 @@ use kalmanscope_lab::tune::Goal;
 use kalmanscope_lab::{Axis, Setting};
 
 use crate::controls::number::field;
-use crate::laboratory::{TuneChoice, candidates, part_of, setting_label, setting_name};
+use crate::laboratory::{TuneChoice, of_filters, part_of, setting_label, setting_name};
 use crate::request::Request;
 use crate::text::significant;
 use crate::view::ViewContext;
@@ -43,7 +43,7 @@ pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, choice: &TuneC
             ui.weak(text);
         }
         ui.end_row();
-        for key in candidates(&part, true) {
+        for key in of_filters(&part) {
             setting_ui(ui, &mut next, &key, &part);
             ui.end_row();
         }
