@@ -155,6 +155,22 @@ fn long_filters_in_workers() {
     });
 }
 
+/// `cargo test --test browser -- --ignored --nocapture`: the time of a large import, in a worker and without one.
+#[test]
+#[ignore = "a measurement, which wants the machine for itself"]
+fn large_imports_in_workers() {
+    let address = served().page();
+    runtime().block_on(async {
+        for (name, script) in [("in a worker", ""), ("in the frames", elsewhere::NONE)] {
+            let driver = Driver::start();
+            let page = driver.open().await;
+            page.prepare(frames::STOPWATCH).await;
+            page.prepare(script).await;
+            import::time_of_an_import(&page, &address, &driver.downloads(), name).await;
+        }
+    });
+}
+
 /// `cargo test --test browser -- --ignored --nocapture`: the time of large maps.
 #[test]
 #[ignore = "a measurement, which wants the machine for itself"]

@@ -17,7 +17,7 @@ pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
     let one = match settings.kind {
         kind if kind == FilterKind::IEKF => local * settings.iterations.max(1) as f64,
         kind if kind == FilterKind::UKF || kind == FilterKind::SR_UKF || kind == FilterKind::CKF => 4.0 * local,
-        kind if kind.is_sampled() => settings.ensemble_size.max(1) as f64 * 25.0 * n,
+        kind if kind.is_sampled() => settings.ensemble_size.max(1) as f64 * 75.0 * n,
         _ => local,
     };
     one * settings.substeps.max(1) as f64

@@ -50,10 +50,15 @@ pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     page.wait_until(&format!("!{button}"), PATIENCE).await.unwrap();
 }
 
-/// The record is opened with the guess at its columns, once there is one.
-async fn opens(page: &Page) {
+/// The page asks what the columns mean.
+async fn is_asked(page: &Page) {
     let button = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Open the record')";
     page.wait_until(button, PATIENCE).await.unwrap();
+}
+
+/// The record is opened with the guess at its columns, once there is one.
+async fn opens(page: &Page) {
+    is_asked(page).await;
     // The window grows to its size and moves to the middle meanwhile.
     tokio::time::sleep(Duration::from_secs(1)).await;
     page.click("Open the record", 0.5).await;
@@ -106,6 +111,28 @@ pub(crate) async fn a_large_record_is_opened(
     assert_eq!(told(page, "file").await - before[0], files);
     assert_eq!(told(page, "suggest").await - before[1], suggestions);
     reports_no_problems(page, address).await;
+}
+
+/// Prints how long reading a large file and making its start values takes, and the page's own time in its frames meanwhile.
+pub(crate) async fn time_of_an_import(page: &Page, address: &str, folder: &Path, name: &str) {
+    let text = sheet(40_000.0);
+    std::fs::create_dir_all(folder).unwrap();
+    std::fs::write(folder.join("large.csv"), &text).unwrap();
+    starts(page, address).await;
+    page.click("Whole record", 0.5).await;
+    page.settle().await;
+    let begin = "Object.assign(busy, { sum: 0, longest: 0, begin: performance.now() })";
+    let spent = "[performance.now() - busy.begin, busy.sum, busy.longest].map(Math.round)";
+    page.value(begin).await;
+    page.choose_file("#file", &folder.join("large.csv")).await;
+    is_asked(page).await;
+    println!("{name}, {} MB: all, in frames, longest frame [ms] {}", text.len() / 1_000_000, page.value(spent).await);
+    page.settle().await;
+    page.value(begin).await;
+    page.click("Open the record", 0.5).await;
+    let over = "!JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Cancel the import')";
+    page.wait_until(over, 4 * PATIENCE).await.unwrap();
+    println!("{name}, start values: all, in frames, longest frame [ms] {}", page.value(spent).await);
 }
 
 /// The checksum of a file's record with suggested settings.
