@@ -28,10 +28,10 @@ pub use draft::Draft;
 /// Limits the size of a record's file \[bytes\].
 pub const LARGEST: usize = 500_000_000;
 
-/// A file that is read in the frames takes no longer than a few of them \[bytes\].
+/// Limits the size of a file that is read in the frames, a few of them \[bytes\].
 const LONG_FILE: usize = 4_000_000;
 
-/// As does the making of start values \[samples\].
+/// Limits the length of a record whose start values are made in the frames \[samples\].
 const LONG_RECORD: usize = 50_000;
 
 /// An import under way.

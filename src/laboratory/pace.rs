@@ -21,9 +21,14 @@ impl Pace {
         Self { cells, come: 0 }
     }
 
+    /// The number of cells of the first picture.
+    pub fn first(&self) -> usize {
+        self.cells / FIRST
+    }
+
     /// Notes that the rows of some cells have come.
     pub fn take(&mut self, cells: usize, ctx: &Context) {
-        let (before, first) = (self.come, self.cells / FIRST);
+        let (before, first) = (self.come, self.first());
         self.come += cells;
         if (before < first && first <= self.come) || self.come >= self.cells {
             ctx.request_repaint();

@@ -2,6 +2,7 @@
 
 mod adapter;
 mod errands;
+mod given;
 mod graphics;
 mod member;
 mod portions;
@@ -12,27 +13,19 @@ use std::rc::{Rc, Weak};
 use egui::Context;
 use js_sys::{Array, Float64Array, Uint32Array};
 use kalmanscope::elsewhere::Elsewhere;
-use kalmanscope::laboratory::{Accelerated, Computer, Engine, Pace, Precision, Rows, Slices, Task, Work};
+use kalmanscope::laboratory::{Accelerated, Computer, Engine, Precision, Rows, Slices, Task, Work};
 use kalmanscope_core::Source;
-use kalmanscope_lab::{Ensemble, EnsembleError, Runner};
-use kalmanscope_worker::in_message;
+use kalmanscope_lab::{Ensemble, EnsembleError};
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen::closure::Closure;
 use web_sys::MessageEvent;
-use web_time::{Duration, Instant};
 
 use errands::{Errand, Errands};
+use given::Given;
 use member::{Member, Program};
 
 /// Limits the workers, whatever the number of processors.
 const MOST: usize = 8;
-
-/// The time for which the page computes at once while it waits for its workers.
-const PORTION: Duration = Duration::from_millis(8);
-
-/// The cells that it computes at once, and the limit of their time \[s\].
-const SIDE_BY_SIDE: usize = 8;
-const LIGHT: f64 = 0.05;
 
 /// The workers that serve all maps and errands. They are started with the first one.
 #[derive(Clone, Default)]
@@ -56,22 +49,35 @@ struct Team {
 impl Team {
     /// Whether there are light cells to compute and no worker is ready yet.
     fn needs_page(&self) -> bool {
-        let is_light = |task: &Given| SIDE_BY_SIDE as f64 * task.runner.time_of_cell() < LIGHT;
-        let mut task = self.task.iter().filter(|task| task.next < task.order.len());
-        self.broken.is_none() && !self.members.iter().any(Member::is_ready) && task.any(is_light)
+        let is_light = self.task.as_ref().is_some_and(Given::is_light);
+        self.broken.is_none() && !self.members.iter().any(Member::is_ready) && is_light
     }
-}
 
-/// The cells that are to be run.
-struct Given {
-    runner: Runner,
-    ensemble: String,
-    record: wasm_bindgen::JsValue,
-    order: Vec<usize>,
-    next: usize,
-    rows: Vec<Rows>,
-    pace: Pace,
-    ctx: Context,
+    /// Gives a worker by its place its next cells, if it has none waiting and no errand.
+    fn feed(&mut self, place: usize) {
+        let Self { members, job, task, errands, .. } = self;
+        let (Some(member), Some(task)) = (members.get_mut(place), task) else { return };
+        if !errands.iter().any(|errand| errand.is_of(member)) {
+            task.feed(member, *job, full());
+        }
+    }
+
+    /// Ends a worker that has failed, by its place. Its errands are lost. Where there are none, or a map lacks cells now, all
+    /// workers are given up: who begins anew might fail anew.
+    fn lose(&mut self, place: usize, reason: String) {
+        log::warn!("A worker of the page has failed: {reason}");
+        let Self { members, task, errands, broken, .. } = self;
+        let member = &mut members[place];
+        let is_of_errand = errands.iter().any(|errand| errand.is_of(member));
+        if !(is_of_errand && member.is_ready() && member.is_free()) {
+            *broken = Some(reason);
+        }
+        // Frames see what has become of the work.
+        task.iter().for_each(Given::wake);
+        errands.iter().for_each(Errand::wake);
+        errands.retain(|errand| !errand.is_of(member));
+        member.end();
+    }
 }
 
 /// The browser's graphics processor, or a program in its place where that will do, and workers for what it does not serve.
@@ -86,39 +92,13 @@ pub(super) fn errands(workers: &Workers, ctx: &Context) -> Rc<dyn Elsewhere> {
 
 impl Engine for Workers {
     fn start(&self, task: Task<'_>, ctx: &Context) -> Result<Box<dyn Work>, EnsembleError> {
-        let Task { ensemble, source, order, .. } = task;
-        let task = Given {
-            runner: Runner::new(ensemble.clone(), source.clone())?,
-            ensemble: ensemble.to_json(),
-            record: in_message(source),
-            pace: Pace::new(order.len()),
-            order,
-            next: 0,
-            rows: Vec::new(),
-            ctx: ctx.clone(),
-        };
-        let job = begin(&self.0, task);
-        let (ensemble, source) = (ensemble.clone(), source.clone());
+        let (ensemble, source) = (task.ensemble.clone(), task.source.clone());
+        let job = begin(&self.0, Given::new(task, ctx)?);
         Ok(Box::new(WorkInWorkers { team: Rc::clone(&self.0), job, ensemble, source, instead: None }))
     }
 
     fn usual_count(&self) -> usize {
         if processors() > 2 { 64 } else { 48 }
-    }
-}
-
-impl Given {
-    /// Computes some cells.
-    fn compute(&mut self) {
-        let begun = Instant::now();
-        while self.next < self.order.len() && begun.elapsed() < PORTION {
-            let end = (self.next + SIDE_BY_SIDE).min(self.order.len());
-            let cells = self.order[self.next..end].to_vec();
-            let numbers = self.runner.rows(&cells);
-            self.pace.take(cells.len(), &self.ctx);
-            self.rows.push(Rows { cells, numbers, by: Computer::Frames });
-            self.next = end;
-        }
     }
 }
 
@@ -144,11 +124,12 @@ impl Work for WorkInWorkers {
             && let Some(task) = team.task.take()
         {
             let Self { ensemble, source, .. } = &*self;
-            let again = Task { ensemble, source, order: task.order, precision: Precision::Double };
-            self.instead = Slices::FRAME.start(again, &task.ctx).ok();
-            return task.rows;
+            let (rows, order, ctx) = task.end();
+            let again = Task { ensemble, source, order, precision: Precision::Double };
+            self.instead = Slices::FRAME.start(again, &ctx).ok();
+            return rows;
         }
-        team.task.as_mut().map(|task| std::mem::take(&mut task.rows)).unwrap_or_default()
+        team.task.as_mut().map(Given::take_rows).unwrap_or_default()
     }
 }
 
@@ -168,10 +149,7 @@ fn begin(team: &Rc<RefCell<Team>>, task: Given) -> u32 {
     present.job += 1;
     present.task = Some(task);
     muster(team, &mut present, MOST);
-    let Team { members, task, job, errands, .. } = &mut *present;
-    if let Some(task) = task {
-        members.iter_mut().for_each(|member| feed(member, errands, *job, task));
-    }
+    (0..present.members.len()).for_each(|place| present.feed(place));
     if present.needs_page() && !std::mem::replace(&mut present.is_bridged, true) {
         bridge(Rc::downgrade(team));
     }
@@ -185,8 +163,9 @@ fn muster(team: &Rc<RefCell<Team>>, present: &mut Team, count: usize) {
     if broken.is_some() {
         return;
     }
-    members.retain(|member| !member.is_stuck() || errands.iter().any(|errand| errand.is_of(member)));
-    while members.len() < processors().min(MOST).min(count) {
+    let is_needed = |member: &Member| errands.iter().any(|errand| errand.is_of(member));
+    members.retain(|member| !member.is_over() && (!member.is_stuck() || is_needed(member)));
+    while members.len() < full().min(count) {
         let number = free_number(members);
         match Member::new(number, Program::Page, listener(team, number)) {
             Ok(member) => members.push(member),
@@ -226,17 +205,14 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
     move |event| {
         let Some(team) = team.upgrade() else { return };
         let mut team = team.borrow_mut();
-        let Team { members, job, task, errands, errand: _, broken, is_bridged: _ } = &mut *team;
+        let Team { members, job, task, errands, .. } = &mut *team;
         let by = Computer::Workers(members.len());
-        let Some(member) = members.iter_mut().find(|member| member.number() == number) else { return };
+        let is_it = |member: &Member| member.number() == number && !member.is_over();
+        let Some(place) = members.iter().position(is_it) else { return };
+        let member = &mut members[place];
         let words: Array = match event {
             Ok(event) => event.data().unchecked_into(),
-            Err(reason) => {
-                log::warn!("The page has no workers: {reason}");
-                *broken = Some(reason);
-                wake(task.as_ref(), errands);
-                return;
-            }
+            Err(reason) => return team.lose(place, reason),
         };
         match words.get(0).as_string().as_deref() {
             Some("ready") => {
@@ -250,50 +226,20 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
                     && let Some(task) = task
                 {
                     let cells = words.get(2).unchecked_into::<Uint32Array>().to_vec();
-                    let cells: Vec<usize> = cells.into_iter().map(|cell| cell as usize).collect();
+                    let cells = cells.into_iter().map(|cell| cell as usize).collect();
                     let numbers = words.get(3).unchecked_into::<Float64Array>().to_vec();
-                    task.pace.take(cells.len(), &task.ctx);
-                    task.rows.push(Rows { cells, numbers, by });
+                    task.put(Rows { cells, numbers, by });
                 }
             }
-            _ => {
-                let reason = words.get(2).as_string().unwrap_or_default();
-                log::warn!("A worker of the page has failed: {reason}");
-                *broken = Some(reason);
-                wake(task.as_ref(), errands);
-                return;
-            }
+            _ => return team.lose(place, words.get(2).as_string().unwrap_or_default()),
         }
-        if let Some(task) = task {
-            feed(member, errands, *job, task);
-        }
+        team.feed(place);
     }
 }
 
-/// Asks for a frame that sees what has become of all work.
-fn wake(task: Option<&Given>, errands: &[Errand]) {
-    if let Some(task) = task {
-        task.ctx.request_repaint();
-    }
-    errands.iter().for_each(Errand::wake);
-}
-
-/// Gives a worker its next cells, if it has none waiting and no errand.
-fn feed(member: &mut Member, errands: &[Errand], job: u32, task: &mut Given) {
-    if errands.iter().any(|errand| errand.is_of(member)) {
-        return;
-    }
-    while task.next < task.order.len() && member.wants_more() {
-        if !member.knows(job) {
-            let Given { ensemble, record, .. } = task;
-            member.tell(&Array::of4(&"ensemble".into(), &job.into(), &(&*ensemble).into(), record));
-            member.learn(job);
-        }
-        let end = (task.next + member.portion()).min(task.order.len());
-        let cells: Vec<u32> = task.order[task.next..end].iter().map(|&cell| cell as u32).collect();
-        member.give(&Array::of3(&"cells".into(), &job.into(), &Uint32Array::from(cells.as_slice())));
-        task.next = end;
-    }
+/// The number of workers where there is work for all.
+fn full() -> usize {
+    processors().min(MOST)
 }
 
 fn processors() -> usize {

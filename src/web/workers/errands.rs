@@ -12,7 +12,7 @@ use wasm_bindgen::JsValue;
 
 use super::member::Member;
 use super::portions::Portions;
-use super::{Team, feed, muster};
+use super::{Team, muster};
 
 /// The workers, for long work.
 pub(super) struct Errands {
@@ -174,11 +174,11 @@ impl<T> Drop for InWorker<T> {
 
 /// Ends the errand of this number.
 fn give_up(team: &mut Team, number: u32) {
-    let Team { members, errands, task, job, .. } = team;
+    let Team { members, errands, .. } = team;
     let Some(place) = errands.iter().position(|errand| errand.number == number) else { return };
     let errand = errands.swap_remove(place);
     let Some(place) = members.iter().position(|member| errand.is_of(member)) else { return };
-    let member = &mut members[place];
+    let member = &members[place];
     let is_alone = member.is_free() && !errands.iter().any(|errand| errand.is_of(member));
     if is_alone && errand.portions.is_stuck() {
         // Nothing else stops it. Another one is started when there is work for it.
@@ -186,7 +186,5 @@ fn give_up(team: &mut Team, number: u32) {
         return;
     }
     member.tell(&Array::of2(&"forget".into(), &number.into()));
-    if let Some(task) = task {
-        feed(member, errands, *job, task);
-    }
+    team.feed(place);
 }

@@ -221,7 +221,7 @@ fn listener(state: &Rc<RefCell<State>>, software: bool) -> impl FnMut(Result<Mes
             }
             "no graphics" => {
                 state.miss(text(1));
-                if let Some(worker) = &state.worker {
+                if let Some(worker) = &mut state.worker {
                     worker.end();
                 }
             }

@@ -24,6 +24,7 @@ pub(super) struct Member {
     number: u32,
     worker: Worker,
     is_ready: bool,
+    is_over: bool,
     /// The job whose ensemble it knows.
     job: Option<u32>,
     /// Cells that it has.
@@ -54,7 +55,7 @@ impl Member {
         worker.set_onmessage(Some(hear.as_ref().unchecked_ref()));
         worker.set_onerror(Some(fail.as_ref().unchecked_ref()));
         let portions = Portions::new();
-        Ok(Self { number, worker, is_ready: false, job: None, portions, _hear: hear, _fail: fail })
+        Ok(Self { number, worker, is_ready: false, is_over: false, job: None, portions, _hear: hear, _fail: fail })
     }
 
     /// Its number, which no other has.
@@ -92,10 +93,10 @@ impl Member {
         self.job == Some(job)
     }
 
-    /// Notes the job whose ensemble it has been told.
-    pub(super) fn learn(&mut self, job: u32) {
+    /// Notes the job whose ensemble it has been told, and the number of cells to give it first.
+    pub(super) fn learn(&mut self, job: u32, first: usize) {
         self.job = Some(job);
-        self.portions.shrink();
+        self.portions.begin_with(first);
     }
 
     /// The number of cells to give it at once.
@@ -104,8 +105,14 @@ impl Member {
     }
 
     /// Ends the worker before this is dropped, as where that cannot be: while the worker is listened to.
-    pub(super) fn end(&self) {
+    pub(super) fn end(&mut self) {
         self.worker.terminate();
+        (self.is_ready, self.is_over) = (false, true);
+    }
+
+    /// Whether it has been ended.
+    pub(super) fn is_over(&self) -> bool {
+        self.is_over
     }
 
     /// Sends a message.

@@ -27,6 +27,13 @@ impl Portions {
         Self { given: Vec::with_capacity(AT_ONCE), size: 4 }
     }
 
+    /// The size of a first portion where one unit takes this time \[s\] by estimate, so that each of some workers has its share of
+    /// the first units.
+    pub(super) fn first(time: f64, units: usize, workers: usize) -> usize {
+        let soon = (0.7 * PORTION.as_secs_f64() / time) as usize;
+        soon.min(units / (AT_ONCE * workers)).clamp(1, MOST)
+    }
+
     /// Whether one has taken long.
     pub(super) fn is_stuck(&self) -> bool {
         self.given.first().is_some_and(|begin| begin.elapsed() > LONG)
@@ -47,9 +54,9 @@ impl Portions {
         self.size
     }
 
-    /// Begins with small ones again, for other work.
-    pub(super) fn shrink(&mut self) {
-        self.size = 4;
+    /// Begins with this size, for other work.
+    pub(super) fn begin_with(&mut self, size: usize) {
+        self.size = size;
     }
 
     /// Notes that one has been given.
