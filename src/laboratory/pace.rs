@@ -3,13 +3,13 @@
 use egui::Context;
 use web_time::Duration;
 
-/// The share of the cells that a first picture has: every eighth each way.
-const FIRST: usize = 64;
+/// The shares of the cells that the first pictures have: every sixteenth and every eighth each way.
+const FIRST: [usize; 2] = [256, 64];
 
 /// The time between two other pictures: drawing takes processors from what computes the map.
 const BETWEEN: Duration = Duration::from_millis(200);
 
-/// Wakes the screen as rows come: at once for the first picture and the last, else a few times a second.
+/// Wakes the screen as rows come: at once for the first pictures and the last, else a few times a second.
 pub struct Pace {
     cells: usize,
     come: usize,
@@ -23,41 +23,39 @@ impl Pace {
 
     /// The number of cells of the first picture.
     pub fn first(&self) -> usize {
-        self.cells / FIRST
+        self.cells / FIRST[0]
     }
 
     /// Notes that the rows of some cells have come.
     pub fn take(&mut self, cells: usize, ctx: &Context) {
-        let (before, first) = (self.come, self.first());
-        self.come += cells;
-        if (before < first && first <= self.come) || self.come >= self.cells {
+        if self.is_picture(cells) {
             ctx.request_repaint();
         } else {
             ctx.request_repaint_after(BETWEEN);
         }
     }
+
+    /// Whether these cells complete one of the pictures that are shown at once.
+    fn is_picture(&mut self, cells: usize) -> bool {
+        let before = self.come;
+        self.come += cells;
+        let completes = |share| (before + 1..=self.come).contains(&(self.cells / share));
+        FIRST.into_iter().any(completes) || self.come >= self.cells
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::{Arc, Mutex};
-
     use super::*;
 
     #[test]
-    fn the_first_picture_and_the_last_come_at_once() {
-        assert_eq!(waits(&[9]), [BETWEEN]);
-        assert_eq!(waits(&[9, 1]), [BETWEEN, Duration::ZERO]);
-        assert_eq!(waits(&[640]), [Duration::ZERO]);
-    }
-
-    /// The delays until the next picture that are asked for while the rows of 640 cells come in these portions.
-    fn waits(portions: &[usize]) -> Vec<Duration> {
-        let (ctx, waits) = (Context::default(), Arc::new(Mutex::new(Vec::new())));
-        let told = Arc::clone(&waits);
-        ctx.set_request_repaint_callback(move |info| told.lock().unwrap().push(info.delay));
-        let mut pace = Pace::new(640);
-        portions.iter().for_each(|&cells| pace.take(cells, &ctx));
-        waits.lock().unwrap().clone()
+    fn the_first_pictures_and_the_last_come_at_once() {
+        let pictures = |portions: &[usize]| {
+            let mut pace = Pace::new(640);
+            portions.iter().map(|&cells| pace.is_picture(cells)).collect::<Vec<_>>()
+        };
+        assert_eq!(pictures(&[1, 1, 7, 1, 9, 600, 21]), [false, true, false, true, false, false, true]);
+        assert_eq!(pictures(&[20, 600, 20]), [true, false, true]);
+        assert_eq!(pictures(&[640]), [true]);
     }
 }

@@ -2,7 +2,7 @@
 
 use js_sys::Array;
 use kalmanscope_lab::Runner;
-use kalmanscope_worker::{Errand, Words, answer, cells, hear, runner, tell};
+use kalmanscope_worker::{Errand, Watch, Words, answer, cells, hear, runner, tell};
 
 /// Answers messages for as long as the worker lives.
 pub(super) fn serve() {
@@ -16,8 +16,8 @@ pub(super) fn serve() {
             if let Some((job, runner)) = &present
                 && *job == words.job()
             {
-                let cells = cells(words.get(2));
-                answer(*job, &cells, &runner.rows(&cells));
+                let (cells, watch) = (cells(words.get(2)), Watch::start());
+                answer(*job, &cells, &runner.rows(&cells), &watch);
             }
         }
         "more" => {

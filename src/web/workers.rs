@@ -221,7 +221,7 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
             }
             Some("part") => errands::take(errands, member, &words),
             Some("rows") => {
-                member.take_back();
+                member.take_back(words.get(4).as_f64().unwrap_or_default());
                 if words.get(1).as_f64() == Some(f64::from(*job))
                     && let Some(task) = task
                 {

@@ -47,6 +47,7 @@ pub(crate) const STOPWATCH: &str = "
         const map = window.wasmBindings?.kalmanscope_summary && JSON.parse(wasmBindings.kalmanscope_summary()).map;
         const note = (name, least) => { if (map?.done >= least) window.rows[name] ??= performance.now(); };
         note('first', 1);
+        note('coarse', map?.cells / 256);
         note('picture', map?.cells / 64);
         note('last', map?.cells);
         setTimeout(look, window.rows.picture ? 250 : 20);
@@ -71,7 +72,7 @@ pub(crate) fn large_map(filter: &str) -> String {
 /// Prints how long a map takes from the first frame on, with the start of the workers.
 pub(crate) async fn time_of_a_map(page: &Page, filter: &str) {
     page.wait_until("window.rows.last !== undefined", PATIENCE).await.unwrap();
-    let times = "(frame => ['first', 'picture', 'last'].map(name => window.rows[name] - frame))\
+    let times = "(frame => ['first', 'coarse', 'picture', 'last'].map(name => window.rows[name] - frame))\
                  (performance.getEntriesByName('first frame')[0].startTime)";
-    println!("{filter}: first rows, first picture and all rows after [ms] {}", page.value(times).await);
+    println!("{filter}: first rows, first picture, the next one and all rows after [ms] {}", page.value(times).await);
 }

@@ -5,7 +5,7 @@ use wasm_bindgen::JsValue;
 
 use crate::file::{file, loaded_message};
 use crate::filter::Filter;
-use crate::scope::{Words, send};
+use crate::scope::{Watch, Words, send};
 use crate::slices::Slices;
 use crate::suggestion::{suggest, suggestion_message};
 
@@ -43,9 +43,9 @@ impl Errand {
 
     /// Goes on by as much as a message asks for, and sends what there is.
     pub fn answer(&mut self, words: &Words) {
-        let handed_over = Array::new();
+        let (handed_over, watch) = (Array::new(), Watch::start());
         let part = self.work.go_on(words.get(2).as_f64().unwrap_or(0.0) as usize, &handed_over);
-        send(&Array::of3(&"part".into(), &self.number.into(), &part), &handed_over);
+        send(&Array::of4(&"part".into(), &self.number.into(), &part, &watch.time().into()), &handed_over);
     }
 }
 

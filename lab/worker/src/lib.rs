@@ -5,17 +5,17 @@
 //! |---|---|
 //! | | `["ready"]` |
 //! | `["ensemble", job, ensemble, record]` | `["failed", job, reason]` where it cannot be used |
-//! | `["cells", job, Uint32Array]` | `["rows", job, Uint32Array, Float64Array]` |
+//! | `["cells", job, Uint32Array]` | `["rows", job, Uint32Array, Float64Array, time]` |
 //! | `["filter", number, scenario, record, place]` | `["failed", number, reason]` where it cannot be used |
 //! | `["file", number, Uint8Array]` | |
 //! | `["suggest", number, scenario, record]` | `["failed", number, reason]` where it cannot be used |
-//! | `["more", number, count]` | `["part", number, part]` |
+//! | `["more", number, count]` | `["part", number, part, time]` |
 //! | `["forget", number]` | |
 //!
 //! A job is a number, an ensemble JSON. `record` is null, or `[dt, input, [key, column], …]` with a `Float64Array` for each column. A part of
 //! a filter is a `Float64Array`, the numbers of a tape. Of a file or start values it is the share that is done, and at last the outcome: of a
 //! file `[hash, table, column, …]` or a text with the reason why it cannot be read, of start values JSON. Columns of numbers are handed
-//! over, not copied.
+//! over, not copied. The time is that of the computation [ms].
 
 #![cfg(target_arch = "wasm32")]
 
@@ -33,5 +33,5 @@ pub use file::{file_message, loaded};
 pub use filter::{filter_message, tape};
 pub use message::{cells, runner};
 pub use record::{filtered, in_message, measured};
-pub use scope::{Words, answer, hear, tell};
+pub use scope::{Watch, Words, answer, hear, tell};
 pub use suggestion::{suggest_message, suggestion};

@@ -41,12 +41,32 @@ pub fn hear(mut listener: impl FnMut(&Words) + 'static) {
     tell(&Array::of1(&"ready".into()));
 }
 
+/// Tells how long a message takes.
+pub struct Watch(f64);
+
+impl Watch {
+    /// Begins now.
+    pub fn start() -> Self {
+        Self(now())
+    }
+
+    /// The time since its begin \[ms\].
+    pub(crate) fn time(&self) -> f64 {
+        now() - self.0
+    }
+}
+
+/// The time of the worker's clock \[ms\].
+fn now() -> f64 {
+    scope().performance().map_or(0.0, |clock| clock.now())
+}
+
 /// Sends the rows of some cells.
-pub fn answer(job: f64, cells: &[usize], rows: &[f64]) {
+pub fn answer(job: f64, cells: &[usize], rows: &[f64], watch: &Watch) {
     let rows = Float64Array::from(rows);
     let cells: Vec<u32> = cells.iter().map(|&cell| cell as u32).collect();
     let cells = Uint32Array::from(cells.as_slice());
-    let message = Array::of4(&"rows".into(), &job.into(), &cells, &rows);
+    let message = Array::of5(&"rows".into(), &job.into(), &cells, &rows, &watch.time().into());
     send(&message, &Array::of1(&rows.buffer()));
 }
 

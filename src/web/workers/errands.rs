@@ -67,9 +67,9 @@ impl Errand {
         }
     }
 
-    /// Takes in a part from its worker, and asks for more.
-    fn take(&mut self, part: &JsValue, member: &Member) {
-        self.portions.take_back();
+    /// Takes in a part that has taken its worker this time \[ms\], and asks for more.
+    fn take(&mut self, part: &JsValue, taken: f64, member: &Member) {
+        self.portions.take_back(taken);
         self.come.push(part);
         if self.left == UNTIL_DONE && part.as_f64().is_none() {
             self.left = 0;
@@ -146,7 +146,7 @@ pub(super) fn take(errands: &mut [Errand], member: &Member, words: &Array) {
     let number = words.get(1).as_f64();
     // An errand that has been given up may have sent some.
     if let Some(errand) = errands.iter_mut().find(|errand| number == Some(f64::from(errand.number))) {
-        errand.take(&words.get(2), member);
+        errand.take(&words.get(2), words.get(3).as_f64().unwrap_or_default(), member);
     }
 }
 

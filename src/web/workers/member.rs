@@ -128,9 +128,9 @@ impl Member {
         self.portions.give();
     }
 
-    /// Notes that it has sent the rows of a portion, and fits the next one to the time that it took.
-    pub(super) fn take_back(&mut self) {
-        self.portions.take_back();
+    /// Notes that it has sent the rows of a portion, and fits the next one to the time that it took it \[ms\].
+    pub(super) fn take_back(&mut self, taken: f64) {
+        self.portions.take_back(taken);
     }
 }
 

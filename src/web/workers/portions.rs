@@ -2,14 +2,17 @@
 
 use web_time::{Duration, Instant};
 
-/// Limits the time of a portion, so that other work is heard of soon.
-const PORTION: Duration = Duration::from_millis(30);
+/// The time of a portion: rows come soon, and other work is heard of soon.
+const PORTION: Duration = Duration::from_millis(10);
 
 /// A portion that takes longer is not waited for.
 const LONG: Duration = Duration::from_millis(250);
 
-/// Portions that a worker has at once, so that it need not wait for the page.
-const AT_ONCE: usize = 2;
+/// Portions that a worker has at once, at least and at most, so that it has something to do while the page draws a frame.
+const AT_ONCE: [usize; 2] = [2, 6];
+
+/// Limits the time of all portions that it has, where there are more than the least.
+const AHEAD: Duration = Duration::from_millis(60);
 
 /// Limits the size of a portion.
 const MOST: usize = 4096;
@@ -19,19 +22,21 @@ pub(super) struct Portions {
     /// When each portion was begun.
     given: Vec<Instant>,
     size: usize,
+    /// The time that the last one took.
+    last: Duration,
 }
 
 impl Portions {
     /// Nothing is given yet.
     pub(super) fn new() -> Self {
-        Self { given: Vec::with_capacity(AT_ONCE), size: 4 }
+        Self { given: Vec::new(), size: 4, last: PORTION }
     }
 
     /// The size of a first portion where one unit takes this time \[s\] by estimate, so that each of some workers has its share of
     /// the first units.
     pub(super) fn first(time: f64, units: usize, workers: usize) -> usize {
-        let soon = (0.7 * PORTION.as_secs_f64() / time) as usize;
-        soon.min(units / (AT_ONCE * workers)).clamp(1, MOST)
+        let soon = (PORTION.as_secs_f64() / time) as usize;
+        soon.min(units / (AT_ONCE[1] * workers)).clamp(1, MOST)
     }
 
     /// Whether one has taken long.
@@ -46,7 +51,9 @@ impl Portions {
 
     /// Whether there should be more.
     pub(super) fn want_more(&self) -> bool {
-        self.given.len() < AT_ONCE
+        let [least, most] = AT_ONCE;
+        let count = self.given.len();
+        count < least || (count < most && self.last * (count as u32 + 1) <= AHEAD)
     }
 
     /// The size of the next one.
@@ -56,7 +63,7 @@ impl Portions {
 
     /// Begins with this size, for other work.
     pub(super) fn begin_with(&mut self, size: usize) {
-        self.size = size;
+        (self.size, self.last) = (size, PORTION);
     }
 
     /// Notes that one has been given.
@@ -64,19 +71,20 @@ impl Portions {
         self.given.push(Instant::now());
     }
 
-    /// Notes that the first one is done, and fits the next one to the time that it took.
-    pub(super) fn take_back(&mut self) {
+    /// Notes that the first one is done, and fits the next one to the time that it took the worker \[ms\].
+    pub(super) fn take_back(&mut self, taken: f64) {
         if self.given.is_empty() {
             return;
         }
-        let taken = self.given.remove(0).elapsed();
+        self.given.remove(0);
         // The next one has waited for this one.
         if let Some(next) = self.given.first_mut() {
             *next = Instant::now();
         }
-        if taken < PORTION / 2 {
+        self.last = Duration::try_from_secs_f64(1e-3 * taken).unwrap_or(PORTION);
+        if self.last < PORTION / 2 {
             self.size = (self.size * 2).min(MOST);
-        } else if taken > PORTION * 2 {
+        } else if self.last > PORTION * 2 {
             self.size = (self.size / 2).max(1);
         }
     }

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use js_sys::Array;
 use kalmanscope_gpu::{Gpu, GpuError, Software};
 use kalmanscope_lab::Runner;
-use kalmanscope_worker::{Words, answer, cells, hear, runner, tell};
+use kalmanscope_worker::{Watch, Words, answer, cells, hear, runner, tell};
 use wasm_bindgen_futures::spawn_local;
 
 /// The processor, once it has been found, and the last job.
@@ -67,9 +67,10 @@ impl Graphics {
         if !Gpu::serves(&runner) {
             return tell(&Array::of2(&"refused".into(), &job.into()));
         }
+        let watch = Watch::start();
         spawn_local(async move {
             match gpu.rows(&runner, &cells, &|| present.get() == job).await {
-                Ok((served, rows)) => answer(job, &served, &rows),
+                Ok((served, rows)) => answer(job, &served, &rows, &watch),
                 Err(GpuError::Unwanted) => {}
                 Err(error) => tell(&Array::of3(&"lost".into(), &job.into(), &error.to_string().into())),
             }
