@@ -1,10 +1,11 @@
-//! The tuned filter of the linear oscillator as plain numbers, and any one step of it: for programs that run many filters
-//! side by side and leave to it the steps that are special.
+//! The tuned filter of an oscillator as plain numbers, and any one step of it: for programs that run many filters side by
+//! side and leave to it the steps that are special.
 
 use super::estimator::{initial_belief, noise, readings, serves};
 use super::gaussian::Gaussian;
 use super::log_parameters::LogParameters;
-use super::model::Output;
+use super::model::{Model, Output};
+use super::plant::duffing::Duffing;
 use super::plant::sdof::Sdof;
 use super::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints};
 use crate::estimator::FilterContext;
@@ -26,17 +27,42 @@ pub enum Method {
     SigmaPoints,
 }
 
-/// A filter of the linear oscillator, before its first sample.
+/// The plants that have such a filter: oscillators whose state `[x, v, parameters]` has N components.
+pub trait Oscillator<const N: usize>: Model<N> {
+    /// The plant.
+    const PLANT: PlantKind;
+
+    /// The model whose parameters decay at the rate `eta` \[1/s\].
+    fn with_decay(eta: f64) -> Self;
+}
+
+impl Oscillator<4> for Sdof {
+    const PLANT: PlantKind = PlantKind::SDOF;
+
+    fn with_decay(eta: f64) -> Self {
+        Self { eta }
+    }
+}
+
+impl Oscillator<5> for Duffing {
+    const PLANT: PlantKind = PlantKind::DUFFING;
+
+    fn with_decay(eta: f64) -> Self {
+        Self { eta }
+    }
+}
+
+/// A filter of an oscillator, the linear one if none is named, before its first sample.
 #[derive(Clone, Debug)]
-pub struct OscillatorFilter {
+pub struct OscillatorFilter<P = Sdof, const N: usize = 4> {
+    /// The plant, with η \[1/s\].
+    pub plant: P,
     /// The method of the filter.
     pub method: Method,
-    /// The initial belief in `[x, v, ωₙ, ζ]`.
-    pub initial: Gaussian<4>,
+    /// The initial belief.
+    pub initial: Gaussian<N>,
     /// Q, R and fading.
-    pub noise: Noise<4>,
-    /// η \[1/s\]
-    pub eta: f64,
+    pub noise: Noise<N>,
     /// Time between samples \[s\].
     pub dt: f64,
     /// The reading of each sensor, if the model knows it.
@@ -47,9 +73,9 @@ pub struct OscillatorFilter {
     pub input_delay: i32,
 }
 
-impl OscillatorFilter {
-    /// The filter at `place` of a scenario, if it is one of the kernels' KF, EKF or UKF of the linear oscillator that adapts
-    /// nothing, propagates by local linearisation and can begin.
+impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
+    /// The filter at `place` of a scenario, if it is one of the kernels' KF, EKF or UKF of this plant that adapts nothing,
+    /// propagates by local linearisation and can begin.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -65,7 +91,7 @@ impl OscillatorFilter {
             _ => return Ok(None),
         };
         let model = context.model(settings);
-        let usual = model.plant() == PlantKind::SDOF
+        let usual = model.plant() == P::PLANT
             && !settings.log_parameters
             && !settings.adaptation.is_on()
             && settings.substeps == 1
@@ -74,12 +100,12 @@ impl OscillatorFilter {
         if !usual {
             return Ok(None);
         }
-        let plant = Sdof { eta: model.eta() };
+        let plant = P::with_decay(model.eta());
         let filter = Self {
             method,
             initial: initial_belief(&plant, settings),
             noise: noise(&plant, settings),
-            eta: plant.eta,
+            plant,
             dt: context.dt,
             outputs: readings(settings, &context),
             columns,
@@ -94,10 +120,10 @@ impl OscillatorFilter {
     /// Those of [`Filter::predict`] and [`Filter::update`].
     pub fn step(
         &self,
-        belief: &mut Gaussian<4>,
+        belief: &mut Gaussian<N>,
         [before, force]: [f64; 2],
         measured: &[f64],
-        correction: &mut Correction<4>,
+        correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
         let from = belief.clone();
         *belief = match self.method {
@@ -112,15 +138,15 @@ impl OscillatorFilter {
         Ok(())
     }
 
-    fn step_of<B: Belief<LogParameters<Sdof>, 4>>(
+    fn step_of<B: Belief<LogParameters<P>, N>>(
         &self,
         start: B,
         [before, force]: [f64; 2],
         measured: &[f64],
-        correction: &mut Correction<4>,
-    ) -> Result<Gaussian<4>, FilterError> {
+        correction: &mut Correction<N>,
+    ) -> Result<Gaussian<N>, FilterError> {
         // The type that runs have, so that the program has the filter once.
-        let model = LogParameters { plant: Sdof { eta: self.eta }, on: false };
+        let model = LogParameters { plant: self.plant.clone(), on: false };
         let (noise, outputs) = (self.noise.clone(), self.outputs.clone());
         let mut filter = Filter::new(model, start, self.dt, noise, outputs, Adaptation::default());
         filter.predict(before)?;

@@ -39,7 +39,7 @@ pub fn serves(run: &GpuRun<'_>) -> bool {
 /// The filter of a run, if it goes to the graphics processor.
 fn prepare(run: &GpuRun<'_>) -> Option<OscillatorFilter> {
     let GpuRun { scenario, place, record } = *run;
-    let filter = OscillatorFilter::new(scenario, place, record).ok()??;
+    let filter = <OscillatorFilter>::new(scenario, place, record).ok()??;
     let outputs: Vec<_> = filter.outputs.iter().flatten().map(|&output| place_of(output)).collect();
     let each_once = outputs.iter().enumerate().all(|(at, output)| output.is_some() && !outputs[..at].contains(output));
     let is_truth_whole = knows_truth(record) || CHANNELS.iter().all(|&channel| record.truth(channel).is_none());
@@ -49,7 +49,7 @@ fn prepare(run: &GpuRun<'_>) -> Option<OscillatorFilter> {
         && (0..4).all(|i| is_fine(filter.initial.cov[(i, i)]) && is_fine(noise.process[(i, i)]))
         && noise.sensors.iter().take(filter.outputs.len()).all(|&variance| variance > 0.0 && is_fine(variance));
     let is_usual = each_once
-        && filter.eta == 0.0
+        && filter.plant.eta == 0.0
         && is_truth_whole
         && numbers_are_fine
         && record.forgotten() == 0

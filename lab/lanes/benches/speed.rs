@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Channel, Quantity, Record, Run, Scenario};
+use kalmanscope_core::{Channel, PlantKind, Quantity, Record, Run, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
 
 /// Runs at a time, and samples of a record.
@@ -54,6 +54,14 @@ fn main() {
             scenario.add_sensor(kalmanscope_core::Sensor { measures, noise_std: 0.1 });
         });
         report("acceleration", &accelerated, &one(&accelerated[0]));
+        let cubic = |scenario: &mut Scenario| scenario.set_plant(PlantKind::DUFFING);
+        let duffing = of(&cubic);
+        report("Duffing", &duffing, &one(&duffing[0]));
+        let decaying = of(&|scenario| {
+            cubic(scenario);
+            scenario.filters[0].eta = 0.01;
+        });
+        report("Duffing, parameters that decay", &decaying, &one(&decaying[0]));
     }
 }
 

@@ -7,7 +7,8 @@ use kalmanscope_core::{Record, RunError, Scenario};
 
 use crate::lane::LANES;
 use crate::level::Level;
-use crate::observation::{CHANNELS, MOST, Observations, Run, knows_truth};
+use crate::observation::{MOST, Observations, Run, knows_truth};
+use crate::plant::{Plant, Visitor, visit};
 
 /// One filter of a scenario, to be run over a record.
 #[derive(Clone, Copy, Debug)]
@@ -20,14 +21,31 @@ pub struct LaneRun<'a> {
     pub record: &'a Record,
 }
 
-/// Whether a run goes in lanes: a KF, EKF or UKF of the linear oscillator with at most three sensors, for displacement,
-/// velocity or acceleration, with or without fading, decay of the parameters and a delay of the input, under an input that is
-/// held. [`outcomes`] takes any other run too, at the pace of a single filter.
+/// Whether a run goes in lanes: a KF, EKF or UKF of the linear oscillator, or outside a browser of the Duffing oscillator,
+/// with at most three sensors, for displacement, velocity or acceleration, with or without fading, decay of the parameters
+/// and a delay of the input, under an input that is held. [`outcomes`] takes any other run too, at the pace of a single filter.
 ///
 /// # Errors
 /// Those of [`Pass::new`](kalmanscope_core::Pass::new).
 pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
-    Ok(prepare(run)?.is_some())
+    let mut search = Search { run, is_found: false };
+    visit(&mut search)?;
+    Ok(search.is_found)
+}
+
+/// A search for a plant with which a run goes in lanes.
+struct Search<'a> {
+    run: &'a LaneRun<'a>,
+    is_found: bool,
+}
+
+impl Visitor for Search<'_> {
+    type Error = RunError;
+
+    fn visit<P: Plant<N>, const N: usize, const E: usize>(&mut self) -> Result<(), RunError> {
+        self.is_found = self.is_found || prepare::<P, N>(self.run)?.is_some();
+        Ok(())
+    }
 }
 
 /// The outcomes of some runs, in their order, with the best instructions that this processor has. Runs that differ in numbers
@@ -45,28 +63,46 @@ pub fn outcomes(runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
 /// # Errors
 /// Those of [`outcomes`].
 pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>], samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
-    let filters = runs.iter().map(prepare).collect::<Result<Vec<_>, _>>()?;
-    let mut results: Vec<Option<Outcome>> = vec![None; runs.len()];
-    for group in groups(&filters, runs) {
-        for places in group.chunks(LANES) {
-            run_batch(level, places, &filters, runs, samples, &mut results);
-        }
-    }
+    let mut all = All { level, runs, samples, results: vec![None; runs.len()] };
+    visit(&mut all)?;
     let single = |(result, run): (Option<Outcome>, &LaneRun<'_>)| match result {
         Some(outcome) => Ok(outcome),
         None => Outcome::at(run.scenario, run.place, run.record, samples),
     };
-    results.into_iter().zip(runs).map(single).collect()
+    all.results.into_iter().zip(runs).map(single).collect()
 }
 
-/// The filter of a run, if it goes in lanes.
-fn prepare(run: &LaneRun<'_>) -> Result<Option<OscillatorFilter>, RunError> {
+/// All runs, and the outcomes of those that have gone in lanes.
+struct All<'a> {
+    level: Level,
+    runs: &'a [LaneRun<'a>],
+    samples: &'a [usize],
+    results: Vec<Option<Outcome>>,
+}
+
+impl Visitor for All<'_> {
+    type Error = RunError;
+
+    fn visit<P: Plant<N>, const N: usize, const E: usize>(&mut self) -> Result<(), RunError> {
+        let filters = self.runs.iter().map(prepare::<P, N>).collect::<Result<Vec<_>, _>>()?;
+        for group in groups(&filters, self.runs) {
+            for places in group.chunks(LANES) {
+                self.run_batch::<P, N, E>(places, &filters);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The filter of a run, if it goes in lanes with this plant.
+fn prepare<P: Plant<N>, const N: usize>(run: &LaneRun<'_>) -> Result<Option<OscillatorFilter<P, N>>, RunError> {
     let LaneRun { scenario, place, record } = *run;
     let filter = OscillatorFilter::new(scenario, place, record)?;
     Ok(filter.filter(|filter| {
         let outputs = || filter.outputs.iter().flatten();
         let is_known = |output: &Output| matches!(output, Output::State(0 | 1) | Output::Rate(1));
-        let is_truth_whole = knows_truth(record) || CHANNELS.iter().all(|&channel| record.truth(channel).is_none());
+        let is_truth_whole =
+            knows_truth(record, &P::CHANNELS) || P::CHANNELS.iter().all(|&channel| record.truth(channel).is_none());
         outputs().all(is_known)
             && outputs().count() <= MOST
             && record.forgotten() == 0
@@ -77,10 +113,10 @@ fn prepare(run: &LaneRun<'_>) -> Result<Option<OscillatorFilter>, RunError> {
 }
 
 /// Whether a UKF knows a component for certain: every step would be special.
-fn has_certain_component(filter: &OscillatorFilter) -> bool {
+fn has_certain_component<P, const N: usize>(filter: &OscillatorFilter<P, N>) -> bool {
     let OscillatorFilter { method, initial, noise, .. } = filter;
     let is_certain = |i: usize| initial.cov[(i, i)] == 0.0 && noise.process[(i, i)] == 0.0;
-    *method == Method::SigmaPoints && (2..4).any(is_certain)
+    *method == Method::SigmaPoints && (2..N).any(is_certain)
 }
 
 /// The properties that all lanes of a batch must share.
@@ -95,17 +131,20 @@ struct Kind<'a> {
 }
 
 /// The places of runs that can go side by side; those over one record stand together.
-fn groups(filters: &[Option<OscillatorFilter>], runs: &[LaneRun<'_>]) -> Vec<Vec<usize>> {
+fn groups<P: Plant<N>, const N: usize>(
+    filters: &[Option<OscillatorFilter<P, N>>],
+    runs: &[LaneRun<'_>],
+) -> Vec<Vec<usize>> {
     let mut groups: Vec<(Kind<'_>, Vec<usize>)> = Vec::new();
     for (place, (filter, run)) in filters.iter().zip(runs).enumerate() {
-        let Some(OscillatorFilter { method, eta, dt, outputs, .. }) = filter else { continue };
+        let Some(OscillatorFilter { method, plant, dt, outputs, .. }) = filter else { continue };
         let kind = Kind {
             method: *method,
-            decays: *eta != 0.0,
+            decays: plant.eta() != 0.0,
             dt: *dt,
             samples: run.record.len(),
             outputs,
-            knows_truth: knows_truth(run.record),
+            knows_truth: knows_truth(run.record, &P::CHANNELS),
         };
         match groups.iter_mut().find(|(other, _)| *other == kind) {
             Some((_, places)) => places.push(place),
@@ -119,31 +158,31 @@ fn groups(filters: &[Option<OscillatorFilter>], runs: &[LaneRun<'_>]) -> Vec<Vec
     places
 }
 
-/// Runs as many filters as there are lanes, or fewer; lanes that are left over repeat the last one.
-fn run_batch(
-    level: Level,
-    places: &[usize],
-    filters: &[Option<OscillatorFilter>],
-    runs: &[LaneRun<'_>],
-    samples: &[usize],
-    results: &mut [Option<Outcome>],
-) {
-    // A batch costs more than one filter alone.
-    let [_, _, ..] = places else { return };
-    let of = |place: usize| Some(Run { filter: filters[place].as_ref()?, record: runs[place].record });
-    let all: Option<Vec<Run<'_>>> = places.iter().map(|&place| of(place)).collect();
-    let Some(mut all) = all else { return };
-    let Some(&last) = all.last() else { return };
-    all.resize(LANES, last);
-    let Ok(batch) = <[Run<'_>; LANES]>::try_from(all) else { return };
-    let is_same = |run: &Run<'_>| {
-        std::ptr::eq(run.record, last.record)
-            && (&run.filter.columns, run.filter.input_delay) == (&last.filter.columns, last.filter.input_delay)
-    };
-    let distinct = if batch.iter().all(is_same) { 1 } else { LANES };
-    let forces: Vec<Vec<f64>> = batch[..distinct].iter().map(|run| run.forces()).collect();
-    let outcomes = level.run(&batch, &Observations::new(&batch, &forces), samples);
-    for (&place, outcome) in places.iter().zip(outcomes) {
-        results[place] = outcome;
+impl All<'_> {
+    /// Runs as many filters as there are lanes, or fewer; lanes that are left over repeat the last one.
+    fn run_batch<P: Plant<N>, const N: usize, const E: usize>(
+        &mut self,
+        places: &[usize],
+        filters: &[Option<OscillatorFilter<P, N>>],
+    ) {
+        let Self { level, runs, samples, results } = self;
+        // A batch costs more than one filter alone.
+        let [_, _, ..] = places else { return };
+        let of = |place: usize| Some(Run { filter: filters[place].as_ref()?, record: runs[place].record });
+        let all: Option<Vec<Run<'_, P, N>>> = places.iter().map(|&place| of(place)).collect();
+        let Some(mut all) = all else { return };
+        let Some(&last) = all.last() else { return };
+        all.resize(LANES, last);
+        let Ok(batch) = <[Run<'_, P, N>; LANES]>::try_from(all) else { return };
+        let is_same = |run: &Run<'_, P, N>| {
+            std::ptr::eq(run.record, last.record)
+                && (&run.filter.columns, run.filter.input_delay) == (&last.filter.columns, last.filter.input_delay)
+        };
+        let distinct = if batch.iter().all(is_same) { 1 } else { LANES };
+        let forces: Vec<Vec<f64>> = batch[..distinct].iter().map(|run| run.forces()).collect();
+        let outcomes = level.run::<P, N, E>(&batch, &Observations::new(&batch, &forces), samples);
+        for (&place, outcome) in places.iter().zip(outcomes) {
+            results[place] = outcome;
+        }
     }
 }

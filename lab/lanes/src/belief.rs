@@ -1,29 +1,45 @@
 //! Beliefs and noise of filters side by side.
 
 use crate::lane::{LANES, Lane};
+use crate::plant::Plant;
 use kalmanscope_core::kernel::abreast::OscillatorFilter;
 use kalmanscope_core::kernel::gaussian::{Gaussian, Matrix, Vector};
 
-/// The number of components of the state `[x, v, ωₙ, ζ]`.
-pub(crate) const N: usize = 4;
+/// The lower triangle of a symmetric N × N matrix, column by column.
+pub(crate) struct Triangle<const N: usize>;
 
-/// The place of each entry of a symmetric matrix in its lower triangle, column by column.
-pub(crate) const AT: [[usize; N]; N] = [[0, 1, 2, 3], [1, 4, 5, 6], [2, 5, 7, 8], [3, 6, 8, 9]];
-
-/// Mean, and the lower triangle of the covariance.
-#[derive(Clone, Copy)]
-pub(crate) struct Belief<T> {
-    pub(crate) mean: [T; N],
-    pub(crate) cov: [T; 10],
+impl<const N: usize> Triangle<N> {
+    /// The place of each entry.
+    pub(crate) const AT: [[usize; N]; N] = {
+        let mut at = [[0; N]; N];
+        let (mut j, mut place) = (0, 0);
+        while j < N {
+            let mut i = j;
+            while i < N {
+                (at[i][j], at[j][i]) = (place, place);
+                (i, place) = (i + 1, place + 1);
+            }
+            j += 1;
+        }
+        at
+    };
 }
 
-impl<T: Lane> Belief<T> {
+/// Mean, and the lower triangle of the covariance, which has E entries.
+#[derive(Clone, Copy)]
+pub(crate) struct Belief<T, const N: usize, const E: usize> {
+    pub(crate) mean: [T; N],
+    pub(crate) cov: [T; E],
+}
+
+impl<T: Lane, const N: usize, const E: usize> Belief<T, N, E> {
     pub(crate) fn new(token: T::Token, beliefs: &[Gaussian<N>; LANES]) -> Self {
         let mean = |i: usize| T::from_array(token, std::array::from_fn(|lane| beliefs[lane].mean[i]));
-        let mut cov = [T::splat(token, 0.0); 10];
+        let mut cov = [T::splat(token, 0.0); E];
         for j in 0..N {
             for i in j..N {
-                cov[AT[i][j]] = T::from_array(token, std::array::from_fn(|lane| beliefs[lane].cov[(i, j)]));
+                cov[Triangle::<N>::AT[i][j]] =
+                    T::from_array(token, std::array::from_fn(|lane| beliefs[lane].cov[(i, j)]));
             }
         }
         Self { mean: std::array::from_fn(mean), cov }
@@ -34,14 +50,14 @@ impl<T: Lane> Belief<T> {
         let (mean, cov) = (self.mean.map(T::to_array), self.cov.map(T::to_array));
         std::array::from_fn(|lane| Gaussian {
             mean: Vector::from_fn(|i, _| mean[i][lane]),
-            cov: Matrix::from_fn(|i, j| cov[AT[i][j]][lane]),
+            cov: Matrix::from_fn(|i, j| cov[Triangle::<N>::AT[i][j]][lane]),
         })
     }
 
     /// An entry of the covariance.
     #[inline(always)]
     pub(crate) fn cov(&self, i: usize, j: usize) -> T {
-        self.cov[AT[i][j]]
+        self.cov[Triangle::<N>::AT[i][j]]
     }
 
     /// Whether a belief can be one: finite, and without a negative variance.
@@ -51,7 +67,10 @@ impl<T: Lane> Belief<T> {
         let mut sum = zero;
         let mut valid = zero.le(self.cov[0]);
         for i in 0..N {
-            let row = self.mean[i] + self.cov(i, 0) + self.cov(i, 1) + self.cov(i, 2) + self.cov(i, 3);
+            let mut row = self.mean[i];
+            for j in 0..N {
+                row = row + self.cov(i, j);
+            }
             sum = sum + row;
             valid = valid & zero.le(self.cov(i, i));
         }
@@ -60,15 +79,15 @@ impl<T: Lane> Belief<T> {
 
     /// `λ P + Q`; a variance that is zero but for rounding may have come out on the wrong side.
     #[inline(always)]
-    pub(crate) fn spread(&mut self, noise: &Noise<T>) {
+    pub(crate) fn spread(&mut self, noise: &Noise<T, N>) {
         let zero = noise.fading.of(0.0);
         for j in 0..N {
             for i in j..N {
                 // A sum with zero makes zero of -0.
                 let process = if i == j { noise.process[i] } else { zero };
-                self.cov[AT[i][j]] = self.cov[AT[i][j]] * noise.fading + process;
+                self.cov[Triangle::<N>::AT[i][j]] = self.cov[Triangle::<N>::AT[i][j]] * noise.fading + process;
             }
-            let variance = &mut self.cov[AT[j][j]];
+            let variance = &mut self.cov[Triangle::<N>::AT[j][j]];
             *variance = T::select(variance.lt(zero), zero, *variance);
         }
     }
@@ -76,7 +95,7 @@ impl<T: Lane> Belief<T> {
 
 /// The noise and the decay that the filters assume.
 #[derive(Clone, Copy)]
-pub(crate) struct Noise<T> {
+pub(crate) struct Noise<T, const N: usize> {
     /// Diagonal of Q.
     pub(crate) process: [T; N],
     pub(crate) fading: T,
@@ -86,14 +105,14 @@ pub(crate) struct Noise<T> {
     pub(crate) decay: T,
 }
 
-impl<T: Lane> Noise<T> {
-    pub(crate) fn new(token: T::Token, filters: [&OscillatorFilter; LANES]) -> Self {
-        let of = |f: &dyn Fn(&OscillatorFilter) -> f64| T::from_array(token, filters.map(f));
+impl<T: Lane, const N: usize> Noise<T, N> {
+    pub(crate) fn new<P: Plant<N>>(token: T::Token, filters: [&OscillatorFilter<P, N>; LANES]) -> Self {
+        let of = |f: &dyn Fn(&OscillatorFilter<P, N>) -> f64| T::from_array(token, filters.map(f));
         Self {
             process: std::array::from_fn(|i| of(&|filter| filter.noise.process[(i, i)])),
             fading: of(&|filter| filter.noise.fading),
-            eta: of(&|filter| filter.eta),
-            decay: of(&|filter| libm::exp(-filter.eta * filter.dt)),
+            eta: of(&|filter| filter.plant.eta()),
+            decay: of(&|filter| libm::exp(-filter.plant.eta() * filter.dt)),
         }
     }
 }

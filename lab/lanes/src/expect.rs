@@ -2,41 +2,41 @@
 
 use kalmanscope_core::kernel::model::Output;
 
-use crate::belief::{AT, Belief, N};
+use crate::belief::{Belief, Triangle};
 use crate::factor::lower_root;
 use crate::lane::Lane;
-use crate::linearised::by_parameters;
 use crate::observation::Active;
+use crate::plant::Plant;
 use crate::sigma_points::SPREAD;
 
 /// The prediction of M measurements.
-pub(crate) struct Expected<T, const M: usize> {
+pub(crate) struct Expected<T, const N: usize, const M: usize> {
     pub(crate) mean: [T; M],
     /// S, noise included.
     pub(crate) cov: [[T; M]; M],
     /// Covariance of state and measurement: a row for each component of the state.
     pub(crate) cross: [[T; M]; N],
-    pub(crate) view: View<T, M>,
+    pub(crate) view: View<T, N, M>,
 }
 
 /// The dependence of measurements on the state.
-pub(crate) enum View<T, const M: usize> {
+pub(crate) enum View<T, const N: usize, const M: usize> {
     /// Linearly: H.
-    Linear([Row<T>; M]),
+    Linear([Row<T, N>; M]),
     /// Not linearly.
     Curved,
 }
 
 /// A row of H.
 #[derive(Clone, Copy)]
-pub(crate) enum Row<T> {
+pub(crate) enum Row<T, const N: usize> {
     /// One of the unit matrix.
     Unit(usize),
     /// A full one.
     Full([T; N]),
 }
 
-impl<T: Lane> Row<T> {
+impl<T: Lane, const N: usize> Row<T, N> {
     /// Its product with a column.
     #[inline(always)]
     pub(crate) fn times(&self, column: &[T; N]) -> T {
@@ -55,32 +55,29 @@ impl<T: Lane> Row<T> {
 
 /// The reading of a sensor in a state under this force over mass \[m/s²\].
 #[inline(always)]
-fn read<T: Lane>(output: Output, state: &[T; N], force: T) -> T {
-    let &[x, v, wn, zeta] = state;
+fn read<P: Plant<N>, T: Lane, const N: usize>(output: Output, state: &[T; N], force: T) -> T {
     match output {
         Output::State(i) => state[i],
-        Output::Rate(_) => force - x.of(2.0) * zeta * wn * v - wn * wn * x,
+        Output::Rate(_) => P::acceleration(state, force),
     }
 }
 
 /// As the EKF has it.
 #[inline(always)]
-pub(crate) fn linearised<T: Lane, const M: usize>(
-    belief: &Belief<T>,
+pub(crate) fn linearised<P: Plant<N>, T: Lane, const N: usize, const E: usize, const M: usize>(
+    belief: &Belief<T, N, E>,
     active: &[Active<T>; M],
     force: T,
-) -> (Expected<T, M>, T::Mask) {
-    let [x, _, wn, zeta] = belief.mean;
-    let zero = x.of(0.0);
-    let [by_frequency, by_damping] = by_parameters(&belief.mean);
-    let rate = Row::Full([-wn * wn, x.of(-2.0) * zeta * wn, by_frequency, by_damping]);
+) -> (Expected<T, N, M>, T::Mask) {
+    let zero = force.of(0.0);
+    let rate = Row::Full(P::slopes(&belief.mean));
     let (mut jacobian, mut mean) = ([rate; M], [zero; M]);
     let (mut cross, mut cov) = ([[zero; M]; N], [[zero; M]; M]);
     for m in 0..M {
         if let Output::State(i) = active[m].output {
             jacobian[m] = Row::Unit(i);
         }
-        mean[m] = read(active[m].output, &belief.mean, force);
+        mean[m] = read::<P, T, N>(active[m].output, &belief.mean, force);
         let mut column = [zero; N];
         for i in 0..N {
             for j in 0..N {
@@ -99,23 +96,23 @@ pub(crate) fn linearised<T: Lane, const M: usize>(
         }
         cov[m][m] = cov[m][m] + active[m].variance;
     }
-    (Expected { mean, cov, cross, view: View::Linear(jacobian) }, T::always(x.token()))
+    (Expected { mean, cov, cross, view: View::Linear(jacobian) }, T::always(force.token()))
 }
 
 /// As the UKF has it, by sigma points drawn afresh; with the lanes for which it holds.
 #[inline(always)]
-pub(crate) fn by_sigma_points<T: Lane, const M: usize>(
-    belief: &Belief<T>,
+pub(crate) fn by_sigma_points<P: Plant<N>, T: Lane, const N: usize, const E: usize, const M: usize>(
+    belief: &Belief<T, N, E>,
     active: &[Active<T>; M],
     force: T,
-) -> (Expected<T, M>, T::Mask) {
+) -> (Expected<T, N, M>, T::Mask) {
     let zero = force.of(0.0);
     let weight = force.of(1.0 / (2.0 * SPREAD));
     let distance = force.of(SPREAD.sqrt());
-    let (root, holds) = lower_root(&belief.cov);
+    let (root, holds) = lower_root::<T, N, E>(&belief.cov);
     let mut centre = [zero; M];
     for m in 0..M {
-        centre[m] = read(active[m].output, &belief.mean, force);
+        centre[m] = read::<P, T, N>(active[m].output, &belief.mean, force);
     }
     let mut sum = [zero; M];
     let mut cov = [[zero; M]; M];
@@ -123,7 +120,7 @@ pub(crate) fn by_sigma_points<T: Lane, const M: usize>(
     for point in 0..N {
         let (mut far, mut above, mut below) = ([zero; N], belief.mean, belief.mean);
         for j in point..N {
-            far[j] = root[AT[j][point]] * distance;
+            far[j] = root[Triangle::<N>::AT[j][point]] * distance;
         }
         for j in 0..N {
             above[j] = belief.mean[j] + far[j];
@@ -131,8 +128,8 @@ pub(crate) fn by_sigma_points<T: Lane, const M: usize>(
         }
         let (mut high, mut low) = ([zero; M], [zero; M]);
         for m in 0..M {
-            high[m] = read(active[m].output, &above, force) - centre[m];
-            low[m] = read(active[m].output, &below, force) - centre[m];
+            high[m] = read::<P, T, N>(active[m].output, &above, force) - centre[m];
+            low[m] = read::<P, T, N>(active[m].output, &below, force) - centre[m];
         }
         for m in 0..M {
             sum[m] = sum[m] + (high[m] + low[m]);

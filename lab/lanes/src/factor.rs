@@ -1,7 +1,7 @@
 //! Roots and factors of covariances: those of [`gaussian`](kalmanscope_core::kernel::gaussian) in lanes, for matrices
 //! without a special case.
 
-use crate::belief::{AT, N};
+use crate::belief::Triangle;
 use crate::lane::Lane;
 
 /// Two columns' pivots and their inverses, the second by the determinant of both, and the lanes for which that holds.
@@ -14,30 +14,34 @@ fn two_pivots<T: Lane>(c00: T, c10: T, c11: T) -> ([T; 2], [T; 2], T::Mask) {
 
 /// The lower triangular root of a covariance, and the lanes for which it holds.
 #[inline(always)]
-pub(crate) fn lower_root<T: Lane>(cov: &[T; 10]) -> ([T; 10], T::Mask) {
+pub(crate) fn lower_root<T: Lane, const N: usize, const E: usize>(cov: &[T; E]) -> ([T; E], T::Mask) {
+    let at = &Triangle::<N>::AT;
     let mut columns = *cov;
     let mut root = *cov;
     let mut holds = T::always(cov[0].token());
     let (mut pivots, mut inverses) = ([cov[0]; 2], [cov[0]; 2]);
     for j in 0..N {
-        if j % 2 == 0 {
+        if j % 2 == 0 && j + 1 == N {
+            let last = columns[at[j][j]];
+            (pivots[0], inverses[0]) = (last, last.of(1.0) / last);
+        } else if j % 2 == 0 {
             let in_range;
             (pivots, inverses, in_range) =
-                two_pivots(columns[AT[j][j]], columns[AT[j + 1][j]], columns[AT[j + 1][j + 1]]);
+                two_pivots(columns[at[j][j]], columns[at[j + 1][j]], columns[at[j + 1][j + 1]]);
             holds = holds & in_range;
         }
         let (pivot, inverse) = (pivots[j % 2], inverses[j % 2]);
-        let rounding = pivot.of(4.0 * N as f64 * f64::EPSILON) * cov[AT[j][j]];
+        let rounding = pivot.of(4.0 * N as f64 * f64::EPSILON) * cov[at[j][j]];
         holds = holds & rounding.lt(pivot) & pivot.is_normal();
         for k in j + 1..N {
-            let share = columns[AT[k][j]] * inverse;
+            let share = columns[at[k][j]] * inverse;
             for i in k..N {
-                columns[AT[i][k]] = columns[AT[i][k]] - columns[AT[i][j]] * share;
+                columns[at[i][k]] = columns[at[i][k]] - columns[at[i][j]] * share;
             }
         }
         let scale = inverse * pivot.sqrt();
         for i in j..N {
-            root[AT[i][j]] = columns[AT[i][j]] * scale;
+            root[at[i][j]] = columns[at[i][j]] * scale;
         }
     }
     (root, holds)

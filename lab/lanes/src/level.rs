@@ -7,6 +7,7 @@ use kalmanscope_core::score::Outcome;
 use crate::array::Array;
 use crate::lane::LANES;
 use crate::observation::{Observations, Run};
+use crate::plant::Plant;
 use crate::run::run;
 
 /// A set of instructions.
@@ -47,10 +48,10 @@ impl Level {
     }
 
     /// Runs a batch with these instructions, or with the best ones below them that the processor has.
-    pub(crate) fn run(
+    pub(crate) fn run<P: Plant<N>, const N: usize, const E: usize>(
         self,
-        runs: &[Run<'_>; LANES],
-        observations: &Observations<'_>,
+        runs: &[Run<'_, P, N>; LANES],
+        observations: &Observations<'_, N>,
         samples: &[usize],
     ) -> [Option<Outcome>; LANES] {
         let is_ukf = runs[0].filter.method == Method::SigmaPoints;
@@ -58,23 +59,23 @@ impl Level {
         if self > Self::Baseline {
             let best = fearless_simd::Level::new();
             if let Some(token) = best.as_avx512().filter(|_| self == Self::Avx512) {
-                return with_vectors(token, is_ukf, runs, observations, samples);
+                return with_vectors::<_, P, N, E>(token, is_ukf, runs, observations, samples);
             }
             if let Some(token) = best.as_avx2() {
-                return with_vectors(token, is_ukf, runs, observations, samples);
+                return with_vectors::<_, P, N, E>(token, is_ukf, runs, observations, samples);
             }
         }
         #[cfg(target_arch = "wasm32")]
         return if is_ukf {
-            with_pairs::<true>(runs, observations, samples)
+            with_pairs::<P, N, E, true>(runs, observations, samples)
         } else {
-            with_pairs::<false>(runs, observations, samples)
+            with_pairs::<P, N, E, false>(runs, observations, samples)
         };
         #[cfg(not(target_arch = "wasm32"))]
         if is_ukf {
-            run::<Array, true>((), runs, observations, samples)
+            run::<P, Array, N, E, true>((), runs, observations, samples)
         } else {
-            run::<Array, false>((), runs, observations, samples)
+            run::<P, Array, N, E, false>((), runs, observations, samples)
         }
     }
 }
@@ -82,32 +83,32 @@ impl Level {
 #[cfg(target_arch = "wasm32")]
 #[inline(never)]
 #[target_feature(enable = "simd128")]
-fn with_pairs<const UKF: bool>(
-    runs: &[Run<'_>; LANES],
-    observations: &Observations<'_>,
+fn with_pairs<P: Plant<N>, const N: usize, const E: usize, const UKF: bool>(
+    runs: &[Run<'_, P, N>; LANES],
+    observations: &Observations<'_, N>,
     samples: &[usize],
 ) -> [Option<Outcome>; LANES] {
-    run::<crate::pair::Pair, UKF>((), runs, observations, samples)
+    run::<P, crate::pair::Pair, N, E, UKF>((), runs, observations, samples)
 }
 
 #[cfg(target_arch = "x86_64")]
-fn with_vectors<S: fearless_simd::Simd>(
+fn with_vectors<S: fearless_simd::Simd, P: Plant<N>, const N: usize, const E: usize>(
     token: S,
     is_ukf: bool,
-    runs: &[Run<'_>; LANES],
-    observations: &Observations<'_>,
+    runs: &[Run<'_, P, N>; LANES],
+    observations: &Observations<'_, N>,
     samples: &[usize],
 ) -> [Option<Outcome>; LANES] {
     use crate::vector::Vector;
     if is_ukf {
         token.vectorize(
             #[inline(always)]
-            || run::<Vector<S>, true>(token, runs, observations, samples),
+            || run::<P, Vector<S>, N, E, true>(token, runs, observations, samples),
         )
     } else {
         token.vectorize(
             #[inline(always)]
-            || run::<Vector<S>, false>(token, runs, observations, samples),
+            || run::<P, Vector<S>, N, E, false>(token, runs, observations, samples),
         )
     }
 }

@@ -6,8 +6,8 @@
 //!                    └ a lane whose step is special: the single filter takes it
 //! ```
 //!
-//! KF, EKF and UKF of the linear oscillator go in lanes ([`serves`]); [`outcomes`] runs any other filter by itself. A step in
-//! lanes is straight-line code: the kernel's operations, in its order, and the lanes for which they hold. The instruction
+//! KF, EKF and UKF of the linear oscillator and, outside a browser, of the Duffing oscillator go in lanes ([`serves`]);
+//! [`outcomes`] runs any other filter by itself. A step in lanes is straight-line code: the kernel's operations, in its order, and the lanes for which they hold. The instruction
 //! set is chosen while running; since no operation is fused, all give the same bits.
 //!
 //! ```
@@ -49,6 +49,7 @@ mod linearised;
 mod observation;
 #[cfg(target_arch = "wasm32")]
 mod pair;
+mod plant;
 mod run;
 mod sigma_points;
 mod sums;

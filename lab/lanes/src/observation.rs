@@ -1,12 +1,12 @@
 //! The measurements of one sample, and the columns that they come from.
 
-use kalmanscope_core::Record;
 use kalmanscope_core::kernel::abreast::OscillatorFilter;
 use kalmanscope_core::kernel::gaussian::Gaussian;
 use kalmanscope_core::kernel::model::Output;
+use kalmanscope_core::{Channel, Record};
 
-use crate::belief::N;
 use crate::lane::{LANES, Lane};
+use crate::plant::Plant;
 
 /// The most sensors with a measurement at a time.
 pub(crate) const MOST: usize = 3;
@@ -64,12 +64,12 @@ pub(crate) struct Sensor<'a> {
 
 /// One filter and its record.
 #[derive(Clone, Copy)]
-pub(crate) struct Run<'a> {
-    pub(crate) filter: &'a OscillatorFilter,
+pub(crate) struct Run<'a, P, const N: usize> {
+    pub(crate) filter: &'a OscillatorFilter<P, N>,
     pub(crate) record: &'a Record,
 }
 
-impl Run<'_> {
+impl<P: Plant<N>, const N: usize> Run<'_, P, N> {
     /// The force over mass of each sample \[m/s²\].
     pub(crate) fn forces(self) -> Vec<f64> {
         (0..self.record.len()).map(|k| self.record.delayed_force(k, self.filter.input_delay)).collect()
@@ -77,7 +77,9 @@ impl Run<'_> {
 }
 
 /// The inputs and measurements of a batch of runs.
-pub(crate) struct Observations<'a> {
+pub(crate) struct Observations<'a, const N: usize> {
+    /// The filter's state.
+    pub(crate) channels: [Channel; N],
     pub(crate) samples: usize,
     pub(crate) force: Column<'a>,
     pub(crate) sensors: Vec<Sensor<'a>>,
@@ -85,11 +87,12 @@ pub(crate) struct Observations<'a> {
     pub(crate) truth: Option<[Column<'a>; N]>,
 }
 
-impl<'a> Observations<'a> {
+impl<'a, const N: usize> Observations<'a, N> {
     /// `forces` are those of each lane, or of all if that is one.
-    pub(crate) fn new(runs: &[Run<'a>; LANES], forces: &'a [Vec<f64>]) -> Self {
+    pub(crate) fn new<P: Plant<N>>(runs: &[Run<'a, P, N>; LANES], forces: &'a [Vec<f64>]) -> Self {
+        let channels = P::CHANNELS;
         let shared = forces.len() == 1;
-        let column = |of: &dyn Fn(Run<'a>) -> &'a [f64]| Column::new(shared, |lane| of(runs[lane]));
+        let column = |of: &dyn Fn(Run<'a, P, N>) -> &'a [f64]| Column::new(shared, |lane| of(runs[lane]));
         let outputs = runs[0].filter.outputs.iter().enumerate();
         let sensors = outputs.filter_map(|(place, output)| {
             Some(Sensor {
@@ -98,9 +101,10 @@ impl<'a> Observations<'a> {
                 variance: std::array::from_fn(|lane| runs[lane].filter.noise.sensors[place]),
             })
         });
-        let truth = knows_truth(runs[0].record)
-            .then(|| CHANNELS.map(|channel| column(&|run| run.record.truth(channel).unwrap_or_default())));
+        let truth = knows_truth(runs[0].record, &channels)
+            .then(|| channels.map(|channel| column(&|run| run.record.truth(channel).unwrap_or_default())));
         Self {
+            channels,
             samples: runs[0].record.len(),
             force: Column::new(shared, |lane| &forces[lane]),
             sensors: sensors.collect(),
@@ -113,7 +117,7 @@ impl<'a> Observations<'a> {
     pub(crate) fn error(&self, lane: usize, k: usize, belief: &Gaussian<N>, place: usize) -> Option<[f64; 2]> {
         let truth = self.truth.as_ref()?[place].of_lane(lane, k);
         let sign = if belief.mean[2] < 0.0 { -1.0 } else { 1.0 };
-        Some(if CHANNELS[place].is_mirrored() {
+        Some(if self.channels[place].is_mirrored() {
             let error = belief.mean[place] - sign * truth;
             [sign * error, error]
         } else {
@@ -122,13 +126,7 @@ impl<'a> Observations<'a> {
     }
 }
 
-/// The filter's state.
-pub(crate) const CHANNELS: [kalmanscope_core::Channel; N] = {
-    use kalmanscope_core::Channel;
-    [Channel::DISPLACEMENT, Channel::VELOCITY, Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO]
-};
-
 /// Whether the truth of the filter's channels is known.
-pub(crate) fn knows_truth(record: &Record) -> bool {
-    CHANNELS.iter().all(|&channel| record.truth(channel).is_some())
+pub(crate) fn knows_truth(record: &Record, channels: &[Channel]) -> bool {
+    channels.iter().all(|&channel| record.truth(channel).is_some())
 }

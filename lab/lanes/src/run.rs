@@ -7,23 +7,24 @@ use kalmanscope_core::kernel::{Correction as Told, MAX_SENSORS};
 use kalmanscope_core::score::{Look, Outcome};
 use kalmanscope_core::{FilterError, Stop};
 
-use crate::belief::{Belief, N, Noise};
+use crate::belief::{Belief, Noise};
 use crate::expect;
 use crate::lane::{LANES, Lane, Mask};
 use crate::observation::{Active, MOST, Observations, Run};
+use crate::plant::Plant;
 use crate::sums::{Sums, last_fifth};
 use crate::update::{self, Correction};
 use crate::{linearised, sigma_points};
 
 /// A batch: the runs, and the state of all lanes.
-struct Batch<'a, T> {
-    runs: &'a [Run<'a>; LANES],
-    observations: &'a Observations<'a>,
-    noise: Noise<T>,
+struct Batch<'a, P, T, const N: usize, const E: usize> {
+    runs: &'a [Run<'a, P, N>; LANES],
+    observations: &'a Observations<'a, N>,
+    noise: Noise<T, N>,
     /// R of each sensor.
     variances: Vec<T>,
-    belief: Belief<T>,
-    sums: Sums<T>,
+    belief: Belief<T, N, E>,
+    sums: Sums<T, N>,
     outcomes: [Option<Outcome>; LANES],
     /// Lanes whose filter has stopped.
     stopped: [bool; LANES],
@@ -33,10 +34,10 @@ struct Batch<'a, T> {
 /// Runs the filters, UKFs if so, else KFs and EKFs, and looks at them at these samples, which are in order; a lane without an
 /// outcome is left to the single filter.
 #[inline(always)]
-pub(crate) fn run<T: Lane, const UKF: bool>(
+pub(crate) fn run<P: Plant<N>, T: Lane, const N: usize, const E: usize, const UKF: bool>(
     token: T::Token,
-    runs: &[Run<'_>; LANES],
-    observations: &Observations<'_>,
+    runs: &[Run<'_, P, N>; LANES],
+    observations: &Observations<'_, N>,
     samples: &[usize],
 ) -> [Option<Outcome>; LANES] {
     let initial = runs.map(|run| run.filter.initial.clone());
@@ -51,7 +52,7 @@ pub(crate) fn run<T: Lane, const UKF: bool>(
         stopped: [false; LANES],
         looks: [const { Vec::new() }; LANES],
     };
-    let (dt, decays) = (runs[0].filter.dt, runs[0].filter.eta != 0.0);
+    let (dt, decays) = (runs[0].filter.dt, runs[0].filter.plant.eta() != 0.0);
     let recent = last_fifth(observations.samples);
     let mut force = observations.force.at::<T>(token, 0);
     let mut samples = samples.iter();
@@ -68,20 +69,21 @@ pub(crate) fn run<T: Lane, const UKF: bool>(
         let (active, count, agree) = look(token, observations, &batch.variances, k);
         let Batch { belief, noise, .. } = &mut batch;
         let predicted = match (UKF, decays) {
-            (false, false) => linearised::predict(belief, force_before, dt, noise),
-            (true, false) => sigma_points::predict(belief, force_before, dt, noise),
+            (false, false) => linearised::predict::<P, T, N, E>(belief, force_before, dt, noise),
+            (true, false) => sigma_points::predict::<P, T, N, E>(belief, force_before, dt, noise),
             (false, true) => T::apart(
                 token,
                 #[inline(always)]
-                || linearised::predict_decaying(belief, force_before, dt, noise),
+                || linearised::predict_decaying::<P, T, N, E>(belief, force_before, dt, noise),
             ),
             (true, true) => T::apart(
                 token,
                 #[inline(always)]
-                || sigma_points::predict_decaying(belief, force_before, dt, noise),
+                || sigma_points::predict_decaying::<P, T, N, E>(belief, force_before, dt, noise),
             ),
         };
-        let Correction { mut nis, mut determinant, holds } = condition::<T, UKF>(belief, &active, count, force);
+        let Correction { mut nis, mut determinant, holds } =
+            condition::<P, T, N, E, UKF>(belief, &active, count, force);
         let holds = holds & predicted & agree;
         if !holds.all() {
             [nis, determinant] = batch.repair(&before, holds, [nis, determinant], k, count as u32);
@@ -101,9 +103,9 @@ pub(crate) fn run<T: Lane, const UKF: bool>(
 
 /// The sensors with a measurement at sample `k`, their number, and the lanes whose other sensors have none either.
 #[inline(always)]
-fn look<T: Lane>(
+fn look<T: Lane, const N: usize>(
     token: T::Token,
-    observations: &Observations<'_>,
+    observations: &Observations<'_, N>,
     variances: &[T],
     k: usize,
 ) -> ([Active<T>; MOST], usize, T::Mask) {
@@ -124,8 +126,8 @@ fn look<T: Lane>(
 
 /// Conditions the beliefs on these measurements.
 #[inline(always)]
-fn condition<T: Lane, const UKF: bool>(
-    belief: &mut Belief<T>,
+fn condition<P: Plant<N>, T: Lane, const N: usize, const E: usize, const UKF: bool>(
+    belief: &mut Belief<T, N, E>,
     active: &[Active<T>; MOST],
     count: usize,
     force: T,
@@ -137,16 +139,16 @@ fn condition<T: Lane, const UKF: bool>(
         (1, State(i), _) => by_components(belief, [i], &[a]),
         (2, State(0), State(1)) => update::by_components(belief, [0, 1], &[a, b]),
         (2, State(i), State(j)) => by_components(belief, [i, j], &[a, b]),
-        (1, ..) => expected::<T, UKF, 1>(belief, &[a], force),
-        (2, ..) => expected::<T, UKF, 2>(belief, &[a, b], force),
-        _ => expected::<T, UKF, 3>(belief, &[a, b, c], force),
+        (1, ..) => expected::<P, T, N, E, UKF, 1>(belief, &[a], force),
+        (2, ..) => expected::<P, T, N, E, UKF, 2>(belief, &[a, b], force),
+        _ => expected::<P, T, N, E, UKF, 3>(belief, &[a, b, c], force),
     }
 }
 
 /// [`update::by_components`] apart, for all kinds of filters.
 #[inline(always)]
-fn by_components<T: Lane, const M: usize>(
-    belief: &mut Belief<T>,
+fn by_components<T: Lane, const N: usize, const E: usize, const M: usize>(
+    belief: &mut Belief<T, N, E>,
     components: [usize; M],
     active: &[Active<T>; M],
 ) -> Correction<T> {
@@ -159,8 +161,8 @@ fn by_components<T: Lane, const M: usize>(
 
 /// Conditions the beliefs on sensors of which some read a rate.
 #[inline(always)]
-fn expected<T: Lane, const UKF: bool, const M: usize>(
-    belief: &mut Belief<T>,
+fn expected<P: Plant<N>, T: Lane, const N: usize, const E: usize, const UKF: bool, const M: usize>(
+    belief: &mut Belief<T, N, E>,
     active: &[Active<T>; M],
     force: T,
 ) -> Correction<T> {
@@ -169,9 +171,9 @@ fn expected<T: Lane, const UKF: bool, const M: usize>(
         #[inline(always)]
         || {
             let (expected, holds) = if UKF {
-                expect::by_sigma_points(belief, active, force)
+                expect::by_sigma_points::<P, T, N, E, M>(belief, active, force)
             } else {
-                expect::linearised(belief, active, force)
+                expect::linearised::<P, T, N, E, M>(belief, active, force)
             };
             let correction = update::by_expected(belief, &expected, active);
             Correction { holds: correction.holds & holds, ..correction }
@@ -179,13 +181,16 @@ fn expected<T: Lane, const UKF: bool, const M: usize>(
     )
 }
 
-impl<T: Lane> Batch<'_, T> {
+impl<P: Plant<N>, T: Lane, const N: usize, const E: usize> Batch<'_, P, T, N, E> {
     /// Takes in the beliefs at sample `k`; returns their NEES, NaN where there is none.
     #[inline(always)]
     fn compare(&mut self, token: T::Token, k: usize, recent: usize) -> T {
-        let Some([x, v, wn, zeta]) = &self.observations.truth else { return T::splat(token, f64::NAN) };
-        let truth = [x.at(token, k), v.at(token, k), wn.at(token, k), zeta.at(token, k)];
-        self.sums.compare(&self.belief, truth, k, k >= recent)
+        let Some(columns) = &self.observations.truth else { return T::splat(token, f64::NAN) };
+        let mut truth = self.belief.mean;
+        for i in 0..N {
+            truth[i] = columns[i].at(token, k);
+        }
+        self.sums.compare::<P, E>(&self.belief, truth, k, k >= recent)
     }
 
     /// Looks at the filters that go on at sample `k`.
@@ -210,7 +215,7 @@ impl<T: Lane> Batch<'_, T> {
     /// lanes, of which `expected` sensors count.
     #[cold]
     #[inline(never)]
-    fn repair(&mut self, before: &Belief<T>, holds: T::Mask, told: [T; 2], k: usize, expected: u32) -> [T; 2] {
+    fn repair(&mut self, before: &Belief<T, N, E>, holds: T::Mask, told: [T; 2], k: usize, expected: u32) -> [T; 2] {
         let token = told[0].token();
         let one = told[0].of(1.0);
         let holds = T::select(holds, one, one.of(0.0)).to_array();
@@ -234,7 +239,10 @@ impl<T: Lane> Batch<'_, T> {
                     }
                 }
             }
-            beliefs[lane] = Gaussian::independent(Vector::from(PARKED), &Vector::repeat(1.0));
+            beliefs[lane] = Gaussian::independent(
+                Vector::from_fn(|i, _| PARKED.get(i).copied().unwrap_or(0.0)),
+                &Vector::repeat(1.0),
+            );
         }
         self.belief = Belief::new(token, &beliefs);
         [nis, determinant].map(|numbers| T::from_array(token, numbers))
@@ -303,5 +311,5 @@ impl<T: Lane> Batch<'_, T> {
     }
 }
 
-/// The mean of a lane that has stopped.
-const PARKED: [f64; N] = [0.0, 0.0, 1.0, 0.1];
+/// The mean of a lane that has stopped; further components are zero.
+const PARKED: [f64; 4] = [0.0, 0.0, 1.0, 0.1];

@@ -6,9 +6,10 @@ use kalmanscope_core::kernel::gaussian::Gaussian;
 use kalmanscope_core::score::{ChannelSums, Outcome};
 use kalmanscope_core::{Channel, Stop};
 
-use crate::belief::{AT, Belief, N};
+use crate::belief::{Belief, Triangle};
 use crate::lane::{LANES, Lane, Mask};
-use crate::observation::{CHANNELS, Observations};
+use crate::observation::Observations;
+use crate::plant::Plant;
 
 /// Limits the relative error of an estimate that has settled.
 const SETTLED: f64 = 0.05;
@@ -28,7 +29,7 @@ struct Tracked<T> {
 }
 
 /// The sums of all lanes.
-pub(crate) struct Sums<T> {
+pub(crate) struct Sums<T, const N: usize> {
     tracked: [Tracked<T>; N],
     nees: T,
     nees_degrees: T,
@@ -42,7 +43,7 @@ pub(crate) struct Sums<T> {
     taken: [f64; LANES],
 }
 
-impl<T: Lane> Sums<T> {
+impl<T: Lane, const N: usize> Sums<T, N> {
     pub(crate) fn new(token: T::Token) -> Self {
         let zero = T::splat(token, 0.0);
         let tracked = Tracked {
@@ -68,7 +69,13 @@ impl<T: Lane> Sums<T> {
 
     /// Takes in beliefs at sample `k`, of which the truth is known; returns their NEES, NaN where there is none.
     #[inline(always)]
-    pub(crate) fn compare(&mut self, belief: &Belief<T>, truth: [T; N], k: usize, is_recent: bool) -> T {
+    pub(crate) fn compare<P: Plant<N>, const E: usize>(
+        &mut self,
+        belief: &Belief<T, N, E>,
+        truth: [T; N],
+        k: usize,
+        is_recent: bool,
+    ) -> T {
         let zero = belief.mean[0].of(0.0);
         let one = zero.of(1.0);
         // A negative natural frequency is the same oscillator as its mirror image.
@@ -77,7 +84,7 @@ impl<T: Lane> Sums<T> {
         let mut factor = belief.cov;
         for i in 0..N {
             let sums = &mut self.tracked[i];
-            let own = if CHANNELS[i].is_mirrored() { T::select(is_mirrored, -truth[i], truth[i]) } else { truth[i] };
+            let own = if P::CHANNELS[i].is_mirrored() { T::select(is_mirrored, -truth[i], truth[i]) } else { truth[i] };
             let (error, size) = (belief.mean[i] - own, truth[i].abs());
             let square = error * error;
             let variance = belief.cov(i, i);
@@ -91,7 +98,7 @@ impl<T: Lane> Sums<T> {
             }
             sums.largest_mean = sums.largest_mean.max(belief.mean[i].abs());
             let floor = zero.of(ROUNDING * ROUNDING) * sums.largest_mean * sums.largest_mean;
-            factor[AT[i][i]] = T::select(zero.lt(variance), variance + floor, zero);
+            factor[Triangle::<N>::AT[i][i]] = T::select(zero.lt(variance), variance + floor, zero);
             errors[i] = error;
         }
         self.add_nees(errors, factor)
@@ -99,14 +106,14 @@ impl<T: Lane> Sums<T> {
 
     /// Adds `eᵀ P⁻¹ e` over the components of positive variance, where P is positive definite.
     #[inline(always)]
-    fn add_nees(&mut self, mut errors: [T; N], cov: [T; 10]) -> T {
+    fn add_nees<const E: usize>(&mut self, mut errors: [T; N], cov: [T; E]) -> T {
         let zero = errors[0].of(0.0);
         let one = zero.of(1.0);
         let mut factor = cov;
         let (mut sum, mut degrees) = (zero, zero);
         let mut counts_all = T::always(zero.token());
         for j in 0..N {
-            let (variance, pivot) = (cov[AT[j][j]], factor[AT[j][j]]);
+            let (variance, pivot) = (cov[Triangle::<N>::AT[j][j]], factor[Triangle::<N>::AT[j][j]]);
             let counts = zero.lt(variance);
             let is_positive = (zero.of(4.0 * N as f64 * f64::EPSILON) * variance).lt(pivot);
             counts_all = counts_all & (!counts | is_positive);
@@ -114,10 +121,11 @@ impl<T: Lane> Sums<T> {
             degrees = degrees + T::select(counts, one, zero);
             sum = sum + errors[j] * errors[j] * inverse;
             for i in j + 1..N {
-                let share = factor[AT[i][j]] * inverse;
+                let share = factor[Triangle::<N>::AT[i][j]] * inverse;
                 errors[i] = errors[i] - share * errors[j];
                 for k in j + 1..=i {
-                    factor[AT[i][k]] = factor[AT[i][k]] - share * factor[AT[k][j]];
+                    factor[Triangle::<N>::AT[i][k]] =
+                        factor[Triangle::<N>::AT[i][k]] - share * factor[Triangle::<N>::AT[k][j]];
                 }
             }
         }
@@ -172,7 +180,7 @@ impl<T: Lane> Sums<T> {
         lane: usize,
         samples: usize,
         [first, last]: [&Gaussian<N>; 2],
-        observations: &Observations<'_>,
+        observations: &Observations<'_, N>,
         stop: Option<Stop>,
     ) -> Option<Outcome> {
         let Self { nees, nees_degrees, nees_samples, nis, measured, more, product, taken, .. } = self;
@@ -204,7 +212,7 @@ impl<T: Lane> Sums<T> {
         lane: usize,
         samples: usize,
         [first, last]: [&Gaussian<N>; 2],
-        observations: &Observations<'_>,
+        observations: &Observations<'_, N>,
     ) -> Vec<(Channel, ChannelSums)> {
         if observations.truth.is_none() {
             return Vec::new();
@@ -212,7 +220,7 @@ impl<T: Lane> Sums<T> {
         let recent = samples.saturating_sub(last_fifth(observations.samples)) as u32;
         let of = |place: usize| {
             let (channel, Tracked { squares, inside, settled, recent: late, largest_truth, .. }) =
-                (CHANNELS[place], self.tracked[place]);
+                (observations.channels[place], self.tracked[place]);
             let error =
                 |belief: &Gaussian<N>, k: usize| observations.error(lane, k, belief, place).unwrap_or([f64::NAN; 2]);
             let sums = ChannelSums {

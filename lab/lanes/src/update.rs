@@ -2,7 +2,7 @@
 
 use kalmanscope_core::kernel::abreast::LogSum;
 
-use crate::belief::{AT, Belief, N};
+use crate::belief::{Belief, Triangle};
 use crate::expect::{Expected, View};
 use crate::factor::Factor;
 use crate::lane::Lane;
@@ -20,8 +20,8 @@ pub(crate) struct Correction<T: Lane> {
 
 /// Conditions the beliefs on sensors that read these components.
 #[inline(always)]
-pub(crate) fn by_components<T: Lane, const M: usize>(
-    belief: &mut Belief<T>,
+pub(crate) fn by_components<T: Lane, const N: usize, const E: usize, const M: usize>(
+    belief: &mut Belief<T, N, E>,
     components: [usize; M],
     active: &[Active<T>; M],
 ) -> Correction<T> {
@@ -61,7 +61,7 @@ pub(crate) fn by_components<T: Lane, const M: usize>(
             for m in 0..M {
                 entry = entry - excess[i][m] * gain[j][m];
             }
-            belief.cov[AT[i][j]] = entry;
+            belief.cov[Triangle::<N>::AT[i][j]] = entry;
         }
     }
     finish(belief, &gain, &innovation, &factor)
@@ -69,9 +69,9 @@ pub(crate) fn by_components<T: Lane, const M: usize>(
 
 /// Conditions the beliefs on sensors of which some read a rate.
 #[inline(always)]
-pub(crate) fn by_expected<T: Lane, const M: usize>(
-    belief: &mut Belief<T>,
-    expected: &Expected<T, M>,
+pub(crate) fn by_expected<T: Lane, const N: usize, const E: usize, const M: usize>(
+    belief: &mut Belief<T, N, E>,
+    expected: &Expected<T, N, M>,
     active: &[Active<T>; M],
 ) -> Correction<T> {
     let Expected { mean, cov: s, cross, view } = expected;
@@ -115,7 +115,7 @@ pub(crate) fn by_expected<T: Lane, const M: usize>(
             for m in 0..M {
                 kept[j] = kept[j] - taken[m] * gain[j][m];
             }
-            lower[AT[i][j]] = kept[j];
+            lower[Triangle::<N>::AT[i][j]] = kept[j];
         }
     }
     belief.cov = lower;
@@ -124,8 +124,8 @@ pub(crate) fn by_expected<T: Lane, const M: usize>(
 
 /// Moves the mean, and looks whether the result can stand.
 #[inline(always)]
-fn finish<T: Lane, const M: usize>(
-    belief: &mut Belief<T>,
+fn finish<T: Lane, const N: usize, const E: usize, const M: usize>(
+    belief: &mut Belief<T, N, E>,
     gain: &[[T; M]; N],
     innovation: &[T; M],
     factor: &Factor<T, M>,

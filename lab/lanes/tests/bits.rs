@@ -5,7 +5,7 @@ mod common;
 
 use common::{CHANNELS, Shaken, size, values, with_gaps};
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Record, Run, Scenario, Values};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Values};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -55,8 +55,38 @@ fn filter(kind: FilterKind, sensors: usize, decays: bool, wild: bool) -> impl St
         })
 }
 
+/// Mean, std and process std of a filter's cubic stiffness.
+fn cubic_stiffness(wild: bool) -> impl Strategy<Value = [f64; 3]> {
+    let mean = if wild { -1e5..1e5 } else { -50.0..800.0 };
+    (mean, zero_or(if wild { -2.0..6.0 } else { 0.0..2.5 }), zero_or(-5.0..1.0)).prop_map(|(a, b, c)| [a, b, c])
+}
+
+/// The scenario with an oscillator whose cubic stiffness is this, for filters that begin with these.
+fn with_cubic_spring(mut scenario: Scenario, truth: f64, filters: &[[f64; 3]]) -> Scenario {
+    let channel = Channel::CUBIC_STIFFNESS;
+    scenario.plant = scenario.plant.of_kind(PlantKind::DUFFING).with(channel, truth);
+    for (filter, &[mean, std, process]) in scenario.filters.iter_mut().zip(filters) {
+        if filter.kind == FilterKind::KF {
+            filter.kind = FilterKind::EKF;
+        }
+        filter.initial_mean[channel] = mean;
+        filter.initial_std[channel] = std;
+        filter.process_std[channel] = process;
+    }
+    scenario
+}
+
 /// A scenario whose filters differ in numbers only.
 fn ensemble() -> impl Strategy<Value = Scenario> {
+    let cubic = any::<bool>().prop_flat_map(|wild| proptest::collection::vec(cubic_stiffness(wild), 16));
+    (linear_ensemble(), proptest::option::of((-20.0..400.0, cubic))).prop_map(|(scenario, cubic)| match cubic {
+        Some((truth, filters)) => with_cubic_spring(scenario, truth, &filters),
+        None => scenario,
+    })
+}
+
+/// [`ensemble`] of the linear oscillator.
+fn linear_ensemble() -> impl Strategy<Value = Scenario> {
     let quantities = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
     (
         proptest::sample::subsequence(quantities.to_vec(), 0..=3).prop_shuffle(),
@@ -157,6 +187,7 @@ proptest! {
 fn random_ensembles_are_of_all_kinds() {
     let mut runner = TestRunner::new(config(1));
     let (mut all_runs, mut served, mut stopped, mut mirrored, mut long, mut left_over) = (0, 0, 0, 0, 0, 0);
+    let mut cubic = 0;
     for _ in 0..120 {
         let scenario = ensemble().new_tree(&mut runner).unwrap().current();
         let record = simulated(&scenario);
@@ -164,16 +195,31 @@ fn random_ensembles_are_of_all_kinds() {
         for run in all(&scenario, &record) {
             let outcome = Outcome::of(run.scenario, run.place, run.record).unwrap();
             all_runs += 1;
-            served += usize::from(serves(&run).unwrap());
+            let is_served = serves(&run).unwrap();
+            served += usize::from(is_served);
+            cubic += usize::from(is_served && scenario.plant.kind == PlantKind::DUFFING);
             stopped += usize::from(outcome.stop.is_some());
             mirrored += usize::from(outcome.mean[2] < 0.0);
             let frequency = scenario.filters[run.place].initial_mean[CHANNELS[2]];
             long += usize::from(frequency.abs() * scenario.dt > 0.25);
         }
     }
-    let shares = [served, stopped, mirrored, long].map(|count| count as f64 / f64::from(all_runs));
+    let shares = [served, stopped, mirrored, long, cubic].map(|count| count as f64 / f64::from(all_runs));
     assert!(shares[0] > 0.7 && shares[1..].iter().all(|share| *share > 0.05), "{shares:?} of {all_runs}");
     assert!(left_over > 40, "{left_over} of 120 ensembles leave lanes over");
+}
+
+#[test]
+fn filters_of_several_plants_run_beside_each_other() {
+    let linear = Scenario { duration: 3.0, ..Scenario::default() };
+    let truth = with_cubic_spring(linear.clone(), 300.0, &[[100.0, 200.0, 0.01]; 2]);
+    let mut mixed = truth.clone();
+    let believes_linear = linear.filters.iter().map(|f| FilterSettings { plant: Some(PlantKind::SDOF), ..f.clone() });
+    mixed.filters.extend(believes_linear);
+    let record = simulated(&mixed);
+    let runs = [all(&mixed, &record), all(&mixed, &record)].concat();
+    assert!(runs.iter().all(|run| serves(run).unwrap()));
+    assert_eq!(check(&runs).unwrap(), 0);
 }
 
 #[test]

@@ -58,6 +58,7 @@ pub(crate) fn with_gaps(record: &Record, keeps_truth: bool, is_missing: impl Fn(
     });
     let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
     let new = Record::new(record.dt(), input, columns.collect()).unwrap();
-    let truth = CHANNELS.map(|channel| (channel, record.truth(channel).unwrap().to_vec()));
-    if keeps_truth { new.with_truth(truth.to_vec()).unwrap() } else { new }
+    let channels = CHANNELS.into_iter().chain([Channel::CUBIC_STIFFNESS]);
+    let truth = channels.filter_map(|channel| Some((channel, record.truth(channel)?.to_vec())));
+    if keeps_truth { new.with_truth(truth.collect()).unwrap() } else { new }
 }
