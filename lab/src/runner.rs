@@ -273,6 +273,28 @@ mod tests {
         }
     }
 
+    /// Numbers of the single filter, cell by cell, are those of [`Runner::rows`], bit by bit.
+    #[cfg(feature = "lanes")]
+    #[test]
+    fn a_map_of_the_duffing_oscillator_is_served_by_lanes_and_has_the_numbers_of_the_single_filter() {
+        let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
+        scenario.set_plant(kalmanscope_core::PlantKind::DUFFING);
+        let axes = ["seed=1:2:2", "filters.*.initial_mean.natural_frequency=3:9:6"];
+        let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
+        let measures = vec![Measure::Nis, Measure::Nees, "estimate.cubic_stiffness".parse().unwrap()];
+        let plan = Plan { filters: vec![0, 1], measures, axes, ..Plan::default() };
+        let runner = Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap();
+        let cells: Vec<usize> = (0..12).collect();
+        let runs = runner.runs(&cells);
+        for CellRun { scenario, record } in runs.iter().flatten() {
+            let is_served = |place| kalmanscope_lanes::serves(&kalmanscope_lanes::LaneRun { scenario, place, record });
+            assert!(is_served(0).unwrap() && is_served(1).unwrap());
+        }
+        let single = runner.rows_of(&runs, &[vec![], vec![]]);
+        assert!(single.iter().all(|number| number.is_finite()), "{single:?}");
+        assert_eq!(runner.rows(&cells), single);
+    }
+
     #[test]
     fn the_row_of_an_impossible_scenario_is_empty() {
         let runner = runner(&["filters.EKF.fading=0.5:1.5:3"], &["nis"]);

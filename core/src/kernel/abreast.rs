@@ -34,23 +34,45 @@ pub trait Oscillator<const N: usize>: Model<N> {
 
     /// The model whose parameters decay at the rate `eta` \[1/s\].
     fn with_decay(eta: f64) -> Self;
+
+    /// [`OscillatorFilter::step`]. Each plant has its own here, so that a program has the filter once: another crate's
+    /// call of a generic function would compile the filter again.
+    ///
+    /// # Errors
+    /// Those of [`Filter::predict`] and [`Filter::update`].
+    fn step(
+        filter: &OscillatorFilter<Self, N>,
+        belief: &mut Gaussian<N>,
+        forces: [f64; 2],
+        measured: &[f64],
+        correction: &mut Correction<N>,
+    ) -> Result<(), FilterError>;
 }
 
-impl Oscillator<4> for Sdof {
-    const PLANT: PlantKind = PlantKind::SDOF;
+macro_rules! oscillator {
+    ($plant:ident, $size:literal, $kind:expr) => {
+        impl Oscillator<$size> for $plant {
+            const PLANT: PlantKind = $kind;
 
-    fn with_decay(eta: f64) -> Self {
-        Self { eta }
-    }
+            fn with_decay(eta: f64) -> Self {
+                Self { eta }
+            }
+
+            fn step(
+                filter: &OscillatorFilter<Self, $size>,
+                belief: &mut Gaussian<$size>,
+                forces: [f64; 2],
+                measured: &[f64],
+                correction: &mut Correction<$size>,
+            ) -> Result<(), FilterError> {
+                step(filter, belief, forces, measured, correction)
+            }
+        }
+    };
 }
 
-impl Oscillator<5> for Duffing {
-    const PLANT: PlantKind = PlantKind::DUFFING;
-
-    fn with_decay(eta: f64) -> Self {
-        Self { eta }
-    }
-}
+oscillator!(Sdof, 4, PlantKind::SDOF);
+oscillator!(Duffing, 5, PlantKind::DUFFING);
 
 /// A filter of an oscillator, the linear one if none is named, before its first sample.
 #[derive(Clone, Debug)]
@@ -78,10 +100,13 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
     /// propagates by local linearisation and can begin.
     ///
     /// # Errors
-    /// Those of [`Pass::new`](crate::Pass::new).
+    /// Those of [`Pass::new`](crate::Pass::new), but for filters of other plants, which it does not look at.
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
-        scenario.validate()?;
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        if settings.plant.unwrap_or(scenario.plant.kind) != P::PLANT {
+            return Ok(None);
+        }
+        scenario.validate()?;
         let columns = sensor_places(scenario, record)?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
@@ -90,9 +115,7 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
             kind if kind == FilterKind::KF || kind == FilterKind::EKF => Method::Linearised,
             _ => return Ok(None),
         };
-        let model = context.model(settings);
-        let usual = model.plant() == P::PLANT
-            && !settings.log_parameters
+        let usual = !settings.log_parameters
             && !settings.adaptation.is_on()
             && settings.substeps == 1
             && (method == Method::SigmaPoints || settings.propagation == Propagation::LocalLinearisation)
@@ -100,7 +123,7 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
         if !usual {
             return Ok(None);
         }
-        let plant = P::with_decay(model.eta());
+        let plant = P::with_decay(context.model(settings).eta());
         let filter = Self {
             method,
             initial: initial_belief(&plant, settings),
@@ -114,43 +137,52 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
         Ok((filter.noise.is_finite() && filter.initial.is_finite()).then_some(filter))
     }
 
-    /// Takes one step from a belief: predicts under the force over mass `before` \[m/s²\], updates under `force`.
+    /// Takes one step from a belief: predicts under the first force over mass \[m/s²\], updates under the second.
     ///
     /// # Errors
     /// Those of [`Filter::predict`] and [`Filter::update`].
     pub fn step(
         &self,
         belief: &mut Gaussian<N>,
-        [before, force]: [f64; 2],
+        forces: [f64; 2],
         measured: &[f64],
         correction: &mut Correction<N>,
     ) -> Result<(), FilterError> {
-        let from = belief.clone();
-        *belief = match self.method {
-            Method::Linearised => {
-                let start = Linearised::new(from, Propagation::LocalLinearisation, 1);
-                self.step_of(start, [before, force], measured, correction)?
-            }
-            Method::SigmaPoints => {
-                self.step_of(SigmaPoints::new(from, Rule::Unscented), [before, force], measured, correction)?
-            }
-        };
-        Ok(())
+        P::step(self, belief, forces, measured, correction)
     }
+}
 
-    fn step_of<B: Belief<LogParameters<P>, N>>(
-        &self,
-        start: B,
-        [before, force]: [f64; 2],
-        measured: &[f64],
-        correction: &mut Correction<N>,
-    ) -> Result<Gaussian<N>, FilterError> {
-        // The type that runs have, so that the program has the filter once.
-        let model = LogParameters { plant: self.plant.clone(), on: false };
-        let (noise, outputs) = (self.noise.clone(), self.outputs.clone());
-        let mut filter = Filter::new(model, start, self.dt, noise, outputs, Adaptation::default());
-        filter.predict(before)?;
-        filter.update(force, measured, correction)?;
-        Ok(filter.belief().gaussian().into_owned())
-    }
+/// [`OscillatorFilter::step`] of any plant.
+fn step<P: Oscillator<N>, const N: usize>(
+    filter: &OscillatorFilter<P, N>,
+    belief: &mut Gaussian<N>,
+    forces: [f64; 2],
+    measured: &[f64],
+    correction: &mut Correction<N>,
+) -> Result<(), FilterError> {
+    let from = belief.clone();
+    *belief = match filter.method {
+        Method::Linearised => {
+            let start = Linearised::new(from, Propagation::LocalLinearisation, 1);
+            step_of(filter, start, forces, measured, correction)?
+        }
+        Method::SigmaPoints => step_of(filter, SigmaPoints::new(from, Rule::Unscented), forces, measured, correction)?,
+    };
+    Ok(())
+}
+
+fn step_of<P: Oscillator<N>, B: Belief<LogParameters<P>, N>, const N: usize>(
+    filter: &OscillatorFilter<P, N>,
+    start: B,
+    [before, force]: [f64; 2],
+    measured: &[f64],
+    correction: &mut Correction<N>,
+) -> Result<Gaussian<N>, FilterError> {
+    let OscillatorFilter { plant, noise, dt, outputs, .. } = filter;
+    // The type that runs have, so that the program has the filter once.
+    let model = LogParameters { plant: plant.clone(), on: false };
+    let mut filter = Filter::new(model, start, *dt, noise.clone(), outputs.clone(), Adaptation::default());
+    filter.predict(before)?;
+    filter.update(force, measured, correction)?;
+    Ok(filter.belief().gaussian().into_owned())
 }

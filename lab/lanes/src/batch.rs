@@ -3,7 +3,7 @@
 use kalmanscope_core::kernel::abreast::{Method, OscillatorFilter};
 use kalmanscope_core::kernel::model::Output;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Record, RunError, Scenario};
+use kalmanscope_core::{Pass, Record, RunError, Scenario};
 
 use crate::lane::LANES;
 use crate::level::Level;
@@ -26,10 +26,11 @@ pub struct LaneRun<'a> {
 /// and a delay of the input, under an input that is held. [`outcomes`] takes any other run too, at the pace of a single filter.
 ///
 /// # Errors
-/// Those of [`Pass::new`](kalmanscope_core::Pass::new).
+/// Those of [`Pass::new`].
 pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
+    Pass::columns(run.scenario, run.place, run.record)?;
     let mut search = Search { run, is_found: false };
-    visit(&mut search)?;
+    visit(&mut search);
     Ok(search.is_found)
 }
 
@@ -40,11 +41,8 @@ struct Search<'a> {
 }
 
 impl Visitor for Search<'_> {
-    type Error = RunError;
-
-    fn visit<P: Plant<N>, const N: usize, const E: usize>(&mut self) -> Result<(), RunError> {
-        self.is_found = self.is_found || prepare::<P, N>(self.run)?.is_some();
-        Ok(())
+    fn visit<P: Plant<N>, const N: usize, const E: usize>(&mut self) {
+        self.is_found |= prepare::<P, N>(self.run).is_some();
     }
 }
 
@@ -52,7 +50,7 @@ impl Visitor for Search<'_> {
 /// only, over one record or over records of the same length and dt, go side by side. Each has the bits of [`Outcome::of`].
 ///
 /// # Errors
-/// Those of [`Pass::new`](kalmanscope_core::Pass::new), for the first run that has one.
+/// Those of [`Pass::new`], for the first run that has one.
 pub fn outcomes(runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
     outcomes_with(Level::best(), runs, &[])
 }
@@ -64,7 +62,7 @@ pub fn outcomes(runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
 /// Those of [`outcomes`].
 pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>], samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
     let mut all = All { level, runs, samples, results: vec![None; runs.len()] };
-    visit(&mut all)?;
+    visit(&mut all);
     let single = |(result, run): (Option<Outcome>, &LaneRun<'_>)| match result {
         Some(outcome) => Ok(outcome),
         None => Outcome::at(run.scenario, run.place, run.record, samples),
@@ -81,24 +79,20 @@ struct All<'a> {
 }
 
 impl Visitor for All<'_> {
-    type Error = RunError;
-
-    fn visit<P: Plant<N>, const N: usize, const E: usize>(&mut self) -> Result<(), RunError> {
-        let filters = self.runs.iter().map(prepare::<P, N>).collect::<Result<Vec<_>, _>>()?;
+    fn visit<P: Plant<N>, const N: usize, const E: usize>(&mut self) {
+        let filters: Vec<_> = self.runs.iter().map(prepare::<P, N>).collect();
         for group in groups(&filters, self.runs) {
             for places in group.chunks(LANES) {
                 self.run_batch::<P, N, E>(places, &filters);
             }
         }
-        Ok(())
     }
 }
 
-/// The filter of a run, if it goes in lanes with this plant.
-fn prepare<P: Plant<N>, const N: usize>(run: &LaneRun<'_>) -> Result<Option<OscillatorFilter<P, N>>, RunError> {
+/// The filter of a run, if it goes in lanes with this plant. The single filter tells the error of one that cannot begin.
+fn prepare<P: Plant<N>, const N: usize>(run: &LaneRun<'_>) -> Option<OscillatorFilter<P, N>> {
     let LaneRun { scenario, place, record } = *run;
-    let filter = OscillatorFilter::new(scenario, place, record)?;
-    Ok(filter.filter(|filter| {
+    OscillatorFilter::new(scenario, place, record).ok().flatten().filter(|filter| {
         let outputs = || filter.outputs.iter().flatten();
         let is_known = |output: &Output| matches!(output, Output::State(0 | 1) | Output::Rate(1));
         let is_truth_whole =
@@ -109,7 +103,7 @@ fn prepare<P: Plant<N>, const N: usize>(run: &LaneRun<'_>) -> Result<Option<Osci
             && !record.is_empty()
             && is_truth_whole
             && !has_certain_component(filter)
-    }))
+    })
 }
 
 /// Whether a UKF knows a component for certain: every step would be special.

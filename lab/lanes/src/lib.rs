@@ -7,8 +7,9 @@
 //! ```
 //!
 //! KF, EKF and UKF of the linear oscillator and, outside a browser, of the Duffing oscillator go in lanes ([`serves`]);
-//! [`outcomes`] runs any other filter by itself. A step in lanes is straight-line code: the kernel's operations, in its order, and the lanes for which they hold. The instruction
-//! set is chosen while running; since no operation is fused, all give the same bits.
+//! [`outcomes`] runs any other filter by itself. A step in lanes is straight-line code: the kernel's operations, in its
+//! order, and the lanes for which they hold. The instruction set is chosen while running; since no operation is fused, all
+//! give the same bits. A plant is one file and one line in `plant.rs`.
 //!
 //! ```
 //! use kalmanscope_core::{Run, Scenario};
@@ -51,6 +52,7 @@ mod observation;
 mod pair;
 mod plant;
 mod run;
+mod runge_kutta;
 mod sigma_points;
 mod sums;
 mod update;

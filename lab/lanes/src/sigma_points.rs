@@ -5,7 +5,8 @@ use std::marker::PhantomData;
 use crate::belief::{Belief, Noise, Triangle};
 use crate::factor::lower_root;
 use crate::lane::Lane;
-use crate::plant::{Plant, moved};
+use crate::plant::Plant;
+use crate::runge_kutta::{Rate, runge_kutta};
 
 /// c², the square of the points' distance in standard deviations.
 pub(crate) const SPREAD: f64 = 3.0;
@@ -32,7 +33,7 @@ pub(crate) fn predict_decaying<P: Plant<N>, T: Lane, const N: usize, const E: us
     predict_by::<T, Decaying<P, T>, N, N, E>(belief, noise, &Decaying { plant: PhantomData, force, dt, eta: noise.eta })
 }
 
-/// The step of one state. A trait and not a closure, since a closure that is not inlined has no vector instructions.
+/// The step of one state.
 trait Step<T, const N: usize> {
     fn step(&self, state: [T; N]) -> [T; N];
 }
@@ -46,9 +47,8 @@ struct Held<P, T> {
 
 impl<P: Plant<N>, T: Lane, const N: usize> Step<T, N> for Held<P, T> {
     #[inline(always)]
-    fn step(&self, mut state: [T; N]) -> [T; N] {
-        [state[0], state[1]] = P::runge_kutta(&state, self.force, self.dt);
-        state
+    fn step(&self, state: [T; N]) -> [T; N] {
+        P::runge_kutta(&state, self.force, self.dt)
     }
 }
 
@@ -67,35 +67,14 @@ impl<P: Plant<N>, T: Lane, const N: usize> Step<T, N> for Decaying<P, T> {
         T::apart(
             self.force.token(),
             #[inline(always)]
-            || self.runge_kutta(state),
+            || runge_kutta(self, &state, self.dt),
         )
     }
 }
 
-impl<P, T: Lane> Decaying<P, T> {
+impl<P: Plant<N>, T: Lane, const N: usize> Rate<T, N, N> for Decaying<P, T> {
     #[inline(always)]
-    fn runge_kutta<const N: usize>(&self, state: [T; N]) -> [T; N]
-    where
-        P: Plant<N>,
-    {
-        let of = self.force;
-        let half = of.of(0.5 * self.dt);
-        let k1 = self.rate(&state);
-        let k2 = self.rate(&moved(&state, k1, half));
-        let k3 = self.rate(&moved(&state, k2, half));
-        let k4 = self.rate(&moved(&state, k3, of.of(self.dt)));
-        let mut sum = k1;
-        for i in 0..N {
-            sum[i] = k1[i] + (k2[i] + k3[i]) * of.of(2.0) + k4[i];
-        }
-        moved(&state, sum, of.of(self.dt / 6.0))
-    }
-
-    #[inline(always)]
-    fn rate<const N: usize>(&self, state: &[T; N]) -> [T; N]
-    where
-        P: Plant<N>,
-    {
+    fn rate(&self, state: &[T; N]) -> [T; N] {
         let mut rate = *state;
         (rate[0], rate[1]) = (state[1], P::acceleration(state, self.force));
         for j in 2..N {

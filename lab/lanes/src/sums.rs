@@ -92,7 +92,8 @@ impl<T: Lane, const N: usize> Sums<T, N> {
             sums.inside = sums.inside + T::select(square.le(zero.of(4.0) * variance), one, zero);
             sums.largest_truth = sums.largest_truth.max(size);
             let is_near = error.abs().le(zero.of(SETTLED) * size);
-            sums.settled = T::select(is_near, sums.settled, zero.of((k + 1) as f64));
+            // Samples only grow. To write to some lanes of a number in memory would be slow.
+            sums.settled = sums.settled.max(T::select(is_near, zero, zero.of((k + 1) as f64)));
             if is_recent {
                 sums.recent = sums.recent + square;
             }
@@ -131,7 +132,7 @@ impl<T: Lane, const N: usize> Sums<T, N> {
         }
         // Not a number is not equal to itself.
         let counts = counts_all & zero.lt(degrees) & sum.le(sum);
-        self.nees = T::select(counts, self.nees + sum, self.nees);
+        self.nees = self.nees + T::select(counts, sum, zero);
         self.nees_degrees = self.nees_degrees + T::select(counts, degrees, zero);
         self.nees_samples = self.nees_samples + T::select(counts, one, zero);
         T::select(counts, sum, zero.of(f64::NAN))

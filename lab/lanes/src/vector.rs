@@ -107,6 +107,12 @@ impl<S: Simd> Lane for Vector<S> {
         Self(mask.0.select(yes.0, no.0))
     }
 
+    /// The instruction takes its second number where one is not a number, as the comparison does.
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(other.0.max(self.0))
+    }
+
     #[inline(never)]
     fn apart<R>(token: S, work: impl FnOnce() -> R) -> R {
         token.vectorize(work)

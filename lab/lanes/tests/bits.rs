@@ -66,9 +66,6 @@ fn with_cubic_spring(mut scenario: Scenario, truth: f64, filters: &[[f64; 3]]) -
     let channel = Channel::CUBIC_STIFFNESS;
     scenario.plant = scenario.plant.of_kind(PlantKind::DUFFING).with(channel, truth);
     for (filter, &[mean, std, process]) in scenario.filters.iter_mut().zip(filters) {
-        if filter.kind == FilterKind::KF {
-            filter.kind = FilterKind::EKF;
-        }
         filter.initial_mean[channel] = mean;
         filter.initial_std[channel] = std;
         filter.process_std[channel] = process;

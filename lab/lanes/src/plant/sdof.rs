@@ -20,9 +20,10 @@ impl Plant<4> for Sdof {
 
     /// The motion is linear within a step, and Runge-Kutta is its Taylor polynomial.
     #[inline(always)]
-    fn runge_kutta<T: Lane>(state: &[T; 4], force: T, dt: f64) -> [T; 2] {
-        let &[x, v, ..] = state;
+    fn runge_kutta<T: Lane>(state: &[T; 4], force: T, dt: f64) -> [T; 4] {
+        let &[x, v, wn, zeta] = state;
         let [a, b, ..] = Self::slopes(state);
-        Impulse::runge_kutta(a, b, dt).advance(a, b, [x, v], Self::acceleration(state, force))
+        let [x, v] = Impulse::runge_kutta(a, b, dt).advance(a, b, [x, v], Self::acceleration(state, force));
+        [x, v, wn, zeta]
     }
 }
