@@ -107,7 +107,8 @@ impl<S: Simd> Lane for Vector<S> {
         Self(mask.0.select(yes.0, no.0))
     }
 
-    /// The instruction takes its second number where one is not a number, as the comparison does.
+    /// This instruction, here, takes its second number where one is not a number, as the comparison does.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self(other.0.max(self.0))
