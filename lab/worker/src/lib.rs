@@ -15,7 +15,7 @@
 //! A job is a number, an ensemble JSON. `record` is null, or `[dt, input, [key, column], …]` with a `Float64Array` for each column. A part of
 //! a filter is a `Float64Array`, the numbers of a tape. Of a file or start values it is the share that is done, and at last the outcome: of a
 //! file `[hash, table, column, …]` or a text with the reason why it cannot be read, of start values JSON. Columns of numbers are handed
-//! over, not copied. The time is that of the computation [ms].
+//! over, not copied. The time is that of the computation \[ms\].
 
 #![cfg(target_arch = "wasm32")]
 
