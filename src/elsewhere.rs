@@ -9,13 +9,13 @@ use kalmanscope_core::{Record, Scenario, Tape};
 /// The time between two frames that only show how far such work is.
 pub(crate) const BETWEEN: Duration = Duration::from_millis(100);
 
-/// What is sent of a filter is its next samples.
+/// A filter under way. It sends samples.
 pub type FilterWork = Box<dyn Work<Tape>>;
 
-/// What is sent of a file, and the reason why it cannot be read.
+/// A file that is read. It sends its share that is done, then its columns or the reason why it cannot be read.
 pub type LoadingWork = Box<dyn Work<Report<Result<Loaded, String>>>>;
 
-/// What is sent of the making of start values.
+/// Start values under way. They send their share that is done, then the settings.
 pub type SuggestWork = Box<dyn Work<Report<Suggestion>>>;
 
 /// Does long work beside the frames. Each answer is none where it cannot.
@@ -32,14 +32,14 @@ pub trait Elsewhere {
 
 /// Work that is done elsewhere. It ends when it is dropped.
 pub trait Work<T> {
-    /// What has come next, if something has.
+    /// Takes the next message of the work, if one has come.
     ///
     /// # Errors
     /// [`Lost`] where no more will come.
     fn next(&mut self) -> Result<Option<T>, Lost>;
 }
 
-/// The work has failed, and what there is of it is worth nothing.
+/// The work has failed, and its messages so far are worth nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lost;
 

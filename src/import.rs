@@ -38,7 +38,7 @@ const LONG_RECORD: usize = 50_000;
 pub struct Import {
     name: String,
     stage: Stage,
-    /// What does long work beside the frames, if there is something.
+    /// Does long work beside the frames, where there are workers.
     elsewhere: Option<Rc<dyn Elsewhere>>,
 }
 

@@ -117,9 +117,7 @@ fn long_work_goes_in_workers() {
         elsewhere::a_long_filter_is_computed_in_a_worker(&page, &address).await;
         for (trouble, is_begun) in [(elsewhere::NONE, false), (elsewhere::FAILS, true)] {
             let driver = Driver::start();
-            let page = driver.open().await;
-            page.prepare(elsewhere::WATCH).await;
-            page.prepare(trouble).await;
+            let page = prepared(&driver, [elsewhere::WATCH, trouble]).await;
             elsewhere::the_page_computes_where_workers_do_not(&page, &address, is_begun).await;
         }
     });
@@ -131,11 +129,12 @@ fn large_records_are_read_in_workers() {
     runtime().block_on(async {
         for (trouble, told) in [("", [1, 1]), (elsewhere::NONE, [0, 0]), (elsewhere::FAILS, [1, 1])] {
             let driver = Driver::start();
-            let page = driver.open().await;
-            page.prepare(elsewhere::WATCH).await;
-            page.prepare(trouble).await;
+            let page = prepared(&driver, [elsewhere::WATCH, trouble]).await;
             import::a_large_record_is_opened(&page, &address, &driver.downloads(), told).await;
         }
+        let driver = Driver::start();
+        let page = prepared(&driver, [elsewhere::WATCH, elsewhere::HOLDS]).await;
+        import::an_import_is_given_up_in_its_worker(&page, &address, &driver.downloads()).await;
     });
 }
 
@@ -145,11 +144,9 @@ fn large_records_are_read_in_workers() {
 fn long_filters_in_workers() {
     let address = served().page();
     runtime().block_on(async {
-        for (name, script) in [("in a worker", ""), ("in the frames", elsewhere::NONE)] {
+        for (name, script) in WITH_AND_WITHOUT {
             let driver = Driver::start();
-            let page = driver.open().await;
-            page.prepare(frames::STOPWATCH).await;
-            page.prepare(script).await;
+            let page = prepared(&driver, [frames::STOPWATCH, script]).await;
             elsewhere::time_of_a_long_filter(&page, &address, name).await;
         }
     });
@@ -161,11 +158,9 @@ fn long_filters_in_workers() {
 fn large_imports_in_workers() {
     let address = served().page();
     runtime().block_on(async {
-        for (name, script) in [("in a worker", ""), ("in the frames", elsewhere::NONE)] {
+        for (name, script) in WITH_AND_WITHOUT {
             let driver = Driver::start();
-            let page = driver.open().await;
-            page.prepare(frames::STOPWATCH).await;
-            page.prepare(script).await;
+            let page = prepared(&driver, [frames::STOPWATCH, script]).await;
             import::time_of_an_import(&page, &address, &driver.downloads(), name).await;
         }
     });
@@ -223,6 +218,18 @@ async fn frames_of_each_slider(page: &Page, browser: u32, views: &str) {
         }
         println!();
     }
+}
+
+/// Names of measurements with workers and without, and the scripts that make it so.
+const WITH_AND_WITHOUT: [(&str, &str); 2] = [("in a worker", ""), ("in the frames", elsewhere::NONE)];
+
+/// A page that runs scripts before its own.
+async fn prepared(driver: &Driver, scripts: [&str; 2]) -> Page {
+    let page = driver.open().await;
+    for script in scripts {
+        page.prepare(script).await;
+    }
+    page
 }
 
 /// A server of the page that has been built.

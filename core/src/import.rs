@@ -34,6 +34,7 @@ mod loading;
 mod mapping;
 mod reader;
 mod resample;
+mod samples;
 mod table;
 mod timing;
 mod unit;

@@ -2,7 +2,7 @@
 
 /// Work with an outcome that is done in slices. The core has no clock: the caller decides when the time of a slice is up.
 pub trait InSlices {
-    /// What it leads to.
+    /// The result of the work.
     type Outcome;
 
     /// The share that is done, from 0 to 1.

@@ -31,7 +31,7 @@ pub(super) fn serve() {
     });
 }
 
-/// Takes what a message has brought. If the worker cannot use it, the page hears why.
+/// The work of a message. If the worker cannot begin it, the page hears why.
 fn told<T>(found: Result<T, String>, words: &Words) -> Option<T> {
     found.map_err(|reason| tell(&Array::of3(&"failed".into(), &words.job().into(), &reason.into()))).ok()
 }

@@ -62,8 +62,8 @@ impl Team {
         }
     }
 
-    /// Ends a worker that has failed, by its place. Its errands are lost. Where there are none, or a map lacks cells now, all
-    /// workers are given up: who begins anew might fail anew.
+    /// Ends a worker that has failed, by its place. Its errands are lost, and others go on. A worker that has cells of a map, or
+    /// never was ready, ends the use of all workers: another one might fail at the same cells.
     fn lose(&mut self, place: usize, reason: String) {
         log::warn!("A worker of the page has failed: {reason}");
         let Self { members, task, errands, broken, .. } = self;
@@ -72,7 +72,7 @@ impl Team {
         if !(is_of_errand && member.is_ready() && member.is_free()) {
             *broken = Some(reason);
         }
-        // Frames see what has become of the work.
+        // The next frame notices the loss.
         task.iter().for_each(Given::wake);
         errands.iter().for_each(Errand::wake);
         errands.retain(|errand| !errand.is_of(member));

@@ -30,6 +30,15 @@ pub(crate) const NONE: &str = "window.Worker = class { constructor() { throw new
 /// The first worker fails in the middle of its work.
 pub(crate) const FAILS: &str = "window.fatal = { more: 5 };";
 
+/// No worker hears that it should go on, for as long as `hold` is true.
+pub(crate) const HOLDS: &str = "
+    window.hold = true;
+    const send = Worker.prototype.postMessage;
+    Worker.prototype.postMessage = function (...message) {
+        if (!window.hold || message[0]?.[0] !== 'more') return send.apply(this, message);
+        window.told.held = 1;
+    };";
+
 /// A picture of a whole record, with an EKF and a particle filter: the link to it and its checksum.
 fn picture(seed: u64, duration: f64, particles: usize) -> (String, String) {
     let mut scenario = Scenario { duration, seed, ..Scenario::default() };

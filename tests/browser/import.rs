@@ -42,18 +42,22 @@ pub(crate) async fn a_record_is_chosen(page: &Page, folder: &Path) {
     let path = folder.join("chosen.csv");
     std::fs::write(&path, sheet(40.0)).unwrap();
     page.choose_file("#file", &path).await;
-    let button = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Cancel the import')";
-    page.wait_until(button, PATIENCE).await.unwrap();
+    let button = offers("Cancel the import");
+    page.wait_until(&button, PATIENCE).await.unwrap();
     // The window grows to its size and moves to the middle meanwhile.
     tokio::time::sleep(Duration::from_secs(1)).await;
     page.click("Cancel the import", 0.5).await;
     page.wait_until(&format!("!{button}"), PATIENCE).await.unwrap();
 }
 
-/// The page asks what the columns mean.
+/// Whether a control of this name is on screen, as a script.
+fn offers(name: &str) -> String {
+    format!("JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === '{name}')")
+}
+
+/// Waits until the page asks for the meaning of the columns.
 async fn is_asked(page: &Page) {
-    let button = "JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Open the record')";
-    page.wait_until(button, PATIENCE).await.unwrap();
+    page.wait_until(&offers("Open the record"), PATIENCE).await.unwrap();
 }
 
 /// The record is opened with the guess at its columns, once there is one.
@@ -113,6 +117,24 @@ pub(crate) async fn a_large_record_is_opened(
     reports_no_problems(page, address).await;
 }
 
+/// An import that is given up while a worker is at it is gone, and the next one is read in a worker too.
+pub(crate) async fn an_import_is_given_up_in_its_worker(page: &Page, address: &str, folder: &Path) {
+    let path = folder.join("large.csv");
+    std::fs::create_dir_all(folder).unwrap();
+    std::fs::write(&path, sheet(6000.0)).unwrap();
+    starts(page, address).await;
+    page.choose_file("#file", &path).await;
+    page.wait_until("told.held === 1", PATIENCE).await.unwrap();
+    tokio::time::sleep(Duration::from_secs(1)).await;
+    page.click("Cancel the import", 0.5).await;
+    page.wait_until(&format!("!({})", offers("Cancel the import")), PATIENCE).await.unwrap();
+    page.value("window.hold = false").await;
+    page.choose_file("#file", &path).await;
+    is_asked(page).await;
+    assert_eq!((told(page, "file").await, told(page, "held").await), (2, 1));
+    reports_no_problems(page, address).await;
+}
+
 /// Prints how long reading a large file and making its start values takes, and the page's own time in its frames meanwhile.
 pub(crate) async fn time_of_an_import(page: &Page, address: &str, folder: &Path, name: &str) {
     let text = sheet(40_000.0);
@@ -130,8 +152,7 @@ pub(crate) async fn time_of_an_import(page: &Page, address: &str, folder: &Path,
     page.settle().await;
     page.value(begin).await;
     page.click("Open the record", 0.5).await;
-    let over = "!JSON.parse(wasmBindings.kalmanscope_summary()).controls.some(it => it.name === 'Cancel the import')";
-    page.wait_until(over, 4 * PATIENCE).await.unwrap();
+    page.wait_until(&format!("!({})", offers("Cancel the import")), 4 * PATIENCE).await.unwrap();
     println!("{name}, start values: all, in frames, longest frame [ms] {}", page.value(spent).await);
 }
 

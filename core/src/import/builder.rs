@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 
 use super::butterworth::band_pass;
 use super::mapping::{MappedColumn, Offset};
+use super::samples::{fill, mean, shift};
 use super::timing::{FEWEST, MOST, Timing};
 use super::unit::unit;
 use super::{ImportError, Mapping, Table, resample};
@@ -258,60 +259,6 @@ fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
     })
 }
 
-/// Samples without a value.
-struct Missing {
-    first: usize,
-    count: usize,
-}
-
-/// Interpolates missing values linearly, or repeats the nearest at the ends.
-fn fill(values: &mut [f64]) -> Option<Missing> {
-    let first = values.iter().position(|value| value.is_nan())?;
-    let count = values.iter().filter(|value| value.is_nan()).count();
-    let mut before: Option<usize> = None;
-    for k in 0..=values.len() {
-        if k < values.len() && values[k].is_nan() {
-            continue;
-        }
-        let after = (k < values.len()).then_some(k);
-        let gap = before.map_or(0, |before| before + 1)..k;
-        let (from, to) = (before.map(|b| values[b]), after.map(|a| values[a]));
-        let length = gap.len() as f64 + 1.0;
-        for (i, place) in gap.enumerate() {
-            let share = (i + 1) as f64 / length;
-            values[place] = match (from, to) {
-                (Some(from), Some(to)) => from + share * (to - from),
-                (Some(known), None) | (None, Some(known)) => known,
-                (None, None) => 0.0,
-            };
-        }
-        before = after;
-    }
-    Some(Missing { first, count })
-}
-
-/// Moves values to earlier samples by `delay`, or to later ones where it is negative; the ends become missing.
-fn shift(values: &mut [f64], delay: i32) {
-    let by = (delay.unsigned_abs() as usize).min(values.len());
-    let n = values.len();
-    if delay > 0 {
-        values.rotate_left(by);
-        values[n - by..].fill(f64::NAN);
-    } else if delay < 0 {
-        values.rotate_right(by);
-        values[..by].fill(f64::NAN);
-    }
-}
-
-/// The mean of the values that are there.
-fn mean(values: &[f64]) -> f64 {
-    let (sum, count) = values
-        .iter()
-        .filter(|value| !value.is_nan())
-        .fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    if count > 0.0 { sum / count } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::read;
@@ -346,9 +293,6 @@ mod tests {
         assert_eq!(record.input(), [1.0, 2.0, 3.0, 4.0, 5.0]);
         assert!(record.measured(0)[3].is_nan());
         assert_eq!(remarks, ["the input is missing in 1 sample(s), the first at 0.2 s; it is interpolated there"]);
-        let mut ends = [f64::NAN, 1.0, f64::NAN, f64::NAN, 4.0, f64::NAN];
-        assert_eq!(fill(&mut ends).unwrap().count, 4);
-        assert_eq!(ends, [1.0, 1.0, 2.0, 3.0, 4.0, 4.0]);
     }
 
     #[test]

@@ -15,9 +15,9 @@ pub struct Errand {
     work: Box<dyn Work>,
 }
 
-/// What does it.
+/// A kind of such work.
 pub(crate) trait Work {
-    /// Goes on by so much, and returns what there is to send. Buffers that are added to `handed_over` are not copied.
+    /// Does the next `count` portions, and returns the part to send. The browser does not copy buffers in `handed_over`.
     fn go_on(&mut self, count: usize, handed_over: &Array) -> JsValue;
 }
 
@@ -41,7 +41,7 @@ impl Errand {
         self.number
     }
 
-    /// Goes on by as much as a message asks for, and sends what there is.
+    /// Does as many portions as a message asks for, and sends the part that they give.
     pub fn answer(&mut self, words: &Words) {
         let (handed_over, watch) = (Array::new(), Watch::start());
         let part = self.work.go_on(words.get(2).as_f64().unwrap_or(0.0) as usize, &handed_over);

@@ -53,7 +53,7 @@ pub fn measured(record: &Array, scenario: &Scenario) -> Option<Record> {
 /// The scenario of a text, and the record of a message for it.
 ///
 /// # Errors
-/// The reason in words where one of them is not what it should be.
+/// The reason in words where the text is no scenario, or the message has no record.
 pub(crate) fn scenario_and_record(scenario: &str, record: JsValue) -> Result<(Scenario, Record), String> {
     let scenario: Scenario = Document::read_json(scenario).map_err(|error| error.to_string())?;
     let record = record.dyn_into::<Array>().ok().and_then(|record| measured(&record, &scenario));

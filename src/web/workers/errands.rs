@@ -28,14 +28,14 @@ pub(super) struct Errand {
     /// The message with the work, until it has been sent.
     message: Option<Array>,
     portions: Portions,
-    /// What has not been asked for, in samples. Work with an outcome is asked for until that comes.
+    /// The samples that the page has not asked for, or [`UNTIL_DONE`] for work with an outcome.
     left: usize,
     /// Parts that have come, as the worker has sent them.
     come: Array,
     ctx: Context,
 }
 
-/// What is left of work until its outcome has come.
+/// Stands for the samples of work with an outcome, for which the page asks until the outcome comes.
 const UNTIL_DONE: usize = usize::MAX;
 
 impl Errand {
@@ -83,7 +83,7 @@ impl Errand {
 }
 
 impl Errands {
-    /// Begins work whose message is made for its number. `read` makes something of a part of it.
+    /// Begins work. `message` makes the message that begins it, from its number; `read` reads a part.
     fn begin<T: 'static>(
         &self,
         left: usize,
