@@ -3,6 +3,7 @@
 mod color;
 mod filter;
 mod identity;
+mod name;
 mod plant;
 mod toml;
 mod true_noise;
@@ -19,6 +20,7 @@ use crate::{DocumentError, Force, PlantKind, Quantity};
 
 pub use color::FilterColor;
 pub use filter::FilterSettings;
+pub use name::{is_text, shown};
 pub use plant::{Motion, Plant};
 pub use values::Values;
 

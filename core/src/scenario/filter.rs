@@ -17,7 +17,9 @@ pub struct FilterSettings {
     /// a file, for the number of its place. It determines an ensemble's random numbers and the default colour.
     #[serde(skip_serializing_if = "super::is_default")]
     pub id: u32,
-    /// The name on screen and in files; that of its kind if empty.
+    /// The name on screen and in files; that of its kind if empty. Without control characters and marks that turn the
+    /// direction of writing.
+    #[serde(deserialize_with = "super::name::name")]
     pub name: String,
     /// The kind of filter.
     pub kind: FilterKind,
