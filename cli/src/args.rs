@@ -3,10 +3,13 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use clap_complete::Shell;
 use kalmanscope_core::{PlantKind, Quantity, VerdictKind};
 use kalmanscope_lab::tune::Goal;
 use kalmanscope_lab::{Axis, Measure};
+
+use crate::places::{Places, places};
 
 /// System identification with Kalman filters on the command line
 #[derive(Debug, Parser)]
@@ -16,20 +19,51 @@ pub(crate) struct CommandLine {
     pub(crate) command: Command,
 }
 
+impl CommandLine {
+    /// The completions of commands and options for a shell.
+    pub(crate) fn completions(shell: Shell) -> Vec<u8> {
+        let mut text = Vec::new();
+        clap_complete::generate(shell, &mut Self::command(), "kalmanscope-cli", &mut text);
+        text
+    }
+}
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Run a scenario to its end and print the results of each filter
+    #[command(
+        after_help = "Examples:\n  kalmanscope-cli run scenario.toml --out estimates.csv --svg plots.svg\n  kalmanscope-cli run record.toml --holdout other.csv --json > results.json"
+    )]
     Run(RunArgs),
     /// Run a scenario and write its results as one page for a browser or a printer
+    #[command(after_help = "Example:\n  kalmanscope-cli report record.toml --holdout other.csv --out report.html")]
     Report(ReportArgs),
     /// Look at a measured record and write a scenario for it: its columns, and start values from its data
+    #[command(
+        after_help = "Examples:\n  kalmanscope-cli import record.csv --out record.toml\n  kalmanscope-cli import raw.txt --rate 200 --input V1 --sensor displacement=V2 --out record.toml\n  zcat record.csv.gz | kalmanscope-cli import - > record.toml"
+    )]
     Import(ImportArgs),
     /// Run a scenario with every combination of some settings and write a row of scores for each
+    #[command(
+        after_help = "Example:\n  kalmanscope-cli sweep scenario.toml --vary filters.EKF.fading=1:1.02:5 --seeds 100 --out table.csv"
+    )]
     Sweep(SweepArgs),
     /// Find the values of some settings of a filter with which it does best on a record
+    #[command(
+        after_help = "Example:\n  kalmanscope-cli tune record.toml --turn filters.EKF.fading=1:1.02 --out tuned.toml"
+    )]
     Tune(TuneArgs),
     /// Read a lesson and try each of its claims on several records
+    #[command(after_help = "Example:\n  kalmanscope-cli lesson lesson.toml --seeds 100")]
     Lesson(LessonArgs),
+    /// Print the completions of commands and options for a shell
+    #[command(
+        after_help = "Example:\n  kalmanscope-cli completions bash > ~/.local/share/bash-completion/completions/kalmanscope-cli"
+    )]
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
 }
 
 #[derive(Debug, Args)]
@@ -74,7 +108,7 @@ pub(crate) struct SweepArgs {
     /// Write one of several shards only, such as 3/8: one behind the other they are the whole table
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     pub(crate) shard: Shard,
-    /// Number of threads; 0 for one a processor
+    /// Number of threads, at most 256 and one a combination; 0 for one a processor
     #[arg(long, value_name = "K", default_value_t = 0)]
     pub(crate) threads: usize,
 }
@@ -140,7 +174,7 @@ impl FromStr for Shard {
 pub(crate) struct SourceArgs {
     /// The scenario, a TOML file; `-` for standard input
     pub(crate) scenario: PathBuf,
-    /// Filter this record instead of simulating one: a file with columns of numbers, whose meaning is that of `[record]` in
+    /// Filter this record instead of simulating one: a file, or `-` for standard input, with columns of numbers, whose meaning is that of `[record]` in
     /// the scenario or of --map, or else guessed from the names
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record: Option<PathBuf>,
@@ -158,11 +192,22 @@ pub(crate) struct SourceArgs {
     pub(crate) seed: Option<u64>,
 }
 
+impl SourceArgs {
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> Places<'_> {
+        let Self { scenario, record, map, holdout, then, seed: _ } = self;
+        let all = [places("the scenario", [scenario]), places("--record", record), places("--map", map)];
+        let more = [places("--holdout", holdout), places("--then", then)];
+        all.into_iter().chain(more).flatten().collect()
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) source: SourceArgs,
-    /// Write every estimate of every filter
+    /// Write every estimate of every filter; `-`, here and in other outputs, for standard output: the table then goes to standard
+    /// error
     #[arg(long, value_name = "ESTIMATES.csv")]
     pub(crate) out: Option<PathBuf>,
     /// Write force, measurements and truth, as --record reads them
@@ -175,6 +220,13 @@ pub(crate) struct RunArgs {
     /// not-identifiable, underconfident, overconfident, wound-up, collapsed, lost, diverged
     #[arg(long, value_name = "VERDICTS", value_delimiter = ',', value_parser = verdict)]
     pub(crate) fail_on: Vec<VerdictKind>,
+    /// Print the results as one JSON document in place of the table: samples, start, dt, measured, filters (name, kind,
+    /// verdict, evidence, causes, estimates, mean_nis, log_likelihood, ...) and free_runs, in SI units; null where there is none
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print no table and no remarks, only errors
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Debug, Args)]
@@ -188,9 +240,9 @@ pub(crate) struct ReportArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ImportArgs {
-    /// The record, a file with columns of numbers
+    /// The record, a file with columns of numbers; `-` for standard input
     pub(crate) file: PathBuf,
-    /// The scenario to write; standard output if left out
+    /// The scenario to write; standard output if left out or `-`
     #[arg(long, value_name = "SCENARIO.toml")]
     pub(crate) out: Option<PathBuf>,
     /// Samples in a second, for a file without times

@@ -1,5 +1,6 @@
 //! Every estimate of every filter as a CSV file.
 
+use std::borrow::Cow;
 use std::io::Write;
 
 use kalmanscope_core::{Channel, Estimates, Quantity, Record, Run};
@@ -23,8 +24,9 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
     let readings = readings.flat_map(|what| sensors.iter().map(move |sensor| format!("{what}_{}", sensor.key())));
     writer.write_record(header.chain(["nis", "log_likelihood"].map(str::to_owned)).chain(readings))?;
     for estimates in run.estimates().iter().chain(&run.smoothed()) {
+        let name = harmless(estimates.name());
         for k in 0..estimates.len() {
-            writer.write_field(estimates.name())?;
+            writer.write_field(name.as_ref())?;
             writer.write_field(k.to_string())?;
             writer.write_field(number(run.record().time(k)))?;
             let readings: Vec<Reading> = sensors.iter().map(|s| Reading::of(estimates, run.record(), *s, k)).collect();
@@ -39,6 +41,11 @@ pub fn write_estimates(run: &Run, output: impl Write) -> Result<(), csv::Error> 
     }
     writer.flush()?;
     Ok(())
+}
+
+/// A name as the cell of a CSV file: one that a spreadsheet would take for a formula begins with an apostrophe.
+pub fn harmless(name: &str) -> Cow<'_, str> {
+    if name.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{name}").into() } else { name.into() }
 }
 
 /// A filter's view of one sensor at one sample; NaN where nothing was measured, or where it does not use the sensor.

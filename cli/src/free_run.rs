@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use kalmanscope_core::free_run::one_step;
 use kalmanscope_core::import::Length;
-use kalmanscope_core::{Fit, Identified, Record, Run};
+use kalmanscope_core::{Fit, Identified, Quantity, Record, Run};
 
 use crate::number::short;
 
@@ -21,25 +21,41 @@ pub fn free_runs(run: &Run, record: &Record, name: &str) -> String {
 
 /// The lines of [`free_runs`].
 pub(crate) fn lines(run: &Run, record: &Record) -> Vec<String> {
+    let length = Length::of(run.scenario().record.as_ref());
+    let line = |FreeFit { filter, sensor, free, one_step }| {
+        let unit = length.in_place_of(sensor.unit());
+        let told = free.map_or_else(|| "nothing to compare".to_owned(), |fit| words(fit, unit));
+        let ahead = one_step.map_or_else(String::new, |fit| format!("; one step ahead {}", words(fit, unit)));
+        format!("{filter}, {}: {told}{ahead}", sensor.name())
+    };
+    fits(run, record).into_iter().map(line).collect()
+}
+
+/// The free run of one filter's final model, for one sensor.
+pub(crate) struct FreeFit {
+    /// The filter's name.
+    pub(crate) filter: String,
+    pub(crate) sensor: Quantity,
+    /// The free run's agreement with the measurements, if there is something to compare.
+    pub(crate) free: Option<Fit>,
+    /// That of the predictions one step ahead, over the run's own record.
+    pub(crate) one_step: Option<Fit>,
+}
+
+/// The free runs of all filters over a record, for each of its sensors.
+pub(crate) fn fits(run: &Run, record: &Record) -> Vec<FreeFit> {
     let scenario = run.scenario();
-    let length = Length::of(scenario.record.as_ref());
     let is_own = std::ptr::eq(run.record(), record);
-    let mut lines = Vec::new();
+    let mut fits = Vec::new();
     for (settings, estimates) in scenario.filters.iter().zip(run.estimates()).filter(|(_, e)| !e.is_empty()) {
         let model = Identified::at(scenario, settings, estimates, estimates.len() - 1);
         let free = model.run(record, 0..record.len());
-        for (place, (quantity, fit)) in record.sensors().iter().zip(&free.fits).enumerate() {
-            let unit = length.in_place_of(quantity.unit());
-            let told = fit.map_or_else(|| "nothing to compare".to_owned(), |fit| words(fit, unit));
-            let mut line = format!("{}, {}: {told}", estimates.name(), quantity.name());
-            if is_own && let Some(fit) = one_step(estimates, record, place, free.fitted..record.len()) {
-                // Writing to a string cannot fail.
-                let _ = write!(line, "; one step ahead {}", words(fit, unit));
-            }
-            lines.push(line);
+        for (place, (&sensor, &fit)) in record.sensors().iter().zip(&free.fits).enumerate() {
+            let ahead = is_own.then(|| one_step(estimates, record, place, free.fitted..record.len())).flatten();
+            fits.push(FreeFit { filter: estimates.name().to_owned(), sensor, free: fit, one_step: ahead });
         }
     }
-    lines
+    fits
 }
 
 fn words(fit: Fit, unit: &str) -> String {

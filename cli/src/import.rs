@@ -1,26 +1,27 @@
 //! The command `kalmanscope-cli import`.
 
 use std::fs;
-use std::io::{self, Write as _};
 use std::path::Path;
 
-use kalmanscope_core::import::{Builder, MappedColumn, Mapping, Time, hash};
+use kalmanscope_core::import::{Builder, MappedColumn, Mapping, Time};
+use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Hold, InputKind};
 
 use crate::args::ImportArgs;
-use crate::input::InputError;
+use crate::input::{InputError, is_standard_input};
+use crate::places::{check, places, write_text};
 use crate::record::table;
 
 /// Looks at a record and writes a scenario for it.
 pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let ImportArgs { file, out, rate, time, input, ground, sensor, from, to, band, every, interpolate, plant } = args;
     let bad = |error| InputError::Import { file: file.clone(), error };
-    let unread = |error| InputError::Read { file: file.clone(), error };
-    let table = table(file, &Mapping::default())?;
+    check(&places("the record", [file]), &places("--out", out))?;
+    let (table, hash) = table(file)?;
     let (mut mapping, mut kind) = Mapping::guess(&table);
     mapping.file = path_from(out.as_deref(), file);
-    mapping.hash = hash(&fs::read(file).map_err(unread)?);
+    mapping.hash = hash;
     if let Some(rate) = rate {
         mapping.time = Time { rate: Some(*rate), ..Time::default() };
     }
@@ -49,16 +50,12 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let toml = suggestion.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;
     let mut text = format!("# {}\n", table.dialect);
     for remark in imported.remarks.iter().chain(&suggestion.reasons) {
-        text.push_str(&format!("# {remark}\n"));
+        text.push_str(&shown(&format!("# {remark}\n")));
     }
     text.push_str(&toml);
     match out {
-        Some(out) => fs::write(out, text).map_err(|error| InputError::Read { file: out.clone(), error }),
-        // A closed pipe needs no message.
-        None => {
-            let _ = io::stdout().write_all(text.as_bytes());
-            Ok(())
-        }
+        Some(out) => write_text(out, &text),
+        None => write_text(Path::new("-"), &text),
     }
 }
 
@@ -66,8 +63,12 @@ fn unit_of(table: &kalmanscope_core::import::Table, column: &str) -> String {
     table.place(column).and_then(|place| table.columns[place].unit.clone()).unwrap_or_default()
 }
 
-/// The path of a record as a scenario in `out` names it: relative if both are in one folder.
+/// The path of a record as a scenario in `out` names it: relative if both are in one folder, and none for a pipe, which cannot be
+/// read again.
 fn path_from(out: Option<&Path>, file: &Path) -> String {
+    if !file.is_file() || is_standard_input(file) {
+        return String::new();
+    }
     let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
     let name = match out {
         Some(out) if folder(out) == folder(file) => file.file_name().map_or(file, Path::new).to_owned(),

@@ -1,12 +1,12 @@
 //! The command `kalmanscope-cli lesson`.
 
 use std::collections::BTreeSet;
-use std::io::{self, Write as _};
 
 use kalmanscope_lessons::{Claim, Lesson, verify_all};
 
 use crate::args::LessonArgs;
 use crate::input::{InputError, read_text};
+use crate::places::print;
 
 /// Reads a lesson, tries its claims and prints a line for each. Returns whether all of them hold.
 pub(crate) fn lesson(args: &LessonArgs) -> Result<bool, InputError> {
@@ -25,7 +25,6 @@ pub(crate) fn lesson(args: &LessonArgs) -> Result<bool, InputError> {
         1 => format!("1 claim on {} seeds: {failed} fails", seeds.len()),
         several => format!("{several} claims on {} seeds: {failed} fail", seeds.len()),
     };
-    // A closed pipe needs no message; the exit code reports the rest.
-    let _ = writeln!(io::stdout(), "{lines}{count}");
+    print(&format!("{lines}{count}\n"))?;
     Ok(claims.iter().all(Claim::holds))
 }

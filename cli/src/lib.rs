@@ -14,8 +14,12 @@ mod causes;
 mod estimates_csv;
 mod findings;
 mod free_run;
+#[cfg(feature = "program")]
+mod json;
 mod markup;
 mod number;
+#[cfg(feature = "plots")]
+pub mod output;
 #[cfg(feature = "plots")]
 mod plot;
 mod quality;
@@ -29,8 +33,10 @@ use std::sync::Arc;
 use kalmanscope_core::{Record, Run, RunError, Scenario};
 
 pub use causes::causes;
-pub use estimates_csv::write_estimates;
+pub use estimates_csv::{harmless, write_estimates};
 pub use free_run::free_runs;
+#[cfg(feature = "program")]
+pub use json::json;
 pub use markup::escaped;
 #[cfg(feature = "plots")]
 pub use plot::{PlotError, plot_svg, svg};

@@ -7,6 +7,7 @@ mod args;
 mod import;
 mod input;
 mod lesson;
+mod places;
 mod prepared;
 mod record;
 mod run;
@@ -14,7 +15,7 @@ mod sweep;
 mod tune;
 mod write_report;
 
-use std::io::{self, Write as _};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser as _;
@@ -29,22 +30,24 @@ fn main() -> ExitCode {
             Ending::Stopped => ExitCode::FAILURE,
             Ending::Verdict => ExitCode::from(3),
         }),
-        Command::Report(args) => write_report::write_report(&args)
-            .map(|is_written| if is_written { ExitCode::SUCCESS } else { ExitCode::FAILURE }),
+        Command::Report(args) => write_report::write_report(&args).map(|()| ExitCode::SUCCESS),
         Command::Import(args) => import::import(&args).map(|()| ExitCode::SUCCESS),
         Command::Sweep(args) => sweep::sweep(&args).map(|()| ExitCode::SUCCESS),
         Command::Tune(args) => tune::tune(&args).map(|()| ExitCode::SUCCESS),
+        Command::Completions { shell } => {
+            places::write_bytes(Path::new("-"), &CommandLine::completions(shell)).map(|()| ExitCode::SUCCESS)
+        }
         Command::Lesson(args) => {
             lesson::lesson(&args).map(|holds| if holds { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
     };
     done.unwrap_or_else(|error| {
         report_error(&error);
-        ExitCode::from(2)
+        ExitCode::from(error.code())
     })
 }
 
-/// Prints an error on standard error, and ignores that this can fail.
+/// Prints an error on standard error.
 pub(crate) fn report_error(error: &dyn std::fmt::Display) {
-    let _ = writeln!(io::stderr(), "error: {error}");
+    places::say(&format_args!("error: {error}"));
 }

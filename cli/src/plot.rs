@@ -5,7 +5,7 @@ mod panel;
 mod range;
 mod series;
 
-use std::io;
+use std::io::{self, Write as _};
 use std::path::Path;
 
 use kalmanscope_core::{Estimates, Record, Run};
@@ -14,6 +14,7 @@ use plotters::prelude::*;
 use thiserror::Error;
 
 use crate::number::plain;
+use crate::output;
 use panel::Panel;
 
 /// The reason why a picture could not be made.
@@ -77,7 +78,8 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// # Errors
 /// [`PlotError`] where the file cannot be written.
 pub fn plot_svg(run: &Run, path: &Path) -> Result<(), PlotError> {
-    Ok(std::fs::write(path, svg(run)?)?)
+    let picture = svg(run)?;
+    output::write(path, |file| Ok(file.write_all(picture.as_bytes())?))
 }
 
 /// Draws the channels of a run over one time axis, as the text of an SVG file: the truth in dark grey, measurements as
@@ -123,6 +125,10 @@ fn draw_panel(run: &Run, panel: Panel, area: &Area<'_>, with_time: bool) -> Resu
     let range = range::of(run, panel);
     let start = record.time(0);
     let end = record.time(record.len().saturating_sub(1)).max(start + record.dt());
+    // The marks of an axis are found by sums that must stay finite.
+    if !(start.abs() < range::LARGEST && end.abs() < range::LARGEST) {
+        return Err(PlotError::Draw(format!("the times {start:e} s to {end:e} s are too far apart")));
+    }
     let mut chart = ChartBuilder::on(area)
         .margin_top(10 * SCALE)
         .margin_right(24 * SCALE)

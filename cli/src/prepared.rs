@@ -1,15 +1,15 @@
 //! The run that a command's arguments ask for.
 
-use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use kalmanscope_cli::run_scenario;
-use kalmanscope_core::import::Imported;
-use kalmanscope_core::{Record, Run, RunError, Scenario};
+use kalmanscope_core::import::{self, Imported};
+use kalmanscope_core::{Document, Record, Run, RunError, Scenario};
 
 use crate::args::SourceArgs;
-use crate::input::{InputError, read_text};
-use crate::record::{measured, read};
+use crate::input::{InputError, read_short, to_text};
+use crate::places::{Places, check, places, say};
+use crate::record::{measured, named, read};
 
 /// Limits the samples of a run, because all are kept: at 100 Hz more than five hours, about a gigabyte of estimates per
 /// filter.
@@ -28,10 +28,13 @@ pub(crate) struct Prepared {
 }
 
 impl Prepared {
-    /// Reads scenario and records and runs the filters. Remarks on a record are printed on standard error.
-    pub(crate) fn new(source: &SourceArgs) -> Result<Self, InputError> {
+    /// Reads scenario and records and runs the filters. Remarks on a record are printed on standard error. Refuses outputs that are
+    /// inputs. A quiet run prints no remarks.
+    pub(crate) fn new(source: &SourceArgs, outputs: &Places<'_>, quiet: bool) -> Result<Self, InputError> {
         let SourceArgs { scenario: file, record: _, map: _, holdout, then, seed } = source;
+        check(&source.inputs(), &Places::new())?;
         let mut scenario = read_scenario(file)?;
+        check_with_record(&scenario, source, outputs)?;
         if let Some(seed) = seed {
             scenario.seed = *seed;
         }
@@ -42,9 +45,7 @@ impl Prepared {
         let is_measured = imported.is_some() || !then.is_empty();
         let (record, remarks) =
             imported.map_or((None, Vec::new()), |Imported { record, remarks }| (Some(record), remarks));
-        remarks.iter().for_each(|remark| {
-            let _ = writeln!(io::stderr(), "{remark}");
-        });
+        remarks.iter().filter(|_| !quiet).for_each(|remark| say(remark));
         let held_out = holdout.iter().map(|path| Ok((path.clone(), read(path, &mut scenario.clone())?.record)));
         let held_out = held_out.collect::<Result<Vec<_>, InputError>>()?;
         let bad_run = |error| InputError::Run { file: file.clone(), error };
@@ -68,8 +69,8 @@ pub(crate) fn scenario_and_record(
     file: &Path,
     record: Option<&PathBuf>,
     map: Option<&PathBuf>,
+    outputs: &Places<'_>,
 ) -> Result<(Scenario, Option<Imported>), InputError> {
-    let mut scenario = read_scenario(file)?;
     let source = SourceArgs {
         scenario: file.to_owned(),
         record: record.cloned(),
@@ -78,12 +79,32 @@ pub(crate) fn scenario_and_record(
         then: Vec::new(),
         seed: None,
     };
+    check(&source.inputs(), &Places::new())?;
+    let mut scenario = read_scenario(file)?;
+    check_with_record(&scenario, &source, outputs)?;
     let imported = measured(&source, &mut scenario)?;
     Ok((scenario, imported))
 }
 
 fn read_scenario(file: &Path) -> Result<Scenario, InputError> {
-    Scenario::from_toml(&read_text(file)?).map_err(|error| InputError::Scenario { file: file.to_owned(), error })
+    let bytes = read_short(file)?;
+    let is_toml = std::str::from_utf8(&bytes).is_ok_and(|text| Document::from_toml(text).is_ok());
+    if !is_toml && import::read(bytes.as_slice(), None).is_ok() {
+        let reason =
+            "this is a record, not a scenario: `kalmanscope-cli import RECORD --out SCENARIO.toml` writes one for it";
+        return Err(InputError::Laboratory { file: file.to_owned(), reason: reason.to_owned() });
+    }
+    let text = to_text(file, bytes)?;
+    Scenario::from_toml(&text).map_err(|error| InputError::Scenario { file: file.to_owned(), error })
+}
+
+/// Refuses outputs that are inputs, the record among them that the scenario names.
+fn check_with_record(scenario: &Scenario, source: &SourceArgs, outputs: &Places<'_>) -> Result<(), InputError> {
+    let file = scenario.record.as_ref().filter(|mapping| !mapping.file.is_empty());
+    let file = file.map(|mapping| named(&source.scenario, mapping));
+    let mut inputs = source.inputs();
+    inputs.extend(places("the record of the scenario", &file));
+    check(&inputs, outputs)
 }
 
 /// Lets each filter begin with the parameters that it has found: their means and standard deviations, without the correlations

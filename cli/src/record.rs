@@ -2,16 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use kalmanscope_core::import::{self, Builder, Decimal, Delimiter, Dialect, Encoding, Imported, Mapping, Table};
+use kalmanscope_core::import::{self, Builder, Decimal, Delimiter, Dialect, Encoding, Imported, Mapping, Table, hash};
 use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::records;
 
 use crate::args::SourceArgs;
-use crate::input::{InputError, LARGEST, read_text};
+use crate::input::{InputError, read_record, read_text};
+use crate::places::say;
 
 /// The sentence on settings that a measured record overrides.
 const OVERRIDDEN: &str =
     "dt, duration, force and the truth's numbers of the scenario have no effect on a measured record";
+
+/// The first line of a measured record that was written as the filters read it: it needs no mapping any more.
+pub(crate) const READY: &str = "# a measured record as the filters read it: SI units, no mapping\n";
 
 /// The measured record of a run, if it has one, with sentences about its making. The scenario gets the mapping.
 pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
@@ -22,8 +26,12 @@ pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<O
     }
     let path = match (record, &scenario.record) {
         (Some(path), _) => path.clone(),
-        (None, Some(mapping)) if !mapping.file.is_empty() => beside(file, &mapping.file),
-        _ => return Ok(None),
+        (None, Some(mapping)) if !mapping.file.is_empty() => named(file, mapping),
+        (None, Some(_)) => {
+            say(&"[record] names no file: a record is simulated, unless --record names one");
+            return Ok(None);
+        }
+        (None, None) => return Ok(None),
     };
     // A file beside the scenario goes before a record that comes along.
     if record.is_none()
@@ -35,13 +43,29 @@ pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<O
         let table = import::read(bytes, mapping.dialect).map_err(bad)?;
         return of_table(&path, &table, scenario).map(Some);
     }
+    // A scenario may come from elsewhere: it opens no device and no pipe.
+    if record.is_none() && path.exists() && !path.is_file() {
+        return Err(InputError::NoFile { file: path });
+    }
     read(&path, scenario).map(Some)
 }
 
-/// The record in a file, with the meaning that the scenario gives its columns.
+/// The record in a file, with the meaning that the scenario gives its columns. A record that was written when it had that
+/// meaning has it already.
 pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, InputError> {
-    let table = table(path, &scenario.record.clone().unwrap_or_default())?;
-    of_table(path, &table, scenario)
+    let bytes = read_record(path)?;
+    let mapping = scenario.record.clone().unwrap_or_default();
+    let is_ready = bytes.starts_with(READY.as_bytes());
+    let parsed = |error| InputError::Import { file: path.to_owned(), error };
+    let table = import::read(bytes, mapping.dialect.filter(|_| !is_ready)).map_err(parsed)?;
+    if !is_ready {
+        return of_table(path, &table, scenario);
+    }
+    scenario.record = None;
+    let imported = of_table(path, &table, scenario);
+    // Lengths and angles keep their names.
+    scenario.record = Some(mapping).filter(|mapping| !mapping.sensors.is_empty());
+    imported
 }
 
 /// The record of a file's columns, with the meaning that the scenario gives them.
@@ -71,15 +95,12 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
     Ok(imported)
 }
 
-/// The columns of a file.
-pub(crate) fn table(path: &Path, mapping: &Mapping) -> Result<Table, InputError> {
-    let unread = |error| InputError::Read { file: path.to_owned(), error };
-    let size = std::fs::metadata(path).map_err(unread)?.len();
-    if size > LARGEST {
-        return Err(InputError::TooLarge { file: path.to_owned(), megabytes: size / 1_000_000 });
-    }
-    let bytes = std::fs::read(path).map_err(unread)?;
-    import::read(bytes, mapping.dialect).map_err(|error| InputError::Import { file: path.to_owned(), error })
+/// The columns of a file, and the hash of its bytes.
+pub(crate) fn table(path: &Path) -> Result<(Table, String), InputError> {
+    let bytes = read_record(path)?;
+    let hash = hash(&bytes);
+    let table = import::read(bytes, None).map_err(|error| InputError::Import { file: path.to_owned(), error })?;
+    Ok((table, hash))
 }
 
 /// The meaning of the columns in one line.
@@ -106,7 +127,7 @@ fn is_own_form(table: &Table, mapping: &Mapping) -> bool {
         && sensors
 }
 
-/// A file named in another file, from whose folder its path is counted.
-fn beside(file: &Path, name: &str) -> PathBuf {
-    file.parent().unwrap_or(Path::new("")).join(name)
+/// The file that a scenario names, from whose folder its path is counted.
+pub(crate) fn named(scenario: &Path, mapping: &Mapping) -> PathBuf {
+    scenario.parent().unwrap_or(Path::new("")).join(&mapping.file)
 }

@@ -5,34 +5,39 @@ mod part;
 mod table;
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::io;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use kalmanscope_core::import::hash;
-use kalmanscope_core::{Scenario, Source};
+use kalmanscope_core::import::{Hash, hash};
+use kalmanscope_core::{Record, Scenario, Source};
 use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, Plan, Runner, Spacing, channels};
 
 use crate::args::{Shard, SweepArgs};
 use crate::input::InputError;
+use crate::places::places;
 use crate::prepared::scenario_and_record;
 
 use part::Part;
 use table::Format;
 
+/// Limits the threads.
+const MOST_THREADS: usize = 256;
+
 /// Runs all cells of a shard and writes their table. Goes on where an earlier call of the same sweep was ended.
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let SweepArgs { scenario: file, out, shard, threads, .. } = args;
     let format = Format::of(out).ok_or_else(|| bad(out, &"the table must be a .csv or a .parquet file"))?;
-    let runner = Arc::new(runner(args)?);
+    let (runner, record) = runner(args)?;
+    let runner = Arc::new(runner);
     let ensemble = runner.ensemble();
     let cells = cells(ensemble.cells(), *shard);
-    let fingerprint = fingerprint(args, ensemble)?;
-    let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len()).map_err(|error| bad(out, &error))?;
-    let crew = Crew::new(*threads).map_err(|error| bad(file, &error))?;
+    let fingerprint = fingerprint(args, ensemble, &record);
+    let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len())?;
+    let crew = Crew::new((*threads).min(MOST_THREADS).min(cells.len().max(1))).map_err(|error| bad(file, &error))?;
     let bar = bar(cells.len(), done);
     let order: Vec<usize> = (cells.start + done..cells.end).collect();
     let work = crew.start(&runner, order, || {});
@@ -44,23 +49,30 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
         waiting.insert(slice.cells[0], slice);
         while let Some(slice) = waiting.remove(&next) {
             next += slice.cells.len();
-            part.append(ensemble, &slice).map_err(|error| bad(out, &error))?;
+            part.append(ensemble, &slice).map_err(|error| unwritten(out, &error))?;
         }
     }
     if next != cells.end {
         return Err(bad(out, &"a thread ended before its work was done"));
     }
     bar.finish_and_clear();
-    part.finish(out, format, ensemble).map_err(|error| bad(out, &error))
+    part.finish(out, format, ensemble).map_err(|error| unwritten(out, &error))
+}
+
+/// The error for a table that cannot be written.
+fn unwritten(file: &Path, error: &io::Error) -> InputError {
+    InputError::Output { file: file.to_owned(), reason: error.to_string() }
 }
 
 fn bad(file: &Path, reason: &dyn ToString) -> InputError {
     InputError::Laboratory { file: file.to_owned(), reason: reason.to_string() }
 }
 
-fn runner(args: &SweepArgs) -> Result<Runner, InputError> {
+/// The runner of the cells, and a hash of the measured record.
+fn runner(args: &SweepArgs) -> Result<(Runner, String), InputError> {
     let SweepArgs { scenario: file, vary, seeds, score, filter, record, map, .. } = args;
-    let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref())?;
+    let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref(), &places("--out", [&args.out]))?;
+    let hash = imported.as_ref().map_or_else(String::new, |imported| hash_of(&imported.record));
     let source = imported.map_or(Source::Simulated, |imported| Source::Measured(Arc::new(imported.record)));
     let filters = filters(&scenario, filter).map_err(|reason| bad(file, &reason))?;
     let measures = if score.is_empty() {
@@ -78,7 +90,18 @@ fn runner(args: &SweepArgs) -> Result<Runner, InputError> {
     });
     let axes = vary.iter().cloned().chain(seeds).collect();
     let ensemble = Ensemble::new(scenario, Plan { filters, measures, axes, ..Plan::default() });
-    ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(file, &error))
+    let runner = ensemble.and_then(|ensemble| Runner::new(ensemble, source)).map_err(|error| bad(file, &error))?;
+    Ok((runner, hash))
+}
+
+/// A hash of a record's numbers. Its file may be a pipe, which cannot be read again.
+fn hash_of(record: &Record) -> String {
+    let mut hash = Hash::default();
+    let columns = record.sensors().iter().filter_map(|&sensor| record.measured_quantity(sensor));
+    for number in [record.time(0), record.dt()].iter().chain(record.input()).chain(columns.flatten()) {
+        hash.add(&number.to_bits().to_le_bytes());
+    }
+    hash.text()
 }
 
 /// The places of the filters with these names; of all where there is none.
@@ -100,19 +123,11 @@ fn cells(all: usize, Shard { number, of }: Shard) -> Range<usize> {
 }
 
 /// A hash of everything that the rows follow from.
-fn fingerprint(args: &SweepArgs, ensemble: &Ensemble) -> Result<String, InputError> {
-    let record = match (&args.record, &ensemble.scenario().record) {
-        (Some(path), _) => hash(&fs::read(path).map_err(|error| InputError::Read { file: path.clone(), error })?),
-        (None, Some(mapping)) => {
-            let beside = args.scenario.parent().map_or_else(PathBuf::new, Path::to_path_buf).join(&mapping.file);
-            fs::read(beside).map(|bytes| hash(&bytes)).unwrap_or_default()
-        }
-        (None, None) => String::new(),
-    };
+fn fingerprint(args: &SweepArgs, ensemble: &Ensemble, record: &str) -> String {
     let Shard { number, of } = args.shard;
     let version = env!("CARGO_PKG_VERSION");
-    let all = [version, &ensemble.to_json(), &record, &format!("{number}/{of}")].join("\n");
-    Ok(hash(all.as_bytes()))
+    let all = [version, &ensemble.to_json(), record, &format!("{number}/{of}")].join("\n");
+    hash(all.as_bytes())
 }
 
 /// The bar on standard error; it hides itself where that is no terminal.

@@ -1,7 +1,6 @@
 //! The command `kalmanscope-cli tune`.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -11,12 +10,13 @@ use kalmanscope_lab::{Axis, Setting, simulate};
 
 use crate::args::TuneArgs;
 use crate::input::InputError;
+use crate::places::{is_standard_output, places, print, say, write_text};
 use crate::prepared::scenario_and_record;
 
 /// Tunes a filter, prints what came of it, and writes the scenario.
 pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
     let TuneArgs { scenario: file, turn, filter, goal, record, map, out } = args;
-    let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref())?;
+    let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref(), &places("--out", out))?;
     let place = match filter {
         None => 0,
         Some(name) => {
@@ -31,11 +31,16 @@ pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
     let mut tuner = tuner.map_err(|error| bad(file, error.to_string()))?;
     tuner.advance(&mut || true);
     let tuned = tuner.finish();
-    // A closed pipe needs no message.
-    let _ = io::stdout().write_all(report(&tuned, &axes, *goal).as_bytes());
+    let text = report(&tuned, &axes, *goal);
+    // Standard output is the file's that asks for it.
+    if out.as_deref().is_some_and(is_standard_output) {
+        say(&text.trim_end());
+    } else {
+        print(&text)?;
+    }
     if let Some(out) = out {
         let toml = tuned.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;
-        std::fs::write(out, toml).map_err(|error| InputError::Read { file: out.clone(), error })?;
+        write_text(out, &toml)?;
     }
     Ok(())
 }

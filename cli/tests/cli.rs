@@ -346,7 +346,8 @@ fn verdicts_have_evidence_causes_and_an_exit_code() {
 
     succeeds(command().arg(&scenario).args(["--fail-on", "overconfident,diverged,lost"]));
     let (same, error) = fails(command().arg(&scenario).args(["--fail-on", "underconfident,lost"]), 3);
-    assert!(error.is_empty() && same.contains("underconfident"), "{error}");
+    assert!(error.starts_with("--fail-on: the verdict on wrong is underconfident\n"), "{error}");
+    assert!(same.contains("underconfident"), "{same}");
     let (_, error) = fails(command().arg(&scenario).args(["--fail-on", "bad"]), 2);
     assert!(error.contains("consistent-but-for-a-time"), "{error}");
 }

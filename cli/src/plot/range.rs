@@ -45,7 +45,11 @@ pub(super) fn of(run: &Run, panel: Panel) -> (f64, f64) {
     padded(range.unwrap_or((0.0, 0.0)))
 }
 
+/// Limits the values of an axis: its marks are found by sums that must stay finite.
+pub(super) const LARGEST: f64 = 1e300;
+
 fn padded((low, high): (f64, f64)) -> (f64, f64) {
+    let [low, high] = [low, high].map(|value| value.clamp(-LARGEST, LARGEST));
     let size = low.abs().max(high.abs());
     let span = high - low;
     if span > 1e-6 * size {
@@ -87,6 +91,14 @@ mod tests {
         assert_eq!(without_tails([f64::NAN].into_iter(), 0), None);
         assert_eq!(without_tails([1.0, 2.0].into_iter(), 1), None);
         assert_eq!(without_tails([1.0, 2.0].into_iter(), 3), None);
+    }
+
+    #[test]
+    fn a_range_can_be_divided_whatever_the_values() {
+        for range in [(-f64::MAX, f64::MAX), (f64::MAX, f64::MAX), (-1.0, f64::MAX)] {
+            let (low, high) = padded(range);
+            assert!((high - low).is_finite() && high > low, "{range:?}");
+        }
     }
 
     #[test]

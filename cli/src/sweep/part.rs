@@ -1,12 +1,20 @@
 //! The rows of a sweep that are done, in a file that outlives the program.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
+use kalmanscope_cli::{harmless, output};
 use kalmanscope_lab::{Ensemble, Slice};
 
+use crate::input::InputError;
+use crate::places::say;
+
 use super::table::{Format, write_parquet};
+use super::{bad, unwritten};
+
+/// The beginning of every part file.
+const FIRST: &str = "# sweep ";
 
 /// A file of rows: a line that says which sweep it is, the names of the columns, and one line a cell.
 pub(super) struct Part {
@@ -16,22 +24,40 @@ pub(super) struct Part {
 
 impl Part {
     /// The part file beside the table. Returns the number of rows that it has already, if it is of the same sweep.
-    pub(super) fn open(out: &Path, fingerprint: &str, ensemble: &Ensemble, most: usize) -> io::Result<(Self, usize)> {
+    pub(super) fn open(
+        out: &Path,
+        fingerprint: &str,
+        ensemble: &Ensemble,
+        most: usize,
+    ) -> Result<(Self, usize), InputError> {
+        let unwritten = |error| unwritten(out, &error);
         let path = beside(out, ".part");
-        let header = format!("# sweep {fingerprint}\n{}\n", names(ensemble).join(","));
+        let names = names(ensemble);
+        let names: Vec<_> = names.iter().map(|name| harmless(name)).collect();
+        let header = format!("{FIRST}{fingerprint}\n{}\n", names.join(","));
         let columns = ensemble.plan().axes.len() + ensemble.width();
-        let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path)?;
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+        let mut file = file.map_err(unwritten)?;
         // Two programs would write into each other's rows. A file system without locks is used without.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            return Err(io::Error::other("another program is writing this table"));
+            return Err(bad(out, &"another program is writing this table"));
         }
-        let found = complete(&file, &header, columns, most)?;
+        let found = complete(&file, &header, columns, most).map_err(unwritten)?;
+        if found.is_none() && file.metadata().map_err(unwritten)?.len() > 0 {
+            if !begins_as_part(&mut file).map_err(unwritten)? {
+                return Err(bad(
+                    &path,
+                    &"this file is no part of a sweep, and stays as it is; write the table elsewhere",
+                ));
+            }
+            say(&format_args!("{}: it is of another sweep, and is begun anew", path.display()));
+        }
         // The last row may be torn.
-        file.set_len(found.map_or(0, |(bytes, _)| bytes))?;
-        file.seek(SeekFrom::End(0))?;
+        file.set_len(found.map_or(0, |(bytes, _)| bytes)).map_err(unwritten)?;
+        file.seek(SeekFrom::End(0)).map_err(unwritten)?;
         let mut file = BufWriter::new(file);
         if found.is_none() {
-            file.write_all(header.as_bytes())?;
+            file.write_all(header.as_bytes()).map_err(unwritten)?;
         }
         Ok((Self { path, file }, found.map_or(0, |(_, rows)| rows)))
     }
@@ -54,18 +80,20 @@ impl Part {
         drop(file);
         let mut lines = BufReader::new(File::open(&path)?);
         lines.skip_until(b'\n')?;
-        let unfinished = beside(out, ".tmp");
-        match format {
-            Format::Csv => {
-                let mut table = BufWriter::new(File::create(&unfinished)?);
-                io::copy(&mut lines, &mut table)?;
-                table.flush()?;
-            }
-            Format::Parquet => write_parquet(lines, &names(ensemble), File::create(&unfinished)?)?,
-        }
-        fs::rename(&unfinished, out)?;
+        output::write(out, |table| match format {
+            Format::Csv => io::copy(&mut lines, table).map(|_| ()),
+            Format::Parquet => write_parquet(lines, &names(ensemble), table),
+        })?;
         fs::remove_file(&path)
     }
+}
+
+/// Whether a file begins as the part of some sweep does.
+fn begins_as_part(file: &mut File) -> io::Result<bool> {
+    let mut head = Vec::new();
+    file.seek(SeekFrom::Start(0))?;
+    file.take(FIRST.len() as u64).read_to_end(&mut head)?;
+    Ok(head == FIRST.as_bytes())
 }
 
 /// The names of the table's columns: the axes' keys, then those of the scores.

@@ -1,7 +1,6 @@
 //! Tables of numbers as files.
 
-use std::fs::File;
-use std::io::{self, BufRead};
+use std::io::{self, BufRead, Write};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -36,7 +35,7 @@ impl Format {
 }
 
 /// Writes lines of numbers, after a line of names, as a Parquet file.
-pub(super) fn write_parquet(lines: impl BufRead, names: &[String], file: File) -> io::Result<()> {
+pub(super) fn write_parquet(lines: impl BufRead, names: &[String], file: impl Write + Send) -> io::Result<()> {
     let mut lines = lines.lines().skip(1);
     let column = |name: &String| {
         let column = Type::primitive_type_builder(name, PhysicalType::DOUBLE).with_repetition(Repetition::REQUIRED);

@@ -1,0 +1,128 @@
+//! The results of a run as one document of JSON.
+
+use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::diagnostics::Final;
+use kalmanscope_core::{Analysis, Document, DocumentError, Fit, Record, Run, Summary};
+
+use crate::findings::{evidence, likeliest};
+use crate::free_run::{FreeFit, fits};
+use crate::table::summaries;
+
+/// The numbers of [`crate::table()`] and [`crate::free_runs()`] as JSON, in SI units; `null` where there is none:
+///
+/// ```text
+/// samples, start [s], dt [s], measured: [quantity]
+/// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, remedies }],
+///             estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
+///             mean_nis, mean_nees, log_likelihood, stopped: { sample, time, reason } }]
+/// free_runs: [{ record, filter, sensor, rms, percent, one_step_rms, one_step_percent }]
+/// ```
+///
+/// `causes` and `records` are those of [`crate::table()`] and of the free runs.
+///
+/// # Errors
+/// [`DocumentError`] where a number cannot be written, which no run causes.
+pub fn json(
+    run: &Run,
+    analysis: &Analysis,
+    causes: &[Vec<Finding>],
+    records: &[(&str, &Record)],
+) -> Result<String, DocumentError> {
+    let record = run.record();
+    let filters = summaries(run, analysis).into_iter().enumerate().map(|(place, summary)| {
+        let is_filter = place < run.estimates().len();
+        let evidence = analysis.diagnosis(place).filter(|_| is_filter).map_or_else(Vec::new, evidence);
+        let causes = causes.get(place).filter(|_| is_filter).map_or(&[][..], Vec::as_slice);
+        filter(&summary, !is_filter, evidence, causes, record)
+    });
+    let free_runs =
+        records.iter().flat_map(|(name, record)| fits(run, record).into_iter().map(move |fit| free_run(name, fit)));
+    Document::json_lines(&Document::of_entries([
+        ("samples", count(record.len())),
+        ("start", Document::Number(record.time(0))),
+        ("dt", Document::Number(record.dt())),
+        ("measured", Document::List(record.sensors().iter().map(|sensor| sensor.key().into()).collect())),
+        ("filters", Document::List(filters.collect())),
+        ("free_runs", Document::List(free_runs.collect())),
+    ]))
+}
+
+/// One filter, or one smoother.
+fn filter(
+    summary: &Summary,
+    is_smoothed: bool,
+    evidence: Vec<String>,
+    causes: &[Finding],
+    record: &Record,
+) -> Document {
+    let verdict = summary.verdict.as_ref().map(|verdict| {
+        Document::of_entries([("kind", text(verdict.kind.key())), ("sentence", Document::Text(verdict.to_string()))])
+    });
+    let causes = likeliest(causes).map(|cause| {
+        Document::of_entries([("sentence", Document::Text(cause.sentence)), ("remedies", texts(cause.remedies))])
+    });
+    let stopped = summary.stop.map(|stop| {
+        Document::of_entries([
+            ("sample", count(stop.sample)),
+            ("time", Document::Number(record.time_of(stop.sample))),
+            ("reason", Document::Text(stop.reason.to_string())),
+        ])
+    });
+    Document::of_entries([
+        ("name", text(&summary.name)),
+        ("kind", text(summary.kind.name())),
+        ("smoothed", Document::Flag(is_smoothed)),
+        ("samples", count(summary.samples)),
+        ("verdict", verdict.unwrap_or(Document::Null)),
+        ("evidence", texts(evidence)),
+        ("causes", Document::List(causes.collect())),
+        ("estimates", Document::List(summary.finals.iter().map(estimate).collect())),
+        ("mean_nis", number(summary.nis.as_ref().map(|nis| nis.mean))),
+        ("mean_nees", number(summary.nees.as_ref().map(|nees| nees.mean))),
+        ("log_likelihood", number(summary.nis.as_ref().map(|_| summary.log_likelihood))),
+        ("stopped", stopped.unwrap_or(Document::Null)),
+    ])
+}
+
+fn estimate(last: &Final) -> Document {
+    let score = last.score.as_ref();
+    Document::of_entries([
+        ("channel", text(last.channel.key())),
+        ("unit", text(last.channel.unit())),
+        ("mean", Document::Number(last.mean)),
+        ("std", Document::Number(last.std)),
+        ("error", number(score.map(|score| score.error))),
+        ("rmse", number(score.map(|score| score.rmse))),
+        ("share_inside", number(score.map(|score| score.share_inside))),
+        ("settled", number(score.and_then(|score| score.settled))),
+    ])
+}
+
+fn free_run(name: &str, FreeFit { filter, sensor, free, one_step }: FreeFit) -> Document {
+    let of = |fit: Option<Fit>, what: fn(Fit) -> f64| number(fit.map(what));
+    Document::of_entries([
+        ("record", text(name)),
+        ("filter", Document::Text(filter)),
+        ("sensor", text(sensor.key())),
+        ("rms", of(free, |fit| fit.rms)),
+        ("percent", of(free, |fit| fit.percent)),
+        ("one_step_rms", of(one_step, |fit| fit.rms)),
+        ("one_step_percent", of(one_step, |fit| fit.percent)),
+    ])
+}
+
+fn text(text: &str) -> Document {
+    text.into()
+}
+
+fn texts(texts: Vec<String>) -> Document {
+    Document::List(texts.into_iter().map(Document::Text).collect())
+}
+
+fn number(number: Option<f64>) -> Document {
+    number.map_or(Document::Null, Document::Number)
+}
+
+fn count(count: usize) -> Document {
+    i64::try_from(count).map_or(Document::Null, Document::Integer)
+}
