@@ -149,4 +149,64 @@ mod tests {
             assert_eq!(running.finish(run.record()), model.run(run.record(), 100..1900));
         }
     }
+
+    /// The free run of each filter's last model over its own record, and the fits one step ahead after its beginning.
+    fn free_runs(text: &str) -> Vec<(FreeRun, Vec<Option<Fit>>)> {
+        let scenario = scenario(text);
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        let record = run.record();
+        let filters = scenario.filters.iter().zip(run.estimates()).filter(|(_, estimates)| !estimates.is_empty());
+        let one = |(settings, estimates): (&FilterSettings, &Estimates)| {
+            let free = Identified::at(&scenario, settings, estimates, estimates.len() - 1).run(record, 0..record.len());
+            let part = free.fitted..record.len();
+            let steps = (0..record.sensors().len()).map(|place| one_step(estimates, record, place, part.clone()));
+            let steps = steps.collect();
+            (free, steps)
+        };
+        filters.map(one).collect()
+    }
+
+    #[test]
+    fn without_sensors_or_with_one_sample_there_is_no_fit() {
+        let all = free_runs("duration = 2.0\nsensors = []\n[[filters]]\nkind = \"ekf\"\nsensor_std = []\n");
+        assert_eq!(all.len(), 1);
+        assert_eq!((all[0].0.fitted, all[0].0.fits.len()), (100, 0));
+        let scenario = scenario("duration = 2.0\n");
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        let model = Identified::at(&scenario, &scenario.filters[0], &run.estimates()[0], run.len() - 1);
+        for part in [5..6, 5..5, 500..600] {
+            let free = model.run(run.record(), part);
+            assert_eq!(free.fitted, 0);
+            assert!(free.part.len() <= 1 && free.predicted.iter().all(|column| column.len() == free.part.len()));
+        }
+    }
+
+    #[test]
+    fn a_filter_that_has_stopped_before_the_part_has_no_fit_one_step_ahead() {
+        let scenario = scenario("duration = 2.0\n");
+        let mut run = Run::new(&scenario).unwrap();
+        run.advance_to(20);
+        let estimates = run.estimates()[0].clone();
+        run.finish();
+        assert_eq!(one_step(&estimates, run.record(), 0, 50..run.len()), None);
+        assert!(one_step(&run.estimates()[0], run.record(), 0, 50..run.len()).is_some());
+    }
+
+    #[test]
+    fn a_motion_that_is_no_number_is_not_fitted() {
+        let scenario = scenario("duration = 2.0\n");
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        for value in [1e155, 1e300, f64::INFINITY, f64::NAN, -1e155] {
+            let channels = run.estimates()[0].channels().len();
+            for place in 0..channels {
+                let mut values = run.estimates()[0].mean(run.len() - 1).to_vec();
+                values[place] = value;
+                let free = Identified::new(&scenario, &scenario.filters[0], values).run(run.record(), 0..run.len());
+                assert_eq!(free.fits.len(), run.record().sensors().len(), "{value} {place}");
+            }
+        }
+    }
 }

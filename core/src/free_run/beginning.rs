@@ -44,6 +44,10 @@ impl Beginning {
 
     /// Makes one iteration. Returns whether the fit is done.
     pub(super) fn advance(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
+        // Without readings there is nothing to fit.
+        if self.error.is_empty() || self.motion.is_empty() {
+            return true;
+        }
         let error_of = |motion: &[f64]| self.error_of(motion, identified, record, readings);
         let mut jacobian = Matrix::zeros(self.error.len(), self.motion.len());
         for i in 0..self.motion.len() {
@@ -51,6 +55,10 @@ impl Beginning {
             let mut moved = self.motion.clone();
             moved[i] += step;
             jacobian.set_column(i, &((&self.error - error_of(&moved)) / step));
+        }
+        // The decomposition has no answer to numbers that are not finite, or whose squares are not.
+        if !jacobian.norm_squared().is_finite() || !self.error.norm_squared().is_finite() {
+            return true;
         }
         // Directions that the readings do not show stay as they are.
         let svd = jacobian.svd(true, true);

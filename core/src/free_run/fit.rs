@@ -37,11 +37,13 @@ pub fn fit(measured: &[f64], predicted: &[f64]) -> Option<Fit> {
     Some(Fit { rms: libm::sqrt(error / readings as f64), percent, readings })
 }
 
-/// The errors of a filter's predictions one step ahead over a part: its innovations against the measurements.
+/// The errors of a filter's predictions one step ahead over a part: its innovations against the measurements. `None` where
+/// there is nothing to compare, as where the filter has stopped before the part.
 pub fn one_step(estimates: &Estimates, record: &Record, sensor: usize, part: Range<usize>) -> Option<Fit> {
     let quantity = *record.sensors().get(sensor)?;
     let place = estimates.sensors().iter().position(|&own| own == quantity)?;
-    let part = part.start..part.end.min(estimates.len());
+    let end = part.end.min(estimates.len()).min(record.len());
+    let part = part.start.min(end)..end;
     let measured = &record.measured(sensor)[part.clone()];
     let predicted: Vec<f64> =
         part.clone().map(|k| record.measured(sensor)[k] - estimates.innovation(k)[place]).collect();

@@ -26,7 +26,8 @@ pub struct Running {
 
 impl Running {
     pub(super) fn new(identified: Identified, record: &Record, part: Range<usize>) -> Self {
-        let part = part.start..part.end.min(record.len());
+        let end = part.end.min(record.len());
+        let part = part.start.min(end)..end;
         let readings: Vec<Option<Reading>> = record.sensors().iter().map(|&q| identified.model.reading(q)).collect();
         let beginning = Beginning::new(&identified, record, &part, &readings);
         let predicted = vec![Vec::with_capacity(part.len()); readings.len()];
