@@ -17,7 +17,7 @@ use crate::{
 };
 
 use response::{Response, free_response, order, response};
-use spectra::Spectra;
+use spectra::{Gaps, Spectra};
 use trials::{SHARES, first_alone};
 
 pub use trials::Suggest;
@@ -29,6 +29,8 @@ pub struct Suggestion {
     pub scenario: Scenario,
     /// The reasons, one sentence each.
     pub reasons: Vec<String>,
+    /// Whether a guess of the motion's frequency was found, where a filter wants one. Without it the guess is a default.
+    pub is_guessed: bool,
 }
 
 /// A new scenario for a measured record: an EKF and a UKF that forget nothing, with a sensor for each of the record's.
@@ -109,7 +111,9 @@ impl Suggestion {
     fn sensor_noise(&mut self, record: &Record) {
         for (place, sensor) in self.scenario.sensors.clone().into_iter().enumerate() {
             let Some(measured) = record.measured_quantity(sensor.measures) else { continue };
-            let Some(noise) = Spectra::new(record, measured, spectra::SHORT).and_then(|spectra| spectra.noise()) else {
+            let Some(noise) =
+                Spectra::new(record, measured, spectra::SHORT, Gaps::Avoid).and_then(|spectra| spectra.noise())
+            else {
                 continue;
             };
             let (_, std) = moments(measured);
@@ -140,9 +144,14 @@ impl Suggestion {
         let Some((quantity, measured)) = wanted.iter().find_map(|&q| Some((q, record.measured_quantity(q)?))) else {
             return;
         };
-        let driven = response(record, quantity, measured);
-        let found = driven.clone().or_else(|| free_response(record, measured));
-        let Some(Response { natural_frequency, damping_ratio, gain }) = found else { return };
+        let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
+        let driven = response(record, quantity, measured, band);
+        let found = driven.clone().or_else(|| free_response(record, measured, band));
+        let Some(Response { natural_frequency, damping_ratio, gain }) = found else {
+            self.reasons.push(no_motion(quantity, measured));
+            self.is_guessed = false;
+            return;
+        };
         let (wn, zeta) = (rounded(natural_frequency), rounded(damping_ratio));
         let reason = if driven.is_some() {
             "fitted to the response to the input over frequency"
@@ -305,6 +314,20 @@ fn set_share(filter: &mut FilterSettings, kind: PlantKind, input: InputKind, sha
     for &channel in &model.channels()[..model.motion()] {
         filter.process_std[channel] = rounded(share * filter.initial_std[channel].abs());
     }
+}
+
+/// Why there is no guess of frequency and damping.
+fn no_motion(quantity: Quantity, measured: &[f64]) -> String {
+    let name = quantity.name();
+    let there = measured.iter().filter(|value| !value.is_nan()).count();
+    let why = if there < spectra::LEAST {
+        format!("{there} readings of the {name} are too few")
+    } else if 4 * there < 3 * measured.len() {
+        format!("too many readings of the {name} are missing: {} of {}", measured.len() - there, measured.len())
+    } else {
+        format!("the spectrum of the {name} has no peak")
+    };
+    format!("no start values of ωₙ and ζ could be found, because {why}: the guess is a default, please set it by hand")
 }
 
 /// A cubic stiffness that carries half of the load at the largest displacement.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::spectra::{LONG, Spectra};
+use super::spectra::{Gaps, LONG, Spectra};
 use crate::{Aspect, Hold, Quantity, Record};
 
 /// An oscillator as its response over frequency shows it.
@@ -20,6 +20,8 @@ pub(super) struct Response {
 const HIGHEST: f64 = 0.8;
 /// The rounds of the fit.
 const ROUNDS: usize = 8;
+/// The rounds in which the part of an acceleration that follows a held force at once is taken out.
+const FEEDTHROUGH_ROUNDS: usize = 4;
 /// The least mean coherence around the peak for which a response to the input is believed.
 const COHERENT: f64 = 0.3;
 
@@ -29,6 +31,24 @@ pub(super) fn order(quantity: Quantity) -> i32 {
     orders.into_iter().find(|(aspect, _)| *aspect == quantity.aspect()).map_or(2, |(_, order)| order)
 }
 
+/// A frequency of a response.
+struct Point {
+    /// ω \[rad/s\]
+    frequency: f64,
+    /// The response as that of a displacement, the hold taken out.
+    response: (f64, f64),
+    /// The response's square over its variance.
+    weight: f64,
+    /// The power that the input explains in the measurement.
+    explained: f64,
+    /// The power of the measurement over that of a displacement.
+    scale: f64,
+}
+
+fn power(h: (f64, f64)) -> f64 {
+    h.0 * h.0 + h.1 * h.1
+}
+
 /// The response of a quantity to the input, fitted by
 ///
 /// ```text
@@ -36,11 +56,18 @@ pub(super) fn order(quantity: Quantity) -> i32 {
 /// ```
 ///
 /// as a displacement, with w of the hold: `exp(-iωΔt/2) sinc(ωΔt/2)`, or `sinc²(ωΔt/2)` of a linear input. `None` where
-/// the input does not explain the measurements.
+/// the input does not explain the measurements. Only frequencies count at which the input has power, and which `band`
+/// \[Hz\] has left. The fit begins at each of three peaks: of the response, of the measured power that the input explains,
+/// and of the spectrum. The one that explains most of the measured power is taken.
 ///
 /// Source: Levy (1959), Complex-curve fitting; Sanathanan and Koerner (1963), Transfer function synthesis as a ratio of two
 /// complex polynomials.
-pub(super) fn response(record: &Record, quantity: Quantity, measured: &[f64]) -> Option<Response> {
+pub(super) fn response(
+    record: &Record,
+    quantity: Quantity,
+    measured: &[f64],
+    band: Option<[f64; 2]>,
+) -> Option<Response> {
     let relative;
     let measured = if quantity == Quantity::TOTAL_ACCELERATION {
         // ẍ is what is measured less the ground's acceleration, which is minus the force.
@@ -49,56 +76,95 @@ pub(super) fn response(record: &Record, quantity: Quantity, measured: &[f64]) ->
     } else {
         measured
     };
-    let spectra = Spectra::new(record, measured, LONG)?;
-    let dt = record.dt();
+    let spectra = Spectra::new(record, measured, LONG, Gaps::Fill)?;
+    let points = points(&spectra, record, quantity, band, 0.0);
+    let highest =
+        |of: &dyn Fn(&Point) -> f64| points.iter().max_by(|a, b| of(a).total_cmp(&of(b))).map(|point| point.frequency);
+    let spectrum = free_response(record, measured, band).map(|found| found.natural_frequency);
+    let peaks = [highest(&|p| power(p.response)), highest(&|p| p.explained), spectrum];
+    let fits = peaks.into_iter().flatten().filter_map(|peak| fit(&points, peak));
+    let fits = fits.map(|found| (misfit(&points, &found), found));
+    let mut found = fits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, found)| found)?;
+    if order(quantity) == 2 && record.hold() == Hold::Zero {
+        for _ in 0..FEEDTHROUGH_ROUNDS {
+            let points = self::points(&spectra, record, quantity, band, found.gain.unwrap_or(0.0));
+            let Some(better) = fit(&points, found.natural_frequency) else { break };
+            found = better;
+        }
+    }
+    Some(found)
+}
+
+/// The frequencies at which the input explains the measurement beyond chance. An acceleration follows a held force at
+/// once, by its gain g, while displacement and velocity follow its mean over a sample:
+///
+/// ```text
+/// a = g f - (ωₙ² + 2iζωₙω) x,  x = g w f / D,  D = ωₙ² - ω² + 2iζωₙω  ⇒  a / f - g (1 - w) = -ω² g w / D
+/// ```
+fn points(spectra: &Spectra, record: &Record, quantity: Quantity, band: Option<[f64; 2]>, gain: f64) -> Vec<Point> {
     let last = (HIGHEST * spectra.len() as f64) as usize;
-    // The response as that of a displacement, the hold taken out.
+    let (least, coherent) = (spectra.least_input(), spectra.coherence_of_chance().max(COHERENT));
     let point = |place: usize| {
-        let power = spectra.input[place];
-        if power <= 0.0 {
+        let (input, frequency) = (spectra.input[place], spectra.frequency(place));
+        let coherence = spectra.coherence(place);
+        if input <= 0.0 || input < least || coherence <= coherent || !is_within(band, frequency) {
             return None;
         }
-        let w = spectra.frequency(place);
         let (re, im) = spectra.cross[place];
-        let h = (re / power, im / power);
+        let w = frequency;
+        let x = 0.5 * w * record.dt();
+        let sinc = if x > 0.0 { libm::sin(x) / x } else { 1.0 };
+        let (sin, cos) = libm::sincos(x);
+        let h = (re / input - gain * (1.0 - sinc * cos), im / input - gain * sinc * sin);
         let h = match order(quantity) {
             0 => h,
             1 => (h.1 / w, -h.0 / w),
             _ => (-h.0 / (w * w), -h.1 / (w * w)),
         };
-        let x = 0.5 * w * dt;
-        let sinc = if x > 0.0 { libm::sin(x) / x } else { 1.0 };
-        let h = match record.hold() {
-            Hold::Zero => {
-                let (sin, cos) = libm::sincos(x);
-                ((h.0 * cos - h.1 * sin) / sinc, (h.0 * sin + h.1 * cos) / sinc)
-            }
+        let response = match record.hold() {
+            Hold::Zero => ((h.0 * cos - h.1 * sin) / sinc, (h.0 * sin + h.1 * cos) / sinc),
             Hold::First => (h.0 / (sinc * sinc), h.1 / (sinc * sinc)),
         };
-        let coherence = spectra.coherence(place);
-        // The variance of an estimated response is that share of its square.
         let weight = coherence / (1.0 - coherence).max(1e-3);
-        Some((w, h, weight))
+        let explained = spectra.output[place] * coherence;
+        Some(Point { frequency, response, weight, explained, scale: explained / power(h).max(f64::MIN_POSITIVE) })
     };
-    let points: Vec<(f64, (f64, f64), f64)> = (2..last).filter_map(point).collect();
-    let power = |h: (f64, f64)| h.0 * h.0 + h.1 * h.1;
-    let peak = (2..last).filter(|&place| spectra.coherence(place) > COHERENT).max_by(|&a, &b| {
-        let of = |place| point(place).map_or(0.0, |(_, h, _)| power(h));
-        of(a).total_cmp(&of(b))
-    })?;
-    let peak = spectra.frequency(peak);
-    let near: Vec<_> = points.into_iter().filter(|(w, ..)| (0.4 * peak..2.0 * peak).contains(w)).collect();
+    (2..last).filter_map(point).collect()
+}
+
+fn is_within(band: Option<[f64; 2]>, frequency: f64) -> bool {
+    let hertz = frequency / std::f64::consts::TAU;
+    band.is_none_or(|[low, high]| (low..=high).contains(&hertz))
+}
+
+/// The part of the explained power that an oscillator leaves unexplained.
+fn misfit(points: &[Point], found: &Response) -> f64 {
+    let (wn, gain) = (found.natural_frequency, found.gain.unwrap_or(1.0));
+    let error = |point: &Point| {
+        let w = point.frequency;
+        let (re, im) = (wn * wn - w * w, 2.0 * found.damping_ratio * wn * w);
+        let scale = gain / (re * re + im * im);
+        let error = (point.response.0 - scale * re, point.response.1 + scale * im);
+        power(error) * point.scale
+    };
+    points.iter().map(error).sum()
+}
+
+/// An oscillator fitted to the frequencies around a peak.
+fn fit(points: &[Point], peak: f64) -> Option<Response> {
+    let near: Vec<&Point> = points.iter().filter(|p| (0.4 * peak..2.0 * peak).contains(&p.frequency)).collect();
     if near.len() < 4 {
         return None;
     }
-    let mut denominator: Vec<f64> = near.iter().map(|(_, h, _)| 1.0 / power(*h).max(f64::MIN_POSITIVE)).collect();
+    let mut denominator: Vec<f64> =
+        near.iter().map(|point| 1.0 / power(point.response).max(f64::MIN_POSITIVE)).collect();
     let mut found = None;
     for _ in 0..ROUNDS {
         let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-        for ((w, h, weight), d) in near.iter().zip(&denominator) {
+        for (point, d) in near.iter().zip(&denominator) {
             // H (b + iωa - ω²) = g, with b = ωₙ² and a = 2ζωₙ, in units of the peak.
-            let scaled = w / peak;
-            let weight = weight / (power(*h) * d).max(f64::MIN_POSITIVE);
+            let (h, scaled) = (point.response, point.frequency / peak);
+            let weight = point.weight / (power(h) * d).max(f64::MIN_POSITIVE);
             let rows = [
                 (Vector3::new(h.0, -scaled * h.1, -1.0), scaled * scaled * h.0),
                 (Vector3::new(h.1, scaled * h.0, 0.0), scaled * scaled * h.1),
@@ -116,8 +182,8 @@ pub(super) fn response(record: &Record, quantity: Quantity, measured: &[f64]) ->
         if !(b > 0.0 && a.is_finite() && g.is_finite()) {
             break;
         }
-        for ((w, ..), d) in near.iter().zip(&mut denominator) {
-            let scaled = w / peak;
+        for (point, d) in near.iter().zip(&mut denominator) {
+            let scaled = point.frequency / peak;
             let (re, im) = (b - scaled * scaled, a * scaled);
             *d = (re * re + im * im).max(f64::MIN_POSITIVE);
         }
@@ -134,10 +200,11 @@ pub(super) fn response(record: &Record, quantity: Quantity, measured: &[f64]) ->
 /// The highest peak of a measurement's spectrum, and its width at half the power.
 ///
 /// Source: Bendat and Piersol (2010), *Random Data*, section 5.2 (half-power bandwidth).
-pub(super) fn free_response(record: &Record, measured: &[f64]) -> Option<Response> {
-    let spectra = Spectra::new(record, measured, LONG)?;
+pub(super) fn free_response(record: &Record, measured: &[f64], band: Option<[f64; 2]>) -> Option<Response> {
+    let spectra = Spectra::new(record, measured, LONG, Gaps::Fill)?;
     let power = |place: usize| spectra.output[place];
-    let peak = (2..spectra.len()).max_by(|&a, &b| power(a).total_cmp(&power(b)))?;
+    let within = (2..spectra.len()).filter(|&place| is_within(band, spectra.frequency(place)));
+    let peak = within.max_by(|&a, &b| power(a).total_cmp(&power(b)))?;
     let half = 0.5 * power(peak);
     let edge = |mut places: Box<dyn Iterator<Item = usize>>| {
         let beyond = places.find(|&place| power(place) < half)?;

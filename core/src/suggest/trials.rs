@@ -50,7 +50,7 @@ const CHUNK: usize = 200;
 impl Suggest {
     /// Suggestions for a scenario on a record, before the first look at it.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
-        let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new() };
+        let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
         let (trial, free, likelihoods, errors) = Default::default();
         Self { suggestion, record, stage: Stage::Data, trial, free, likelihoods, errors }
     }
@@ -101,11 +101,12 @@ impl InSlices for Suggest {
                     let scenario = || first_alone(&self.suggestion.scenario);
                     match follow_freely(&mut self.trial, &mut self.free, scenario, &self.record, while_time) {
                         None => return false,
-                        Some(Some((_, errors))) => {
+                        // The errors of a default guess are no noise.
+                        Some(Some((_, errors))) if self.suggestion.is_guessed => {
                             self.errors = errors;
                             Stage::ModelError
                         }
-                        Some(None) => Stage::Done,
+                        Some(_) => Stage::Done,
                     }
                 }
                 Stage::ModelError => {
