@@ -1,10 +1,14 @@
 //! Nothing in the record tells the parameters.
 
 use super::{Cause, Matter, Suspect};
+use crate::Quantity;
 use crate::diagnosis::verdict_kind::VerdictKind;
 
 /// Limits the correlation at lag 1 of readings that are noise.
 const WHITE: f64 = 0.3;
+
+/// Limits the mean square of readings that are noise, over R.
+const NOISE: f64 = 1.5;
 
 pub(super) static CAUSE: Cause = Cause {
     key: "no_excitation",
@@ -26,14 +30,20 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     found.push(Suspect { certain: true, samples, ..Suspect::new(cause, 0.9 * weight, 0.0, Vec::new(), sentence) });
 }
 
-/// Whether what the sensors read is noise alone: white.
+/// Whether what the sensors read is noise alone: white, and of the size that the filter expects of noise. An accelerometer
+/// reads a broadband force as white, too, but much more than noise.
 fn is_still(matter: &Matter<'_>) -> bool {
-    let correlation = |sensor: crate::Quantity| {
-        let values = matter.case.record.measured_quantity(sensor)?;
+    let is_noise = |sensor: Quantity| {
+        let Some(values) = matter.case.record.measured_quantity(sensor) else { return true };
         let both = values.windows(2).filter(|pair| !(pair[0] * pair[1]).is_nan());
-        let (product, square) = both.fold((0.0, 0.0), |(p, s), pair| (p + pair[0] * pair[1], s + pair[0] * pair[0]));
-        (square > 0.0).then(|| product / square)
+        let (product, square, count) = both.fold((0.0, 0.0, 0_u32), |(product, square, count), pair| {
+            (product + pair[0] * pair[1], square + pair[0] * pair[0], count + 1)
+        });
+        let place = matter.scenario.sensors.iter().position(|one| one.measures == sensor);
+        let std = place.and_then(|place| matter.filter.sensor_std.get(place));
+        let is_small = std.is_none_or(|std| square <= NOISE * std * std * f64::from(count));
+        square <= 0.0 || (product < WHITE * square && is_small)
     };
     let mut sensors = matter.case.sensors.iter().peekable();
-    sensors.peek().is_some() && sensors.all(|one| correlation(one.sensor).is_none_or(|r| r < WHITE))
+    sensors.peek().is_some() && sensors.all(|one| is_noise(one.sensor))
 }
