@@ -254,6 +254,9 @@ pub(crate) struct ImportArgs {
     /// The column of the input
     #[arg(long, value_name = "COLUMN")]
     pub(crate) input: Option<String>,
+    /// There is no recorded input, as under wind or traffic, whatever the columns look like; `--input none` says the same
+    #[arg(long, conflicts_with_all = ["input", "ground"])]
+    pub(crate) no_input: bool,
     /// The input is the acceleration of the ground, not a force
     #[arg(long)]
     pub(crate) ground: bool,

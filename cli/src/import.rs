@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use kalmanscope_core::import::{Builder, MappedColumn, Mapping, Time};
+use kalmanscope_core::import::{Builder, ColumnGuess, MappedColumn, Mapping, Time};
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Hold, InputKind};
@@ -15,11 +15,26 @@ use crate::record::table;
 
 /// Looks at a record and writes a scenario for it.
 pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
-    let ImportArgs { file, out, rate, time, input, ground, sensor, from, to, band, every, interpolate, plant } = args;
+    let ImportArgs {
+        file,
+        out,
+        rate,
+        time,
+        input,
+        no_input,
+        ground,
+        sensor,
+        from,
+        to,
+        band,
+        every,
+        interpolate,
+        plant,
+    } = args;
     let bad = |error| InputError::Import { file: file.clone(), error };
     check(&places("the record", [file]), &places("--out", out))?;
     let (table, hash) = table(file)?;
-    let (mut mapping, mut kind) = Mapping::guess(&table);
+    let (mut mapping, mut kind, guesses) = Mapping::guess_with_reasons(&table);
     mapping.file = path_from(out.as_deref(), file);
     mapping.hash = hash;
     if let Some(rate) = rate {
@@ -30,7 +45,10 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         mapping.time = Time { column: Some(column.clone()), unit, rate: None };
     }
     let mapped = |column: &String| MappedColumn { unit: unit_of(&table, column), ..MappedColumn::new(column.clone()) };
-    if let Some(column) = input {
+    let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
+    if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {
+        mapping.input = None;
+    } else if let Some(column) = input {
         mapping.input = Some(mapped(column));
         mapping.sensors.retain(|_, sensor| sensor.column != *column);
     }
@@ -38,11 +56,22 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         kind = InputKind::GroundAcceleration;
     }
     if !sensor.is_empty() {
+        // Who names the sensors knows the columns: nothing else is guessed to be the input.
+        let is_said = |mapped: &MappedColumn| {
+            guesses.iter().any(|guess| guess.column == mapped.column && !guess.is_a_guess())
+                && !sensor.iter().any(|(_, column)| *column == mapped.column)
+        };
+        if input.is_none() && !mapping.input.as_ref().is_some_and(is_said) {
+            mapping.input = None;
+        }
         mapping.sensors = sensor.iter().map(|(quantity, column)| (*quantity, mapped(column))).collect();
     }
     (mapping.from, mapping.to, mapping.every, mapping.interpolate) = (*from, *to, *every, *interpolate);
     mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).map_err(bad)?;
+    for guess in &guesses {
+        eprintln!("{}", shown(&meaning(guess, &mapping, args)));
+    }
     let mut scenario = scenario_for(&imported.record);
     scenario.set_plant(*plant);
     scenario.record = Some(mapping);
@@ -57,6 +86,27 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         Some(out) => write_text(out, &text),
         None => write_text(Path::new("-"), &text),
     }
+}
+
+/// Words for no column.
+const NOTHING: [&str; 2] = ["none", "nothing"];
+
+/// What a column was taken for, and why, in one line.
+fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String {
+    let name = Some(&guess.column);
+    let sensor = mapping.sensors.iter().find(|(_, sensor)| sensor.column == guess.column);
+    let (what, is_asked) = if mapping.time.column.as_ref() == name {
+        ("the time".to_owned(), args.time.as_ref() == name)
+    } else if mapping.input.as_ref().map(|input| &input.column) == name {
+        ("the input".to_owned(), args.input.as_ref() == name)
+    } else if let Some((quantity, _)) = sensor {
+        (quantity.name(), args.sensor.iter().any(|(_, column)| *column == guess.column))
+    } else {
+        let why = if guess.is_left_out() { guess.why } else { "not asked for" };
+        return format!("column `{}`: left out: {why}", guess.column);
+    };
+    let why = if is_asked { "as asked" } else { guess.why };
+    format!("column `{}`: {what}: {why}", guess.column)
 }
 
 fn unit_of(table: &kalmanscope_core::import::Table, column: &str) -> String {

@@ -129,3 +129,32 @@ fn what_cannot_be_read_is_said_with_file_line_and_column() {
     let missing = fails(&mut command(&["import", "nowhere.csv"]));
     assert!(missing.starts_with("error: nowhere.csv: "), "{missing}");
 }
+
+#[test]
+fn a_column_that_is_left_out_is_no_input_and_each_is_explained() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("phone.csv");
+    let mut text = "Time (s),Linear Acceleration x (m/s^2),Linear Acceleration y (m/s^2),spare\n".to_owned();
+    for k in 0..2000 {
+        let t = 0.01 * f64::from(k);
+        let (decay, turn) = ((-0.2 * t).exp(), 8.0 * t);
+        text.push_str(&format!("{t:.2},{:.6},{:.6},{:.3}\n", decay * turn.sin(), 0.01 * turn.cos(), (3.0 * t).sin()));
+    }
+    std::fs::write(&path, text).unwrap();
+    let (toml, said) = succeeds(command(&["import"]).arg(&path));
+    assert!(toml.contains("[record.input]"), "{toml}");
+    assert!(said.contains("column `spare`: the input: guessed"), "{said}");
+    assert!(said.contains("column `Linear Acceleration x`: acceleration: its name says so"), "{said}");
+    assert!(
+        said.contains("column `Linear Acceleration y`: left out: another column has that meaning already"),
+        "{said}"
+    );
+    let asked = ["--sensor", "acceleration=Linear Acceleration y"];
+    for words in [&["--no-input"][..], &["--input", "none"], &["--input", "nothing"], &asked] {
+        let (toml, said) = succeeds(command(&["import"]).args(words).arg(&path));
+        assert!(!toml.contains("[record.input]"), "{words:?}: {toml}");
+        assert!(said.contains("column `spare`: left out: "), "{words:?}: {said}");
+    }
+    let (_, said) = succeeds(command(&["import", "--input", "spare"]).arg(&path));
+    assert!(said.contains("column `spare`: the input: as asked"), "{said}");
+}

@@ -44,6 +44,7 @@ pub use cell::{Cells, Decimal, Delimiter};
 pub use dialect::Dialect;
 pub use encoding::Encoding;
 pub use error::ImportError;
+pub use guess::ColumnGuess;
 pub use hash::Hash;
 pub use length::Length;
 pub use loading::{Loaded, Loading};

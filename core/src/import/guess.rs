@@ -18,7 +18,7 @@ const WORDS: [(&[&str], Role); 7] = [
     (&["total_acceleration"], Role::Sensor(Quantity::TOTAL_ACCELERATION)),
     (&["force", "input", "load", "kraft", "excitation", "drive", "f", "u", "in", "v1"], Role::Input(InputKind::Force)),
     (&["time", "zeit", "seconds", "stamp", "temps", "t", "s"], Role::Time),
-    (&["acceleration", "accel", "acc", "beschl", "a", "ax", "az"], Role::Sensor(Quantity::ACCELERATION)),
+    (&["acceleration", "accel", "acc", "beschl", "a", "ax", "ay", "az"], Role::Sensor(Quantity::ACCELERATION)),
     (&["velocity", "speed", "geschw", "vel", "v"], Role::Sensor(Quantity::VELOCITY)),
     (
         &["displacement", "disp", "position", "pos", "angle", "deflection", "weg", "output", "winkel", "x", "y", "v2"],
@@ -26,9 +26,39 @@ const WORDS: [(&[&str], Role); 7] = [
     ),
 ];
 
-fn role_of(column: &Column) -> Option<Role> {
+/// What a column was taken for, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColumnGuess {
+    /// The name of the column.
+    pub column: String,
+    /// The reason, in words that follow the meaning: "its name says so".
+    pub why: &'static str,
+}
+
+impl ColumnGuess {
+    /// Whether neither name nor unit told the meaning.
+    pub fn is_a_guess(&self) -> bool {
+        self.why == FIRST_FREE
+    }
+
+    /// Whether the column got no meaning.
+    pub fn is_left_out(&self) -> bool {
+        [LOST, UNKNOWN, NO_NUMBERS, TRUTH].contains(&self.why)
+    }
+}
+
+const NAMED: &str = "its name says so";
+const BY_UNIT: &str = "its unit says so";
+const BY_SHAPE: &str = "its numbers rise evenly";
+const FIRST_FREE: &str = "guessed: the first column without a meaning, and no other is one";
+const LOST: &str = "another column has that meaning already";
+const UNKNOWN: &str = "neither its name nor its unit says what it is";
+const NO_NUMBERS: &str = "it has no numbers";
+const TRUTH: &str = "the truth of a simulated record";
+
+fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     if let Some(quantity) = Quantity::from_key(&column.name) {
-        return Some(Role::Sensor(quantity));
+        return Some((Role::Sensor(quantity), NAMED));
     }
     let name = column.name.to_lowercase();
     let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
@@ -45,7 +75,7 @@ fn role_of(column: &Column) -> Option<Role> {
         Dimension::Force => Some(Role::Input(InputKind::Force)),
         Dimension::Voltage => None,
     };
-    named.or_else(of_unit)
+    named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
 }
 
 /// Whether the numbers rise in even steps, as times do.
@@ -65,62 +95,67 @@ fn is_truth(column: &Column) -> bool {
     column.name.starts_with("true_")
 }
 
+/// A column on its way to a meaning.
+struct Candidate {
+    place: usize,
+    role: Option<Role>,
+    why: &'static str,
+    /// Whether the column may still get a meaning. One that says what it is, and is not the first to do so, is left out.
+    is_free: bool,
+}
+
+impl Candidate {
+    fn take(&mut self, role: Role, why: &'static str) {
+        (self.role, self.why, self.is_free) = (Some(role), why, false);
+    }
+}
+
 impl Mapping {
-    /// A guess from names, units and shapes, with the kind of input: names first; then the first column whose numbers rise
-    /// evenly is the time; and of two columns without a meaning the first is the input and the second the displacement.
+    /// A guess from names, units and shapes, with the kind of input: see [`Self::guess_with_reasons`].
     pub fn guess(table: &Table) -> (Self, InputKind) {
+        let (mapping, kind, _) = Self::guess_with_reasons(table);
+        (mapping, kind)
+    }
+
+    /// A guess from names, units and shapes, with the kind of input and a reason for each column: names first; then the
+    /// first column whose numbers rise evenly is the time; and of two columns without a meaning the first is the input and
+    /// the second the displacement. A column whose meaning another one has already is left out.
+    pub fn guess_with_reasons(table: &Table) -> (Self, InputKind, Vec<ColumnGuess>) {
         let columns = &table.columns;
-        let numeric = |place: &usize| !table.is_without_numbers(*place) && !is_truth(&columns[*place]);
-        let places: Vec<usize> = (0..columns.len()).filter(numeric).collect();
-        let mut roles: Vec<(usize, Option<Role>)> =
-            places.iter().map(|&place| (place, role_of(&columns[place]))).collect();
-        // The first column of each role has it.
-        for i in 0..roles.len() {
-            let is_taken = |role: Role| match role {
-                Role::Input(_) => roles[..i].iter().any(|(_, other)| matches!(other, Some(Role::Input(_)))),
-                role => roles[..i].iter().any(|(_, other)| *other == Some(role)),
-            };
-            let is_false_time = roles[i].1 == Some(Role::Time) && !mostly_rises(&columns[roles[i].0].values);
-            if roles[i].1.is_some_and(is_taken) || is_false_time {
-                roles[i].1 = None;
-            }
-        }
-        let has = |roles: &[(usize, Option<Role>)], wanted: &dyn Fn(Role) -> bool| {
-            roles.iter().any(|(_, role)| role.is_some_and(wanted))
-        };
-        if !has(&roles, &|role| role == Role::Time)
-            && let Some((_, role)) =
-                roles.iter_mut().find(|(place, role)| role.is_none() && is_like_time(&columns[*place].values))
+        let mut all = candidates(table);
+        let has = |all: &[Candidate], wanted: &dyn Fn(Role) -> bool| all.iter().any(|one| one.role.is_some_and(wanted));
+        if !has(&all, &|role| role == Role::Time)
+            && let Some(one) = all.iter_mut().find(|one| one.is_free && is_like_time(&columns[one.place].values))
         {
-            *role = Some(Role::Time);
+            one.take(Role::Time, BY_SHAPE);
         }
-        let free = |roles: &[(usize, Option<Role>)]| roles.iter().filter(|(_, role)| role.is_none()).count();
-        let has_sensor = has(&roles, &|role| matches!(role, Role::Sensor(_)));
-        if !has(&roles, &|role| matches!(role, Role::Input(_)))
-            && (free(&roles) >= 2 || (has_sensor && free(&roles) == 1))
-            && let Some((_, role)) = roles.iter_mut().find(|(_, role)| role.is_none())
+        let free = |all: &[Candidate]| all.iter().filter(|one| one.is_free).count();
+        let has_sensor = has(&all, &|role| matches!(role, Role::Sensor(_)));
+        if !has(&all, &|role| matches!(role, Role::Input(_)))
+            && (free(&all) >= 2 || (has_sensor && free(&all) == 1))
+            && let Some(one) = all.iter_mut().find(|one| one.is_free)
         {
-            *role = Some(Role::Input(InputKind::Force));
+            one.take(Role::Input(InputKind::Force), FIRST_FREE);
         }
-        if !has_sensor && let Some((_, role)) = roles.iter_mut().find(|(_, role)| role.is_none()) {
-            *role = Some(Role::Sensor(Quantity::DISPLACEMENT));
+        if !has_sensor && let Some(one) = all.iter_mut().find(|one| one.is_free) {
+            one.take(Role::Sensor(Quantity::DISPLACEMENT), FIRST_FREE);
         }
         // An accelerometer on a structure feels the ground too.
         let on_ground = |role: Role| role == Role::Input(InputKind::GroundAcceleration);
-        if has(&roles, &on_ground) && !has(&roles, &|role| role == Role::Sensor(Quantity::TOTAL_ACCELERATION)) {
-            for (_, role) in &mut roles {
-                if *role == Some(Role::Sensor(Quantity::ACCELERATION)) {
-                    *role = Some(Role::Sensor(Quantity::TOTAL_ACCELERATION));
+        if has(&all, &on_ground) && !has(&all, &|role| role == Role::Sensor(Quantity::TOTAL_ACCELERATION)) {
+            for one in &mut all {
+                if one.role == Some(Role::Sensor(Quantity::ACCELERATION)) {
+                    one.role = Some(Role::Sensor(Quantity::TOTAL_ACCELERATION));
                 }
             }
         }
         let mut mapping = Self::default();
         let mut kind = InputKind::Force;
-        for (place, role) in roles {
-            let column = &columns[place];
+        for one in &all {
+            let column = &columns[one.place];
             let unit = column.unit.clone().unwrap_or_default();
             let mapped = || MappedColumn { unit: unit.clone(), ..MappedColumn::new(column.name.clone()) };
-            match role {
+            match one.role {
                 Some(Role::Time) => {
                     mapping.time = Time { column: Some(column.name.clone()), unit, rate: None };
                 }
@@ -134,8 +169,37 @@ impl Mapping {
                 None => {}
             }
         }
-        (mapping, kind)
+        let why = |place: usize| match all.iter().find(|one| one.place == place) {
+            Some(one) => one.why,
+            None if is_truth(&columns[place]) => TRUTH,
+            None => NO_NUMBERS,
+        };
+        let reason = |(place, column): (usize, &Column)| ColumnGuess { column: column.name.clone(), why: why(place) };
+        (mapping, kind, columns.iter().enumerate().map(reason).collect())
     }
+}
+
+/// The columns of numbers with the meaning that their names and units give them; the first column of each meaning has it.
+fn candidates(table: &Table) -> Vec<Candidate> {
+    let columns = &table.columns;
+    let numeric = |place: &usize| !table.is_without_numbers(*place) && !is_truth(&columns[*place]);
+    let mut all: Vec<Candidate> = Vec::new();
+    for place in (0..columns.len()).filter(numeric) {
+        let mut one = Candidate { place, role: None, why: UNKNOWN, is_free: true };
+        let is_taken = |role: Role| match role {
+            Role::Input(_) => all.iter().any(|other| matches!(other.role, Some(Role::Input(_)))),
+            role => all.iter().any(|other| other.role == Some(role)),
+        };
+        match role_of(&columns[place]) {
+            // A false time may be anything.
+            Some((Role::Time, _)) if !mostly_rises(&columns[place].values) => {}
+            Some((role, _)) if is_taken(role) => (one.why, one.is_free) = (LOST, false),
+            Some((role, why)) => one.take(role, why),
+            None => {}
+        }
+        all.push(one);
+    }
+    all
 }
 
 #[cfg(test)]
@@ -174,6 +238,12 @@ mod tests {
         check("time,acc (g)\n0,1\n1,-1\n2,0\n", Some("time"), None, &[(Quantity::ACCELERATION, "acc")]);
         check("Zeit;Kraft;Weg\n0,0;1;2\n0,1;0;3\n0,2;1;1\n", Some("Zeit"), Some("Kraft"), &[(x, "Weg")]);
         check("1\n3\n2\n", None, None, &[(x, "column 1")]);
+        let axes = "time,ax,ay,az\n0,1,2,3\n1,2,0,1\n2,0,1,2\n";
+        check(axes, Some("time"), None, &[(Quantity::ACCELERATION, "ax")]);
+        let phone = "Time (s),Linear Acceleration x (m/s^2),Linear Acceleration y (m/s^2),Linear Acceleration z (m/s^2)\n\
+                     0,1,2,3\n1,2,0,1\n2,0,1,2\n";
+        check(phone, Some("Time"), None, &[(Quantity::ACCELERATION, "Linear Acceleration x")]);
+        check("t,x,y\n0,1,2\n1,2,0\n2,0,1\n", Some("t"), None, &[(x, "x")]);
         check("t,x,true_displacement\n0,1,1\n1,2,2\n2,1,1\n", Some("t"), None, &[(x, "x")]);
     }
 }
