@@ -83,6 +83,8 @@ pub struct Suspect {
     pub(crate) sign: Option<Sign>,
     /// Whether a spring that is found to harden rules it out.
     pub(crate) softens: bool,
+    /// Whether it silences a sensor instead of explaining it: it stands behind every other cause.
+    pub(crate) silences: bool,
 }
 
 /// A parameter with a sentence for each of its signs.
@@ -146,6 +148,7 @@ impl Suspect {
             samples: None,
             sign: None,
             softens: false,
+            silences: false,
         }
     }
 }

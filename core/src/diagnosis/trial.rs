@@ -160,7 +160,8 @@ impl Trials {
         self.before.as_ref()?.verdict.as_ref()
     }
 
-    /// The causes that have been found so far, each once, the likeliest first.
+    /// The causes that have been found so far, each once: those whose knob makes the filter one to be believed come first,
+    /// then the likeliest.
     pub fn findings(&self) -> Vec<Finding> {
         let Some(before) = &self.before else { return Vec::new() };
         let penalty = 0.5 * libm::log(self.record.len().max(2) as f64);
@@ -208,7 +209,11 @@ impl Trials {
             }
         }
         sort_short_by(&mut all, |(a, one), (b, other)| {
-            let key = |rank: f64, finding: &Finding| (finding.suspect.certain, rank, finding.suspect.weight);
+            // What ends good stands before what is only likelier.
+            let key = |rank: f64, Finding { suspect, after, .. }: &Finding| {
+                let ends_good = after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
+                (suspect.certain, !suspect.silences, ends_good, rank, suspect.weight)
+            };
             key(*b, other).partial_cmp(&key(*a, one)).unwrap_or(std::cmp::Ordering::Equal)
         });
         all.into_iter().map(|(_, finding)| finding).collect()

@@ -7,6 +7,9 @@ use crate::diagnosis::words::short;
 /// Limits the factors on a variance that are not worth a trial.
 const TOLERANCE: f64 = 1.15;
 
+/// Limits the factors on a variance that may stand first: a larger one takes the sensor out of use.
+const SILENCE: f64 = 100.0;
+
 /// Limits an estimate of R from below, relative to R.
 const LEAST: f64 = 1e-4;
 
@@ -54,7 +57,8 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         let sentence = changed.iter().map(of).collect::<Vec<_>>().join(", ");
         let weight = changed.iter().map(|&i| far_by(case.sensors[i].level(&case.kept))).fold(0.0, f64::max);
         let knobs = vec![matter.knob("sensor_std", turned)];
-        found.push(Suspect::new(cause, weight, changed.len() as f64, knobs, sentence));
+        let silences = changed.iter().any(|&i| which(i) > SILENCE);
+        found.push(Suspect { silences, ..Suspect::new(cause, weight, changed.len() as f64, knobs, sentence) });
     };
     if m > 1 {
         propose(&|i| factors[i].0);

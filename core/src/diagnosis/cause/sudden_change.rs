@@ -4,6 +4,9 @@ use super::{Cause, Matter, Suspect};
 use crate::diagnosis::change::change_point;
 use crate::diagnosis::words::short;
 
+/// The least rise of the normalised squares that is a change.
+const RISE: f64 = 1.3;
+
 /// The tried fading factors.
 const FADING: [f64; 2] = [1.005, 1.02];
 
@@ -16,11 +19,12 @@ pub(super) static CAUSE: Cause = Cause {
 
 fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
     let case = matter.case;
-    let Some((at, rise)) = change_point(&case.estimates.nis()[case.samples.clone()]) else { return };
+    let change = change_point(&case.estimates.nis()[case.samples.clone()]);
+    let Some((at, rise)) = change.filter(|(_, rise)| *rise >= RISE) else { return };
     let at = case.samples.start + at;
     let samples = at..case.samples.end;
     let time = short(case.record.time(at));
-    let weight = if rise > 1.3 { 1.0 - 1.0 / rise } else { 0.05 };
+    let weight = 1.0 - 1.0 / rise;
     for fading in FADING.into_iter().filter(|fading| *fading > matter.filter.fading) {
         let sentence =
             format!("something changed at once, near {time} s: innovations² rise {} times there", short(rise));
