@@ -47,6 +47,12 @@ pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<O
     if record.is_none() && path.exists() && !path.is_file() {
         return Err(InputError::NoFile { file: path });
     }
+    if record.is_none()
+        && let Some(mapping) = scenario.record.as_ref().filter(|mapping| !mapping.hash.is_empty())
+        && hash(&read_record(&path)?) != mapping.hash
+    {
+        say(&format!("{} has changed since it was imported: its hash is another one", path.display()));
+    }
     read(&path, scenario).map(Some)
 }
 

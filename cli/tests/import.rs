@@ -158,3 +158,20 @@ fn a_column_that_is_left_out_is_no_input_and_each_is_explained() {
     let (_, said) = succeeds(command(&["import", "--input", "spare"]).arg(&path));
     assert!(said.contains("column `spare`: the input: as asked"), "{said}");
 }
+
+#[test]
+fn a_record_that_has_changed_is_said() {
+    let folder = TempDir::new().unwrap();
+    let record = sheet(folder.path(), "record.sheet.csv", 3);
+    let scenario = folder.path().join("imported.toml");
+    succeeds(command(&["import", "--out"]).arg(&scenario).arg(&record));
+    let has_changed = |said: &str| said.contains("has changed since it was imported");
+    let (_, said) = succeeds(command(&["run"]).arg(&scenario));
+    assert!(!has_changed(&said), "{said}");
+    let mut text = std::fs::read_to_string(&record).unwrap();
+    let cut = text.trim_end().rfind('\n').unwrap();
+    text.truncate(cut + 1);
+    std::fs::write(&record, text).unwrap();
+    let (_, said) = succeeds(command(&["run"]).arg(&scenario));
+    assert!(has_changed(&said), "{said}");
+}
