@@ -4,13 +4,13 @@
 //! spectra ──▶ R of each sensor, ωₙ, ζ and gain ──▶ initial belief ──likelihood──▶ Q
 //! ```
 
+mod conditioning;
 mod response;
 mod spectra;
 mod trials;
 
 use serde::{Deserialize, Serialize};
 
-use crate::import::Offset;
 use crate::{
     Channel, FilterKind, FilterSettings, InSlices as _, InputKind, PlantKind, Quantity, Record, Scenario, Sensor,
     Signal,
@@ -56,12 +56,6 @@ pub fn scenario_for(record: &Record) -> Scenario {
     scenario
 }
 
-/// A mean of the input is an offset if it is this many times what chance makes of it.
-const CERTAIN: f64 = 4.0;
-
-/// A mean of a sensor's readings is an offset if it is larger than this share of their spread.
-const OFFSET: f64 = 0.5;
-
 /// A free run is better if its error is at most this share of the other's.
 const BETTER: f64 = 0.8;
 
@@ -75,36 +69,6 @@ pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
 impl Suggestion {
     fn filters(&mut self) -> impl Iterator<Item = &mut FilterSettings> {
         self.scenario.filters.iter_mut()
-    }
-
-    /// A constant part of input and displacement says nothing about the motion, but bends every estimate.
-    fn remove_means(&mut self, record: &mut Record) {
-        let Some(mapping) = &mut self.scenario.record else { return };
-        let mut removed = Vec::new();
-        let (mean, std) = moments(record.input());
-        // The mean of a random force is not zero either, and what it does to the displacement is motion.
-        let chance = std / libm::sqrt(record.len().max(1) as f64);
-        if let Some(input) = mapping.input.as_mut().filter(|input| input.offset == Offset::default())
-            && mean.abs() > CERTAIN * chance
-        {
-            input.offset = Offset::MEAN;
-            record.change_input(|value| value - mean);
-            removed.push("the input".to_owned());
-        }
-        for sensor in 0..record.sensors().len() {
-            let quantity = record.sensors()[sensor];
-            let (mean, std) = moments(record.measured(sensor));
-            let Some(column) = mapping.sensors.get_mut(&quantity) else { continue };
-            if column.offset == Offset::default() && (!removed.is_empty() || mean.abs() > OFFSET * std) {
-                column.offset = Offset::MEAN;
-                record.change_measured(sensor, |value| value - mean);
-                removed.push(format!("the {}", quantity.name()));
-            }
-        }
-        if !removed.is_empty() {
-            let what = removed.join(" and ");
-            self.reasons.push(format!("the mean of {what} is removed: a constant part is no motion"));
-        }
     }
 
     /// R from the part of the spectrum at high frequencies that the input does not explain.
@@ -224,6 +188,12 @@ impl Suggestion {
                 filter.augment.push(Channel::INPUT_GAIN);
             }
             let mean = if is_mapped { 1.0 } else { gain };
+            if !is_mapped && filter.augment.contains(&Channel::INPUT_OFFSET) {
+                // The offset is that of the true input, whose gain is not yet known well.
+                let offset = mean * filter.initial_mean[Channel::INPUT_OFFSET];
+                filter.initial_mean[Channel::INPUT_OFFSET] = offset;
+                filter.initial_std[Channel::INPUT_OFFSET] = rounded(0.2 * offset.abs());
+            }
             filter.initial_mean[Channel::INPUT_GAIN] = mean;
             filter.initial_std[Channel::INPUT_GAIN] = rounded(0.2 * mean.abs());
             filter.process_std[Channel::INPUT_GAIN] = 0.0;

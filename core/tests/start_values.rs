@@ -1,5 +1,6 @@
 //! Start values on records of many excitations, sensors and dampings, made here and not by the core: the guess, and the end
 //! of the filter that begins with it.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 #[path = "common/excitation.rs"]
 mod excitation;
@@ -72,6 +73,9 @@ fn the_whole_grid() {
     println!("of {all} records {:.1} % of the guesses are right, and {:.1} % of the ends", 100.0 * right, 100.0 * ends);
 }
 
+/// Whether a sample is lost.
+type Losses = Box<dyn Fn(usize) -> bool>;
+
 /// The record with readings lost.
 fn with_losses(record: &Record, is_lost: impl Fn(usize) -> bool) -> Record {
     let quantity = record.sensors()[0];
@@ -94,10 +98,10 @@ fn lost_readings_change_no_start_value() {
         let random: Vec<bool> = (0..8000)
             .map(|_| {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                (state >> 33) % 100 == 0
+                (state >> 33).is_multiple_of(100)
             })
             .collect();
-        let losses: [(&str, Box<dyn Fn(usize) -> bool>); 4] = [
+        let losses: [(&str, Losses); 4] = [
             ("1 % at random", Box::new(move |k| random[k])),
             ("one in 97", Box::new(|k| k % 97 == 50)),
             ("bursts", Box::new(|k| k % 400 > 380)),
@@ -137,4 +141,25 @@ fn a_guess_that_is_not_found_is_said() {
     assert!(said("no start values of ωₙ and ζ could be found, because too many readings"), "{:?}", half.reasons);
     assert!(!said("R as large"), "{:?}", half.reasons);
     assert!(suggestion(&whole).is_guessed);
+}
+
+/// The record with every input and every reading changed.
+fn changed(record: &Record, input: impl Fn(f64) -> f64, reading: impl Fn(f64) -> f64) -> Record {
+    let values = record.input().iter().map(|value| input(*value)).collect();
+    let measured = record.measured(0).iter().map(|value| reading(*value)).collect();
+    let input = kalmanscope_core::record::Input { kind: record.input_kind(), hold: record.hold(), values };
+    Record::new(record.dt(), input, vec![(record.sensors()[0], measured)]).unwrap()
+}
+
+#[test]
+fn offsets_of_arrays_are_no_motion() {
+    let truth = Oscillator { natural_frequency: 6.0, damping_ratio: 0.05 };
+    for (sensor, seed) in SENSORS.into_iter().zip(3..) {
+        let whole = record(truth, Excitation::White, sensor, 0.02, 6000, seed);
+        for gain in [1.0, 0.4] {
+            let offset = changed(&whole, |f| (f + 3.0) / gain, |y| y + 0.5);
+            let (is_right, ends, text) = outcome(&offset, truth);
+            assert!(is_right && ends, "{} gain {gain}: {text}", sensor.key());
+        }
+    }
 }

@@ -74,10 +74,15 @@ impl InSlices for Suggest {
         while self.stage != Stage::Done {
             self.stage = match self.stage {
                 Stage::Data => {
+                    // Without a mapping the record stays as it is, and the filters know its offsets.
+                    let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
                     self.suggestion.remove_means(&mut self.record);
                     self.suggestion.sensor_noise(&self.record);
                     self.suggestion.motion(&mut self.record);
                     self.suggestion.substeps(&self.record);
+                    if let Some(record) = as_it_is {
+                        self.record = record;
+                    }
                     if self.suggestion.scenario.filters.is_empty() { Stage::Done } else { Stage::Likelihood(0) }
                 }
                 Stage::Likelihood(place) => {
