@@ -2,11 +2,11 @@
 
 use super::*;
 
-/// The whole of a record that the EKF believes ten times too well, paused.
+/// The whole of a record that the EKF believes five times too well, paused.
 fn mistuned() -> Screen {
     let mut screen = screen(Vec2::new(1280.0, 2400.0), Theme::Light);
     let mut scenario = Scenario::default();
-    scenario.filters[0].sensor_std = scenario.filters[0].sensor_std.iter().map(|std| 0.1 * std).collect();
+    scenario.filters[0].sensor_std = scenario.filters[0].sensor_std.iter().map(|std| 0.2 * std).collect();
     let session = screen.state_mut().session_mut();
     session.toggle_play();
     session.set_mode(Mode::Whole);
