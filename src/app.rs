@@ -27,8 +27,9 @@ use crate::plot::time_axis::TimeAxis;
 use crate::probe::ScreenState;
 use crate::request::{Request, ViewKind};
 use crate::ruler::{End, Ruler};
-use crate::saved::{self, Found, Saved};
+use crate::saved::{Found, Saved};
 use crate::session::{Budget, Mode, ModelTime, Session};
+use crate::share::Outline;
 use crate::theme;
 use crate::tutor::{Catalogue, Tutor};
 use crate::twin::Twin;
@@ -76,7 +77,7 @@ pub struct App {
     page: String,
     /// Whether another page embeds this one, which shows plots and transport only.
     embedded: bool,
-    /// A saved session that could not be read in full; the next save keeps it.
+    /// The text of a saved session that could not be read in full; the next save keeps it.
     unreadable: Option<String>,
     requests: Vec<Request>,
 }
@@ -87,9 +88,16 @@ impl App {
     /// # Errors
     /// [`RunError`] where even the default scenario cannot be run.
     pub fn new(creation: &eframe::CreationContext<'_>) -> Result<Self, RunError> {
-        let ctx = &creation.egui_ctx;
+        Self::stored(&creation.egui_ctx, creation.storage)
+    }
+
+    /// The explorer in the state that a storage holds, or playing the default scenario.
+    ///
+    /// # Errors
+    /// [`RunError`] where even the default scenario cannot be run.
+    pub fn stored(ctx: &egui::Context, storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
         theme::install(ctx);
-        let found = Saved::load(creation.storage);
+        let found = Saved::load(storage);
         found.saved.apply_theme(ctx);
         if found.saved.presenting {
             ctx.set_zoom_factor(LARGE);
@@ -107,23 +115,54 @@ impl App {
         Self::from_found(Saved::load(storage), Budget::Unlimited)
     }
 
-    fn from_found(Found { saved, new_here, unreadable }: Found, budget: Budget) -> Result<Self, RunError> {
+    fn from_found(Found { saved, new_here, problem }: Found, budget: Budget) -> Result<Self, RunError> {
+        let layout = saved.layout();
         let mut app = Self::with_any(saved.scenario)?;
         // The first frame is drawn before any long computation.
         app.session.set_budget(budget);
         app.session.set_mode(saved.mode);
         app.session.set_speed(saved.speed);
         app.presenting = saved.presenting;
-        app.layout = saved.layout;
+        app.layout = layout;
+        app.ruler = saved.ruler;
+        app.visible = Visibility::without(&saved.hidden);
         app.laboratory.restore(saved.laboratory);
         app.inviting = new_here;
         app.resume(saved.studies);
-        if let Some((text, reason)) = unreadable {
-            app.notice =
-                Some(format!("The last session could not be restored in full, but its text is kept: {reason}.").into());
-            app.unreadable = Some(text);
+        app.unreadable = saved.unreadable;
+        if let Some(reason) = problem {
+            app.report(&format!("The last session could not be restored in full, but its text is kept: {reason}."));
         }
         Ok(app)
+    }
+
+    /// Shows a sentence about a failure, after those on screen.
+    pub fn report(&mut self, sentence: &str) {
+        let before = self.notice().map(|before| format!("{before} ")).unwrap_or_default();
+        self.notice = Some(format!("{before}{sentence}").into());
+    }
+
+    /// The state that outlasts the program.
+    pub fn saved(&self) -> Saved {
+        let Self { session, layout, laboratory, presenting, theme, ruler, visible, unreadable, .. } = self;
+        Saved {
+            scenario: session.scenario().clone(),
+            mode: session.mode(),
+            speed: session.speed(),
+            presenting: *presenting,
+            dark: match theme {
+                ThemePreference::Dark => Some(true),
+                ThemePreference::Light => Some(false),
+                ThemePreference::System => None,
+            },
+            views: Outline::of(layout.tree()),
+            enlarged: layout.enlarged(),
+            ruler: ruler.in_nanoseconds(),
+            hidden: visible.hidden(),
+            laboratory: laboratory.choices(),
+            studies: self.studies(),
+            unreadable: unreadable.clone(),
+        }
     }
 
     /// The explorer at the start of a scenario. One with a measured record, whose file may not be here, comes after the first
@@ -299,9 +338,8 @@ impl eframe::App for App {
         if self.embedded {
             return;
         }
-        let studies = self.studies();
-        let Self { session, layout, laboratory, presenting, theme, unreadable, .. } = self;
-        let screen = (&*layout, laboratory.choices());
-        saved::save(storage, session, screen, &studies, *presenting, *theme, unreadable.as_deref());
+        if let Err(error) = self.saved().store(storage) {
+            log::error!("The session is not saved: {error}");
+        }
     }
 }

@@ -12,6 +12,7 @@ use crate::laboratory::Laboratory;
 use crate::layout::Layout;
 use crate::request::{Export, Picture};
 use crate::session_file;
+use crate::share;
 use crate::view::ViewContext;
 
 /// A file to be written.
@@ -92,8 +93,7 @@ pub fn file(export: Export, context: &ViewContext<'_>, layout: &Layout) -> Resul
 const JSON: &str = "application/json";
 
 fn written(context: &ViewContext<'_>, layout: &Layout) -> Result<String, String> {
-    let choices = context.laboratory.map(Laboratory::choices).unwrap_or_default();
-    session_file::text(context.session, layout, choices).map_err(|error| error.to_string())
+    session_file::text(&share::Picture::on_screen(context, layout)).map_err(reason)
 }
 
 /// The numbers of the map on screen.

@@ -1,12 +1,10 @@
 //! The views on screen and their places: a tree of tiles, as data.
 
-use std::collections::BTreeSet;
-
 use egui::Id;
 use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tiles, Tree};
-use serde::{Deserialize, Serialize};
 
 use crate::request::{Arrangement, ViewKind};
+use crate::share::Outline;
 use crate::view::Proportions;
 use crate::views::view as of_kind;
 
@@ -14,10 +12,8 @@ use crate::views::view as of_kind;
 const TALL: f32 = 1.7;
 
 /// The views on screen.
-#[derive(Serialize, Deserialize)]
 pub struct Layout {
     tree: Tree<ViewKind>,
-    #[serde(skip)]
     enlarged: Option<ViewKind>,
 }
 
@@ -35,12 +31,6 @@ impl Layout {
         Self { tree: tree(rows(arrangement)), enlarged: None }
     }
 
-    /// The tiles of a file; none where a walk over them would not come to an end.
-    pub(crate) fn of_tree(tree: Tree<ViewKind>) -> Option<Self> {
-        let layout = Self { tree, enlarged: None };
-        layout.is_sound().then_some(layout)
-    }
-
     /// Views one below the other, the first with the most space; a plane is beside the view before it.
     pub fn column(views: &[ViewKind]) -> Self {
         let proportions = |kind: &ViewKind| of_kind(*kind).proportions();
@@ -55,14 +45,14 @@ impl Layout {
         Self { tree: tree(&rows), enlarged: None }
     }
 
-    /// Tiles from elsewhere; `insert` adds them, and returns that which holds the others.
-    pub(crate) fn of_tiles(insert: impl FnOnce(&mut Tiles<ViewKind>) -> Option<TileId>) -> Self {
+    /// The views of an outline, and that which is enlarged.
+    pub(crate) fn of_outline(outline: Option<&Outline>, enlarged: Option<ViewKind>) -> Self {
         let mut tiles = Tiles::default();
-        let tree = match insert(&mut tiles) {
+        let tree = match outline.map(|outline| outline.insert_into(&mut tiles)) {
             Some(root) => Tree::new(Id::unique("views"), root, tiles),
             None => Tree::empty(Id::unique("views")),
         };
-        Self { tree, enlarged: None }
+        Self { tree, enlarged }
     }
 
     /// The views that are shown.
@@ -101,21 +91,6 @@ impl Layout {
             }
         }
         views
-    }
-
-    /// Whether every tile has one place, so that a walk over them comes to an end.
-    fn is_sound(&self) -> bool {
-        let mut met = BTreeSet::new();
-        let mut to_come: Vec<TileId> = self.tree.root().into_iter().collect();
-        while let Some(id) = to_come.pop() {
-            if !met.insert(id.0) {
-                return false;
-            }
-            if let Some(Tile::Container(container)) = self.tree.tiles.get(id) {
-                to_come.extend(container.children_vec());
-            }
-        }
-        true
     }
 
     /// The tiles.

@@ -27,7 +27,7 @@ pub mod probe;
 mod reading;
 pub mod request;
 pub mod ruler;
-mod saved;
+pub mod saved;
 pub mod session;
 mod session_file;
 pub mod share;

@@ -1,5 +1,7 @@
 //! Requests of the views, the controls and the keys, as data.
 
+mod kinds;
+
 use std::fmt;
 
 use egui_tiles::Tree;
@@ -7,9 +9,12 @@ use kalmanscope_core::Scenario;
 use kalmanscope_lessons::{BuiltIn, Lesson};
 use serde::{Deserialize, Serialize};
 
-use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
+use crate::laboratory::{Choice, SeedChoice, TuneChoice};
 use crate::ruler::End;
 use crate::session::Mode;
+use crate::share::Picture as SavedPicture;
+
+pub use kinds::{Arrangement, LegendEntry, ViewKind};
 
 /// A request, applied after the frame in which it was made.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,24 +138,7 @@ pub enum Request {
     /// Begin to tune, or stop that.
     Tune(bool),
     /// Restore a session from a file.
-    OpenSession(Box<SavedScreen>),
-}
-
-/// A session as a file keeps it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SavedScreen {
-    /// The scenario, with the meaning of a measured record's columns.
-    pub scenario: Scenario,
-    /// Whether the record was shown as it grows, or whole.
-    pub mode: Mode,
-    /// Simulated seconds per second.
-    pub speed: f64,
-    /// The time at which playback stood, after the start \[s\].
-    pub time: f64,
-    /// The views.
-    pub tree: Tree<ViewKind>,
-    /// The choices in the laboratory.
-    pub laboratory: Choices,
+    OpenSession(Box<SavedPicture>),
 }
 
 /// A file that leaves the explorer.
@@ -217,122 +205,4 @@ pub enum Answer {
     Choice(usize),
     /// The user wants to see the effect without an answer.
     Skipped,
-}
-
-/// An entry of the legend of all plots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LegendEntry {
-    /// The truth.
-    Truth,
-    /// The measurements.
-    Measured,
-    /// The ±2σ bands.
-    Bands,
-    /// The verdicts on the filters, and the marks of bad parts.
-    Verdicts,
-    /// The filter with an id.
-    Filter(u32),
-}
-
-/// The views.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum ViewKind {
-    /// The moving mass.
-    Oscillator,
-    /// Parameters over time.
-    Parameters,
-    /// States over time.
-    States,
-    /// Errors within ±2σ and the Cramér-Rao bound.
-    Errors,
-    /// Measurements against predictions and free runs.
-    Measured,
-    /// Innovations within ±2√S.
-    Innovations,
-    /// NIS and NEES.
-    Consistency,
-    /// Autocorrelation of the innovations.
-    Autocorrelation,
-    /// Kalman gain over time.
-    Gain,
-    /// Velocity over displacement.
-    Phase,
-    /// Two parameters with their covariance.
-    ParameterPlane,
-    /// Frequency response over the force's spectrum.
-    FrequencyResponse,
-    /// Power over time and frequency.
-    Spectrogram,
-    /// Predict and update in numbers.
-    Matrices,
-    /// Filters side by side.
-    Scores,
-    /// The filters' numbers side by side.
-    Filters,
-    /// Verdicts with their evidence, causes and knobs.
-    Diagnosis,
-    /// A score over two settings.
-    Map,
-    /// The same over one setting at a time.
-    Slices,
-    /// Statistics over many seeds.
-    MonteCarlo,
-    /// A search for the best settings of a filter.
-    Tune,
-}
-
-impl ViewKind {
-    /// Every view, in the menu's order.
-    pub const ALL: [Self; 21] = [
-        Self::Oscillator,
-        Self::Parameters,
-        Self::States,
-        Self::Errors,
-        Self::Measured,
-        Self::Innovations,
-        Self::Consistency,
-        Self::Autocorrelation,
-        Self::Gain,
-        Self::Phase,
-        Self::ParameterPlane,
-        Self::FrequencyResponse,
-        Self::Spectrogram,
-        Self::Matrices,
-        Self::Scores,
-        Self::Filters,
-        Self::Diagnosis,
-        Self::Map,
-        Self::Slices,
-        Self::MonteCarlo,
-        Self::Tune,
-    ];
-}
-
-/// A ready-made choice of views.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrangement {
-    /// The story: the moving mass, parameters and states.
-    Teach,
-    /// For tuning Q and R: parameters, NIS and NEES, innovations and their autocorrelation.
-    Tune,
-    /// For comparing filters: scores, parameters, errors, their settings, the parameter plane.
-    Compare,
-    /// For seeing many settings at once: the map, slices through it, and the states of the setting on screen.
-    Laboratory,
-}
-
-impl Arrangement {
-    /// Every arrangement.
-    pub const ALL: [Self; 4] = [Self::Teach, Self::Tune, Self::Compare, Self::Laboratory];
-
-    /// Its name in the menu.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Teach => "Teach",
-            Self::Tune => "Tune",
-            Self::Compare => "Compare",
-            Self::Laboratory => "Laboratory",
-        }
-    }
 }

@@ -1,36 +1,46 @@
 //! The saved session, and the reasons why parts of it may be unreadable.
 
 use egui::ThemePreference;
-use kalmanscope_core::{Document, Scenario};
+use kalmanscope_core::{Document, DocumentError, Scenario};
 use kalmanscope_lessons::BuiltIn;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::laboratory::{Choice, Choices, SeedChoice, TuneChoice};
 use crate::layout::Layout;
+use crate::request::{LegendEntry, ViewKind};
+use crate::ruler::Ruler;
 use crate::session::{Mode, Session};
+use crate::share::{Outline, outline_of_tiles};
 use crate::tutor::Studies;
 
 /// The storage key of the saved session.
-const KEY: &str = "kalmanscope";
+pub const KEY: &str = "kalmanscope";
 
 /// The storage key of the last text under [`KEY`] that could not be read in full; the next save would overwrite it.
-const UNREADABLE_KEY: &str = "kalmanscope-unreadable";
+pub const UNREADABLE_KEY: &str = "kalmanscope-unreadable";
 
-/// The newest format. The first had no number, and its layout was JSON within JSON.
-const VERSION: u64 = 2;
+/// The newest format. The first had no number, and its layout was JSON within JSON; the layout of the second was tiles that name
+/// each other.
+const VERSION: u64 = 3;
 
-/// The saved state.
-pub(crate) struct Saved {
+/// The state that outlasts the program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Saved {
     pub(crate) scenario: Scenario,
     pub(crate) mode: Mode,
     pub(crate) speed: f64,
     pub(crate) presenting: bool,
     /// The theme; the system's if none was chosen.
-    dark: Option<bool>,
-    pub(crate) layout: Layout,
+    pub(crate) dark: Option<bool>,
+    pub(crate) views: Option<Outline>,
+    pub(crate) enlarged: Option<ViewKind>,
+    pub(crate) ruler: Ruler,
+    pub(crate) hidden: Vec<LegendEntry>,
     pub(crate) laboratory: Choices,
     pub(crate) studies: Studies,
+    /// The text of a session that could not be read in full.
+    pub(crate) unreadable: Option<String>,
 }
 
 /// The result of reading a saved session.
@@ -39,8 +49,8 @@ pub(crate) struct Found {
     pub(crate) saved: Saved,
     /// Whether nothing had been saved.
     pub(crate) new_here: bool,
-    /// The text and the reason why it could not be read in full.
-    pub(crate) unreadable: Option<(String, String)>,
+    /// The reason why it could not be read in full.
+    pub(crate) problem: Option<String>,
 }
 
 /// The format, with one key per part.
@@ -53,10 +63,13 @@ struct Written<'a> {
     speed: f64,
     presenting: bool,
     dark: Option<bool>,
-    layout: &'a Layout,
-    map: Option<Choice>,
-    seeds: Option<SeedChoice>,
-    tuning: Option<TuneChoice>,
+    views: &'a Option<Outline>,
+    enlarged: Option<ViewKind>,
+    marks: Ruler,
+    hidden: &'a [LegendEntry],
+    map: &'a Option<Choice>,
+    seeds: &'a Option<SeedChoice>,
+    tuning: &'a Option<TuneChoice>,
     lessons: &'a Studies,
 }
 
@@ -68,22 +81,75 @@ impl Default for Saved {
             speed: Session::DEFAULT_SPEED,
             presenting: false,
             dark: None,
-            layout: Layout::default(),
+            views: usual_views(),
+            enlarged: None,
+            ruler: Ruler::default(),
+            hidden: Vec::new(),
             laboratory: Choices::default(),
             studies: Studies::default(),
+            unreadable: None,
         }
     }
+}
+
+/// The views of a first start.
+fn usual_views() -> Option<Outline> {
+    Outline::of(Layout::default().tree())
 }
 
 impl Saved {
     /// The session that was saved last.
     pub(crate) fn load(storage: Option<&dyn eframe::Storage>) -> Found {
         let Some(text) = storage.and_then(|storage| storage.get_string(KEY)) else {
-            return Found { saved: Self::default(), new_here: true, unreadable: None };
+            return Found { saved: Self::default(), new_here: true, problem: None };
         };
-        let (saved, problems) = Self::read(&text);
-        let unreadable = (!problems.is_empty()).then(|| (text, problems.join("; ")));
-        Found { saved, new_here: false, unreadable }
+        let (mut saved, problems) = Self::read(&text);
+        let problem = (!problems.is_empty()).then(|| problems.join("; "));
+        saved.unreadable = problem.is_some().then_some(text);
+        Found { saved, new_here: false, problem }
+    }
+
+    /// Writes the session into a storage, and keeps the text of an unreadable one under its own key.
+    ///
+    /// # Errors
+    /// [`DocumentError`] where the scenario cannot be written.
+    pub fn store(&self, storage: &mut dyn eframe::Storage) -> Result<(), DocumentError> {
+        let Self { unreadable, .. } = self;
+        if let Some(text) = unreadable {
+            storage.set_string(UNREADABLE_KEY, text.clone());
+        }
+        storage.set_string(KEY, self.text()?);
+        Ok(())
+    }
+
+    /// The session as text.
+    ///
+    /// # Errors
+    /// [`DocumentError`] where the scenario cannot be written.
+    pub fn text(&self) -> Result<String, DocumentError> {
+        let Self { scenario, mode, speed, presenting, dark, views, enlarged, ruler, hidden, laboratory, .. } = self;
+        let Choices { map, seeds, tuning } = laboratory;
+        Document::json(&Written {
+            version: VERSION,
+            scenario: scenario.to_toml().map_err(serde::ser::Error::custom)?,
+            mode: *mode,
+            speed: *speed,
+            presenting: *presenting,
+            dark: *dark,
+            views,
+            enlarged: *enlarged,
+            marks: *ruler,
+            hidden,
+            map,
+            seeds,
+            tuning,
+            lessons: &self.studies,
+        })
+    }
+
+    /// The views.
+    pub(crate) fn layout(&self) -> Layout {
+        Layout::of_outline(self.views.as_ref(), self.enlarged)
     }
 
     /// The parts that can be read, defaults for the others, and the reasons.
@@ -102,15 +168,20 @@ impl Saved {
             return (Self::default(), reader.problems);
         }
         let usual = Self::default();
+        let views = reader.views(version);
         let saved = Self {
             scenario: reader.scenario(),
             mode: reader.part("mode", usual.mode),
             speed: reader.speed(usual.speed),
             presenting: reader.part("presenting", usual.presenting),
             dark: reader.part("dark", usual.dark),
-            layout: reader.layout(version),
+            enlarged: reader.enlarged(views.as_ref()),
+            views,
+            ruler: reader.part("marks", usual.ruler),
+            hidden: reader.part("hidden", usual.hidden),
             laboratory: reader.laboratory(),
             studies: reader.part("lessons", usual.studies),
+            unreadable: None,
         };
         (saved, reader.problems)
     }
@@ -158,55 +229,101 @@ impl Reader {
         Choices { map: self.part("map", None), seeds, tuning: self.part("tuning", None) }
     }
 
-    fn layout(&mut self, version: u64) -> Layout {
-        if version > 1 {
-            return self.part("layout", Layout::default());
-        }
-        let text: String = self.part("layout", String::new());
-        let layout = (!text.is_empty()).then(|| Document::read_json(&text));
-        layout.and_then(|layout| self.note("layout", layout)).unwrap_or_default()
+    fn views(&mut self, version: u64) -> Option<Outline> {
+        let views = match version {
+            0 | 1 => {
+                let text: String = self.part("layout", String::new());
+                if text.is_empty() {
+                    return usual_views();
+                }
+                Document::from_json(&text).map_err(|error| error.to_string()).and_then(|layout| of_tiles(&layout))
+            }
+            2 => self.document.get("layout").map_or_else(|| Ok(usual_views()), of_tiles),
+            _ => self.document.get("views").map_or_else(|| Ok(usual_views()), outline),
+        };
+        self.note("layout", views).unwrap_or_else(usual_views)
+    }
+
+    fn enlarged(&mut self, views: Option<&Outline>) -> Option<ViewKind> {
+        let enlarged: Option<ViewKind> = self.part("enlarged", None);
+        enlarged.filter(|view| views.is_some_and(|views| views.has(*view)))
     }
 }
 
-/// Saves a session, and keeps the text of an unreadable one under its own key.
-pub(crate) fn save(
-    storage: &mut dyn eframe::Storage,
-    session: &Session,
-    (layout, laboratory): (&Layout, Choices),
-    studies: &Studies,
-    presenting: bool,
-    theme: ThemePreference,
-    unreadable: Option<&str>,
-) {
-    if let Some(text) = unreadable {
-        storage.set_string(UNREADABLE_KEY, text.to_owned());
+/// The views of a layout of tiles that name each other.
+fn of_tiles(layout: &Document) -> Result<Option<Outline>, String> {
+    outline_of_tiles(layout.get("tree").ok_or("it has no tree")?)
+}
+
+/// The views of an outline, checked.
+fn outline(views: &Document) -> Result<Option<Outline>, String> {
+    let views: Option<Outline> = views.read().map_err(|error| error.to_string())?;
+    views.as_ref().map_or(Ok(()), Outline::validate)?;
+    Ok(views)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+    use crate::request::Arrangement;
+    use crate::ruler::End;
+
+    fn saved() -> Saved {
+        let mut scenario = Scenario { seed: 5, ..Scenario::default() };
+        scenario.number_filters();
+        let mut saved = Saved { scenario, mode: Mode::Whole, speed: 0.5, dark: Some(true), ..Saved::default() };
+        saved.views = Outline::of(Layout::of(Arrangement::Tune).tree());
+        saved.enlarged = Some(ViewKind::Innovations);
+        saved.ruler.place(End::B, 12.5);
+        saved.hidden = vec![LegendEntry::Bands];
+        saved
     }
-    let scenario = match session.scenario().to_toml() {
-        Ok(scenario) => scenario,
-        Err(error) => return log::error!("The session is not saved: {error}"),
-    };
-    let dark = match theme {
-        ThemePreference::Dark => Some(true),
-        ThemePreference::Light => Some(false),
-        ThemePreference::System => None,
-    };
-    let (mode, speed) = (session.mode(), session.speed());
-    let lessons = studies;
-    let Choices { map, seeds, tuning } = laboratory;
-    match Document::json(&Written {
-        version: VERSION,
-        scenario,
-        mode,
-        speed,
-        presenting,
-        dark,
-        layout,
-        map,
-        seeds,
-        tuning,
-        lessons,
-    }) {
-        Ok(text) => storage.set_string(KEY, text),
-        Err(error) => log::error!("The session is not saved: {error}"),
+
+    fn value(saved: &Saved) -> Value {
+        serde_json::from_str(&saved.text().expect("it can be written")).expect("it is JSON")
+    }
+
+    #[test]
+    fn all_comes_back() {
+        let (read, problems) = Saved::read(&saved().text().expect("it can be written"));
+        assert_eq!((read, problems), (saved(), vec![]));
+    }
+
+    #[test]
+    fn older_formats_can_be_read() {
+        let tree = serde_json::to_value(Layout::of(Arrangement::Tune).tree()).expect("a tree is data");
+        let layout = json!({ "tree": tree });
+        for version in [1, 2] {
+            let mut old = value(&saved());
+            let parts = old.as_object_mut().expect("it is an object");
+            ["views", "enlarged", "marks", "hidden"].map(|key| parts.remove(key));
+            parts.insert("version".to_owned(), version.into());
+            parts.insert("layout".to_owned(), if version == 1 { layout.to_string().into() } else { layout.clone() });
+            let (read, problems) = Saved::read(&old.to_string());
+            let expected = Saved { enlarged: None, ruler: Ruler::default(), hidden: vec![], ..saved() };
+            assert_eq!((read, problems), (expected, vec![]));
+            // A layout that would end the program leaves the rest.
+            let bad = old
+                .to_string()
+                .replace("\"height\":null", "\"height\":1e38")
+                .replace("\\\"height\\\":null", "\\\"height\\\":1e38");
+            let (read, problems) = Saved::read(&bad);
+            assert_eq!((read.views, read.scenario.seed), (usual_views(), 5));
+            assert!(problems[..].concat().contains("layout: its height is 1e38"), "{problems:?}");
+        }
+    }
+
+    #[test]
+    fn views_that_nobody_can_show_leave_the_rest() {
+        let deep = (0..20).fold(json!({ "view": "States" }), |inner, _| json!({ "tabs": [0, [inner]] }));
+        for (views, reason) in [(deep, "more than 16 containers"), (json!({ "rows": [] }), "a container is empty")] {
+            let mut bad = value(&saved());
+            bad["views"] = views;
+            let (read, problems) = Saved::read(&bad.to_string());
+            assert_eq!((read.views, read.scenario.seed), (usual_views(), 5));
+            assert!(problems[..].concat().contains(reason), "{problems:?}");
+        }
     }
 }

@@ -35,7 +35,7 @@ impl App {
     /// [`kalmanscope_core::RunError`] where even the default scenario cannot be run.
     pub fn embedded(creation: &eframe::CreationContext<'_>) -> Result<Self, kalmanscope_core::RunError> {
         theme::install(&creation.egui_ctx);
-        let found = Found { saved: Saved::default(), new_here: false, unreadable: None };
+        let found = Found { saved: Saved::default(), new_here: false, problem: None };
         let app = Self::from_found(found, Budget::FRAME)?;
         Ok(Self { embedded: true, ..app })
     }

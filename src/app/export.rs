@@ -5,9 +5,9 @@ use egui::Context;
 use super::App;
 use crate::export::{self, Deliver};
 use crate::figure::Figure;
-use crate::layout::Layout;
 use crate::notice::Notice;
-use crate::request::{Export, FigureFormat, SavedScreen};
+use crate::request::{Export, FigureFormat};
+use crate::share;
 use crate::theme::Palette;
 use crate::view::ViewContext;
 
@@ -24,7 +24,7 @@ impl App {
         Figure::new(&self.figure_context(&palette), &self.layout.rows(), format)
     }
 
-    fn figure_context<'a>(&'a self, palette: &'a Palette) -> ViewContext<'a> {
+    pub(super) fn figure_context<'a>(&'a self, palette: &'a Palette) -> ViewContext<'a> {
         let Self { session, visible, axis, ruler, laboratory, .. } = self;
         ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory))
     }
@@ -41,20 +41,13 @@ impl App {
         });
     }
 
-    /// Restores a session from a file.
-    pub(super) fn open_session(&mut self, saved: SavedScreen, ctx: &Context) {
-        let SavedScreen { scenario, mode, speed, time, tree, laboratory } = saved;
-        let record = scenario.record.as_ref().map(|mapping| mapping.file.clone()).filter(|file| !file.is_empty());
-        self.open(scenario, ctx);
+    /// Restores a session from a file. The settings before it come back with undo.
+    pub(super) fn open_session(&mut self, picture: share::Picture, ctx: &Context) {
+        let record = picture.scenario.record.as_ref().map(|mapping| mapping.file.clone());
+        let laboratory = picture.laboratory.clone();
+        self.show_picture(picture, ctx);
         self.laboratory.restore(laboratory);
-        self.session.set_mode(mode);
-        self.session.set_speed(speed);
-        self.session.pause();
-        self.session.seek(time);
-        if let Some(layout) = Layout::of_tree(tree) {
-            self.layout = layout;
-        }
-        if let Some(file) = record {
+        if let Some(file) = record.filter(|file| !file.is_empty()) {
             self.notice = Some(format!("The session belongs to the record “{file}”: drop that file too.").into());
         }
     }

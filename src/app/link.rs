@@ -10,6 +10,7 @@ use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
 use crate::share::address::{self, Target};
 use crate::share::{LinkError, Picture};
+use crate::theme::Palette;
 use crate::views::view;
 use crate::visibility::Visibility;
 
@@ -42,27 +43,20 @@ impl App {
         }
     }
 
-    /// The picture on screen.
+    /// The picture on screen, with the choices of those views of the laboratory that it shows.
     pub fn picture(&self) -> Picture {
-        let Self { session, layout, laboratory, ruler, visible, .. } = self;
-        let time = session.time() - session.run().record().time_of(0);
-        let shows_map = layout.shown().iter().any(|kind| view(*kind).is_of_laboratory());
-        let [shows_seeds, shows_tuning] =
-            [ViewKind::MonteCarlo, ViewKind::Tune].map(|kind| layout.shown().contains(&kind));
-        let Choices { map, seeds, tuning } = laboratory.choices();
+        let palette = Palette::of(egui::Theme::Light);
+        let picture = Picture::on_screen(&self.figure_context(&palette), &self.layout);
+        let shown = self.layout.shown();
+        let shows_map = shown.iter().any(|kind| view(*kind).is_of_laboratory());
+        let [shows_seeds, shows_tuning] = [ViewKind::MonteCarlo, ViewKind::Tune].map(|kind| shown.contains(&kind));
+        let Choices { map, seeds, tuning } = picture.laboratory;
         let laboratory = Choices {
             map: map.filter(|_| shows_map),
             seeds: seeds.filter(|_| shows_seeds),
             tuning: tuning.filter(|_| shows_tuning),
         };
-        let picture = Picture::new(session.scenario().clone(), layout, session.mode(), time);
-        Picture {
-            laboratory,
-            speed: session.speed(),
-            ruler: ruler.in_nanoseconds(),
-            hidden: visible.hidden(),
-            ..picture
-        }
+        Picture { laboratory, ..picture }
     }
 
     /// A link to the picture on screen.
@@ -90,8 +84,8 @@ impl App {
         }
     }
 
-    /// Shows the picture of a link, paused. The settings before it come back with undo.
-    fn show_picture(&mut self, picture: Picture, ctx: &Context) {
+    /// Shows a picture, paused. The settings before it come back with undo.
+    pub(super) fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
         let Picture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;
         self.history.add_undo(self.session.scenario());

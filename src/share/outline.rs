@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::request::ViewKind;
 
 /// Limits the containers inside each other.
-const DEEPEST: usize = 16;
+pub(super) const DEEPEST: usize = 16;
 
 /// The shares of height or width that tiles may have.
-const SHARES: std::ops::RangeInclusive<f32> = 1e-3..=1e3;
+pub(super) const SHARES: std::ops::RangeInclusive<f32> = 1e-3..=1e3;
 
 /// A view, or a container of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,8 @@ use kalmanscope_lab::tune::Goal;
 use kalmanscope_lessons::BUILT_IN;
 
 use super::*;
-use crate::request::Arrangement;
+use crate::laboratory::TuneChoice;
+use crate::request::{Arrangement, LegendEntry, ViewKind};
 
 fn picture() -> Picture {
     let scenario = BUILT_IN[0].scenario().expect("it is valid");
