@@ -12,24 +12,26 @@ fn main() {
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
+    mod crash;
+    mod crash_page;
+    mod desktop;
     mod file_dialog;
     mod graphics;
+    mod keeper;
+    mod signals;
+    mod slot;
+    mod state_file;
     mod threads;
+    mod window;
 
     use std::error::Error;
     use std::io::{self, Write as _};
-    use std::path::{Path, PathBuf};
+    use std::path::Path;
     use std::process::ExitCode;
 
-    use eframe::NativeOptions;
-    use egui::{IconData, ViewportBuilder};
-    use kalmanscope::App;
-    use kalmanscope::drop;
-    use kalmanscope::export::folder;
     use kalmanscope::share::address::{self, Target};
     use kalmanscope_cli::{plot_svg, run_scenario, step_times, table};
     use kalmanscope_core::{Analysis, Scenario, Wanted};
-    use kalmanscope_gpu::Software;
 
     /// The file of the plots if there is no display.
     const REPORT: &str = "kalmanscope-report.svg";
@@ -56,7 +58,7 @@ mod native {
             }
             Ok(target) => target.flatten(),
         };
-        let Err(error) = window(address, file) else {
+        let Err(error) = window::open(address, file) else {
             return ExitCode::SUCCESS;
         };
         // The message is what follows the last colon; before it is a place in the toolkit's source.
@@ -71,33 +73,6 @@ mod native {
                 ExitCode::FAILURE
             }
         }
-    }
-
-    fn window(address: Option<String>, file: Option<PathBuf>) -> eframe::Result {
-        let viewport = ViewportBuilder::default()
-            .with_title("Kalmanscope")
-            .with_app_id("kalmanscope")
-            .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([360.0, 420.0])
-            .with_icon(icon());
-        let options = NativeOptions { viewport, ..NativeOptions::default() };
-        let creator: eframe::AppCreator<'_> = Box::new(|creation| {
-            let app = App::new(creation)?.delivering(Box::new(folder::write)).choosing(Some(file_dialog::choose()));
-            let mut app = app.computing_with(threads::engine(Software::Refused));
-            if let Some(address) = address {
-                app.open_address(&address);
-            }
-            if let Some(path) = file {
-                app.open_file(&drop::file_name(&path), drop::read_path(&path));
-            }
-            Ok(Box::new(app))
-        });
-        eframe::run_native("kalmanscope", options, creator)
-    }
-
-    /// The window's icon, or the toolkit's own where the picture cannot be read.
-    fn icon() -> IconData {
-        eframe::icon_data::from_png_bytes(include_bytes!("../assets/icon-256.png")).unwrap_or_default()
     }
 
     /// The report for a machine without a display: a table, and the plots as a file.

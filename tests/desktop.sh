@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# desktop.sh PROGRAM PICTURES: the desktop program as a user meets it, a window that draws, and a report where there is
-# no display.
+# desktop.sh PROGRAM PICTURES: the desktop program as a user meets it, a window that draws, a state that survives, a crash that is
+# told, and a report where there is no display.
 set -euo pipefail
 program=$(realpath "$1")
 out=$2
@@ -30,16 +30,75 @@ export DISPLAY=:$((90 + RANDOM % 900))
 Xvfb "$DISPLAY" -screen 0 1280x800x24 >"$work/xvfb.txt" 2>&1 &
 children+=($!)
 for _ in $(seq 50); do xdotool getdisplaygeometry >/dev/null 2>&1 && break; sleep 0.1; done
-HOME=$work "$program" >"$work/window.txt" 2>&1 &
-window=$!
-children+=("$window")
-colors=0
-for _ in $(seq 60); do
+
+# Starts the program and waits for a picture NAME with more than COLOURS colours.
+start() {
+  HOME=$work XDG_DATA_HOME=$work/data "$program" >"$work/window.txt" 2>&1 &
+  window=$!
+  children+=("$window")
+  colors=0
+  for _ in $(seq 60); do
+    sleep 0.5
+    kill -0 "$window" || { cat "$work/window.txt"; exit 1; }
+    import -window root "$out/$1.png"
+    colors=$(identify -format %k "$out/$1.png")
+    ((colors > $2)) && break
+  done
+  echo "the window has $colors colours"
+  ((colors > $2))
+}
+
+# Waits until a file has a text.
+await() {
+  for _ in $(seq 100); do
+    grep -q "$2" "$1" 2>/dev/null && return
+    sleep 0.1
+  done
+  echo "$1 has no $2"
+  exit 1
+}
+
+# Presses a key in the window.
+press() {
+  xdotool mousemove 640 600 key --clearmodifiers "$1"
+}
+
+state=$work/data/kalmanscope/state.json
+start window 300
+
+echo 'a change is saved at rest'
+press space
+press l
+await "$state" 'mode\\":\\"Whole'
+
+echo 'a change is saved before a signal ends the program'
+for signal in TERM HUP; do
+  press p
   sleep 0.5
-  kill -0 "$window" || { cat "$work/window.txt"; exit 1; }
-  import -window root "$out/window.png"
-  colors=$(identify -format %k "$out/window.png")
-  ((colors > 300)) && break
+  kill -"$signal" "$window"
+  status=0
+  wait "$window" || status=$?
+  ((status > 128)) || { echo "the program ends with $status"; exit 1; }
+  [[ $signal == TERM ]] && presenting=true || presenting=false
+  grep -q "presenting\\\\\":$presenting" "$state" || { echo "not saved before SIG$signal"; exit 1; }
+  start "restored-$signal" 300
 done
-echo "the window has $colors colours"
-((colors > 300))
+
+echo 'a torn state is said, and its copy is taken'
+kill -KILL "$window"
+wait "$window" || true
+truncate -s 100 "$state"
+start torn 300
+[[ $(stat -c %s "$work/data/kalmanscope/state-damaged.json") == 100 ]]
+
+echo 'a crash is told'
+kill -KILL "$window"
+wait "$window" || true
+cat >"$work/data/kalmanscope/crash.json" <<'NOTE'
+{"kalmanscope_crash": 1, "version": "0.1.0", "message": "the device is lost", "place": "src/main.rs:1:1", "thread": "main", "time": 0,
+ "state": "state.json", "session": null}
+NOTE
+start crash 20
+xdotool mousemove 640 600 key Return
+for _ in $(seq 50); do [[ -e $work/data/kalmanscope/last-crash.json ]] && break; sleep 0.1; done
+[[ -e $work/data/kalmanscope/last-crash.json && ! -e $work/data/kalmanscope/crash.json ]]

@@ -1,0 +1,55 @@
+//! The window of the desktop program.
+
+use std::path::PathBuf;
+
+use eframe::NativeOptions;
+use egui::{IconData, ViewportBuilder};
+use kalmanscope::App;
+use kalmanscope::drop;
+use kalmanscope::export::folder;
+use kalmanscope_gpu::Software;
+
+use super::desktop::{Desktop, Memory, Start};
+use super::slot::Slot;
+use super::{file_dialog, threads};
+
+/// The name of the program among the system's, and of the folder of its state.
+const ID: &str = "kalmanscope";
+
+/// Opens the window, with an address or a file if there is one, and stays until it is closed.
+pub(super) fn open(address: Option<String>, file: Option<PathBuf>) -> eframe::Result {
+    let viewport = ViewportBuilder::default()
+        .with_title("Kalmanscope")
+        .with_app_id(ID)
+        .with_inner_size([1280.0, 800.0])
+        .with_min_inner_size([360.0, 420.0])
+        .with_icon(icon());
+    let place = eframe::storage_dir(ID).ok_or_else(|| "there is no folder for it".to_owned());
+    let slot = place.and_then(|place| Slot::take(&place));
+    let persistence_path = slot.as_ref().ok().and_then(Slot::window_path);
+    let options = NativeOptions { viewport, persistence_path, ..NativeOptions::default() };
+    let creator: eframe::AppCreator<'_> = Box::new(|creation| {
+        let start: Start = Box::new(|ctx, storage| {
+            let app = App::stored(ctx, storage)?.delivering(Box::new(folder::write));
+            let mut app = app
+                .choosing(Some(file_dialog::choose()))
+                .computing_with(threads::engine(Software::Refused));
+            if let Some(address) = address {
+                app.open_address(&address);
+            }
+            if let Some(path) = file {
+                app.open_file(&drop::file_name(&path), drop::read_path(&path));
+            }
+            Ok(app)
+        });
+        let memory = slot.map(|slot| Memory::new(slot, creation.storage));
+        memory.iter().for_each(Memory::watch);
+        Ok(Box::new(Desktop::new(creation, memory, start)?))
+    });
+    eframe::run_native(ID, options, creator)
+}
+
+/// The window's icon, or the toolkit's own where the picture cannot be read.
+fn icon() -> IconData {
+    eframe::icon_data::from_png_bytes(include_bytes!("../../assets/icon-256.png")).unwrap_or_default()
+}
