@@ -1,4 +1,4 @@
-//! Long work beside the frames, where there is something that does it: workers of a page.
+//! Long work beside the frames, where there is something that does it: workers of a page, threads of the desktop.
 
 use std::time::Duration;
 

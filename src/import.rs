@@ -38,7 +38,7 @@ const LONG_RECORD: usize = 50_000;
 pub struct Import {
     name: String,
     stage: Stage,
-    /// Does long work beside the frames, where there are workers.
+    /// Does long work beside the frames, where there are workers or threads.
     elsewhere: Option<Rc<dyn Elsewhere>>,
 }
 

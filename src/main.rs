@@ -15,6 +15,7 @@ mod native {
     mod crash;
     mod crash_page;
     mod desktop;
+    mod errands;
     mod file_dialog;
     mod graphics;
     mod keeper;

@@ -11,7 +11,7 @@ use kalmanscope_gpu::Software;
 
 use super::desktop::{Desktop, Memory, Start};
 use super::slot::Slot;
-use super::{file_dialog, threads};
+use super::{errands, file_dialog, threads};
 
 /// The name of the program among the system's, and of the folder of its state.
 const ID: &str = "kalmanscope";
@@ -33,7 +33,8 @@ pub(super) fn open(address: Option<String>, file: Option<PathBuf>) -> eframe::Re
             let app = App::stored(ctx, storage)?.delivering(Box::new(folder::write));
             let mut app = app
                 .choosing(Some(file_dialog::choose()))
-                .computing_with(threads::engine(Software::Refused));
+                .computing_with(threads::engine(Software::Refused))
+                .working_with(errands::errands(ctx));
             if let Some(address) = address {
                 app.open_address(&address);
             }
