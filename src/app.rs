@@ -96,14 +96,24 @@ impl App {
     /// # Errors
     /// [`RunError`] where even the default scenario cannot be run.
     pub fn stored(ctx: &egui::Context, storage: Option<&dyn eframe::Storage>) -> Result<Self, RunError> {
-        theme::install(ctx);
-        let found = Saved::load(storage);
-        found.saved.apply_theme(ctx);
+        let found = Self::dress(ctx, storage);
         if found.saved.presenting {
             ctx.set_zoom_factor(LARGE);
             theme::enlarge_readouts(ctx, true);
         }
         Self::from_found(found, Budget::FRAME)
+    }
+
+    /// Sets fonts, styles and the theme that a storage holds, before anything is computed.
+    pub fn set_theme(ctx: &egui::Context, storage: Option<&dyn eframe::Storage>) {
+        Self::dress(ctx, storage);
+    }
+
+    fn dress(ctx: &egui::Context, storage: Option<&dyn eframe::Storage>) -> Found {
+        theme::install(ctx);
+        let found = Saved::load(storage);
+        found.saved.apply_theme(ctx);
+        found
     }
 
     /// The explorer in the state that [`eframe::App::save`] left in `storage`, without fonts and styles. A part that

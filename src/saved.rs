@@ -298,7 +298,9 @@ mod tests {
         for version in [1, 2] {
             let mut old = value(&saved());
             let parts = old.as_object_mut().expect("it is an object");
-            ["views", "enlarged", "marks", "hidden"].map(|key| parts.remove(key));
+            for key in ["views", "enlarged", "marks", "hidden"] {
+                parts.remove(key);
+            }
             parts.insert("version".to_owned(), version.into());
             parts.insert("layout".to_owned(), if version == 1 { layout.to_string().into() } else { layout.clone() });
             let (read, problems) = Saved::read(&old.to_string());

@@ -58,9 +58,11 @@ await() {
   exit 1
 }
 
-# Presses a key in the window.
+# Presses a key in the window, which no window manager gives the focus.
 press() {
-  xdotool mousemove 640 600 key --clearmodifiers "$1"
+  xdotool windowfocus "$(xdotool search --name Kalmanscope | tail -1)" mousemove 640 600
+  sleep 0.3
+  xdotool key "$1"
 }
 
 state=$work/data/kalmanscope/state.json
@@ -99,6 +101,6 @@ cat >"$work/data/kalmanscope/crash.json" <<'NOTE'
  "state": "state.json", "session": null}
 NOTE
 start crash 20
-xdotool mousemove 640 600 key Return
+press Return
 for _ in $(seq 50); do [[ -e $work/data/kalmanscope/last-crash.json ]] && break; sleep 0.1; done
 [[ -e $work/data/kalmanscope/last-crash.json && ! -e $work/data/kalmanscope/crash.json ]]

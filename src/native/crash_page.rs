@@ -63,7 +63,9 @@ impl CrashPage {
         let Self { crash, told, is_repeated, has_focus } = self;
         ui.spacing_mut().item_spacing.y = 10.0;
         ui.label(RichText::new("Kalmanscope has stopped").family(theme::strong()).size(22.0));
-        ui.label("The program met with an error of its own and ended. Your settings as of that moment are kept.");
+        let has_settings = crash.as_ref().is_ok_and(|crash| crash.session.is_some());
+        let kept = if has_settings { "as of that moment" } else { "as they were saved last" };
+        ui.label(format!("The program met with an error of its own and ended. Your settings {kept} are kept."));
         if *is_repeated {
             ui.colored_label(
                 palette.warning,
@@ -72,7 +74,7 @@ impl CrashPage {
         }
         ui.add_space(6.0);
         let choice = ui.horizontal_wrapped(|ui| {
-            let restore = ui.add(Button::new("Restore").min_size([110.0, 32.0].into()));
+            let restore = ui.add(Button::new("Restore").selected(true).min_size([110.0, 32.0].into()));
             if !std::mem::replace(has_focus, true) {
                 restore.request_focus();
             }
@@ -84,16 +86,15 @@ impl CrashPage {
         ui.add_space(6.0);
         ui.separator();
         match crash {
-            Ok(Crash { message, place, version, thread, state, .. }) => {
+            Ok(Crash { message, place, version, thread, .. }) => {
                 ui.label(RichText::new(message.as_str()).monospace());
                 ui.label(RichText::new(format!("{place}, version {version}, thread “{thread}”")).color(palette.weak));
-                ui.label(RichText::new(format!("The settings are saved in {state}.")).color(palette.weak));
             }
             Err(reason) => {
                 ui.label(format!("The note about the crash cannot be read: {reason}."));
             }
         }
-        let sentence = format!("The note with the settings is kept as {told}: please add it to a report.");
+        let sentence = format!("This note is kept as {told}: please add it to a report.");
         ui.label(RichText::new(sentence).color(palette.weak));
         choice.inner
     }

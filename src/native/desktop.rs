@@ -6,7 +6,6 @@ use eframe::{CreationContext, Storage};
 use egui::{Context, Ui};
 use kalmanscope::App;
 use kalmanscope::saved::{KEY, UNREADABLE_KEY};
-use kalmanscope::theme;
 use kalmanscope_core::RunError;
 
 use super::crash::{self, Crash};
@@ -62,7 +61,7 @@ impl Desktop {
         };
         let stage = match memory.crash() {
             Some(page) => {
-                theme::install(ctx);
+                App::set_theme(ctx, Some(&*memory.keeper.kept().file()));
                 Stage::Telling(Box::new(page), Some(start))
             }
             None => Stage::Running(Box::new(memory.start(ctx, start)?)),

@@ -63,11 +63,6 @@ impl StateFile {
         (Self { path, copy, entries }, said)
     }
 
-    /// Its path.
-    pub(super) fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Writes it. The file before it stays as a copy, whatever happens meanwhile.
     ///
     /// # Errors
