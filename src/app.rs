@@ -152,6 +152,11 @@ impl App {
         self.notice = Some(format!("{before}{sentence}").into());
     }
 
+    /// Shows a sentence that is no failure for a while, if no other is on screen.
+    pub fn inform(&mut self, sentence: &str) {
+        self.notice.get_or_insert_with(|| Notice::done(sentence));
+    }
+
     /// The state that outlasts the program.
     pub fn saved(&self) -> Saved {
         let Self { session, layout, laboratory, presenting, theme, ruler, visible, unreadable, .. } = self;

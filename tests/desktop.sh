@@ -26,10 +26,14 @@ fi
 [[ $(grep -c '<svg' "$work/kalmanscope-report.svg") -ge 1 ]]
 
 echo 'with a display: a window that is not blank'
-export DISPLAY=:$((90 + RANDOM % 900))
-Xvfb "$DISPLAY" -screen 0 1280x800x24 >"$work/xvfb.txt" 2>&1 &
-children+=($!)
-for _ in $(seq 50); do xdotool getdisplaygeometry >/dev/null 2>&1 && break; sleep 0.1; done
+# Starts a display.
+display() {
+  export DISPLAY=:$((90 + RANDOM % 900))
+  Xvfb "$DISPLAY" -screen 0 1280x800x24 >"$work/xvfb.txt" 2>&1 &
+  screen=$!
+  children+=("$screen")
+  for _ in $(seq 50); do xdotool getdisplaygeometry >/dev/null 2>&1 && break; sleep 0.1; done
+}
 
 # Starts the program and waits for a picture NAME with more than COLOURS colours.
 start() {
@@ -65,7 +69,9 @@ press() {
   xdotool key "$1"
 }
 
-state=$work/data/kalmanscope/state.json
+folder=$work/data/kalmanscope
+state=$folder/state.json
+display
 start window 300
 
 echo 'a change is saved at rest'
@@ -91,16 +97,18 @@ kill -KILL "$window"
 wait "$window" || true
 truncate -s 100 "$state"
 start torn 300
-[[ $(stat -c %s "$work/data/kalmanscope/state-damaged.json") == 100 ]]
+[[ $(stat -c %s "$folder/state-damaged.json") == 100 ]]
 
-echo 'a crash is told'
-kill -KILL "$window"
-wait "$window" || true
-cat >"$work/data/kalmanscope/crash.json" <<'NOTE'
-{"kalmanscope_crash": 1, "version": "0.1.0", "message": "the device is lost", "place": "src/main.rs:1:1", "thread": "main", "time": 0,
- "state": "state.json", "session": null}
-NOTE
+echo 'a panic is told, and the settings of its moment are restored'
+press l
+sleep 0.3
+# The toolkit panics where its display is gone.
+kill -KILL "$screen"
+status=0
+wait "$window" || status=$?
+((status > 0)) && grep -q 'mode\\":\\"Live' "$folder/crash.json"
+display
 start crash 20
 press Return
-for _ in $(seq 50); do [[ -e $work/data/kalmanscope/last-crash.json ]] && break; sleep 0.1; done
-[[ -e $work/data/kalmanscope/last-crash.json && ! -e $work/data/kalmanscope/crash.json ]]
+await "$state" 'mode\\":\\"Live'
+[[ -e $folder/last-crash.json && ! -e $folder/crash.json ]]

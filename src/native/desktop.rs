@@ -28,8 +28,8 @@ pub(super) struct Desktop {
 pub(super) struct Memory {
     keeper: Keeper,
     slot: Slot,
-    /// Sentences about it for the first frame of the explorer.
-    said: Vec<String>,
+    /// A sentence for the first frame of the explorer, where the state is not the one that was saved last.
+    said: Option<String>,
 }
 
 enum Stage {
@@ -102,15 +102,6 @@ impl Memory {
                 }
             }
         }
-        let mut said: Vec<String> = said.into_iter().collect();
-        if slot.is_further() {
-            let place = slot.path("state");
-            said.push(format!(
-                "Kalmanscope is open in another window too. This one keeps its settings apart, in {}; they come back in a second \
-                 window.",
-                place.display()
-            ));
-        }
         Self { keeper: Keeper::new(file), slot, said }
     }
 
@@ -151,8 +142,16 @@ impl Memory {
     /// The explorer in the state that is kept.
     fn start(&self, ctx: &Context, start: Start) -> Result<App, RunError> {
         let mut app = start(ctx, Some(&*self.keeper.kept().file()))?;
-        if !self.said.is_empty() {
-            app.report(&self.said.join(" "));
+        let Self { slot, said, .. } = self;
+        if let Some(sentence) = said {
+            app.report(sentence);
+        }
+        if slot.is_further() {
+            app.inform(&format!(
+                "Kalmanscope is open in another window too. This one keeps its settings apart, in {}; they come back in a second \
+                 window.",
+                slot.path("state").display()
+            ));
         }
         Ok(app)
     }
