@@ -110,5 +110,6 @@ wait "$window" || status=$?
 display
 start crash 20
 press Return
+await "$folder/last-crash.json" 'mode\\":\\"Live'
+[[ ! -e $folder/crash.json ]]
 await "$state" 'mode\\":\\"Live'
-[[ -e $folder/last-crash.json && ! -e $folder/crash.json ]]
