@@ -1,20 +1,32 @@
 //! The causes of what is wrong with each filter.
 
 use kalmanscope_core::diagnosis::Finding;
-use kalmanscope_core::{Analysis, Run};
+use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario};
 
 /// The causes of each filter's verdict, the likeliest first: none where a filter is consistent, or there is no verdict. Each
 /// is confirmed by running the filter again with its knob turned, over 10,000 samples at most.
 pub fn causes(run: &Run, analysis: &Analysis) -> Vec<Vec<Finding>> {
-    let of = |place: usize| {
-        let (estimates, diagnostics) = (run.estimates().get(place)?, analysis.diagnostics().get(place)?);
-        let diagnosis = analysis.diagnosis(place)?;
-        diagnosis.verdict.as_ref().filter(|verdict| !verdict.kind.is_good())?;
-        let trials = diagnosis.trials(run.scenario(), place, diagnostics, estimates, run.record());
-        // A run that has begun can begin again.
-        let mut trials = trials.ok()?;
-        while !trials.advance(&mut || true) {}
-        Some(trials.findings())
+    let of = |(place, (estimates, diagnostics))| {
+        causes_of(run.scenario(), place, analysis.diagnosis(place), diagnostics, estimates, run.record())
     };
-    (0..run.estimates().len()).map(|place| of(place).unwrap_or_default()).collect()
+    run.estimates().iter().zip(analysis.diagnostics()).enumerate().map(of).collect()
+}
+
+/// The causes of the verdict on the filter at `place` of a scenario.
+pub(crate) fn causes_of(
+    scenario: &Scenario,
+    place: usize,
+    diagnosis: Option<&Diagnosis>,
+    diagnostics: &Diagnostics,
+    estimates: &Estimates,
+    record: &Record,
+) -> Vec<Finding> {
+    let has_causes = |diagnosis: &&Diagnosis| diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good());
+    let diagnosis = diagnosis.filter(has_causes);
+    // A run that has begun can begin again.
+    let trials = diagnosis.and_then(|one| one.trials(scenario, place, diagnostics, estimates, record).ok());
+    trials.map_or_else(Vec::new, |mut trials| {
+        while !trials.advance(&mut || true) {}
+        trials.findings()
+    })
 }

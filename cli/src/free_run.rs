@@ -4,31 +4,18 @@ use std::fmt::Write as _;
 
 use kalmanscope_core::free_run::one_step;
 use kalmanscope_core::import::Length;
-use kalmanscope_core::{Fit, Identified, Quantity, Record, Run};
+use kalmanscope_core::{Estimates, Fit, Identified, Quantity, Record, Run, Scenario};
 
 use crate::number::short;
 
-/// The free run of each filter's final model over a record, a line a filter and sensor: its error, and for the run's own record
-/// that of predictions one step ahead. `name` says which record it is.
-pub fn free_runs(run: &Run, record: &Record, name: &str) -> String {
-    let mut text = format!("\nfree run of the final models over {name}: {} samples\n", record.len());
-    for line in lines(run, record) {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "  {line}");
-    }
-    text
-}
-
-/// The lines of [`free_runs`].
-pub(crate) fn lines(run: &Run, record: &Record) -> Vec<String> {
-    let length = Length::of(run.scenario().record.as_ref());
-    let line = |FreeFit { filter, sensor, free, one_step }| {
-        let unit = length.in_place_of(sensor.unit());
-        let told = free.map_or_else(|| "nothing to compare".to_owned(), |fit| words(fit, unit));
-        let ahead = one_step.map_or_else(String::new, |fit| format!("; one step ahead {}", words(fit, unit)));
-        format!("{filter}, {}: {told}{ahead}", sensor.name())
-    };
-    fits(run, record).into_iter().map(line).collect()
+/// The free runs of all final models over one record.
+pub(crate) struct FreeRuns {
+    /// The name of the record.
+    pub(crate) name: String,
+    /// The number of its samples.
+    pub(crate) samples: usize,
+    /// The fits, filter by filter, and each sensor by sensor.
+    pub(crate) fits: Vec<FreeFit>,
 }
 
 /// The free run of one filter's final model, for one sensor.
@@ -42,20 +29,62 @@ pub(crate) struct FreeFit {
     pub(crate) one_step: Option<Fit>,
 }
 
-/// The free runs of all filters over a record, for each of its sensors.
-pub(crate) fn fits(run: &Run, record: &Record) -> Vec<FreeFit> {
-    let scenario = run.scenario();
-    let is_own = std::ptr::eq(run.record(), record);
-    let mut fits = Vec::new();
-    for (settings, estimates) in scenario.filters.iter().zip(run.estimates()).filter(|(_, e)| !e.is_empty()) {
-        let model = Identified::at(scenario, settings, estimates, estimates.len() - 1);
-        let free = model.run(record, 0..record.len());
-        for (place, (&sensor, &fit)) in record.sensors().iter().zip(&free.fits).enumerate() {
-            let ahead = is_own.then(|| one_step(estimates, record, place, free.fitted..record.len())).flatten();
-            fits.push(FreeFit { filter: estimates.name().to_owned(), sensor, free: fit, one_step: ahead });
-        }
+impl FreeRuns {
+    /// No free run yet, over a record.
+    pub(crate) fn new(name: &str, record: &Record) -> Self {
+        Self { name: name.to_owned(), samples: record.len(), fits: Vec::new() }
     }
-    fits
+
+    /// The fits as text, a line a filter and sensor, below a line that says which record it is.
+    pub(crate) fn words(&self, length: Length) -> String {
+        let mut text = format!("\nfree run of the final models over {}: {} samples\n", self.name, self.samples);
+        for fit in &self.fits {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "  {}", line(fit, length));
+        }
+        text
+    }
+}
+
+/// The free runs of a run's final models over a record, a line a filter and sensor.
+pub(crate) fn lines(run: &Run, record: &Record) -> Vec<String> {
+    let length = Length::of(run.scenario().record.as_ref());
+    fits(run, record).iter().map(|fit| line(fit, length)).collect()
+}
+
+fn line(fit: &FreeFit, length: Length) -> String {
+    let FreeFit { filter, sensor, free, one_step } = fit;
+    let unit = length.in_place_of(sensor.unit());
+    let told = free.map_or_else(|| "nothing to compare".to_owned(), |fit| words(fit, unit));
+    let ahead = one_step.map_or_else(String::new, |fit| format!("; one step ahead {}", words(fit, unit)));
+    format!("{filter}, {}: {told}{ahead}", sensor.name())
+}
+
+/// The free runs of all filters of a run over a record, for each of its sensors.
+pub(crate) fn fits(run: &Run, record: &Record) -> Vec<FreeFit> {
+    let is_own = std::ptr::eq(run.record(), record);
+    let of = |(place, estimates)| fits_of(run.scenario(), place, estimates, record, is_own);
+    run.estimates().iter().enumerate().flat_map(of).collect()
+}
+
+/// The free run of the final model of the filter at `place` of a scenario, whose estimates these are; none where it has none. Over
+/// the record that the filter has followed, its predictions one step ahead are compared too.
+pub(crate) fn fits_of(
+    scenario: &Scenario,
+    place: usize,
+    estimates: &Estimates,
+    record: &Record,
+    is_own: bool,
+) -> Vec<FreeFit> {
+    let (Some(settings), Some(last)) = (scenario.filters.get(place), estimates.len().checked_sub(1)) else {
+        return Vec::new();
+    };
+    let free = Identified::at(scenario, settings, estimates, last).run(record, 0..record.len());
+    let fit = |(place, (&sensor, &fit))| {
+        let ahead = is_own.then(|| one_step(estimates, record, place, free.fitted..record.len())).flatten();
+        FreeFit { filter: estimates.name().to_owned(), sensor, free: fit, one_step: ahead }
+    };
+    record.sensors().iter().zip(&free.fits).enumerate().map(fit).collect()
 }
 
 fn words(fit: Fit, unit: &str) -> String {

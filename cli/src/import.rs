@@ -11,6 +11,7 @@ use kalmanscope_core::{Hold, InputKind};
 use crate::args::ImportArgs;
 use crate::input::{InputError, is_standard_input};
 use crate::places::{check, places, write_text};
+use crate::progress::Progress;
 use crate::record::table;
 
 /// Looks at a record and writes a scenario for it.
@@ -33,6 +34,8 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     } = args;
     let bad = |error| InputError::Import { file: file.clone(), error };
     check(&places("the record", [file]), &places("--out", out))?;
+    // Errors and remarks come once it is cleared.
+    let progress = Progress::wait(false, "reading");
     let (table, hash) = table(file)?;
     let (mut mapping, mut kind, guesses) = Mapping::guess_with_reasons(&table);
     mapping.file = path_from(out.as_deref(), file);
@@ -69,13 +72,16 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     (mapping.from, mapping.to, mapping.every, mapping.interpolate) = (*from, *to, *every, *interpolate);
     mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).map_err(bad)?;
+    drop(progress);
     for guess in &guesses {
         eprintln!("{}", shown(&meaning(guess, &mapping, args)));
     }
     let mut scenario = scenario_for(&imported.record);
     scenario.set_plant(*plant);
     scenario.record = Some(mapping);
+    let progress = Progress::wait(false, "finding start values");
     let suggestion = suggest(&scenario, &imported.record);
+    drop(progress);
     let toml = suggestion.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;
     let mut text = format!("# {}\n", table.dialect);
     for remark in imported.remarks.iter().chain(&suggestion.reasons) {

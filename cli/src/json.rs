@@ -2,49 +2,42 @@
 
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::diagnostics::Final;
-use kalmanscope_core::{Analysis, Document, DocumentError, Fit, Record, Run, Summary};
+use kalmanscope_core::{Document, DocumentError, Fit, Record, Summary};
 
 use crate::findings::{evidence, likeliest};
-use crate::free_run::{FreeFit, fits};
-use crate::table::summaries;
+use crate::free_run::FreeFit;
+use crate::results::Results;
 
-/// The numbers of [`crate::table()`] and [`crate::free_runs()`] as JSON, in SI units; `null` where there is none:
-///
-/// ```text
-/// samples, start [s], dt [s], measured: [quantity]
-/// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, remedies }],
-///             estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
-///             mean_nis, mean_nees, log_likelihood, stopped: { sample, time, reason } }]
-/// free_runs: [{ record, filter, sensor, rms, percent, one_step_rms, one_step_percent }]
-/// ```
-///
-/// `causes` and `records` are those of [`crate::table()`] and of the free runs.
-///
-/// # Errors
-/// [`DocumentError`] where a number cannot be written, which no run causes.
-pub fn json(
-    run: &Run,
-    analysis: &Analysis,
-    causes: &[Vec<Finding>],
-    records: &[(&str, &Record)],
-) -> Result<String, DocumentError> {
-    let record = run.record();
-    let filters = summaries(run, analysis).into_iter().enumerate().map(|(place, summary)| {
-        let is_filter = place < run.estimates().len();
-        let evidence = analysis.diagnosis(place).filter(|_| is_filter).map_or_else(Vec::new, evidence);
-        let causes = causes.get(place).filter(|_| is_filter).map_or(&[][..], Vec::as_slice);
-        filter(&summary, !is_filter, evidence, causes, record)
-    });
-    let free_runs =
-        records.iter().flat_map(|(name, record)| fits(run, record).into_iter().map(move |fit| free_run(name, fit)));
-    Document::json_lines(&Document::of_entries([
-        ("samples", count(record.len())),
-        ("start", Document::Number(record.time(0))),
-        ("dt", Document::Number(record.dt())),
-        ("measured", Document::List(record.sensors().iter().map(|sensor| sensor.key().into()).collect())),
-        ("filters", Document::List(filters.collect())),
-        ("free_runs", Document::List(free_runs.collect())),
-    ]))
+impl Results<'_> {
+    /// The numbers of the table and of the free runs as JSON, in SI units; `null` where there is none:
+    ///
+    /// ```text
+    /// samples, start [s], dt [s], measured: [quantity]
+    /// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, remedies }],
+    ///             estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
+    ///             mean_nis, mean_nees, log_likelihood, stopped: { sample, time, reason } }]
+    /// free_runs: [{ record, filter, sensor, rms, percent, one_step_rms, one_step_percent }]
+    /// ```
+    ///
+    /// # Errors
+    /// [`DocumentError`] where a number cannot be written, which no run causes.
+    pub fn json(&self) -> Result<String, DocumentError> {
+        let record = self.record;
+        let filters = self.filters.iter().map(|one| {
+            let evidence = one.diagnosis.as_ref().map_or_else(Vec::new, evidence);
+            filter(&one.summary, false, evidence, &one.causes, record)
+        });
+        let smoothers = self.smoothers.iter().map(|summary| filter(summary, true, Vec::new(), &[], record));
+        let free_runs = self.free_runs.iter().flat_map(|runs| runs.fits.iter().map(|fit| free_run(&runs.name, fit)));
+        Document::json_lines(&Document::of_entries([
+            ("samples", count(record.len())),
+            ("start", Document::Number(record.time(0))),
+            ("dt", Document::Number(record.dt())),
+            ("measured", Document::List(record.sensors().iter().map(|sensor| sensor.key().into()).collect())),
+            ("filters", Document::List(filters.chain(smoothers).collect())),
+            ("free_runs", Document::List(free_runs.collect())),
+        ]))
+    }
 }
 
 /// One filter, or one smoother.
@@ -98,11 +91,12 @@ fn estimate(last: &Final) -> Document {
     ])
 }
 
-fn free_run(name: &str, FreeFit { filter, sensor, free, one_step }: FreeFit) -> Document {
-    let of = |fit: Option<Fit>, what: fn(Fit) -> f64| number(fit.map(what));
+fn free_run(name: &str, fit: &FreeFit) -> Document {
+    let FreeFit { filter, sensor, free, one_step } = fit;
+    let of = |fit: &Option<Fit>, what: fn(Fit) -> f64| number(fit.map(what));
     Document::of_entries([
         ("record", text(name)),
-        ("filter", Document::Text(filter)),
+        ("filter", text(filter)),
         ("sensor", text(sensor.key())),
         ("rms", of(free, |fit| fit.rms)),
         ("percent", of(free, |fit| fit.percent)),

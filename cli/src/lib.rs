@@ -15,6 +15,8 @@ mod estimates_csv;
 mod findings;
 mod free_run;
 #[cfg(feature = "program")]
+mod in_turn;
+#[cfg(feature = "program")]
 mod json;
 mod markup;
 mod number;
@@ -25,6 +27,7 @@ mod plot;
 mod quality;
 #[cfg(feature = "plots")]
 mod report;
+mod results;
 mod table;
 mod timing;
 
@@ -34,14 +37,14 @@ use kalmanscope_core::{Record, Run, RunError, Scenario};
 
 pub use causes::causes;
 pub use estimates_csv::{harmless, write_estimates};
-pub use free_run::free_runs;
 #[cfg(feature = "program")]
-pub use json::json;
+pub use in_turn::{Told, last_estimates};
 pub use markup::escaped;
 #[cfg(feature = "plots")]
 pub use plot::{PlotError, plot_svg, svg};
 #[cfg(feature = "plots")]
 pub use report::{ReportError, report};
+pub use results::Results;
 pub use table::table;
 pub use timing::step_times;
 

@@ -9,6 +9,7 @@ mod input;
 mod lesson;
 mod places;
 mod prepared;
+mod progress;
 mod record;
 mod run;
 mod sweep;

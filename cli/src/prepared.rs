@@ -1,39 +1,44 @@
 //! The run that a command's arguments ask for.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use kalmanscope_cli::run_scenario;
+use kalmanscope_cli::last_estimates;
 use kalmanscope_core::import::{self, Imported};
-use kalmanscope_core::{Document, Record, Run, RunError, Scenario};
+use kalmanscope_core::{Document, Estimates, Record, Run, RunError, Scenario, Source, Window};
 
 use crate::args::SourceArgs;
 use crate::input::{InputError, read_short, to_text};
 use crate::places::{Places, check, places, say};
+use crate::progress::Progress;
 use crate::record::{measured, named, read};
 
-/// Limits the samples of a run, because all are kept: at 100 Hz more than five hours, about a gigabyte of estimates per
-/// filter.
+/// Limits the samples of a run: at 100 Hz more than five hours, and less than a gigabyte for a filter without outputs of its
+/// history.
 const MOST: usize = 2_000_000;
 
-/// A finished run with its origin.
+/// The samples between two looks at the progress.
+const CHUNK: usize = 10_000;
+
+/// A run that is about to begin, with its origin.
 pub(crate) struct Prepared {
     /// The file of the scenario.
     pub(crate) file: PathBuf,
     pub(crate) scenario: Scenario,
-    pub(crate) run: Run,
+    source: Source,
     /// Whether the record was measured, not simulated.
     pub(crate) is_measured: bool,
     /// The records for free runs, each with its file.
-    pub(crate) held_out: Vec<(PathBuf, Record)>,
+    pub(crate) held_out: Vec<(String, Record)>,
 }
 
 impl Prepared {
-    /// Reads scenario and records and runs the filters. Remarks on a record are printed on standard error. Refuses outputs that are
-    /// inputs. A quiet run prints no remarks.
+    /// Reads scenario and records. Remarks on a record are printed on standard error. Refuses outputs that are inputs. A quiet run
+    /// prints no remarks.
     pub(crate) fn new(source: &SourceArgs, outputs: &Places<'_>, quiet: bool) -> Result<Self, InputError> {
         let SourceArgs { scenario: file, record: _, map: _, holdout, then, seed } = source;
         check(&source.inputs(), &Places::new())?;
-        let mut scenario = read_scenario(file)?;
+        let mut scenario = read_scenario(file, quiet)?;
         check_with_record(&scenario, source, outputs)?;
         if let Some(seed) = seed {
             scenario.seed = *seed;
@@ -46,16 +51,47 @@ impl Prepared {
         let (record, remarks) =
             imported.map_or((None, Vec::new()), |Imported { record, remarks }| (Some(record), remarks));
         remarks.iter().filter(|_| !quiet).for_each(|remark| say(remark));
-        let held_out = holdout.iter().map(|path| Ok((path.clone(), read(path, &mut scenario.clone())?.record)));
+        let held_out =
+            holdout.iter().map(|path| Ok((path.display().to_string(), read(path, &mut scenario.clone())?.record)));
         let held_out = held_out.collect::<Result<Vec<_>, InputError>>()?;
-        let bad_run = |error| InputError::Run { file: file.clone(), error };
-        let mut run = run_scenario(&scenario, record).map_err(bad_run)?;
+        let source = record.map_or(Source::Simulated, |record| Source::Measured(Arc::new(record)));
+        let mut prepared = Self { file: file.clone(), scenario, source, is_measured, held_out };
         for path in then {
-            continue_from(&run, &mut scenario);
-            let next = read(path, &mut scenario)?.record;
-            run = run_scenario(&scenario, Some(next)).map_err(bad_run)?;
+            let before = prepared.truth()?;
+            let ends = last_estimates(&prepared.scenario, before.record()).map_err(|error| prepared.bad_run(error))?;
+            drop(before);
+            continue_from(ends.iter().map(Window::estimates), &mut prepared.scenario);
+            let next = read(path, &mut prepared.scenario)?.record;
+            prepared.source = Source::Measured(Arc::new(next));
         }
-        Ok(Self { file: file.clone(), scenario, run, is_measured, held_out })
+        Ok(prepared)
+    }
+
+    /// The finished run of all filters, with their histories.
+    pub(crate) fn run(&self, quiet: bool) -> Result<Run, InputError> {
+        let mut run = Run::from_source(&self.scenario, self.source.clone()).map_err(|error| self.bad_run(error))?;
+        let mut progress = Progress::new(run.samples(), quiet);
+        while run.advance_to(run.done() + CHUNK) > 0 {
+            progress.tell(run.done(), "filters");
+        }
+        Ok(run)
+    }
+
+    /// The finished run without filters: the record alone.
+    pub(crate) fn truth(&self) -> Result<Run, InputError> {
+        let scenario = Scenario { filters: Vec::new(), ..self.scenario.clone() };
+        let run = self.scenario.validate().map_err(RunError::from);
+        let run = run.and_then(|()| Run::from_source(&scenario, self.source.clone()));
+        let mut run = run.map_err(|error| self.bad_run(error))?;
+        run.finish();
+        Ok(run)
+    }
+
+    /// The records over which the final models run freely, each with its name: that of a run, if it was measured, and those of the
+    /// arguments.
+    pub(crate) fn for_free_runs<'a>(&'a self, run: &'a Run) -> Vec<(&'a str, &'a Record)> {
+        let own = self.is_measured.then(|| ("its own record", run.record()));
+        own.into_iter().chain(self.held_out.iter().map(|(name, record)| (name.as_str(), record))).collect()
     }
 
     /// The reason why the scenario cannot be run.
@@ -80,13 +116,13 @@ pub(crate) fn scenario_and_record(
         seed: None,
     };
     check(&source.inputs(), &Places::new())?;
-    let mut scenario = read_scenario(file)?;
+    let mut scenario = read_scenario(file, false)?;
     check_with_record(&scenario, &source, outputs)?;
     let imported = measured(&source, &mut scenario)?;
     Ok((scenario, imported))
 }
 
-fn read_scenario(file: &Path) -> Result<Scenario, InputError> {
+fn read_scenario(file: &Path, quiet: bool) -> Result<Scenario, InputError> {
     let bytes = read_short(file)?;
     let is_toml = std::str::from_utf8(&bytes).is_ok_and(|text| Document::from_toml(text).is_ok());
     if !is_toml && import::read(bytes.as_slice(), None).is_ok() {
@@ -95,7 +131,10 @@ fn read_scenario(file: &Path) -> Result<Scenario, InputError> {
         return Err(InputError::Laboratory { file: file.to_owned(), reason: reason.to_owned() });
     }
     let text = to_text(file, bytes)?;
-    Scenario::from_toml(&text).map_err(|error| InputError::Scenario { file: file.to_owned(), error })
+    let read = Scenario::from_toml_with_remarks(&text);
+    let (scenario, remarks) = read.map_err(|error| InputError::Scenario { file: file.to_owned(), error })?;
+    remarks.iter().filter(|_| !quiet).for_each(|remark| say(remark));
+    Ok(scenario)
 }
 
 /// Refuses outputs that are inputs, the record among them that the scenario names.
@@ -107,10 +146,10 @@ fn check_with_record(scenario: &Scenario, source: &SourceArgs, outputs: &Places<
     check(&inputs, outputs)
 }
 
-/// Lets each filter begin with the parameters that it has found: their means and standard deviations, without the correlations
-/// between them. The motion begins anew.
-fn continue_from(run: &Run, scenario: &mut Scenario) {
-    for (filter, estimates) in scenario.filters.iter_mut().zip(run.estimates()) {
+/// Lets each filter begin with the parameters that it has found, at the end of these estimates: their means and standard deviations,
+/// without the correlations between them. The motion begins anew.
+fn continue_from<'a>(all: impl Iterator<Item = &'a Estimates>, scenario: &mut Scenario) {
+    for (filter, estimates) in scenario.filters.iter_mut().zip(all) {
         let Some(last) = estimates.len().checked_sub(1) else { continue };
         for (place, &channel) in estimates.channels().iter().enumerate() {
             if channel.is_parameter() || channel.is_augmentation() {

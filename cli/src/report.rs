@@ -4,14 +4,13 @@ mod filter;
 mod html;
 
 use kalmanscope_core::diagnosis::Finding;
-use kalmanscope_core::import::Length;
 use kalmanscope_core::{Analysis, Record, Run, ScenarioError};
 use thiserror::Error;
 
 use crate::free_run;
 use crate::number::plain;
 use crate::plot::{PlotError, pages};
-use crate::table::summaries;
+use crate::results::{FilterResults, Results};
 use html::Html;
 
 /// The reason why a report could not be made.
@@ -47,17 +46,16 @@ pub fn report(
     let mut page = Html::page(title, STYLE);
     page.element("h1", title);
     origin(&mut page, run);
-    let summaries = summaries(run, analysis);
-    let length = Length::of(run.scenario().record.as_ref());
+    let Results { record, length, filters, smoothers, .. } = Results::of_run(run, analysis, causes.to_vec());
     page.element("h2", "Filters");
-    if summaries.is_empty() {
+    if filters.is_empty() {
         page.element("p", "There are no filters.");
     }
-    for (place, summary) in summaries.iter().enumerate() {
-        let causes = causes.get(place).map_or(&[][..], Vec::as_slice);
-        let is_filter = place < run.estimates().len();
-        let diagnosis = if is_filter { analysis.diagnosis(place) } else { None };
-        filter::section(&mut page, summary, diagnosis, causes, (run.record(), length));
+    for FilterResults { summary, diagnosis, causes, .. } in &filters {
+        filter::section(&mut page, summary, diagnosis.as_ref(), causes, (record, length));
+    }
+    for summary in &smoothers {
+        filter::section(&mut page, summary, None, &[], (record, length));
     }
     page.element("h2", "Figures");
     for picture in pages(run)? {

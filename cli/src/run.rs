@@ -3,14 +3,15 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use kalmanscope_cli::{PlotError, causes, free_runs, json, step_times, svg, table, write_estimates};
-use kalmanscope_core::{Analysis, Record, RecordError, Run, VerdictKind, Wanted};
+use kalmanscope_cli::{PlotError, Results, Told, causes, svg, write_estimates};
+use kalmanscope_core::{Analysis, DocumentError, RecordError, Run, VerdictKind, Wanted};
 use thiserror::Error;
 
 use crate::args::RunArgs;
 use crate::input::InputError;
 use crate::places::{Places, is_standard_output, places, print, say, write};
 use crate::prepared::Prepared;
+use crate::progress::Progress;
 use crate::record::READY;
 use crate::report_error;
 
@@ -26,9 +27,6 @@ enum OutputError {
     #[error(transparent)]
     Plot(#[from] PlotError),
 }
-
-/// The name of the record that the filters follow.
-const OWN: &str = "its own record";
 
 /// The outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +46,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
         .map(|(word, file)| places(word, file))
         .concat();
     let prepared = Prepared::new(source, &outputs, *quiet)?;
-    let Prepared { run, is_measured, .. } = &prepared;
+    // Only files need the whole history of every filter.
+    let with_history = out.is_some() || picture.is_some();
+    let run = if with_history { prepared.run(*quiet)? } else { prepared.truth()? };
 
     let mut well = true;
     let mut save = |path: &Option<PathBuf>, writer: &dyn Fn(&mut dyn Write) -> Result<(), OutputError>| {
@@ -59,13 +59,18 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
             report_error(&format_args!("{}: {error}", path.display()));
         }
     };
-    save(out, &|file| Ok(write_estimates(run, file)?));
-    save(record_out, &|file| write_record(run, *is_measured, file));
-    save(picture, &|file| Ok(file.write_all(svg(run)?.as_bytes())?));
+    save(out, &|file| Ok(write_estimates(&run, file)?));
+    save(record_out, &|file| write_record(&run, prepared.is_measured, file));
+    save(picture, &|file| Ok(file.write_all(svg(&run)?.as_bytes())?));
 
-    let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
+    let results = if with_history { of_history(&prepared, &run) } else { in_turn(&prepared, &run, *quiet)? };
+    let results = if *as_json || *quiet {
+        results
+    } else {
+        results.timed(&prepared.scenario).map_err(|error| prepared.bad_run(error))?
+    };
     if !quiet {
-        let text = if *as_json { results(&prepared, &analysis)? } else { words(&prepared, &analysis)? };
+        let text = if *as_json { json(&prepared, &results)? } else { results.table() + &results.free_runs() };
         // Standard output is the file's that asks for it.
         if outputs.iter().any(|(_, file)| is_standard_output(file)) {
             say(&text.trim_end());
@@ -74,49 +79,40 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
             report_error(&error);
         }
     }
-    let refused = refused(run, &analysis, fail_on);
+    let is_refused = |kind: VerdictKind| fail_on.contains(&kind);
+    let refused = results.verdicts().filter_map(|(name, kind)| Some((name, kind.filter(|&kind| is_refused(kind))?)));
+    let refused: Vec<_> = refused.collect();
     for (name, kind) in &refused {
         say(&format_args!("--fail-on: the verdict on {name} is {}", kind.name()));
     }
     Ok(match refused.is_empty() {
         false => Ending::Verdict,
-        true if well && run.estimates().iter().all(|e| e.stop().is_none()) => Ending::Well,
+        true if well && !results.any_stopped() => Ending::Well,
         true => Ending::Stopped,
     })
 }
 
-/// The table and the free runs.
-fn words(prepared: &Prepared, analysis: &Analysis) -> Result<String, InputError> {
-    let Prepared { scenario, run, is_measured, held_out, .. } = prepared;
-    let times = step_times(scenario, run).map_err(|error| prepared.bad_run(error))?;
-    let mut text = table(run, analysis, &causes(run, analysis), &times);
-    if *is_measured {
-        text.push_str(&free_runs(run, run.record(), OWN));
-    }
-    for (path, record) in held_out {
-        text.push_str(&free_runs(run, record, &path.display().to_string()));
-    }
-    Ok(text)
+/// The results of a run with the history of every filter.
+fn of_history<'a>(prepared: &Prepared, run: &'a Run) -> Results<'a> {
+    let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
+    Results::of_run(run, &analysis, causes(run, &analysis)).with_free_runs(run, &prepared.for_free_runs(run))
 }
 
-/// The same as JSON, but for times, which differ from run to run.
-fn results(prepared: &Prepared, analysis: &Analysis) -> Result<String, InputError> {
-    let Prepared { file, run, is_measured, held_out, .. } = prepared;
-    let others: Vec<String> = held_out.iter().map(|(path, _)| path.display().to_string()).collect();
-    let own = is_measured.then(|| (OWN, run.record()));
-    let others = others.iter().map(String::as_str).zip(held_out.iter().map(|(_, record)| record));
-    let records: Vec<(&str, &Record)> = own.into_iter().chain(others).collect();
-    let text = json(run, analysis, &causes(run, analysis), &records);
-    let text = text.map_err(|error| InputError::Laboratory { file: file.clone(), reason: error.to_string() })?;
-    Ok(text + "\n")
+/// The same results without a history, over the record of a run without filters.
+fn in_turn<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Result<Results<'a>, InputError> {
+    let Prepared { scenario, .. } = prepared;
+    let samples = run.record().len();
+    let mut progress = Progress::new(samples * scenario.filters.len(), quiet);
+    let mut tell = |(place, name, done): Told<'_>| progress.tell(place * samples + done, name);
+    let results = Results::in_turn(scenario, run, &prepared.for_free_runs(run), &mut tell);
+    results.map_err(|error| prepared.bad_run(error))
 }
 
-/// The filters, by name, that have one of some verdicts.
-fn refused<'a>(run: &'a Run, analysis: &Analysis, verdicts: &[VerdictKind]) -> Vec<(&'a str, VerdictKind)> {
-    let of = |place: usize| Some(analysis.diagnosis(place)?.verdict.as_ref()?.kind);
-    let named = run.estimates().iter().enumerate();
-    let named = named.filter_map(|(place, estimates)| Some((estimates.name(), of(place)?)));
-    named.filter(|(_, kind)| verdicts.contains(kind)).collect()
+/// The results as JSON, but for times, which differ from run to run.
+fn json(prepared: &Prepared, results: &Results<'_>) -> Result<String, InputError> {
+    let Prepared { file, .. } = prepared;
+    let bad = |error: DocumentError| InputError::Laboratory { file: file.clone(), reason: error.to_string() };
+    Ok(results.json().map_err(bad)? + "\n")
 }
 
 /// Writes the record of a run, so that `--record` reads it, whatever mapping the scenario has.

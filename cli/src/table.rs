@@ -5,34 +5,34 @@ use std::fmt::{self, Write as _};
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::diagnostics::Final;
 use kalmanscope_core::import::Length;
-use kalmanscope_core::{Analysis, Channel, CramerRao, Diagnosis, Estimates, FilterKind, Run, Summary};
+use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, Run, Summary};
 
 use crate::findings::{evidence, likeliest};
 use crate::number::{deviation, plain, short, with_spread};
 use crate::quality::quality;
+use crate::results::{FilterResults, Results};
 
-/// The results of each filter as a table: the verdict with its evidence and causes, the last estimates ±2σ with units, their errors where the truth
-/// is known, σ over its Cramér-Rao bound, mean NIS and NEES with their 95 % intervals, the whiteness of the
-/// innovations, the log likelihood, the time per step, and where the filter stopped if it did; then the smoothed
-/// estimates of the filters that have a smoother.
-///
-/// `causes` are those of [`crate::causes()`], one list per filter, or empty to leave them out. Bounds are shown if the analysis has them. `step_times` \[ns\] are those of [`crate::step_times`], one per filter,
-/// or empty to leave them out.
+/// The results of each filter as a table ([`Results::table`]). `causes` are those of [`crate::causes()`], one list per filter, and
+/// `step_times` \[ns\] those of [`crate::step_times`]; empty lists leave them out.
 pub fn table(run: &Run, analysis: &Analysis, causes: &[Vec<Finding>], step_times: &[Option<f64>]) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write_table(&mut text, run, analysis, causes, step_times);
-    text
+    Results::of_run(run, analysis, causes.to_vec()).with_step_times(step_times).table()
 }
 
-fn write_table(
-    text: &mut String,
-    run: &Run,
-    analysis: &Analysis,
-    causes: &[Vec<Finding>],
-    step_times: &[Option<f64>],
-) -> fmt::Result {
-    let record = run.record();
+impl Results<'_> {
+    /// The results as a table: of each filter the verdict with its evidence and causes, the last estimates ±2σ with units, their
+    /// errors where the truth is known, σ over its Cramér-Rao bound, mean NIS and NEES with their 95 % intervals, the whiteness of
+    /// the innovations, the log likelihood, the time per step, and where the filter stopped if it did; then the smoothed estimates
+    /// of the filters that have a smoother.
+    pub fn table(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = write_table(&mut text, self);
+        text
+    }
+}
+
+fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
+    let Results { record, length, truth_stop, filters, smoothers, free_runs: _ } = results;
     let (start, end) = (record.time(0), record.time(record.len().saturating_sub(1)));
     let [start, end, dt] = [start, end, record.dt()].map(plain);
     writeln!(text, "{} samples from {start} s to {end} s, {dt} s apart", record.len())?;
@@ -41,41 +41,40 @@ fn write_table(
         [] => writeln!(text, "measured: nothing")?,
         names => writeln!(text, "measured: {}", names.join(", "))?,
     }
-    if let Some(stop) = run.truth_stop() {
+    if let Some(stop) = truth_stop {
         writeln!(text, "the record ends before sample {}: {}", stop.sample, stop.reason)?;
     }
-    if run.estimates().is_empty() {
+    if filters.is_empty() {
         writeln!(text, "\nno filters")?;
     }
-    let summaries = summaries(run, analysis);
-    let length = Length::of(run.scenario().record.as_ref());
+    let all: Vec<(&Summary, Option<&FilterResults>)> =
+        filters.iter().map(|f| (&f.summary, Some(f))).chain(smoothers.iter().map(|s| (s, None))).collect();
     let rows: Vec<Vec<[String; COLUMNS]>> =
-        summaries.iter().map(|s| s.finals.iter().map(|last| row(last, length)).collect()).collect();
+        all.iter().map(|(s, _)| s.finals.iter().map(|last| row(last, *length)).collect()).collect();
     let widths: [usize; COLUMNS] =
         std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
-    for (i, (summary, rows)) in summaries.iter().zip(&rows).enumerate() {
-        let filter = run.estimates().get(i);
+    for ((summary, filter), rows) in all.into_iter().zip(&rows) {
         writeln!(text, "\n{}", heading(&summary.name, summary.kind))?;
         match &summary.verdict {
             Some(verdict) => writeln!(text, "  {verdict}")?,
             None if filter.is_some() => writeln!(text, "  no verdict: fewer than 20 measurements")?,
             None => {}
         }
-        if filter.is_some() {
-            write_evidence(text, analysis.diagnosis(i))?;
-            write_causes(text, causes.get(i).map_or(&[], Vec::as_slice))?;
+        if let Some(filter) = filter {
+            write_evidence(text, filter.diagnosis.as_ref())?;
+            write_causes(text, &filter.causes)?;
         }
         for row in rows {
             write_row(text, row, &widths)?;
         }
-        if let Some((estimates, bound)) = filter.and_then(|filter| Some((filter, analysis.bound(filter.id())?))) {
-            write_bound(text, estimates, bound)?;
+        if let Some(filter) = filter {
+            write_bound(text, &filter.over_bound)?;
         }
         write_quality(text, summary, filter.is_some())?;
-        if let Some(Some(time)) = step_times.get(i) {
+        if let Some(time) = filter.and_then(|filter| filter.step_time) {
             writeln!(text, "  time per step   {time:.0} ns")?;
         }
-        for remark in filter.into_iter().flat_map(Estimates::remarks) {
+        for remark in filter.into_iter().flat_map(|filter| &filter.remarks) {
             let [from, to] = [remark.sample, remark.last].map(|number| plain(record.time_of(number)));
             writeln!(text, "  from {from} s to {to} s: {}", remark.what)?;
         }
@@ -85,17 +84,6 @@ fn write_table(
         }
     }
     Ok(())
-}
-
-/// The summaries of all filters, then of all smoothers.
-pub(crate) fn summaries(run: &Run, analysis: &Analysis) -> Vec<Summary> {
-    let record = run.record();
-    let filters = run.estimates().iter().zip(analysis.diagnostics()).enumerate();
-    let filters = filters.map(|(place, (estimates, diagnostics))| {
-        Summary::of(diagnostics, analysis.diagnosis(place), estimates, record)
-    });
-    let smoothed = analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record));
-    filters.chain(smoothed).collect()
 }
 
 fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Result {
@@ -111,13 +99,9 @@ fn write_causes(text: &mut String, causes: &[Finding]) -> fmt::Result {
 }
 
 /// The ratio of each σ to its Cramér-Rao bound at the last sample.
-fn write_bound(text: &mut String, estimates: &Estimates, bound: &CramerRao) -> fmt::Result {
-    let Some(last) = estimates.len().min(bound.len()).checked_sub(1) else { return Ok(()) };
-    let ratio = |(place, &channel): (usize, &Channel)| {
-        let floor = bound.std(last, bound.place(channel)?);
-        (floor > 0.0).then(|| format!("{} {}", channel.symbol(), short(estimates.std(last, place) / floor)))
-    };
-    let ratios: Vec<String> = estimates.channels().iter().enumerate().filter_map(ratio).collect();
+fn write_bound(text: &mut String, over_bound: &[(Channel, f64)]) -> fmt::Result {
+    let ratios: Vec<String> =
+        over_bound.iter().map(|(channel, ratio)| format!("{} {}", channel.symbol(), short(*ratio))).collect();
     if ratios.is_empty() { Ok(()) } else { writeln!(text, "  σ over bound    {}", ratios.join(", ")) }
 }
 

@@ -308,3 +308,33 @@ fn extreme_axes_are_drawn() {
     assert!(code < 2, "{code} {error}");
     assert!(read(&folder.path("a.svg")).ends_with("</svg>\n"));
 }
+
+/// 100,000 samples of eight filters have 380 MB of histories.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_long_run_without_outputs_of_its_history_needs_little_memory() {
+    let folder = Folder::new();
+    let filter = "[[filters]]\nfading = 1.0\n";
+    folder.file("long.toml", &format!("duration = 1000.0\n[plant]\nnatural_frequency = 6.0\n{}", filter.repeat(8)));
+    // The address space is limited to 260 MB.
+    let limited = format!("ulimit -v 260000; exec '{}' run long.toml --json", env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    let output = Command::new("sh").args(["-c", &limited]).current_dir(folder.0.path()).output().unwrap();
+    let (out, error) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert!(output.status.code() == Some(0) && out.contains("EKF 8"), "{:?} {error}", output.status);
+}
+
+#[test]
+fn filters_of_one_name_are_parted_and_this_is_said() {
+    let folder = Folder::new();
+    folder.file("two.toml", "duration = 2.0\n[[filters]]\nname = \"a\"\n[[filters]]\nname = \"a\"\nkind = \"ukf\"\n");
+    let (code, out, error) = folder.call(&["run", "two.toml"], b"");
+    assert!(code == 0 && out.contains("a 2 (UKF)") && error.contains("called `a 2` in place of `a`"), "{out}{error}");
+    folder.file("unnamed.toml", "duration = 2.0\n[[filters]]\n[[filters]]\n");
+    let sweep = ["sweep", "unnamed.toml", "--vary", "filters.EKF 2.fading=1:1.1:2", "--out", "t.csv"];
+    let (code, _, error) = folder.call(&sweep, b"");
+    assert_eq!(code, 0, "{error}");
+    let table = read(&folder.path("t.csv"));
+    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let different: std::collections::BTreeSet<&&str> = names.iter().collect();
+    assert!(different.len() == names.len() && names.contains(&"EKF.nis") && names.contains(&"EKF 2.nis"), "{names:?}");
+}

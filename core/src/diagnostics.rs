@@ -2,6 +2,7 @@
 
 pub(crate) mod accuracy;
 pub mod chi_squared;
+mod gamma;
 mod likelihood;
 pub(crate) mod nees;
 mod range_sums;

@@ -4,6 +4,7 @@ mod growth;
 
 use crate::by_channel::ByChannel;
 use crate::remarks::{Monitor, Remark};
+use crate::scenario::SMOOTHED;
 use crate::{
     Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, gaussian_likelihood,
 };
@@ -24,6 +25,7 @@ pub struct Stop {
 ///
 /// With n channels and m sensors a sample has n means, an n × n covariance, m innovations, their m × m covariance and an
 /// n × m gain. At the run's first sample and where nothing was measured, innovations and likelihood are NaN and the gain is zero.
+/// Covariances and gains take more than half of the memory; [`Self::drop_matrices`] returns it where they have been used.
 #[derive(Clone, Debug)]
 pub struct Estimates {
     id: u32,
@@ -37,6 +39,8 @@ pub struct Estimates {
     frequency: Option<usize>,
     sensors: Vec<Quantity>,
     forgotten: usize,
+    /// The number of kept samples, from the first one on, whose matrices have been dropped.
+    dropped: usize,
     initial_mean: Vec<f64>,
     initial_std: Vec<f64>,
     mean: Vec<f64>,
@@ -74,6 +78,7 @@ impl Estimates {
             monitor: Monitor::new(settings, channels, plant, &sensors),
             sensors,
             forgotten: 0,
+            dropped: 0,
             initial_mean: Vec::new(),
             initial_std: Vec::new(),
             mean: Vec::new(),
@@ -94,7 +99,7 @@ impl Estimates {
 
     /// Empty estimates of the filter's smoother.
     pub(crate) fn of_smoother(self) -> Self {
-        Self { name: format!("{}, smoothed", self.name), smoothed: true, ..self }
+        Self { name: self.name + SMOOTHED, smoothed: true, ..self }
     }
 
     /// The filter's id.
@@ -225,10 +230,11 @@ impl Estimates {
         self.variance.of(channel)
     }
 
-    /// The covariance at sample `k`, n × n.
+    /// The covariance at sample `k`, n × n; empty where it has been dropped.
+    #[inline]
     pub fn cov(&self, k: usize) -> &[f64] {
         let n = self.channels.len();
-        chunk(&self.cov, k, n * n)
+        k.checked_sub(self.dropped).map_or(&[], |k| chunk(&self.cov, k, n * n))
     }
 
     /// The innovations e at sample `k`, one per sensor.
@@ -244,10 +250,16 @@ impl Estimates {
         chunk(&self.innovation_cov, k, m * m)
     }
 
-    /// The gain K at sample `k`: for each sensor in turn, n numbers.
+    /// The gain K at sample `k`: for each sensor in turn, n numbers; empty where it has been dropped.
     #[inline]
     pub fn gain(&self, k: usize) -> &[f64] {
-        chunk(&self.gain, k, self.channels.len() * self.sensors.len())
+        let size = self.channels.len() * self.sensors.len();
+        k.checked_sub(self.dropped_gains()).map_or(&[], |k| chunk(&self.gain, k, size))
+    }
+
+    /// The number of kept samples without a gain: a particle filter keeps all, since its diagnosis reads them.
+    fn dropped_gains(&self) -> usize {
+        if self.kind.has_own_likelihood() { 0 } else { self.dropped }
     }
 
     /// The normalised innovation squared of every sample.

@@ -5,6 +5,7 @@ pub mod duffing;
 pub mod sdof;
 pub mod shear_chain;
 
+use std::any::Any;
 use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
@@ -51,7 +52,7 @@ pub enum Spring {
 /// ```
 ///
 /// The force over mass f enters additively, and equally for every mass.
-pub trait Plant: Send + Sync {
+pub trait Plant: Any + Send + Sync {
     /// Names, keys and the components of the state.
     fn info(&self) -> &PlantInfo;
 
@@ -106,7 +107,8 @@ registry! {
 }
 
 impl PlantKind {
-    /// A user's own plant, for use in scenarios. Files can name plants of the registry only.
+    /// A user's own plant, for use in scenarios. Files can name plants of the registry only, and a scenario with a plant that has
+    /// the key of one of these is refused.
     pub const fn new(plant: &'static dyn Plant) -> Self {
         Self(plant)
     }
@@ -114,6 +116,11 @@ impl PlantKind {
     /// The plant of the registry with this key, if there is one.
     pub fn from_key(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.key() == key)
+    }
+
+    /// Whether it is a user's own with a key of the registry: a file would mean the other one.
+    pub(crate) fn is_impostor(self) -> bool {
+        Self::from_key(self.key()).is_some_and(|known| known != self)
     }
 
     /// The plant itself.
@@ -187,8 +194,10 @@ impl Default for PlantKind {
 }
 
 impl PartialEq for PlantKind {
+    /// Plants are equal by their key and their type: one of your own is not that of the registry whose key it has.
     fn eq(&self, other: &Self) -> bool {
-        self.key() == other.key()
+        let types: [&dyn Any; 2] = [self.0, other.0];
+        self.key() == other.key() && types[0].type_id() == types[1].type_id()
     }
 }
 

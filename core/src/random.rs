@@ -20,13 +20,25 @@ pub(crate) enum Purpose {
     Ensemble(usize),
 }
 
+/// The stream of the first ensemble; those of the others follow. Before it are the force's, the disturbance's and most sensors'.
+const ENSEMBLES: u64 = 64;
+
+/// The streams from here on are those of the other sensors.
+const LATER_SENSORS: u64 = 1 << 32;
+
+/// The streams from here on are those of ensembles that would reach into the sensors'.
+const FAR_ENSEMBLES: u64 = 1 << 63;
+
 impl Purpose {
     const fn stream(self) -> u64 {
         match self {
             Self::Force => 0,
             Self::Disturbance => 1,
             Self::Sensor(quantity) => quantity.stream(),
-            Self::Ensemble(stream) => 64 + stream as u64,
+            Self::Ensemble(number) => match number as u64 {
+                number if number < LATER_SENSORS - ENSEMBLES => ENSEMBLES + number,
+                number => FAR_ENSEMBLES | number,
+            },
         }
     }
 }
@@ -101,5 +113,20 @@ mod tests {
         let streams: Vec<u64> = purposes.map(Purpose::stream).collect();
         let different: std::collections::HashSet<u64> = streams.iter().copied().collect();
         assert_eq!(different.len(), streams.len());
+        assert_eq!((Purpose::Ensemble(0).stream(), Purpose::Ensemble(999).stream()), (64, 1063), "old bits");
+    }
+
+    proptest::proptest! {
+        /// Ids of filters are any numbers of 32 bits; those near the end are the critical ones.
+        #[test]
+        fn no_id_shares_a_stream(number in 0..=u32::MAX, back in 0_u32..200) {
+            for number in [number, u32::MAX - back] {
+                let stream = Purpose::Ensemble(number as usize).stream();
+                let sensors = Quantity::all().iter().map(|&quantity| Purpose::Sensor(quantity).stream());
+                proptest::prop_assert!(stream > 1 && sensors.into_iter().all(|other| other != stream));
+                let other = Purpose::Ensemble(number.wrapping_sub(1 + back) as usize).stream();
+                proptest::prop_assert_ne!(stream, other);
+            }
+        }
     }
 }

@@ -84,13 +84,14 @@ impl Record {
         Self { start, ..self }
     }
 
-    /// Changes every value of the input.
     /// The same record under an input that is this many times as large.
+    #[must_use]
     pub fn with_input_times(mut self, factor: f64) -> Self {
         self.change_input(|value| factor * value);
         self
     }
 
+    /// Changes every value of the input.
     pub(crate) fn change_input(&mut self, change: impl Fn(f64) -> f64) {
         self.input.iter_mut().for_each(|value| *value = change(*value));
     }

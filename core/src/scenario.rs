@@ -20,6 +20,7 @@ use crate::{DocumentError, Force, PlantKind, Quantity};
 
 pub use color::FilterColor;
 pub use filter::FilterSettings;
+pub(crate) use identity::SMOOTHED;
 pub use name::{is_text, shown};
 pub use plant::{Motion, Plant};
 pub use values::Values;
@@ -156,14 +157,12 @@ impl Scenario {
     /// Fills in the settings that a file may leave out.
     fn fill_in(&mut self) {
         self.number_filters();
+        self.name_filters();
         let Self { sensors, filters, plant, input, .. } = self;
         for filter in filters {
             let model = filter.model(plant.kind, *input);
             for values in [&mut filter.initial_mean, &mut filter.initial_std, &mut filter.process_std] {
                 values.complete(model.channels());
-            }
-            if filter.name.is_empty() {
-                filter.name = filter.kind.name().to_owned();
             }
             if filter.sensor_std.is_empty() {
                 filter.sensor_std = sensors.iter().map(|s| usable_std(s.measures, s.noise_std)).collect();

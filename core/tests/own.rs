@@ -8,7 +8,8 @@ mod own_filter;
 mod own_plant;
 
 use kalmanscope_core::filter::{FilterInfo, Particles};
-use kalmanscope_core::{Diagnostics, FilterKind, Run, Scenario};
+use kalmanscope_core::plant::{Plant, PlantInfo, sdof::Sdof};
+use kalmanscope_core::{Diagnostics, FilterKind, PlantKind, Run, Scenario};
 
 #[test]
 fn a_plant_of_ones_own_is_identified() {
@@ -50,4 +51,48 @@ fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
     });
     let close = |a: f64, b: f64| (a - b).abs() < 1e-6 * b.abs();
     assert!(close(results[0].0, results[1].0) && close(results[0].1, results[1].1), "{results:?}");
+}
+
+/// A plant that hides behind the built-in one: it has all of its data, but another equation.
+struct Impostor;
+
+impl Plant for Impostor {
+    fn info(&self) -> &PlantInfo {
+        PlantKind::SDOF.info()
+    }
+
+    fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
+        Sdof.motion_rate(state, 2.0 * force, rate);
+    }
+
+    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
+        Sdof.motion_jacobian(state, jacobian);
+    }
+}
+
+#[test]
+fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
+    static EKF: FilterInfo = FilterInfo {
+        key: "ekf",
+        name: "my EKF",
+        description: "another one with this key",
+        reference: "",
+        is_sampled: false,
+        has_own_likelihood: false,
+        evaluations: |_, _| 1,
+        begin: |initial, settings, normal| (FilterKind::UKF.info().begin)(initial, settings, normal),
+    };
+    let (plant, kind) = (PlantKind::new(&Impostor), FilterKind::new(&EKF));
+    assert!(plant != PlantKind::SDOF && plant == PlantKind::new(&Impostor) && kind != FilterKind::EKF);
+    let changes: [(fn(&mut Scenario, PlantKind, FilterKind), &str); 3] = [
+        (|scenario, plant, _| scenario.plant.kind = plant, "`plant.kind` is \"sdof\" of your own"),
+        (|scenario, plant, _| scenario.filters[1].plant = Some(plant), "`filters[1].plant` is \"sdof\" of your own"),
+        (|scenario, _, kind| scenario.filters[0].kind = kind, "`filters[0].kind` is \"ekf\" of your own"),
+    ];
+    for (change, message) in changes {
+        let mut scenario = Scenario::default();
+        change(&mut scenario, plant, kind);
+        let error = scenario.validate().expect_err("it has a key of the registry").to_string();
+        assert!(error.starts_with(message) && error.ends_with("a key that no built-in kind has"), "{error}");
+    }
 }

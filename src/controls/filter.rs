@@ -65,7 +65,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
         let id = scenario.free_filter_id();
         let color = free_color(scenario, id);
         let mut copy = FilterSettings { id, color, ..scenario.filters[place].clone() };
-        copy.name = free_name(scenario, &copy.name);
+        copy.name = scenario.free_filter_name(&copy.name);
         scenario.filters.insert(place + 1, copy);
     }
     if remove {
@@ -86,7 +86,7 @@ pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
     if ui.add_enabled(room, egui::Button::new("Add a filter")).clicked() {
         let kind = FilterKind::EKF;
         let sensor_std = scenario.true_sensor_std();
-        let name = free_name(scenario, kind.name());
+        let name = scenario.free_filter_name(kind.name());
         let id = scenario.free_filter_id();
         let color = free_color(scenario, id);
         scenario.filters.push(FilterSettings { id, name, kind, color, sensor_std, ..FilterSettings::default() });
@@ -95,14 +95,6 @@ pub(super) fn add_filter_ui(ui: &mut Ui, scenario: &mut Scenario) {
 
 /// Limits the filters to the number of distinguishable colours.
 const MOST_FILTERS: usize = 6;
-
-/// The name, extended by the first number that makes it unique if it is taken.
-fn free_name(scenario: &Scenario, name: &str) -> String {
-    let taken = |name: &str| scenario.filters.iter().any(|filter| filter.name == name);
-    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
-    let mut numbered = (2..).map(|i| format!("{stem} {i}"));
-    if taken(name) { numbered.find(|name| !taken(name)).unwrap_or_default() } else { name.to_owned() }
-}
 
 /// A new name takes effect when it is complete and unique.
 fn rename_ui(ui: &mut Ui, filter: &mut FilterSettings, others: &[String]) {

@@ -92,10 +92,13 @@ fn rounded(value: &Value) -> Value {
     }
 }
 
+/// The filter with a name; none where several have it.
 fn filter_named<'a>(file: &'a mut Table, name: &str) -> Option<&'a mut Table> {
     let filters = file.get_mut("filters")?.as_array_mut()?;
-    let mut tables = filters.iter_mut().filter_map(Value::as_table_mut);
-    tables.find(|table| table.get("name").and_then(Value::as_str) == Some(name))
+    let tables = filters.iter_mut().filter_map(Value::as_table_mut);
+    let mut called = tables.filter(|table| table.get("name").and_then(Value::as_str) == Some(name));
+    let first = called.next()?;
+    called.next().is_none().then_some(first)
 }
 
 /// Sets a key, or an inner key after a dot. The scenario's reader refuses what it does not know.
@@ -137,6 +140,9 @@ mod tests {
         assert_eq!((knobs[2].toml_line().as_str(), knobs[2].filter()), ("sensor_std = [0.1, 0.2]", Some("UKF, no. 2")));
         let rounded = Knob::of_filter("EKF", "sensor_std", vec![0.012_345_678, 1.005]).rounded();
         assert_eq!(rounded.toml_line(), "sensor_std = [0.01235, 1.005]");
+        let mut twice = scenario.clone();
+        twice.filters[1].name = "EKF".to_owned();
+        assert!(Knob::of_filter("EKF", "fading", 1.0).apply(&twice).is_err(), "which of the two?");
         for wrong in [Knob::of_filter("PF", "fading", 1.0), Knob::of_filter("EKF", "fadng", 1.0)] {
             assert!(matches!(wrong.apply(&scenario), Err(ScenarioError::Syntax(_))), "{wrong:?}");
         }

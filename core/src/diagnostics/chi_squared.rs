@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use statrs::distribution::{ChiSquared, ContinuousCDF as _};
+use super::gamma;
 
 /// The two-sided 95 % interval of the mean of `samples` independent sums of squares with `degrees` degrees of freedom
 /// in total; `None` if either is zero.
@@ -45,14 +45,32 @@ pub(super) fn wilson_hilferty(degrees: u32, samples: u32, z: f64) -> RangeInclus
 /// The normal quantile of 97.5 %: 95 % of a normal distribution lies within ± this many standard deviations.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// The quantile of χ² with `degrees` degrees of freedom at probability `p`; `None` without degrees.
+/// The quantile of χ² with `degrees` degrees of freedom at probability `p`; `None` without degrees, or where p is no probability.
+///
+/// ```text
+/// P(degrees/2, χ²/2) = p
+/// ```
 pub fn quantile(p: f64, degrees: u32) -> Option<f64> {
-    Some(ChiSquared::new(f64::from(degrees)).ok()?.inverse_cdf(p))
+    if degrees == 0 || !(0.0..=1.0).contains(&p) {
+        return None;
+    }
+    Some(match p {
+        0.0 => 0.0,
+        1.0 => f64::INFINITY,
+        p => 2.0 * gamma::inverse(0.5 * f64::from(degrees), p),
+    })
 }
 
 /// The probability that χ² with `degrees` degrees of freedom is above `statistic`; `None` without degrees.
+///
+/// ```text
+/// Q(degrees/2, statistic/2)
+/// ```
 pub fn upper_tail(statistic: f64, degrees: u32) -> Option<f64> {
-    Some(ChiSquared::new(f64::from(degrees)).ok()?.sf(statistic))
+    if statistic.is_nan() {
+        return None;
+    }
+    (degrees > 0).then(|| gamma::both(0.5 * f64::from(degrees), 0.5 * statistic).1)
 }
 
 #[cfg(test)]
@@ -77,6 +95,33 @@ mod tests {
             assert!(off < 0.02, "{degrees}: {quick:?} instead of {exact:?}");
         }
         assert!((upper_tail(18.307, 10).unwrap() - 0.05).abs() < 1e-5);
+    }
+
+    #[test]
+    fn quantiles_and_tails_have_limits() {
+        assert_eq!((quantile(0.0, 3), quantile(1.0, 3)), (Some(0.0), Some(f64::INFINITY)));
+        assert_eq!(
+            (quantile(f64::NAN, 3), quantile(1.1, 3), quantile(-0.1, 3), quantile(0.5, 0)),
+            (None, None, None, None)
+        );
+        assert_eq!((upper_tail(-1.0, 3), upper_tail(f64::INFINITY, 3)), (Some(1.0), Some(0.0)));
+        assert_eq!((upper_tail(f64::NAN, 3), upper_tail(1.0, 0)), (None, None));
+    }
+
+    /// Limits of verdicts must not depend on the platform's mathematical library: these are bits.
+    #[test]
+    fn limits_have_the_same_bits_everywhere() {
+        let bits = |p, degrees| quantile(p, degrees).unwrap().to_bits();
+        let all = [bits(0.95, 1), bits(0.95, 4), bits(0.025, 12_000), bits(0.975, 2)];
+        assert_eq!(
+            all,
+            [
+                4_615_832_615_056_735_995,
+                4_621_530_734_674_088_381,
+                4_667_656_802_099_767_304,
+                4_619_992_636_494_869_003
+            ]
+        );
     }
 
     #[test]

@@ -37,21 +37,35 @@ impl Estimates {
         self.variance.recycle(old.variance, samples.min(ROOM));
     }
 
+    /// Drops the covariances and gains of all samples so far, which is more than half of the memory. Diagnostics must have followed
+    /// before; a diagnosis, its causes and a free run need no more than what stays: means, variances, innovations and their
+    /// covariances. [`Self::cov`] and [`Self::gain`] of these samples are empty from now on; [`Self::checksum`] leaves them out.
+    pub fn drop_matrices(&mut self) {
+        self.cov.clear();
+        self.dropped = self.len();
+        if self.dropped_gains() > 0 {
+            self.gain.clear();
+        }
+    }
+
     /// Forgets the first `samples` in place; all of them if the filter has stopped before that.
     pub(crate) fn forget(&mut self, samples: usize) {
         let (n, m) = (self.channels.len(), self.sensors.len());
+        let with_cov = samples.saturating_sub(self.dropped);
+        let with_gain = samples.saturating_sub(self.dropped_gains());
+        self.dropped = self.dropped.saturating_sub(samples);
         let Self { mean, cov, innovation, innovation_cov, gain, nis, .. } = self;
         let Self { determinant, log_likelihood, effective_samples, .. } = self;
-        for (values, per_sample) in [
-            (mean, n),
-            (cov, n * n),
-            (innovation, m),
-            (innovation_cov, m * m),
-            (gain, n * m),
-            (nis, 1),
-            (determinant, 1),
-            (log_likelihood, 1),
-            (effective_samples, 1),
+        for (values, samples, per_sample) in [
+            (mean, samples, n),
+            (cov, with_cov, n * n),
+            (innovation, samples, m),
+            (innovation_cov, samples, m * m),
+            (gain, with_gain, n * m),
+            (nis, samples, 1),
+            (determinant, samples, 1),
+            (log_likelihood, samples, 1),
+            (effective_samples, samples, 1),
         ] {
             values.drain(..(samples * per_sample).min(values.len()));
         }

@@ -39,7 +39,8 @@ pub type Begin = fn(Gaussian, &FilterSettings, Normal) -> Result<Box<dyn Belief>
 pub struct FilterKind(&'static FilterInfo);
 
 impl FilterKind {
-    /// A kind of your own. Files name kinds of the registry only.
+    /// A kind of your own. Files name kinds of the registry only, and a scenario with a kind that has the key of one of these is
+    /// refused.
     pub const fn new(info: &'static FilterInfo) -> Self {
         Self(info)
     }
@@ -47,6 +48,16 @@ impl FilterKind {
     /// The kind of the registry with this key, if there is one.
     pub fn from_key(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.key() == key)
+    }
+
+    /// Whether it is one of the registry, whose descriptions are statics.
+    fn is_of_registry(self) -> bool {
+        Self::ALL.iter().any(|known| std::ptr::eq(known.0, self.0))
+    }
+
+    /// Whether it is a kind of your own with a key of the registry: a file would mean the other one.
+    pub(crate) fn is_impostor(self) -> bool {
+        Self::from_key(self.key()).is_some_and(|known| known != self)
     }
 
     /// All that is known of it.
@@ -92,8 +103,10 @@ impl Default for FilterKind {
 }
 
 impl PartialEq for FilterKind {
+    /// Kinds are equal by their key, but one of your own is not that of the registry whose key it has.
     fn eq(&self, other: &Self) -> bool {
-        self.key() == other.key()
+        let is_own = |kind: &Self| !kind.is_of_registry();
+        std::ptr::eq(self.0, other.0) || (self.key() == other.key() && is_own(self) && is_own(other))
     }
 }
 

@@ -17,8 +17,8 @@ pub struct FilterSettings {
     /// a file, for the number of its place. It determines an ensemble's random numbers and the default colour.
     #[serde(skip_serializing_if = "super::is_default")]
     pub id: u32,
-    /// The name on screen and in files; that of its kind if empty. Without control characters and marks that turn the
-    /// direction of writing.
+    /// The name on screen, in files and in keys; that of its kind if empty. Without control characters and marks that turn the
+    /// direction of writing. No two filters have the same: the later one gets a number behind it.
     #[serde(deserialize_with = "super::name::name")]
     pub name: String,
     /// The kind of filter.

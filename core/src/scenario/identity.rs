@@ -1,10 +1,14 @@
-//! The ids of filters.
+//! The ids and the names of filters: each is unique, so that keys, buttons and tables mean one filter.
 
 use super::Scenario;
 
+/// The name that stands for all filters in keys; no filter has it.
+const ALL: &str = "*";
+
 impl Scenario {
-    /// Gives every filter a unique id. A filter without an id, or with that of an earlier one, gets the number of its
-    /// place, counted from 1, or else the first free number.
+    /// Gives every filter a unique id and a unique name. A filter without an id, or with that of an earlier one, gets the number
+    /// of its place, counted from 1, or else the first free number. A filter with the name of an earlier one, or of its smoother,
+    /// gets the first free number behind it.
     pub fn number_filters(&mut self) {
         let mut taken = self.filter_ids();
         let mut seen = vec![0];
@@ -15,6 +19,7 @@ impl Scenario {
             }
             seen.push(filter.id);
         }
+        self.part_names();
     }
 
     /// The smallest id that no filter has.
@@ -22,10 +27,55 @@ impl Scenario {
         free(&self.filter_ids())
     }
 
+    /// This name, or the same with the first number behind it that makes it one that no filter has, nor the smoother of one.
+    pub fn free_filter_name(&self, name: &str) -> String {
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
+        let numbered = (2_u32..).map(|number| format!("{stem} {number}"));
+        let is_taken = |name: &str| name == ALL || self.filters.iter().any(|filter| clash(&filter.name, name));
+        std::iter::once(name.to_owned()).chain(numbered).find(|name| !is_taken(name)).unwrap_or_default()
+    }
+
+    /// Gives filters with a name that another filter has one of their own. Returns a sentence for each.
+    pub(super) fn part_names(&mut self) -> Vec<String> {
+        let mut told = Vec::new();
+        for place in 0..self.filters.len() {
+            let (before, rest) = self.filters.split_at(place);
+            let name = &rest[0].name;
+            let other = before.iter().find(|other| clash(&other.name, name));
+            if name.is_empty() || (other.is_none() && name != ALL) {
+                continue;
+            }
+            let new = self.free_filter_name(name);
+            let reason =
+                if name == ALL { "this name stands for all filters" } else { "an earlier filter has this name" };
+            told.push(format!("filter {} is called `{new}` in place of `{name}`: {reason}", place + 1));
+            self.filters[place].name = new;
+        }
+        told
+    }
+
+    /// Gives filters without a name that of their kind, with a number behind it where it is taken.
+    pub(super) fn name_filters(&mut self) {
+        for place in 0..self.filters.len() {
+            if self.filters[place].name.is_empty() {
+                self.filters[place].name = self.free_filter_name(self.filters[place].kind.name());
+            }
+        }
+    }
+
     fn filter_ids(&self) -> Vec<u32> {
         self.filters.iter().map(|filter| filter.id).collect()
     }
 }
+
+/// Whether two filters cannot both have their name: it is the same, or one is that of the other's smoother.
+fn clash(a: &str, b: &str) -> bool {
+    let of_smoother = |a: &str, b: &str| a.strip_suffix(SMOOTHED).is_some_and(|of| of == b);
+    a == b || of_smoother(a, b) || of_smoother(b, a)
+}
+
+/// The end of the name of a filter's smoother.
+pub(crate) const SMOOTHED: &str = ", smoothed";
 
 fn free(taken: &[u32]) -> u32 {
     (1..).find(|id| !taken.contains(id)).unwrap_or_default()
@@ -33,7 +83,7 @@ fn free(taken: &[u32]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use crate::{FilterSettings, Scenario};
+    use crate::{FilterKind, FilterSettings, Scenario};
 
     fn numbered(ids: &[u32]) -> Vec<u32> {
         let filters = ids.iter().map(|&id| FilterSettings { id, ..FilterSettings::default() }).collect();
@@ -49,5 +99,45 @@ mod tests {
         assert_eq!(numbered(&[2, 0, 2, 0]), [2, 1, 3, 4]);
         assert!(numbered(&[]).is_empty());
         assert_eq!(Scenario::default().free_filter_id(), 3);
+    }
+
+    /// The names of the filters in a file, and the sentences about them. Each filter is `kind` or `kind=name`.
+    fn named(filters: &[&str]) -> (Vec<String>, Vec<String>) {
+        let mut text = String::new();
+        for filter in filters {
+            let (kind, name) = filter.split_once('=').unwrap_or((filter, ""));
+            text.push_str(&format!("[[filters]]\nkind = \"{kind}\"\nname = \"{name}\"\n"));
+        }
+        let (scenario, remarks) = Scenario::from_toml_with_remarks(&text).unwrap();
+        scenario.validate().unwrap();
+        assert_eq!(Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap(), scenario);
+        (scenario.filters.into_iter().map(|filter| filter.name).collect(), remarks)
+    }
+
+    #[test]
+    fn every_filter_has_a_name_of_its_own() {
+        for (filters, expected, remarks) in [
+            (&["ekf", "ekf", "ukf", "ekf"][..], &["EKF", "EKF 2", "UKF", "EKF 3"][..], 0),
+            (&["ekf", "ukf=EKF"], &["EKF 2", "EKF"], 0),
+            (&["ekf=a", "ukf=a", "pf=a 2"], &["a", "a 3", "a 2"], 1),
+            (&["ekf=*", "ekf=EKF, smoothed", "ekf"], &["* 2", "EKF, smoothed", "EKF 2"], 1),
+            (&["ekf=a", "ekf=a, smoothed"], &["a", "a, smoothed 2"], 1),
+        ] {
+            let (names, told) = named(filters);
+            assert_eq!(names, expected, "{filters:?}");
+            assert_eq!(told.len(), remarks, "{told:?}");
+        }
+        let (_, told) = named(&["ekf=a", "ukf=a"]);
+        assert_eq!(told, ["filter 2 is called `a 2` in place of `a`: an earlier filter has this name"]);
+    }
+
+    #[test]
+    fn a_run_parts_the_names_of_its_filters() {
+        let mut scenario = Scenario { duration: 1.0, ..Scenario::default() };
+        scenario.filters[1].name = "EKF".to_owned();
+        let run = crate::Run::new(&scenario).unwrap();
+        let names: Vec<&str> = run.estimates().iter().map(crate::Estimates::name).collect();
+        assert_eq!((names, scenario.free_filter_name("EKF 7")), (vec!["EKF", "EKF 2"], "EKF 7".to_owned()));
+        assert_eq!(run.scenario().filters[1].kind, FilterKind::UKF);
     }
 }

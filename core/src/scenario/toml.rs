@@ -12,14 +12,23 @@ impl Scenario {
     /// [`ScenarioError::Syntax`] where the text is not TOML, or has an unknown key or a value of the wrong type;
     /// [`ScenarioError::Value`] where [`Self::validate`] finds an impossible value.
     pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
+        Self::from_toml_with_remarks(text).map(|(scenario, _)| scenario)
+    }
+
+    /// The same, with a sentence for each filter that has another name than in the file, where two had the same.
+    ///
+    /// # Errors
+    /// Those of [`Self::from_toml`].
+    pub fn from_toml_with_remarks(text: &str) -> Result<(Self, Vec<String>), ScenarioError> {
         let document = Document::from_toml(text)?;
         let mut scenario: Self = document.read().map_err(|error| error.in_toml(text))?;
         if document.get("sensors").is_none() {
             scenario.take_sensors_of_record();
         }
+        let remarks = scenario.part_names();
         scenario.fill_in();
         scenario.validate()?;
-        Ok(scenario)
+        Ok((scenario, remarks))
     }
 
     /// A scenario that names a record and no sensors has those of the record.

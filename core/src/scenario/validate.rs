@@ -82,8 +82,14 @@ impl Scenario {
     }
 }
 
+/// Refuses a plant or a filter of a user's own with the key of a built-in one.
+fn own_key(is_impostor: bool, path: impl Display, key: &str) -> Result<(), ScenarioError> {
+    require(!is_impostor, path, format_args!("\"{key}\" of your own"), "a key that no built-in kind has")
+}
+
 impl Plant {
     fn validate(&self) -> Result<(), ScenarioError> {
+        own_key(self.kind.is_impostor(), "plant.kind", self.kind.key())?;
         let own = self.kind.parameters().filter_map(|channel| Some((channel, self.parameter(channel)?)));
         for (channel, parameter) in own.chain(self.signals()) {
             let key = format!("plant.{}", channel.key());
@@ -130,6 +136,10 @@ impl FilterSettings {
             initial_std,
             process_std,
         } = self;
+        own_key(kind.is_impostor(), format_args!("{path}.kind"), kind.key())?;
+        if let Some(plant) = plant {
+            own_key(plant.is_impostor(), format_args!("{path}.plant"), plant.key())?;
+        }
         require(
             (1..=MAX_SUBSTEPS).contains(substeps),
             format_args!("{path}.substeps"),

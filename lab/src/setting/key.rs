@@ -36,6 +36,10 @@ fn filters(scenario: &Scenario, key: &str) -> Option<Place> {
     let rest: Vec<&str> = key[name.len() + 1..].split('.').collect();
     let all = scenario.filters.iter().enumerate();
     let places: Vec<usize> = all.filter(|(_, f)| name == "*" || f.name == name).map(|(place, _)| place).collect();
+    // Only the star means several.
+    if name != "*" && places.len() > 1 {
+        return None;
+    }
     let factor = |table| Member::Factor(table, places.iter().map(|&place| scenario.filters[place].clone()).collect());
     let channel = |key: &str| {
         let channel = Channel::from_key(key)?;

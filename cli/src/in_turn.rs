@@ -1,0 +1,172 @@
+//! The filters of a scenario one after the other: as soon as the results of one are taken, its history is dropped.
+
+use std::sync::Arc;
+
+use kalmanscope_core::{
+    Analysis, CramerRao, Diagnosis, Diagnostics, Pass, Record, Run, RunError, Scenario, Summary, Wanted, Window,
+};
+
+use crate::causes::causes_of;
+use crate::free_run::{FreeRuns, fits_of};
+use crate::results::{FilterResults, Results, over_bound};
+
+/// The samples after which the diagnostics follow and matrices are dropped: a few megabytes.
+const CHUNK: usize = 10_000;
+
+/// The place and the name of a filter at work, and how many samples it has done.
+pub type Told<'a> = (usize, &'a str, usize);
+
+impl<'a> Results<'a> {
+    /// The results of a scenario's filters over the record of a finished run without filters, with the free runs of their final
+    /// models over some records, each with its name. They have the same bits as those of [`Results::of_run`], but there is never more
+    /// than one history, and that without covariances; a filter with a smoother keeps all of its own.
+    ///
+    /// `tell` is called after each piece of work.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario is impossible or the record lacks one of its sensors.
+    pub fn in_turn(
+        scenario: &Scenario,
+        run: &'a Run,
+        records: &[(&str, &Record)],
+        tell: &mut dyn FnMut(Told<'_>),
+    ) -> Result<Self, RunError> {
+        let mut scenario = scenario.clone();
+        scenario.number_filters();
+        let mut results = Self::empty(run);
+        results.free_runs = records.iter().map(|(name, record)| FreeRuns::new(name, record)).collect();
+        let mut bounds = Vec::new();
+        for place in 0..scenario.filters.len() {
+            let one = one(&scenario, place, &mut results, records, &mut bounds, tell)?;
+            results.filters.push(one);
+            results.smoothers.extend(smoothed(&scenario, place, run.record())?);
+        }
+        Ok(results)
+    }
+}
+
+/// A bound at its last sample: the place of the first filter that it is for, and the bound.
+type LastBound = (usize, CramerRao);
+
+fn one(
+    scenario: &Scenario,
+    place: usize,
+    results: &mut Results<'_>,
+    records: &[(&str, &Record)],
+    bounds: &mut Vec<LastBound>,
+    tell: &mut dyn FnMut(Told<'_>),
+) -> Result<FilterResults, RunError> {
+    let record = results.record;
+    let mut pass = Pass::new(scenario, place, record)?;
+    let mut history = Pass::history(scenario, place)?;
+    let mut diagnostics = Diagnostics::new(&history, record);
+    let name = history.name().to_owned();
+    while pass.done() < record.len() && pass.stop().is_none() {
+        pass.follow(record, pass.done() + CHUNK, &mut history);
+        diagnostics.follow(&history, record);
+        history.drop_matrices();
+        tell((place, &name, pass.done()));
+    }
+    let diagnosis = Diagnosis::new(&diagnostics, &history, record, None);
+    let summary = Summary::of(&diagnostics, diagnosis.as_ref(), &history, record);
+    let causes = causes_of(scenario, place, diagnosis.as_ref(), &diagnostics, &history, record);
+    drop(diagnostics);
+    for (runs, (_, other)) in results.free_runs.iter_mut().zip(records) {
+        runs.fits.extend(fits_of(scenario, place, &history, other, std::ptr::eq(record, *other)));
+        tell((place, &name, record.len()));
+    }
+    let over_bound =
+        bound_for(scenario, place, record, bounds).map_or_else(Vec::new, |bound| over_bound(&history, bound));
+    Ok(FilterResults { summary, diagnosis, causes, over_bound, remarks: history.remarks().to_vec(), step_time: None })
+}
+
+/// The bound for a filter over a whole record. Filters with the same initial belief and process noise share one; only the last one
+/// is kept.
+fn bound_for<'b>(
+    scenario: &Scenario,
+    place: usize,
+    record: &Record,
+    bounds: &'b mut Vec<LastBound>,
+) -> Option<&'b CramerRao> {
+    if !bounds.iter().any(|(_, bound)| bound.is_for(scenario, place)) {
+        bounds.clear();
+        let mut bound = CramerRao::new(scenario, place, record.dt())?;
+        bound.follow(record);
+        bounds.push((place, bound));
+    }
+    bounds.last().map(|(_, bound)| bound)
+}
+
+/// The summary of the smoother of the filter at a place, if it has one.
+fn smoothed(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Summary>, RunError> {
+    let settings = &scenario.filters[place];
+    if !settings.smoother {
+        return Ok(None);
+    }
+    let alone = Scenario { filters: vec![settings.clone()], ..scenario.clone() };
+    let mut run = Run::on_record(&alone, Arc::new(record.clone()))?;
+    run.finish();
+    let analysis = Analysis::new(&run, Wanted { smoothed: true, ..Wanted::NOTHING });
+    Ok(analysis.smoothed().first().map(|smoothed| Summary::new(smoothed, record)))
+}
+
+/// The last estimates of each filter of a scenario over a record, as windows of a few samples.
+///
+/// # Errors
+/// Those of [`Pass::new`].
+pub fn last_estimates(scenario: &Scenario, record: &Record) -> Result<Vec<Window>, RunError> {
+    let one = |place: usize| {
+        let mut window = Window::new(Pass::history(scenario, place)?, 2);
+        Pass::new(scenario, place, record)?.follow(record, record.len(), &mut window);
+        Ok(window)
+    };
+    (0..scenario.filters.len()).map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{causes, run_scenario};
+
+    fn records<'a>(run: &'a Run, other: &'a Record, own: bool) -> Vec<(&'static str, &'a Record)> {
+        own.then(|| ("its own record", run.record())).into_iter().chain([("other.csv", other)]).collect()
+    }
+
+    /// The table with free runs, and the JSON, of a scenario on its own record and over another, with a history and without one.
+    fn both(text: &str, own: bool) -> [(String, String); 2] {
+        let scenario = Scenario::from_toml(text).unwrap();
+        let whole = run_scenario(&scenario, None).unwrap();
+        let analysis = Analysis::new(&whole, Wanted { bounds: true, ..Wanted::default() });
+        let other = whole.record().part(100..400);
+        let with = Results::of_run(&whole, &analysis, causes(&whole, &analysis))
+            .with_free_runs(&whole, &records(&whole, &other, own));
+        let mut alone = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
+        alone.finish();
+        let mut told = Vec::new();
+        let mut tell = |(place, name, done): Told<'_>| told.push((place, name.to_owned(), done));
+        let without = Results::in_turn(&scenario, &alone, &records(&alone, &other, own), &mut tell).unwrap();
+        assert!(told.is_sorted_by_key(|(place, _, _)| *place));
+        assert_eq!((with.any_stopped(), without.verdicts().count()), (without.any_stopped(), scenario.filters.len()));
+        [with, without].map(|results| (results.table() + &results.free_runs(), results.json().unwrap()))
+    }
+
+    #[test]
+    fn results_are_the_same_without_a_history() {
+        for (own, text) in [
+            (true, ""),
+            (
+                false,
+                "duration = 20.0\n[[filters]]\nsmoother = true\n[[filters]]\nkind = \"pf\"\nensemble_size = 50\n[[filters]]\nkind = \"kf\"",
+            ),
+            (
+                true,
+                "duration = 120.0\n[[filters]]\nsensor_std = [0.001, 0.06]\n[[filters]]\nfading = 1e300\n[[filters]]\nkind = \"ukf\"",
+            ),
+            (false, "duration = 5.0\nfilters = []"),
+        ] {
+            let [with, without] = both(text, own);
+            assert_eq!(with.0, without.0);
+            assert_eq!(with.1, without.1);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! What is told of each filter of a run.
+
+use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::import::Length;
+use kalmanscope_core::{
+    Analysis, Channel, CramerRao, Diagnosis, Estimates, Record, Remark, Run, RunError, Scenario, Summary, TruthStop,
+    VerdictKind,
+};
+
+use crate::free_run::{FreeRuns, fits};
+use crate::timing::step_times_of;
+
+/// The results of all filters of a run, without their histories.
+pub struct Results<'a> {
+    pub(crate) record: &'a Record,
+    /// The unit of lengths.
+    pub(crate) length: Length,
+    pub(crate) truth_stop: Option<TruthStop>,
+    pub(crate) filters: Vec<FilterResults>,
+    pub(crate) smoothers: Vec<Summary>,
+    pub(crate) free_runs: Vec<FreeRuns>,
+}
+
+/// The results of one filter.
+pub(crate) struct FilterResults {
+    pub(crate) summary: Summary,
+    pub(crate) diagnosis: Option<Diagnosis>,
+    /// The causes of its verdict, the likeliest first.
+    pub(crate) causes: Vec<Finding>,
+    /// σ over its Cramér-Rao bound at the last sample, for the channels that have one.
+    pub(crate) over_bound: Vec<(Channel, f64)>,
+    pub(crate) remarks: Vec<Remark>,
+    /// Time per step \[ns\], where it was measured.
+    pub(crate) step_time: Option<f64>,
+}
+
+impl<'a> Results<'a> {
+    /// The results of a finished run. `causes` are those of [`crate::causes()`], one list per filter, or empty to leave them out.
+    /// Bounds are told if the analysis has them.
+    pub fn of_run(run: &'a Run, analysis: &Analysis, mut causes: Vec<Vec<Finding>>) -> Self {
+        let record = run.record();
+        causes.resize_with(run.estimates().len(), Vec::new);
+        let filters = run.estimates().iter().zip(analysis.diagnostics()).zip(causes).enumerate();
+        let filters = filters.map(|(place, ((estimates, diagnostics), causes))| {
+            let diagnosis = analysis.diagnosis(place);
+            FilterResults {
+                summary: Summary::of(diagnostics, diagnosis, estimates, record),
+                diagnosis: diagnosis.cloned(),
+                causes,
+                over_bound: analysis.bound(estimates.id()).map_or_else(Vec::new, |bound| over_bound(estimates, bound)),
+                remarks: estimates.remarks().to_vec(),
+                step_time: None,
+            }
+        });
+        Self {
+            filters: filters.collect(),
+            smoothers: analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record)).collect(),
+            ..Self::empty(run)
+        }
+    }
+
+    /// No results yet, of a run.
+    pub(crate) fn empty(run: &'a Run) -> Self {
+        Self {
+            record: run.record(),
+            length: Length::of(run.scenario().record.as_ref()),
+            truth_stop: run.truth_stop(),
+            filters: Vec::new(),
+            smoothers: Vec::new(),
+            free_runs: Vec::new(),
+        }
+    }
+
+    /// The same with the free runs of the final models over some records, each with its name.
+    #[must_use]
+    pub fn with_free_runs(mut self, run: &Run, records: &[(&str, &Record)]) -> Self {
+        let of = |(name, record): &(&str, &Record)| FreeRuns { fits: fits(run, record), ..FreeRuns::new(name, record) };
+        self.free_runs = records.iter().map(of).collect();
+        self
+    }
+
+    /// The same with the time per step of each filter \[ns\], as far as there are any.
+    #[must_use]
+    pub fn with_step_times(mut self, times: &[Option<f64>]) -> Self {
+        for (filter, time) in self.filters.iter_mut().zip(times) {
+            filter.step_time = *time;
+        }
+        self
+    }
+
+    /// The same with the time per step of each filter, measured now by running it alone over the beginning of the record.
+    ///
+    /// # Errors
+    /// [`RunError`] where these are not the results of the scenario.
+    pub fn timed(self, scenario: &Scenario) -> Result<Self, RunError> {
+        let samples: Vec<usize> = self.filters.iter().map(|filter| filter.summary.samples).collect();
+        let times = step_times_of(scenario, self.record, &samples)?;
+        Ok(self.with_step_times(&times))
+    }
+
+    /// The name of each filter, and the kind of its verdict if there is one.
+    pub fn verdicts(&self) -> impl Iterator<Item = (&str, Option<VerdictKind>)> {
+        let of = |one: &Summary| one.verdict.as_ref().map(|verdict| verdict.kind);
+        self.filters.iter().map(move |filter| (filter.summary.name.as_str(), of(&filter.summary)))
+    }
+
+    /// Whether a filter has stopped before the end of the record.
+    pub fn any_stopped(&self) -> bool {
+        self.filters.iter().any(|filter| filter.summary.stop.is_some())
+    }
+
+    /// The free runs as text.
+    pub fn free_runs(&self) -> String {
+        self.free_runs.iter().map(|runs| runs.words(self.length)).collect()
+    }
+}
+
+/// The ratio of each σ to its Cramér-Rao bound at the last sample that has both.
+pub(crate) fn over_bound(estimates: &Estimates, bound: &CramerRao) -> Vec<(Channel, f64)> {
+    let Some(last) = estimates.len().min(bound.len()).checked_sub(1) else { return Vec::new() };
+    let ratio = |(place, &channel): (usize, &Channel)| {
+        let floor = bound.std(last, bound.place(channel)?);
+        (floor > 0.0).then(|| (channel, estimates.std(last, place) / floor))
+    };
+    estimates.channels().iter().enumerate().filter_map(ratio).collect()
+}
