@@ -82,7 +82,9 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let progress = Progress::wait(false, "finding start values");
     let suggestion = suggest(&scenario, &imported.record);
     drop(progress);
-    let toml = suggestion.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;
+    // What `run` would refuse is not written.
+    let toml = suggestion.scenario.validate().and_then(|()| suggestion.scenario.to_toml());
+    let toml = toml.map_err(|error| InputError::Scenario { file: file.clone(), error })?;
     let mut text = format!("# {}\n", table.dialect);
     for remark in imported.remarks.iter().chain(&suggestion.reasons) {
         text.push_str(&shown(&format!("# {remark}\n")));

@@ -33,7 +33,7 @@ impl<'a> Results<'a> {
     ) -> Result<Self, RunError> {
         let mut scenario = scenario.clone();
         scenario.number_filters();
-        let mut results = Self::empty(run);
+        let mut results = Self::empty(scenario.clone(), run);
         results.free_runs = records.iter().map(|(name, record)| FreeRuns::new(name, record)).collect();
         let mut bounds = Vec::new();
         for place in 0..scenario.filters.len() {

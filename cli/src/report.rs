@@ -46,7 +46,8 @@ pub fn report(
     let mut page = Html::page(title, STYLE);
     page.element("h1", title);
     origin(&mut page, run);
-    let Results { record, length, filters, smoothers, .. } = Results::of_run(run, analysis, causes.to_vec());
+    let results = Results::of_run(run, analysis, causes.to_vec());
+    let (length, Results { record, filters, smoothers, .. }) = (results.length(), results);
     page.element("h2", "Filters");
     if filters.is_empty() {
         page.element("p", "There are no filters.");

@@ -12,9 +12,9 @@ use crate::timing::step_times_of;
 
 /// The results of all filters of a run, without their histories.
 pub struct Results<'a> {
+    /// The scenario with an id and a name for each filter.
+    pub(crate) scenario: Scenario,
     pub(crate) record: &'a Record,
-    /// The unit of lengths.
-    pub(crate) length: Length,
     pub(crate) truth_stop: Option<TruthStop>,
     pub(crate) filters: Vec<FilterResults>,
     pub(crate) smoothers: Vec<Summary>,
@@ -55,15 +55,15 @@ impl<'a> Results<'a> {
         Self {
             filters: filters.collect(),
             smoothers: analysis.smoothed().iter().map(|smoothed| Summary::new(smoothed, record)).collect(),
-            ..Self::empty(run)
+            ..Self::empty(run.scenario().clone(), run)
         }
     }
 
-    /// No results yet, of a run.
-    pub(crate) fn empty(run: &'a Run) -> Self {
+    /// No results yet, of a scenario over the record of a run.
+    pub(crate) fn empty(scenario: Scenario, run: &'a Run) -> Self {
         Self {
+            scenario,
             record: run.record(),
-            length: Length::of(run.scenario().record.as_ref()),
             truth_stop: run.truth_stop(),
             filters: Vec::new(),
             smoothers: Vec::new(),
@@ -104,6 +104,16 @@ impl<'a> Results<'a> {
         self.filters.iter().map(move |filter| (filter.summary.name.as_str(), of(&filter.summary)))
     }
 
+    /// The causes of each filter's verdict, the likeliest first.
+    pub fn causes(&self) -> impl Iterator<Item = &[Finding]> {
+        self.filters.iter().map(|filter| filter.causes.as_slice())
+    }
+
+    /// The unit of lengths.
+    pub(crate) fn length(&self) -> Length {
+        Length::of(self.scenario.record.as_ref())
+    }
+
     /// Whether a filter has stopped before the end of the record.
     pub fn any_stopped(&self) -> bool {
         self.filters.iter().any(|filter| filter.summary.stop.is_some())
@@ -111,7 +121,7 @@ impl<'a> Results<'a> {
 
     /// The free runs as text.
     pub fn free_runs(&self) -> String {
-        self.free_runs.iter().map(|runs| runs.words(self.length)).collect()
+        self.free_runs.iter().map(|runs| runs.words(self.length())).collect()
     }
 }
 

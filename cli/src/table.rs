@@ -32,7 +32,8 @@ impl Results<'_> {
 }
 
 fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
-    let Results { record, length, truth_stop, filters, smoothers, free_runs: _ } = results;
+    let Results { scenario: _, record, truth_stop, filters, smoothers, free_runs: _ } = results;
+    let length = results.length();
     let (start, end) = (record.time(0), record.time(record.len().saturating_sub(1)));
     let [start, end, dt] = [start, end, record.dt()].map(plain);
     writeln!(text, "{} samples from {start} s to {end} s, {dt} s apart", record.len())?;
@@ -50,7 +51,7 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
     let all: Vec<(&Summary, Option<&FilterResults>)> =
         filters.iter().map(|f| (&f.summary, Some(f))).chain(smoothers.iter().map(|s| (s, None))).collect();
     let rows: Vec<Vec<[String; COLUMNS]>> =
-        all.iter().map(|(s, _)| s.finals.iter().map(|last| row(last, *length)).collect()).collect();
+        all.iter().map(|(s, _)| s.finals.iter().map(|last| row(last, length)).collect()).collect();
     let widths: [usize; COLUMNS] =
         std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
     for ((summary, filter), rows) in all.into_iter().zip(&rows) {
