@@ -30,7 +30,8 @@ const MOST_THREADS: usize = 256;
 /// Runs all cells of a shard and writes their table. Goes on where an earlier call of the same sweep was ended.
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let SweepArgs { scenario: file, out, shard, threads, .. } = args;
-    let format = Format::of(out).ok_or_else(|| bad(out, &"the table must be a .csv or a .parquet file"))?;
+    let no_table = || bad(file, &format!("--out {}: the table must be a .csv or a .parquet file", out.display()));
+    let format = Format::of(out).ok_or_else(no_table)?;
     let (runner, record) = runner(args)?;
     let runner = Arc::new(runner);
     let ensemble = runner.ensemble();

@@ -175,3 +175,13 @@ fn a_record_that_has_changed_is_said() {
     let (_, said) = succeeds(command(&["run"]).arg(&scenario));
     assert!(has_changed(&said), "{said}");
 }
+
+#[test]
+fn a_scenario_that_run_would_refuse_is_not_written() {
+    let folder = TempDir::new().unwrap();
+    let [record, out] = ["constant.csv", "constant.toml"].map(|name| folder.path().join(name));
+    let rows: String = (0..600).map(|k| format!("{}.{:02},{},0.5\n", k / 100, k % 100, (k * k) % 17)).collect();
+    std::fs::write(&record, format!("t,force,displacement\n{rows}")).unwrap();
+    let error = fails(command(&["import", "--out"]).arg(&out).arg(&record));
+    assert!(error.contains("error: ") && error.contains("displacement") && !out.exists(), "{error}");
+}

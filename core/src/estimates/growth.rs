@@ -123,3 +123,34 @@ impl Piecewise for Estimates {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{FilterKind, Pass, Run, Scenario};
+
+    #[test]
+    fn matrices_that_are_dropped_are_empty_and_later_ones_are_right() {
+        let mut scenario = Scenario { duration: 2.0, ..Scenario::default() };
+        (scenario.filters[1].kind, scenario.filters[1].ensemble_size) = (FilterKind::PF, 50);
+        let mut run = Run::new(&scenario).unwrap();
+        run.finish();
+        for (place, whole) in run.estimates().iter().enumerate() {
+            let mut pass = Pass::new(&scenario, place, run.record()).unwrap();
+            let mut history = Pass::history(&scenario, place).unwrap();
+            pass.follow(run.record(), 100, &mut history);
+            history.drop_matrices();
+            pass.follow(run.record(), 201, &mut history);
+            for forgotten in [0, 40, 100] {
+                history.forget(forgotten - history.forgotten());
+                for k in forgotten..201 {
+                    let (cov, gain) = (history.cov(k - forgotten), history.gain(k - forgotten));
+                    let keeps_gain = k >= 100 || whole.kind() == FilterKind::PF;
+                    assert_eq!(cov, if k < 100 { &[][..] } else { whole.cov(k) }, "{forgotten} {k}");
+                    assert_eq!(gain, if keeps_gain { whole.gain(k) } else { &[][..] }, "{forgotten} {k}");
+                    assert_eq!(history.mean(k - forgotten), whole.mean(k));
+                    assert_eq!(history.std(k - forgotten, 2), whole.std(k, 2));
+                }
+            }
+        }
+    }
+}
