@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use kalmanscope_core::{Record, Run, RunError, Scenario};
+use kalmanscope_core::{Estimates, Record, Run, RunError, Scenario};
 
 /// Limits the repetitions of a filter, together with [`PATIENCE`]; the shortest time counts.
 const REPEATS: usize = 7;
@@ -17,7 +17,7 @@ const MOST: usize = 100_000;
 /// # Errors
 /// [`RunError`] where the run does not belong to the scenario.
 pub fn step_times(scenario: &Scenario, run: &Run) -> Result<Vec<Option<f64>>, RunError> {
-    let ends: Vec<usize> = run.estimates().iter().map(|estimates| estimates.len()).collect();
+    let ends: Vec<usize> = run.estimates().iter().map(Estimates::len).collect();
     step_times_of(scenario, run.record(), &ends)
 }
 
