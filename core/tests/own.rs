@@ -84,15 +84,13 @@ fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
     };
     let (plant, kind) = (PlantKind::new(&Impostor), FilterKind::new(&EKF));
     assert!(plant != PlantKind::SDOF && plant == PlantKind::new(&Impostor) && kind != FilterKind::EKF);
-    let changes: [(fn(&mut Scenario, PlantKind, FilterKind), &str); 3] = [
-        (|scenario, plant, _| scenario.plant.kind = plant, "`plant.kind` is \"sdof\" of your own"),
-        (|scenario, plant, _| scenario.filters[1].plant = Some(plant), "`filters[1].plant` is \"sdof\" of your own"),
-        (|scenario, _, kind| scenario.filters[0].kind = kind, "`filters[0].kind` is \"ekf\" of your own"),
-    ];
-    for (change, message) in changes {
+    let refused = |change: &dyn Fn(&mut Scenario), message: &str| {
         let mut scenario = Scenario::default();
-        change(&mut scenario, plant, kind);
+        change(&mut scenario);
         let error = scenario.validate().expect_err("it has a key of the registry").to_string();
         assert!(error.starts_with(message) && error.ends_with("a key that no built-in kind has"), "{error}");
-    }
+    };
+    refused(&|scenario| scenario.plant.kind = plant, "`plant.kind` is \"sdof\" of your own");
+    refused(&|scenario| scenario.filters[1].plant = Some(plant), "`filters[1].plant` is \"sdof\" of your own");
+    refused(&|scenario| scenario.filters[0].kind = kind, "`filters[0].kind` is \"ekf\" of your own");
 }
