@@ -17,6 +17,7 @@ pub(crate) mod jump;
 pub mod kalman;
 pub mod kind;
 mod linearised;
+mod marginalised;
 mod noise;
 mod observation;
 mod particles;
@@ -43,6 +44,7 @@ pub use gaussian::Gaussian;
 pub use kalman::{Correction, Expected};
 pub use kind::{FilterInfo, FilterKind};
 pub use linearised::Linearised;
+pub use marginalised::Marginalised;
 pub use noise::Noise;
 pub use observation::Observation;
 pub use particles::Particles;
@@ -79,6 +81,8 @@ registry! {
     ENKF = ensemble::ENKF;
     /// Bootstrap particle filter, regularised.
     PF = particles::PF;
+    /// Rao-Blackwellised particle filter: particles for the parameters, a Kalman filter of the motion for each.
+    RBPF = marginalised::RBPF;
 }
 
 /// Why a filter cannot go on.

@@ -62,7 +62,7 @@ const SOON: usize = 150;
 const LARGEST_FACTOR: f64 = 4096.0;
 
 /// Limits the samples that the level is a mean of: later ones replace the first.
-const LEVEL_SAMPLES: usize = 5000;
+const LEVEL_SAMPLES: usize = 1000;
 
 /// The samples of a level of 1 that the level begins with.
 const LEVEL_PRIOR: usize = 10;
