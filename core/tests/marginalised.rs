@@ -46,7 +46,7 @@ fn scenario(seed: u64, sensors: &[(Quantity, f64)], filters: &[(FilterKind, usiz
 fn deviations_are_those_of_the_bound_and_errors_too() {
     let x = (Quantity::DISPLACEMENT, 0.01);
     let sets: [&[(Quantity, f64)]; 2] = [&[x], &[x, (Quantity::VELOCITY, 0.06)]];
-    let kinds = [(FilterKind::RBPF, 100), (FilterKind::RBPF, 300), (FilterKind::EKF, 2), (FilterKind::PF, 300)];
+    let kinds = [(FilterKind::RBPF, 200), (FilterKind::RBPF, 400), (FilterKind::EKF, 2), (FilterKind::PF, 300)];
     for sensors in sets {
         let mut ratios = [[0.0; 2]; 4];
         let mut squares = [[0.0; 2]; 4];
@@ -62,6 +62,9 @@ fn deviations_are_those_of_the_bound_and_errors_too() {
                     let at = estimates.place(channel).unwrap();
                     let floor = bound.std(last, bound.place(channel).unwrap());
                     ratios[place][i] += estimates.std(last, at) / floor / SEEDS as f64;
+                    if place < 2 {
+                        print!("{:.1} ", (estimates.canonical_mean(last, at) - truth) / floor);
+                    }
                     squares[place][i] += ((estimates.canonical_mean(last, at) - truth) / floor).powi(2) / SEEDS as f64;
                 }
             }

@@ -19,7 +19,7 @@ use crate::{FilterSettings, Model, Propagation};
 /// ```
 ///
 /// Once the effective sample size `1/Σwᵢ²` is below half the particles, they are resampled systematically, drawn together and
-/// spread by a normal kernel, which leaves mean and covariance of θ as they were; xᵢ moves along, by its regression on θ.
+/// spread by a normal kernel, which leaves mean and covariance as they were; xᵢ moves along by its regression on θ.
 /// So parameters that do not change keep their variety. Fading stretches the sample about its mean.
 ///
 /// Innovation, S and gain are those of a Gaussian with the sample's moments; the log likelihood is the particles' own.
@@ -107,7 +107,8 @@ impl Marginalised {
     }
 
     /// Draws as many particles anew, each as often as its weight says, give or take one, and moves each by a draw from a
-    /// kernel in θ, so that copies part; the rest of its mean follows by regression.
+    /// kernel in θ, so that copies part. The rest of its mean follows by regression, and what that does not explain goes into
+    /// its covariance.
     fn resample(&mut self, model: &Model) {
         let means = self.means();
         let Self { particles, weights, normal, .. } = self;
@@ -123,6 +124,7 @@ impl Marginalised {
         let cross = Matrix::from_fn(mean.len(), places.len(), |i, j| cov[(i, places[j])]);
         let regression = Ldl::semidefinite(&own).divide(&cross);
         let square = bandwidth_square(places.len(), count);
+        let unexplained = unexplained(model, &cov, &regression, &own) * square;
         let root = lower_root(&(own * square));
         let offset = normal.uniform();
         let (mut at, mut reached) = (0, weights[0]);
@@ -136,9 +138,10 @@ impl Marginalised {
             let mut particle = particles[at].clone();
             // A sample so thin that rounding gives its covariance no root stays as it is drawn.
             if let Ok(root) = &root {
-                let deviation = Vector::from_fn(places.len(), |j, _| means[(places[j], at)] - mean[places[j]]);
-                let shift = deviation * ((1.0 - square).sqrt() - 1.0) + root * standard(places.len(), normal);
-                particle.belief_mut().mean += &regression * shift;
+                let Gaussian { mean: moved, cov } = particle.belief_mut();
+                let deviation = means.column(at) - &mean;
+                *moved = &mean + deviation * (1.0 - square).sqrt() + &regression * (root * standard(places.len(), normal));
+                *cov += &unexplained;
             }
             drawn.push(particle);
         }
@@ -277,6 +280,19 @@ fn of_parameters(model: &Model, cov: &Matrix) -> Matrix {
         parameters(model).for_each(|j| own[(i, j)] = cov[(i, j)]);
     }
     own
+}
+
+/// What a regression on the parameters does not explain of a covariance.
+fn unexplained(model: &Model, cov: &Matrix, regression: &Matrix, own: &Matrix) -> Matrix {
+    let mut rest = of_the_rest(model, &(cov - regression * own * regression.transpose()));
+    for i in 0..rest.nrows() {
+        if rest[(i, i)] <= 0.0 {
+            // Nothing, but for rounding.
+            rest.row_mut(i).fill(0.0);
+            rest.column_mut(i).fill(0.0);
+        }
+    }
+    symmetric(rest)
 }
 
 /// A covariance of all but the parameters.
