@@ -1,6 +1,6 @@
 //! Why a filter or the truth has stopped, remarks on the filters, and why an edited scenario cannot be run.
 
-use kalmanscope_core::{self as core, Remark};
+use kalmanscope_core::Remark;
 
 use crate::session::Session;
 
@@ -31,7 +31,7 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
             let times = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
             say(false, format!("{name} widened its parameters at {times} s, where its innovations grew at once."));
         }
-        let is_trouble = |remark: &&Remark| remark.what != core::Trouble::Widened;
+        let is_trouble = |remark: &&Remark| remark.what != kalmanscope_core::Trouble::Widened;
         if let Some(remark) = estimates.remarks().iter().rfind(is_trouble) {
             let time = record.time_of(remark.sample);
             say(false, format!("{name} from {time:.2} s: {}.", remark.what));

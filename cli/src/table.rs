@@ -212,6 +212,16 @@ mod tests {
     }
 
     #[test]
+    fn the_time_of_a_jump_is_told() {
+        let text = shown(
+            "duration = 25.0\n[plant]\nnatural_frequency = { step = { from = 6.0, to = 4.8, at = 20.0 } }\n\
+             [[filters]]\nfading = 1.0\njump = true",
+        );
+        let line = text.lines().find(|line| line.contains("widened its parameters at 20.")).unwrap();
+        assert!(line.ends_with(" s, where its innovations grew at once"), "{line}");
+    }
+
+    #[test]
     fn remarks_are_listed_with_their_times() {
         let text = shown(
             "duration = 5.0\n[plant]\nkind = \"shear_2\"\n[[sensors]]\nmeasures = \"velocity_2\"\n\

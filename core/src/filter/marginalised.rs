@@ -140,7 +140,8 @@ impl Marginalised {
             if let Ok(root) = &root {
                 let Gaussian { mean: moved, cov } = particle.belief_mut();
                 let deviation = means.column(at) - &mean;
-                *moved = &mean + deviation * (1.0 - square).sqrt() + &regression * (root * standard(places.len(), normal));
+                *moved =
+                    &mean + deviation * (1.0 - square).sqrt() + &regression * (root * standard(places.len(), normal));
                 *cov += &unexplained;
             }
             drawn.push(particle);
