@@ -62,9 +62,6 @@ fn deviations_are_those_of_the_bound_and_errors_too() {
                     let at = estimates.place(channel).unwrap();
                     let floor = bound.std(last, bound.place(channel).unwrap());
                     ratios[place][i] += estimates.std(last, at) / floor / SEEDS as f64;
-                    if place < 2 {
-                        print!("{:.1} ", (estimates.canonical_mean(last, at) - truth) / floor);
-                    }
                     squares[place][i] += ((estimates.canonical_mean(last, at) - truth) / floor).powi(2) / SEEDS as f64;
                 }
             }
