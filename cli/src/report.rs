@@ -10,6 +10,7 @@ use thiserror::Error;
 use crate::free_run;
 use crate::number::plain;
 use crate::plot::{PlotError, pages};
+use crate::remarks::remarks;
 use crate::results::{FilterResults, Results};
 use html::Html;
 
@@ -52,8 +53,9 @@ pub fn report(
     if filters.is_empty() {
         page.element("p", "There are no filters.");
     }
-    for FilterResults { summary, diagnosis, causes, .. } in &filters {
+    for FilterResults { summary, diagnosis, causes, remarks: said, .. } in &filters {
         filter::section(&mut page, summary, diagnosis.as_ref(), causes, (record, length));
+        page.list(remarks(said, record));
     }
     for summary in &smoothers {
         filter::section(&mut page, summary, None, &[], (record, length));

@@ -10,6 +10,7 @@ use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, Run, Summary};
 use crate::findings::{evidence, likeliest};
 use crate::number::{deviation, plain, short, with_spread};
 use crate::quality::quality;
+use crate::remarks::remarks;
 use crate::results::{FilterResults, Results};
 
 /// The results of each filter as a table ([`Results::table`]). `causes` are those of [`crate::causes()`], one list per filter, and
@@ -75,9 +76,8 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
         if let Some(time) = filter.and_then(|filter| filter.step_time) {
             writeln!(text, "  time per step   {time:.0} ns")?;
         }
-        for remark in filter.into_iter().flat_map(|filter| &filter.remarks) {
-            let [from, to] = [remark.sample, remark.last].map(|number| plain(record.time_of(number)));
-            writeln!(text, "  from {from} s to {to} s: {}", remark.what)?;
+        for line in filter.into_iter().flat_map(|filter| remarks(&filter.remarks, record)) {
+            writeln!(text, "  {line}")?;
         }
         if let Some(stop) = summary.stop {
             let time = plain(record.time_of(stop.sample));
@@ -194,6 +194,16 @@ mod tests {
              fading = 1.0\ninitial_mean = { damping_ratio = 0.05 }",
         );
         assert!(known.contains("σ over bound    x 1.00, v 1.00\n"), "{known}");
+    }
+
+    #[test]
+    fn the_time_of_a_jump_is_told() {
+        let text = shown(
+            "duration = 25.0\n[plant]\nnatural_frequency = { step = { from = 6.0, to = 4.8, at = 20.0 } }\n\
+             [[filters]]\nfading = 1.0\njump = true",
+        );
+        let line = text.lines().find(|line| line.contains("widened its parameters at 20.")).unwrap();
+        assert!(line.ends_with(" s, where its innovations grew at once"), "{line}");
     }
 
     #[test]

@@ -17,10 +17,11 @@ pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
     let one = match settings.kind {
         kind if kind == FilterKind::IEKF => local * settings.iterations.max(1) as f64,
         kind if kind == FilterKind::UKF || kind == FilterKind::SR_UKF || kind == FilterKind::CKF => 4.0 * local,
+        kind if kind == FilterKind::RBPF => settings.ensemble_size.max(1) as f64 * 4.0 * local,
         kind if kind.is_sampled() => settings.ensemble_size.max(1) as f64 * 75.0 * n,
         _ => local,
     };
-    one * settings.substeps.max(1) as f64
+    one * (settings.substeps.max(1) * settings.guesses.max(1)) as f64
 }
 
 /// The number of samples that a filter computes between two checks of the clock.

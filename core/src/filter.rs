@@ -13,9 +13,11 @@ mod adaptation;
 mod ensemble;
 pub(crate) mod estimator;
 mod gaussian;
+pub(crate) mod jump;
 pub mod kalman;
 pub mod kind;
 mod linearised;
+mod marginalised;
 mod noise;
 mod observation;
 mod particles;
@@ -29,6 +31,8 @@ use std::borrow::Cow;
 
 use thiserror::Error;
 
+use jump::Jump;
+
 use crate::linalg::{Matrix, RootError};
 use crate::model::{Hold, Model};
 use crate::quantity::Quantity;
@@ -40,6 +44,7 @@ pub use gaussian::Gaussian;
 pub use kalman::{Correction, Expected};
 pub use kind::{FilterInfo, FilterKind};
 pub use linearised::Linearised;
+pub use marginalised::Marginalised;
 pub use noise::Noise;
 pub use observation::Observation;
 pub use particles::Particles;
@@ -76,6 +81,8 @@ registry! {
     ENKF = ensemble::ENKF;
     /// Bootstrap particle filter, regularised.
     PF = particles::PF;
+    /// Rao-Blackwellised particle filter: particles for the parameters, a Kalman filter of the motion for each.
+    RBPF = marginalised::RBPF;
 }
 
 /// Why a filter cannot go on.
@@ -177,6 +184,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     noise: Noise,
     observation: Observation,
     adaptation: Adaptation,
+    jump: Option<Jump>,
     substeps: usize,
     belief: Box<B>,
 }
@@ -194,7 +202,8 @@ impl<B: Belief + ?Sized> Filter<B> {
         adaptation: Adaptation,
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
-        Self { model, belief, dt, hold, noise, observation: Observation::of(readings), adaptation, substeps: 1 }
+        let observation = Observation::of(readings);
+        Self { model, belief, dt, hold, noise, observation, adaptation, jump: None, substeps: 1 }
     }
 
     /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
@@ -202,6 +211,13 @@ impl<B: Belief + ?Sized> Filter<B> {
     #[must_use]
     pub fn with_substeps(self, substeps: usize) -> Self {
         Self { substeps: substeps.max(1), ..self }
+    }
+
+    /// The same filter, which widens P once where its innovations grow at once. The belief must be the initial one.
+    #[must_use]
+    pub fn with_jump(self) -> Self {
+        let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
+        Self { jump: Some(Jump::new(initial)), ..self }
     }
 
     /// The belief after the last predict or update.
@@ -227,6 +243,11 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// Whether the filter learns its noise.
     pub(crate) fn is_adaptive(&self) -> bool {
         self.adaptation.is_on()
+    }
+
+    /// Whether the last prediction has widened P because the innovations had grown at once.
+    pub fn has_widened(&self) -> bool {
+        self.jump.as_ref().is_some_and(Jump::has_widened)
     }
 
     /// The step from a sample to the next with the recorded forces over mass of both \[m/s²\].
@@ -258,7 +279,13 @@ impl<B: Belief + ?Sized> Filter<B> {
         if !whole.forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        let Self { model, noise, substeps, belief, .. } = self;
+        let Self { model, noise, jump, substeps, belief, .. } = self;
+        let mut wide = None;
+        if let Some(widening) = jump.as_mut().and_then(Jump::widening) {
+            let Noise { process, .. } = wide.insert(noise.clone());
+            widening.enumerate().for_each(|(i, variance)| process[(i, i)] += variance);
+        }
+        let noise = wide.as_ref().unwrap_or(noise);
         if *substeps > 1 {
             let share = |i: usize| i as f64 / *substeps as f64;
             let part = |i| Step {
@@ -286,7 +313,7 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
-        let Self { model, noise, observation, adaptation, belief, .. } = self;
+        let Self { model, noise, observation, adaptation, jump, belief, .. } = self;
         correction.clear(model.size(), noise.sensors.len());
         observation.take(force, measured, &noise.sensors)?;
         if observation.is_empty() {
@@ -300,6 +327,9 @@ impl<B: Belief + ?Sized> Filter<B> {
         }
         if adaptation.is_on() {
             adaptation.adapt(observation, correction, noise);
+        }
+        if let Some(jump) = jump {
+            jump.look(correction.nis, observation.len());
         }
         Ok(())
     }

@@ -68,6 +68,7 @@ mod cost;
 mod estimator;
 mod fourier;
 mod gaussian_likelihood;
+mod guesses;
 mod log_sum;
 mod random;
 mod run_error;

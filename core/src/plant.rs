@@ -1,6 +1,7 @@
 //! Plants: their equations of motion and parameters.
 
 pub mod bouc_wen;
+pub mod bouc_wen_one;
 pub mod duffing;
 pub mod sdof;
 pub mod shear_chain;
@@ -86,6 +87,8 @@ registry! {
     DUFFING = duffing::Duffing;
     /// An oscillator whose spring yields and remembers: [`bouc_wen::BoucWen`].
     BOUC_WEN = bouc_wen::BoucWen;
+    /// The same with exponent 1: [`bouc_wen_one::BoucWenOne`].
+    BOUC_WEN_1 = bouc_wen_one::BoucWenOne;
     /// A chain of two masses: [`shear_chain::ShearChain`].
     SHEAR_2 = shear_chain::ShearChain::<2>;
     /// A chain of three masses.

@@ -1,11 +1,20 @@
 //! The choice between a tuned kernel and the reference filters. Smoothers have no kernel: one pass over a record is enough.
 
 use crate::estimator::{Estimator, FilterContext};
+use crate::guesses::{Guesses, members};
 use crate::smoother::Smoother;
 use crate::{FilterSettings, filter, kernel};
 
-/// Builds the filter of some settings: a tuned kernel where there is one, else the reference filter.
+/// Builds the filter of some settings, or those of its guesses side by side.
 pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
+    if settings.guesses > 1 {
+        return Box::new(Guesses::new(members(settings).iter().map(|member| single(member, context))));
+    }
+    single(settings, context)
+}
+
+/// Builds the filter of one guess: a tuned kernel where there is one, else the reference filter.
+fn single(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
     let kernel = if settings.substeps == 1 { kernel::estimator::estimator(settings, context) } else { None };
     kernel.unwrap_or_else(|| filter::estimator::estimator(settings, &context))
 }

@@ -5,6 +5,7 @@
 //! ```
 
 mod conditioning;
+mod hysteresis;
 mod response;
 mod spectra;
 mod trials;
@@ -163,6 +164,14 @@ impl Suggestion {
             }
         }
         self.reasons.push("initial spread: a tenth of ωₙ, half of ζ, and the size of the motion itself".to_owned());
+        let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
+        let mut yields = false;
+        self.filters().for_each(|filter| yields |= hysteresis::start(filter, kind, input, displacement));
+        if yields {
+            self.reasons.push(
+                "β and γ: the spring is about to yield at twice the root mean square of the displacement".to_owned(),
+            );
+        }
     }
 
     /// A gain that is far from 1 goes into the mapping; the filters estimate what is left of it.

@@ -168,7 +168,7 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
             "[plant]\nmass = 1",
             "line 2: `plant.mass`: unknown field `mass`, expected `kind`, `initial`, `disturbance_std`, `input_delay` \
              or one of `natural_frequency`, `damping_ratio`, `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, \
-             `hysteresis_gamma`, `stiffness_1`, `storey_damping`, `input_gain`, `input_offset`, `unknown_force`, \
+             `hysteresis_gamma`, `yield_beta`, `yield_gamma`, `stiffness_1`, `storey_damping`, `input_gain`, `input_offset`, `unknown_force`, \
              `bias_displacement`, `bias_velocity`, `bias_acceleration`, `bias_total_acceleration`, `bias_drift`, and of \
              other masses as in `displacement_2`",
         ),
@@ -200,7 +200,7 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
         (
             "[[filters]]\n[[filters]]\nlambda = 1",
             "line 3: `filters[1].lambda`: unknown field `lambda`, expected one of `id`, `name`, `kind`, `color`, `plant`, \
-             `augment`, `input_delay`, `log_parameters`, `propagation`, `substeps`, `iterations`, `ensemble_size`, `adaptation`, `smoother`, \
+             `augment`, `input_delay`, `log_parameters`, `propagation`, `substeps`, `iterations`, `guesses`, `ensemble_size`, `adaptation`, `jump`, `smoother`, \
              `fading`, \
              `eta`, `sensor_std`, `initial_mean`, `initial_std`, `process_std`",
         ),
@@ -238,7 +238,7 @@ fn a_value_of_the_wrong_type_is_refused_with_line_path_and_the_expected_type() {
         ("plant = 3", "line 1: `plant`: invalid type: integer `3`, expected a table"),
         (
             "[plant]\nkind = \"mdof\"",
-            "line 2: `plant.kind`: unknown variant `mdof`, expected one of `sdof`, `duffing`, `bouc_wen`, `shear_2`, \
+            "line 2: `plant.kind`: unknown variant `mdof`, expected one of `sdof`, `duffing`, `bouc_wen`, `bouc_wen_1`, `shear_2`, \
              `shear_3`, `shear_4`, `shear_5`, `shear_6`, `shear_7`, `shear_8`, `shear_9`, `shear_10`",
         ),
         ("[plant]\nkind = 3", "line 2: `plant.kind`: invalid type: integer `3`, expected a string"),
@@ -275,7 +275,7 @@ fn a_value_of_the_wrong_type_is_refused_with_line_path_and_the_expected_type() {
         (
             "[[filters]]\nkind = \"lqr\"",
             "line 2: `filters[0].kind`: unknown variant `lqr`, expected one of `kf`, `ekf`, `iekf`, `ukf`, `sr_ukf`, `ckf`, \
-             `enkf`, `pf`",
+             `enkf`, `pf`, `rbpf`",
         ),
         ("[[filters]]\nname = 3", "line 2: `filters[0].name`: invalid type: integer `3`, expected a string"),
         (

@@ -25,7 +25,7 @@ mod tests {
     fn each_kind_has_its_count() {
         let of = |kind| evaluations_per_step(&FilterSettings { kind, ..FilterSettings::default() }, PlantKind::SDOF);
         let counts = FilterKind::ALL.map(of);
-        assert_eq!(counts, [5, 5, 5, 36, 36, 32, 2000, 2000]);
+        assert_eq!(counts, [5, 5, 5, 36, 36, 32, 2000, 2000, 2500]);
         let other = FilterSettings {
             plant: Some(PlantKind::DUFFING),
             propagation: Propagation::RungeKutta,

@@ -8,16 +8,20 @@ use super::lit::lit;
 /// Limits the members of an ensemble to what a frame can compute.
 const MOST_MEMBERS: usize = 2000;
 
+/// Limits the guesses that filters run from side by side.
+const MOST_GUESSES: usize = 8;
+
 /// The less common settings of a filter.
 pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, sensors: &[Sensor]) {
     egui::CollapsingHeader::new("Options").id_salt(("options", filter.id)).show_unindented(ui, |ui| {
         plant_ui(ui, filter);
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
-        if [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF].contains(&filter.kind) {
+        guesses_ui(ui, filter, filter.plant.unwrap_or(truth));
+        if [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::RBPF].contains(&filter.kind) {
             lit(ui, &format!("filters.{}.propagation", filter.name), |ui| propagation_ui(ui, filter));
         }
         let FilterSettings {
-            name, kind, log_parameters, substeps, iterations, ensemble_size, adaptation, smoother, ..
+            name, kind, log_parameters, substeps, iterations, ensemble_size, adaptation, smoother, guesses, ..
         } = filter;
         let hint = "Divide each prediction into so many steps: for plants that are not linear, and few samples a period";
         whole_ui(ui, "steps a sample", &format!("{name} steps a sample"), substeps, (1, 20), hint);
@@ -39,7 +43,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         let hint = "Estimate the logarithms of frequency, damping and stiffness, which then stay positive";
         check(ui, log_parameters, "logarithms of positive parameters", hint);
         *smoother &= !kind.is_sampled();
-        if !kind.is_sampled() {
+        if !kind.is_sampled() && *guesses == 1 {
             let hint = "In the whole record also show, dashed, what is known of each instant in the light of all that came \
                         after it: Rauch, Tung and Striebel (1965)";
             lit(ui, &format!("filters.{name}.smoother"), |ui| check(ui, smoother, "hindsight", hint));
@@ -48,6 +52,22 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
             check(ui, &mut adaptation.sensor_noise, "learn R from the innovations", "Akhlaghi, Zhou and Huang (2017)");
         });
         check(ui, &mut adaptation.process_noise, "learn Q from the innovations", "Akhlaghi, Zhou and Huang (2017)");
+    });
+}
+
+/// The guesses of ωₙ that filters begin from side by side, where ωₙ is estimated and no smoother needs a single filter.
+fn guesses_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind) {
+    let frequency = Channel::NATURAL_FREQUENCY;
+    let is_guessed = plant.channels().contains(&frequency) && !filter.knows(frequency) && !filter.smoother;
+    if !is_guessed || filter.initial_mean[frequency] <= 0.0 {
+        filter.guesses = 1;
+        return;
+    }
+    let FilterSettings { name, guesses, .. } = filter;
+    let hint = "Filters side by side from so many guesses of ωₙ, from 0.14 to 7.4 times the initial mean; the likeliest so far \
+                is shown";
+    lit(ui, &format!("filters.{name}.guesses"), |ui| {
+        whole_ui(ui, "guesses of ωₙ", &format!("{name} guesses"), guesses, (1, MOST_GUESSES), hint);
     });
 }
 

@@ -53,6 +53,16 @@ impl Linearised {
         }
     }
 
+    /// The belief.
+    pub(super) fn belief(&self) -> &Gaussian {
+        &self.belief
+    }
+
+    /// The belief, to be changed.
+    pub(super) fn belief_mut(&mut self) -> &mut Gaussian {
+        &mut self.belief
+    }
+
     /// Puts the belief elsewhere, as uncertain as it is.
     pub(crate) fn move_to(&mut self, mean: Vector) {
         self.belief.mean = mean;

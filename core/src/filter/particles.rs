@@ -196,7 +196,7 @@ impl Belief for Particles {
 /// deviations.
 ///
 /// Source: Silverman (1986), *Density Estimation for Statistics and Data Analysis*, equation 4.14.
-fn bandwidth_square(n: usize, count: usize) -> f64 {
+pub(super) fn bandwidth_square(n: usize, count: usize) -> f64 {
     let n = n as f64;
     libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)
 }
@@ -208,7 +208,7 @@ fn weighted(sample: &Matrix, weights: &[f64]) -> Matrix {
 
 /// The weighted mean of the columns, taken about the first so that a component that does not vary is its own mean to the
 /// last bit.
-fn weighted_mean(sample: &Matrix, weights: &[f64]) -> Vector {
+pub(super) fn weighted_mean(sample: &Matrix, weights: &[f64]) -> Vector {
     let first = sample.column(0);
     let mut sum = Vector::zeros(sample.nrows());
     for (element, &weight) in sample.column_iter().zip(weights) {

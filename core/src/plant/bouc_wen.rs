@@ -11,7 +11,7 @@ use crate::channel::{ChannelInfo, Role, Sign, Usual};
 /// ```
 ///
 /// z is a displacement that follows x until the spring yields, near `|z| = 1/√(β + γ)`. After yielding the stiffness is
-/// α times the initial one.
+/// α times the initial one. [`super::bouc_wen_one::BoucWenOne`] has the exponent 1.
 ///
 /// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
 /// Kalman filter for real-time nonlinear structural system identification, section 4.

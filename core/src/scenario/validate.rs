@@ -4,9 +4,9 @@ use std::fmt::Display;
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::channel::{Role, Sign};
-use crate::filter::Adaptation;
+use crate::filter::{Adaptation, FilterKind};
 use crate::quantity::MAX_SENSORS;
-use crate::{Force, PlantKind, Signal, Values};
+use crate::{Channel, Force, InputKind, PlantKind, Signal, Values};
 
 /// Limits the samples of one record: more than a day at 1 kHz. A run that keeps them all needs tens of gigabytes per
 /// filter; one that forgets ([`crate::Run::forget`]) does not.
@@ -23,6 +23,9 @@ const MAX_SUBSTEPS: usize = 100;
 
 /// Limits the samples by which the plant can feel the input after or before it is recorded.
 const MAX_DELAY: u32 = 100;
+
+/// Limits the guesses that filters run from side by side.
+const MAX_GUESSES: usize = 8;
 
 /// Limits the members of an ensemble.
 const MAX_ENSEMBLE: usize = 100_000;
@@ -126,8 +129,10 @@ impl FilterSettings {
             propagation: _,
             substeps,
             iterations,
+            guesses,
             ensemble_size,
             adaptation: Adaptation { sensor_noise: _, process_noise: _, forgetting },
+            jump,
             smoother,
             fading,
             eta,
@@ -153,6 +158,20 @@ impl FilterSettings {
             format_args!("from 1 to {MAX_ITERATIONS}"),
         )?;
         require(
+            (1..=MAX_GUESSES).contains(guesses),
+            format_args!("{path}.guesses"),
+            guesses,
+            format_args!("from 1 to {MAX_GUESSES}"),
+        )?;
+        let model = self.model(truth, InputKind::Force);
+        let frequency = model.place(Channel::NATURAL_FREQUENCY).filter(|_| !self.knows(Channel::NATURAL_FREQUENCY));
+        require(
+            *guesses == 1 || (frequency.is_some() && initial_mean[Channel::NATURAL_FREQUENCY] > 0.0 && !*smoother),
+            format_args!("{path}.guesses"),
+            guesses,
+            "1 for a filter with a smoother, or without a natural frequency above 0 to estimate",
+        )?;
+        require(
             (2..=MAX_ENSEMBLE).contains(ensemble_size),
             format_args!("{path}.ensemble_size"),
             ensemble_size,
@@ -163,6 +182,12 @@ impl FilterSettings {
             format_args!("{path}.adaptation.forgetting"),
             forgetting,
             "between 0 and 1",
+        )?;
+        require(
+            !*jump || *kind != FilterKind::KF || !augment.is_empty(),
+            format_args!("{path}.jump"),
+            jump,
+            "false for a KF, which takes its parameters for known and has none to widen",
         )?;
         require(
             !(*smoother && kind.is_sampled()),

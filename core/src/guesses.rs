@@ -1,0 +1,167 @@
+//! Several filters side by side from guesses of the natural frequency that are far apart.
+
+use crate::estimator::Estimator;
+use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
+use crate::sink::{AssumedNoise, Sample, Sink};
+use crate::{Channel, FilterError, FilterSettings, Stop};
+
+/// A filter that begins from several guesses of ωₙ, spread evenly in its logarithm from e⁻² to e² times the initial mean. Each
+/// guess has a filter of its own, and the likeliest of them so far is reported. At every 500th measured sample a filter is given
+/// up that is 30 behind the likeliest in log likelihood and has not gained on it since the last look; so only one is left at last.
+///
+/// Source: Magill (1965), Optimal adaptive estimation of sampled stochastic processes (a bank of filters, weighed by their
+/// likelihoods).
+pub(crate) struct Guesses {
+    members: Vec<Member>,
+    /// The place of the likeliest.
+    leader: usize,
+    /// The measured samples so far.
+    measured: usize,
+}
+
+/// The filter of one guess.
+struct Member {
+    estimator: Box<dyn Estimator>,
+    last: Kept,
+    log_likelihood: f64,
+    /// Its log likelihood behind the likeliest at the last look.
+    behind: f64,
+}
+
+/// The outermost guesses are e^±2 times the initial mean: 0.14 and 7.4 times.
+const REACH: f64 = 2.0;
+
+/// The measured samples between two looks at who is far behind.
+const LOOK: usize = 500;
+
+/// Limits the log likelihood that a guess may be behind.
+const FAR_BEHIND: f64 = 30.0;
+
+/// The settings of the filters of all guesses, the one that is nearest to the initial mean first. A guess has a standard
+/// deviation of its share of the way to the next one, at least.
+pub(crate) fn members(settings: &FilterSettings) -> Vec<FilterSettings> {
+    let count = settings.guesses;
+    let place = |i: usize| 2.0 * REACH * i as f64 / (count - 1) as f64 - REACH;
+    let mut logarithms: Vec<f64> = (0..count).map(place).collect();
+    logarithms.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let of = |logarithm: f64| {
+        let mut member = FilterSettings { guesses: 1, ..settings.clone() };
+        let mean = settings.initial_mean[Channel::NATURAL_FREQUENCY] * libm::exp(logarithm);
+        member.initial_mean[Channel::NATURAL_FREQUENCY] = mean;
+        let std = &mut member.initial_std[Channel::NATURAL_FREQUENCY];
+        *std = std.max(REACH / count as f64 * mean);
+        member
+    };
+    logarithms.into_iter().map(of).collect()
+}
+
+impl Guesses {
+    /// Of filters that begin from different guesses; there must be one.
+    pub(crate) fn new(estimators: impl IntoIterator<Item = Box<dyn Estimator>>) -> Self {
+        let member = |estimator| Member { estimator, last: Kept::default(), log_likelihood: 0.0, behind: 0.0 };
+        Self { members: estimators.into_iter().map(member).collect(), leader: 0, measured: 0 }
+    }
+
+    /// Gives up the filters that are far behind and do not gain.
+    fn look(&mut self) {
+        let Self { members, leader, .. } = self;
+        let best = members[*leader].log_likelihood;
+        let mut place = 0;
+        let first = *leader;
+        members.retain_mut(|member| {
+            let behind = best - member.log_likelihood;
+            let is_kept = place == first || behind < FAR_BEHIND || behind < member.behind;
+            member.behind = behind;
+            if place < first && !is_kept {
+                *leader -= 1;
+            }
+            place += 1;
+            is_kept
+        });
+    }
+}
+
+impl Estimator for Guesses {
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        self.members[self.leader].estimator.begin(sink)
+    }
+
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        sink: &mut dyn Sink,
+    ) -> Result<(), FilterError> {
+        let mut reason = FilterError::NotFinite;
+        self.members.retain_mut(|member| {
+            let step = member.estimator.step(force_before, force, measured, &mut member.last);
+            reason = step.err().unwrap_or(reason);
+            member.log_likelihood += member.last.log_likelihood();
+            step.is_ok() && member.log_likelihood.is_finite()
+        });
+        let likelihood = |place: &usize| self.members[*place].log_likelihood;
+        // The first of those that are alike, which is the nearest to the initial mean.
+        let likeliest = (0..self.members.len()).rev().max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)));
+        self.leader = likeliest.ok_or(reason)?;
+        sink.push(&self.members[self.leader].last.sample());
+        if measured.iter().any(|value| !value.is_nan()) {
+            self.measured += 1;
+            if self.measured.is_multiple_of(LOOK) {
+                self.look();
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The last sample of a filter.
+#[derive(Default)]
+struct Kept {
+    mean: Vec<f64>,
+    cov: Vec<f64>,
+    innovation: Vec<f64>,
+    innovation_cov: Vec<f64>,
+    gain: Vec<f64>,
+    /// NIS, det S, log likelihood, effective sample size.
+    numbers: [f64; 4],
+    noise: Option<(Vec<f64>, Vec<f64>)>,
+    has_widened: bool,
+}
+
+impl Kept {
+    fn sample(&self) -> Sample<'_> {
+        let Self { mean, cov, innovation, innovation_cov, gain, numbers, noise, has_widened } = self;
+        let [nis, determinant, log_likelihood, effective_samples] = *numbers;
+        let noise = noise.as_ref().map(|(process, sensors)| AssumedNoise { process, sensors });
+        let has_widened = *has_widened;
+        let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
+        Sample { log_likelihood, effective_samples, noise, has_widened, ..update }
+    }
+
+    /// That of its measurements; 0 where there was none.
+    fn log_likelihood(&self) -> f64 {
+        let Self { innovation, innovation_cov, numbers: [nis, determinant, own, _], .. } = self;
+        match innovation.iter().map(|e| u32::from(!e.is_nan())).sum() {
+            0 => 0.0,
+            _ if !own.is_nan() => *own,
+            count => log_likelihood(*nis, ln_determinant(*determinant, innovation_cov, innovation.len()), count),
+        }
+    }
+}
+
+impl Sink for Kept {
+    fn push(&mut self, sample: &Sample<'_>) {
+        let Self { mean, cov, innovation, innovation_cov, gain, numbers, noise, has_widened } = self;
+        let parts = [sample.mean, sample.cov, sample.innovation, sample.innovation_cov, sample.gain];
+        for (kept, part) in [mean, cov, innovation, innovation_cov, gain].into_iter().zip(parts) {
+            kept.clear();
+            kept.extend_from_slice(part);
+        }
+        *numbers = [sample.nis, sample.determinant, sample.log_likelihood, sample.effective_samples];
+        *noise = sample.noise.map(|noise| (noise.process.to_vec(), noise.sensors.to_vec()));
+        *has_widened = sample.has_widened;
+    }
+
+    fn stop_at(&mut self, _: Stop) {}
+}
