@@ -6,7 +6,7 @@ use kalmanscope_core::free_run::one_step;
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{Fit, Identified, Quantity, Record, Run};
 
-use crate::number::short;
+use crate::number::{fixed, short};
 
 /// The free run of each filter's final model over a record, a line a filter and sensor: its error, and for the run's own record
 /// that of predictions one step ahead. `name` says which record it is.
@@ -62,5 +62,5 @@ fn words(fit: Fit, unit: &str) -> String {
     if fit.rms.is_infinite() {
         return "the model runs away".to_owned();
     }
-    format!("error {} {unit} rms, fit {:.2} %", short(fit.rms), fit.percent)
+    format!("error {} {unit} rms, fit {} %", short(fit.rms), fixed(fit.percent, 2))
 }

@@ -105,6 +105,10 @@ impl Study {
                 run.forget(forgotten_of(*window));
                 continue;
             }
+            // Where one sample of all filters takes long, each filter is a piece of work.
+            if chunk == 1 && !run.prepare(while_time) {
+                return false;
+            }
             run.advance_to(samples.min(run.done() + chunk).min(end));
             if !analysis.advance(&Subject::of(run), while_time) || !while_time() {
                 break;
