@@ -4,7 +4,7 @@ use kalmanscope_core::Diagnosis;
 use kalmanscope_core::diagnosis::{Evidence, Finding};
 use kalmanscope_core::sorting::sort_short_by;
 
-use crate::number::fixed;
+use crate::number::{fixed, legible};
 
 /// The most pieces of evidence, and the most causes, that are told of a filter.
 const MOST: (usize, usize) = (6, 3);
@@ -44,7 +44,7 @@ pub(crate) fn likeliest(causes: &[Finding]) -> impl Iterator<Item = CauseInWords
         let mut remedies = Vec::new();
         for knob in &suspect.knobs {
             let place = if knob.filter().is_some() { "in its [[filters]]" } else { "at the top" };
-            remedies.push(format!("write {place}: {}", knob.rounded().toml_line()));
+            remedies.push(format!("write {place}: {}", legible(&knob.rounded().toml_line())));
         }
         if suspect.knobs.is_empty() {
             remedies.push(suspect.cause.hint.to_owned());

@@ -38,6 +38,22 @@ pub(crate) fn with_spread(value: f64, std: f64) -> (String, String) {
     }
 }
 
+/// A line of TOML with numbers of many digits in scientific notation.
+pub(crate) fn legible(line: &str) -> String {
+    let ends = [' ', ',', '[', ']'];
+    let word = |word: &str| {
+        let number = word.trim_end_matches(ends);
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > MOST_DIGITS => format!("{value:e}{}", &word[number.len()..]),
+            _ => word.to_owned(),
+        }
+    };
+    line.split_inclusive(ends).map(word).collect()
+}
+
+/// Limits the digits of a number in a line of TOML, which are enough for every bit.
+const MOST_DIGITS: usize = 20;
+
 /// A number in scientific notation.
 pub(crate) fn scientific(value: f64, decimals: usize) -> String {
     no_number(value).map_or_else(|| format!("{value:.decimals$e}"), str::to_owned)
@@ -115,6 +131,8 @@ mod tests {
     fn no_number_is_longer_than_can_be_read() {
         assert_eq!([1e9, -1e45, f64::MAX].map(|x| fixed(x, 2)), ["1.000e9", "-1.000e45", "1.798e308"]);
         assert_eq!([12.345, f64::NAN, f64::NEG_INFINITY].map(|x| fixed(x, 1)), ["12.3", "–", "-∞"]);
+        let line = format!("initial_std.velocity = [{}.0, 0.5]", "1".to_owned() + &"0".repeat(45));
+        assert_eq!(legible(&line), "initial_std.velocity = [1e45, 0.5]");
         assert_eq!([f64::NAN, f64::NEG_INFINITY].map(plain), ["–", "-∞"]);
         assert_eq!([f64::NAN, f64::INFINITY].map(|error| deviation(error, 1.0)), ["–", "∞"]);
     }

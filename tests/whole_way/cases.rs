@@ -69,7 +69,7 @@ impl Plan {
 
     /// Tries the cases and prints what they show.
     pub(crate) fn carry_out(self) -> ExitCode {
-        keep_panics();
+        keep_panics(self.keeps_all);
         let begin = Instant::now();
         let (next, workers) = (AtomicU64::new(0), thread::available_parallelism().map_or(1, usize::from));
         let (outcomes, busy) = (Mutex::new(Vec::new()), AtomicUsize::new(workers));

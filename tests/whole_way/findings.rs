@@ -1,5 +1,6 @@
 //! Stages of a case: a panic, a freeze or a wrong result in one is a finding, and the case goes on.
 
+use std::backtrace::Backtrace;
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind};
 
@@ -27,11 +28,15 @@ thread_local! {
 }
 
 /// Keeps the panics of stages for [`Findings::stage`], in place of printing them.
-pub(crate) fn keep_panics() {
-    std::panic::set_hook(Box::new(|info: &PanicHookInfo<'_>| {
+/// With `aloud`, says where each of them comes from.
+pub(crate) fn keep_panics(aloud: bool) {
+    std::panic::set_hook(Box::new(move |info: &PanicHookInfo<'_>| {
         let place = info.location().map_or_else(String::new, |at| format!("{}:{}", at.file(), at.line()));
         let message = info.payload_as_str().unwrap_or_default();
         let panic = format!("{place}: {}", message.lines().next().unwrap_or_default());
+        if aloud {
+            println!("{panic}\n{}", Backtrace::force_capture());
+        }
         PANIC.with_borrow_mut(|kept| {
             // A second panic ends the program.
             if let Some(first) = kept {

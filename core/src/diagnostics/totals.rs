@@ -98,7 +98,8 @@ impl Totals {
     ///
     /// Source: van Herk (1992), A fast algorithm for local minimum and maximum filters on rectangular and octagonal kernels.
     pub(super) fn moving_means(&self, window: usize, range: Range<usize>) -> Vec<f64> {
-        let (squares, window) = (self.squares.rows(), window.max(1));
+        // A longer window has no more samples.
+        let (squares, window) = (self.squares.rows(), window.min(range.end).max(1));
         let mut means = Vec::with_capacity(range.len());
         // The sums from each sample of the block before to its end.
         let mut behind = Vec::with_capacity(window + 1);
