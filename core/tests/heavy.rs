@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, PlantKind, Run, Scenario, ScenarioError, Source, Study,
+    Channel, FilterKind, FilterSettings, Hold, Job, PlantKind, Run, Scenario, ScenarioError, Source, Study,
 };
 
 /// The default scenario with filters of a kind.
@@ -67,6 +67,32 @@ fn a_filter_whose_sample_takes_too_long_is_refused_with_the_size_that_is_allowed
     assert_eq!(heavy.validate(), Ok(()));
     heavy.filters[0].ensemble_size = most + most / 100 + 1;
     assert!(heavy.validate().is_err());
+}
+
+/// Each step of the truth is halved again and again.
+#[test]
+fn a_truth_that_is_hard_to_follow_is_divided() {
+    let text = include_str!("../../tests/hostile/hard-truth.toml");
+    let scenario = Scenario::from_toml(text).expect("it is valid");
+    let mut run = Run::new(&scenario).expect("it can be run");
+    run.advance_to(40);
+    let mut study = Study::new(&scenario, Source::Simulated, 1000).expect("it can be run");
+    let mut calls = 1;
+    while !study.advance_to(40, &mut || false) {
+        calls += 1;
+    }
+    assert!(calls > 10, "{calls}");
+    assert_eq!((study.run().truth_stop(), study.run().len()), (run.truth_stop(), run.len()));
+    let truth = |run: &Run| run.record().truth(Channel::DISPLACEMENT).map(<[f64]>::to_vec);
+    assert_eq!(truth(study.run()), truth(&run));
+    // The same as the next picture.
+    let another = Scenario { seed: 2, ..scenario };
+    let mut job = Job::new(&mut study, &another, None, 40).expect("it can be run");
+    let mut calls = 1;
+    while !job.advance(&study, &mut || false).is_done() {
+        calls += 1;
+    }
+    assert!(calls > 10, "{calls}");
 }
 
 /// Prints how long a sample of the largest filters takes: `cargo test --release --test heavy -- --ignored --nocapture`.

@@ -10,7 +10,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::dice::Dice;
-use crate::findings::{Finding, Findings, keep_panics};
+use crate::findings::{Finding, Findings, keep_panics, stage_of};
 use crate::scenarios;
 use crate::screen;
 use crate::way;
@@ -25,7 +25,7 @@ const MOST: u64 = 240;
 const ON_SCREEN: usize = 3;
 
 /// Limits the time of one case, above which it is taken for endless \[s\].
-const ENDLESS: Duration = Duration::from_secs(60);
+const ENDLESS: Duration = Duration::from_secs(120);
 
 /// The cases to try.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ pub(crate) struct Plan {
 
 /// The summary of one case.
 struct Outcome {
-    number: u64,
+    name: String,
     text: String,
     findings: Vec<Finding>,
     longest: f64,
@@ -67,10 +67,11 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Tries the cases and prints what they show.
+    /// Tries the cases, those that once broke something first, and prints what they show.
     pub(crate) fn carry_out(self) -> ExitCode {
         keep_panics(self.keeps_all);
         let begin = Instant::now();
+        let kept = if self.keeps_all { Vec::new() } else { kept() };
         let (next, workers) = (AtomicU64::new(0), thread::available_parallelism().map_or(1, usize::from));
         let (outcomes, busy) = (Mutex::new(Vec::new()), AtomicUsize::new(workers));
         let running: Vec<Mutex<Option<(u64, Instant)>>> = (0..workers).map(|_| Mutex::new(None)).collect();
@@ -84,10 +85,10 @@ impl Plan {
                         }
                         let number = self.first.wrapping_add(at);
                         set(place, Some((number, Instant::now())));
-                        if let Some(outcome) = on_its_own(number) {
-                            let Ok(mut outcomes) = outcomes.lock() else { return };
-                            outcomes.push(outcome);
-                        }
+                        let outcome = on_its_own(format!("case {number}"), move || made(number));
+                        let Ok(mut outcomes) = outcomes.lock() else { return };
+                        outcomes.push((number, outcome));
+                        drop(outcomes);
                         set(place, None);
                     }
                     busy.fetch_sub(1, Ordering::Relaxed);
@@ -105,7 +106,8 @@ impl Plan {
             }
         });
         let mut outcomes = outcomes.into_inner().unwrap_or_default();
-        outcomes.sort_by_key(|outcome| outcome.number);
+        outcomes.sort_by_key(|(number, _)| *number);
+        let outcomes: Vec<Outcome> = kept.into_iter().chain(outcomes.into_iter().map(|(_, outcome)| outcome)).collect();
         self.report(&outcomes, begin.elapsed())
     }
 
@@ -120,10 +122,10 @@ impl Plan {
             }
         }
         for ((what, stage), found) in &kinds {
-            let mut cases: Vec<u64> = found.iter().map(|(outcome, _)| outcome.number).collect();
+            let mut cases: Vec<&str> = found.iter().map(|(outcome, _)| outcome.name.as_str()).collect();
             cases.dedup();
             let (first, finding) = found[0];
-            println!("{stage} {what}: {} case(s), {:?}", cases.len(), &cases[..cases.len().min(8)]);
+            println!("{stage} {what}: {} case(s), {}", cases.len(), cases[..cases.len().min(8)].join(", "));
             println!("  {}", finding.detail);
             if !self.keeps_all {
                 first.text.lines().for_each(|line| println!("  | {line}"));
@@ -131,8 +133,7 @@ impl Plan {
         }
         let count = |is: fn(&Outcome) -> bool| outcomes.iter().filter(|outcome| is(outcome)).count();
         let longest = outcomes.iter().max_by(|a, b| a.longest.total_cmp(&b.longest));
-        let longest =
-            longest.map_or_else(String::new, |o| format!(", longest stage {:.0} ms (case {})", o.longest, o.number));
+        let longest = longest.map_or_else(String::new, |o| format!(", longest stage {:.0} ms ({})", o.longest, o.name));
         println!(
             "{} cases from {} on, {} refused, {} measured, {} kinds of findings in {} cases{longest}; {:.0} s",
             outcomes.len(),
@@ -143,8 +144,9 @@ impl Plan {
             count(|outcome| !outcome.findings.is_empty()),
             time.as_secs_f64()
         );
-        if self.count != u64::MAX && (outcomes.len() as u64) < self.count {
-            println!("{} cases are left: the time was up", self.count - outcomes.len() as u64);
+        let tried = outcomes.iter().filter(|outcome| outcome.name.starts_with("case ")).count() as u64;
+        if self.count != u64::MAX && tried < self.count {
+            println!("{} cases are left: the time was up", self.count - tried);
         }
         ExitCode::from(u8::from(!kinds.is_empty()))
     }
@@ -156,27 +158,60 @@ fn set(place: &Mutex<Option<(u64, Instant)>>, now: Option<(u64, Instant)>) {
     }
 }
 
-/// Tries a case on a thread that bears its number, so that even a stack that overflows names it.
-fn on_its_own(number: u64) -> Option<Outcome> {
-    thread::Builder::new().name(format!("case {number}")).spawn(move || one(number)).ok()?.join().ok()
+/// Tries a case on a thread that bears its name, so that even a stack that overflows tells it.
+fn on_its_own(name: String, case: impl FnOnce() -> Outcome + Send) -> Outcome {
+    let lost = || {
+        let findings = vec![Finding { stage: "the case", what: "ends its thread".to_owned(), detail: String::new() }];
+        let (text, longest) = (String::new(), 0.0);
+        Outcome { name: name.clone(), text, findings, longest, was_accepted: false, was_measured: false }
+    };
+    thread::scope(|scope| {
+        let thread = thread::Builder::new().name(name.clone()).spawn_scoped(scope, case);
+        thread.map_or_else(|_| lost(), |thread| thread.join().unwrap_or_else(|_| lost()))
+    })
 }
 
-/// Tries one case.
-fn one(number: u64) -> Outcome {
+/// Tries the scenarios of `tests/hostile`.
+fn kept() -> Vec<Outcome> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/hostile");
+    let Ok(files) = std::fs::read_dir(&folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = files.filter_map(|file| Some(file.ok()?.path())).collect();
+    files.retain(|file| file.extension().is_some_and(|end| end == "toml"));
+    files.sort();
+    let outcome = |file: &PathBuf| {
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        on_its_own(name.clone(), || {
+            let (dice, mut findings) = (Dice::new(1), Findings::default());
+            let text = std::fs::read_to_string(file).unwrap_or_default();
+            findings.require("reading the scenario", !text.is_empty(), "is empty", String::new);
+            one(name, text, dice, findings, true)
+        })
+    };
+    files.iter().map(outcome).collect()
+}
+
+/// Makes a case and tries it.
+fn made(number: u64) -> Outcome {
     let (mut dice, mut findings) = (Dice::new(number), Findings::default());
     let text =
         findings.stage("making a scenario", || scenarios::text(&mut dice).unwrap_or_default()).unwrap_or_default();
+    one(format!("case {number}"), text, dice, findings, false)
+}
+
+/// Tries one case.
+fn one(name: String, text: String, mut dice: Dice, mut findings: Findings, is_kept: bool) -> Outcome {
     let scenario = way::scenario_of(&text, &mut findings);
+    findings.require("reading the scenario", scenario.is_some() || !is_kept, "is refused", String::new);
     let mut was_measured = false;
     if let Some(scenario) = &scenario {
         let measured = way::go(scenario, &mut dice, &mut findings);
         was_measured = measured.is_some();
-        if dice.one_in(ON_SCREEN) {
+        if is_kept || dice.one_in(ON_SCREEN) {
             screen::show(scenario, measured, &mut dice, &mut findings);
         }
     }
     let Findings { all, longest } = findings;
-    Outcome { number, text, findings: all, longest, was_accepted: scenario.is_some(), was_measured }
+    Outcome { name, text, findings: all, longest, was_accepted: scenario.is_some(), was_measured }
 }
 
 /// Where the files of cases are kept.
@@ -186,11 +221,11 @@ fn folder() -> PathBuf {
 
 /// Keeps the scenario of a case, with the findings as remarks.
 fn keep(outcome: &Outcome) {
-    let mut text = format!("# case {}\n", outcome.number);
+    let mut text = format!("# {}\n", outcome.name);
     for Finding { stage, what, detail } in &outcome.findings {
         let _ = writeln!(text, "# {stage} {what} {}", detail.replace('\n', " "));
     }
-    let path = folder().join(format!("{}.toml", outcome.number));
+    let path = folder().join(format!("{}.toml", outcome.name.replace(' ', "-").trim_end_matches(".toml")));
     let written = std::fs::create_dir_all(folder()).and_then(|()| std::fs::write(&path, text + &outcome.text));
     match written {
         Ok(()) => println!("{}", path.display()),
@@ -201,6 +236,6 @@ fn keep(outcome: &Outcome) {
 /// Ends the program at a case that does not end.
 fn end_at(number: u64) -> ! {
     let text = scenarios::text(&mut Dice::new(number)).unwrap_or_default();
-    println!("case {number} does not end:\n{text}");
+    println!("case {number}, {}, does not end:\n{text}", stage_of(&format!("case {number}")));
     std::process::exit(1)
 }

@@ -2,7 +2,9 @@
 
 use std::backtrace::Backtrace;
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind};
+use std::sync::Mutex;
 
 use crate::clock::{Elapsed, Moment};
 
@@ -48,6 +50,14 @@ pub(crate) fn keep_panics(aloud: bool) {
     }));
 }
 
+/// The stage that each case is in, by the name of its thread.
+static STAGES: Mutex<BTreeMap<String, &'static str>> = Mutex::new(BTreeMap::new());
+
+/// The stage that the case of a name is in.
+pub(crate) fn stage_of(case: &str) -> &'static str {
+    STAGES.lock().ok().and_then(|stages| stages.get(case).copied()).unwrap_or_default()
+}
+
 /// Something wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Finding {
@@ -69,6 +79,9 @@ pub(crate) struct Findings {
 impl Findings {
     /// Does a part of the case. `None` where it panics.
     pub(crate) fn stage<T>(&mut self, stage: &'static str, work: impl FnOnce() -> T) -> Option<T> {
+        if let (Ok(mut stages), Some(name)) = (STAGES.lock(), std::thread::current().name()) {
+            stages.insert(name.to_owned(), stage);
+        }
         let begin = Moment::now();
         let result = catch_unwind(AssertUnwindSafe(work));
         let Elapsed { cpu, wall: _ } = begin.elapsed();

@@ -176,9 +176,17 @@ mod tests {
             let degrees = [1, 2, 0, 1, 3][k % 5];
             totals.push(if k == 40 { 1e18 } else { 0.1 + k as f64 }, degrees);
         }
-        for (window, range) in
-            [(1, 0..97), (7, 0..97), (7, 13..60), (40, 39..97), (97, 0..97), (500, 90..97), (3, 9..9)]
-        {
+        for (window, range) in [
+            (1, 0..97),
+            (7, 0..97),
+            (7, 13..60),
+            (40, 39..97),
+            (97, 0..97),
+            (500, 90..97),
+            (3, 9..9),
+            (usize::MAX, 0..97),
+            (usize::MAX, 90..97),
+        ] {
             let means = totals.moving_means(window, range.clone());
             assert_eq!(means.len(), range.len());
             for (k, mean) in range.zip(means) {
