@@ -91,7 +91,9 @@ impl Findings {
         }
         if result.is_err() {
             let panic = PANIC.with_borrow_mut(Option::take).unwrap_or_default();
-            self.add(stage, &format!("panics at {panic}"), String::new());
+            // Messages have numbers of this case.
+            let (place, message) = panic.split_once(": ").unwrap_or((&panic, ""));
+            self.add(stage, &format!("panics at {place}"), message.to_owned());
         }
         result.ok()
     }
