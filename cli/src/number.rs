@@ -38,7 +38,7 @@ pub(crate) fn with_spread(value: f64, std: f64) -> (String, String) {
     }
 }
 
-/// A line of TOML with numbers of many digits in scientific notation.
+/// A line of TOML with numbers of too many digits in scientific notation.
 pub(crate) fn legible(line: &str) -> String {
     let ends = [' ', ',', '[', ']'];
     let word = |word: &str| {
@@ -51,8 +51,8 @@ pub(crate) fn legible(line: &str) -> String {
     line.split_inclusive(ends).map(word).collect()
 }
 
-/// Limits the digits of a number in a line of TOML, which are enough for every bit.
-const MOST_DIGITS: usize = 20;
+/// Limits the characters of a number in a line of TOML.
+const MOST_DIGITS: usize = 15;
 
 /// A number in scientific notation.
 pub(crate) fn scientific(value: f64, decimals: usize) -> String {

@@ -21,10 +21,10 @@ use crate::way::Measured;
 const SIZE: Vec2 = Vec2::new(1280.0, 8000.0);
 
 /// The budget of a frame, in pieces of work so that it is the same on every machine.
-const BUDGET: Budget = Budget::Pieces(5);
+const BUDGET: Budget = Budget::Pieces(2);
 
 /// Limits the frames in which a picture is to be complete. Longer ones are left incomplete.
-const FRAMES: usize = 40;
+const FRAMES: usize = 80;
 
 struct Screen {
     app: App,
