@@ -85,7 +85,7 @@ impl Plan {
                         }
                         let number = self.first.wrapping_add(at);
                         set(place, Some((number, Instant::now())));
-                        let outcome = on_its_own(format!("case {number}"), move || made(number));
+                        let outcome = on_its_own(&format!("case {number}"), move || made(number));
                         let Ok(mut outcomes) = outcomes.lock() else { return };
                         outcomes.push((number, outcome));
                         drop(outcomes);
@@ -159,14 +159,14 @@ fn set(place: &Mutex<Option<(u64, Instant)>>, now: Option<(u64, Instant)>) {
 }
 
 /// Tries a case on a thread that bears its name, so that even a stack that overflows tells it.
-fn on_its_own(name: String, case: impl FnOnce() -> Outcome + Send) -> Outcome {
+fn on_its_own(name: &str, case: impl FnOnce() -> Outcome + Send) -> Outcome {
     let lost = || {
         let findings = vec![Finding { stage: "the case", what: "ends its thread".to_owned(), detail: String::new() }];
         let (text, longest) = (String::new(), 0.0);
-        Outcome { name: name.clone(), text, findings, longest, was_accepted: false, was_measured: false }
+        Outcome { name: name.to_owned(), text, findings, longest, was_accepted: false, was_measured: false }
     };
     thread::scope(|scope| {
-        let thread = thread::Builder::new().name(name.clone()).spawn_scoped(scope, case);
+        let thread = thread::Builder::new().name(name.to_owned()).spawn_scoped(scope, case);
         thread.map_or_else(|_| lost(), |thread| thread.join().unwrap_or_else(|_| lost()))
     })
 }
@@ -180,7 +180,7 @@ fn kept() -> Vec<Outcome> {
     files.sort();
     let outcome = |file: &PathBuf| {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        on_its_own(name.clone(), || {
+        on_its_own(&name.clone(), || {
             let (dice, mut findings) = (Dice::new(1), Findings::default());
             let text = std::fs::read_to_string(file).unwrap_or_default();
             findings.require("reading the scenario", !text.is_empty(), "is empty", String::new);
