@@ -223,9 +223,10 @@ impl Session {
         self.study.analysis().smoothed()
     }
 
-    /// The quantities that the run's sensors measure.
+    /// The quantities that the run's filters are told, in the order of their innovations. A measured record may have more, and
+    /// in another order.
     pub fn sensors(&self) -> Vec<Quantity> {
-        self.run().record().sensors().to_vec()
+        self.run().scenario().sensors.iter().map(|sensor| sensor.measures).collect()
     }
 
     /// The part of the record that is shown. A record too long to be shown as a whole is always live.

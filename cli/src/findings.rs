@@ -4,6 +4,8 @@ use kalmanscope_core::Diagnosis;
 use kalmanscope_core::diagnosis::{Evidence, Finding};
 use kalmanscope_core::sorting::sort_short_by;
 
+use crate::number::{fixed, legible};
+
 /// The most pieces of evidence, and the most causes, that are told of a filter.
 const MOST: (usize, usize) = (6, 3);
 
@@ -33,7 +35,8 @@ pub(crate) fn likeliest(causes: &[Finding]) -> impl Iterator<Item = CauseInWords
         let suspect = &finding.suspect;
         let mut told = Vec::new();
         if finding.gain.is_finite() {
-            told.push(format!("log likelihood {:+.0}", finding.gain));
+            let sign = if finding.gain < 0.0 { "" } else { "+" };
+            told.push(format!("log likelihood {sign}{}", fixed(finding.gain, 0)));
         }
         told.extend(finding.after.as_ref().map(|verdict| format!("then {}", verdict.kind.name())));
         let told = if told.is_empty() { String::new() } else { format!(" ({})", told.join(", ")) };
@@ -41,7 +44,7 @@ pub(crate) fn likeliest(causes: &[Finding]) -> impl Iterator<Item = CauseInWords
         let mut remedies = Vec::new();
         for knob in &suspect.knobs {
             let place = if knob.filter().is_some() { "in its [[filters]]" } else { "at the top" };
-            remedies.push(format!("write {place}: {}", knob.rounded().toml_line()));
+            remedies.push(format!("write {place}: {}", legible(&knob.rounded().toml_line())));
         }
         if suspect.knobs.is_empty() {
             remedies.push(suspect.cause.hint.to_owned());

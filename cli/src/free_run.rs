@@ -6,7 +6,7 @@ use kalmanscope_core::free_run::one_step;
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{Estimates, Fit, Identified, Quantity, Record, Run, Scenario};
 
-use crate::number::short;
+use crate::number::{fixed, short};
 
 /// The free runs of all final models over one record.
 pub(crate) struct FreeRuns {
@@ -92,5 +92,5 @@ fn words(fit: Fit, unit: &str) -> String {
     if fit.rms.is_infinite() {
         return "the model runs away".to_owned();
     }
-    format!("error {} {unit} rms, fit {:.2} %", short(fit.rms), fit.percent)
+    format!("error {} {unit} rms, fit {} %", short(fit.rms), fixed(fit.percent, 2))
 }

@@ -1,5 +1,24 @@
 //! Numbers for people to read.
 
+/// The sign for what is no number: a dash where nothing is known, and infinity where a number is beyond all others.
+fn no_number(value: f64) -> Option<&'static str> {
+    match value {
+        _ if value.is_nan() => Some("–"),
+        f64::INFINITY => Some("∞"),
+        f64::NEG_INFINITY => Some("-∞"),
+        _ => None,
+    }
+}
+
+/// A number with so many decimals, or in scientific notation where it has too many digits.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    match no_number(value) {
+        Some(sign) => sign.to_owned(),
+        None if value.abs() < 1e9 => format!("{value:.decimals$}"),
+        None => format!("{value:.3e}"),
+    }
+}
+
 /// The decimals that show two digits of a standard deviation; `None` where fixed notation would be illegible.
 fn decimals(spread: f64) -> Option<usize> {
     let exponent = spread.log10().floor();
@@ -15,8 +34,29 @@ pub(crate) fn with_spread(value: f64, std: f64) -> (String, String) {
     }
     match decimals(spread).filter(|_| value.abs() < 1e9) {
         Some(decimals) => (format!("{value:.decimals$}"), format!("{spread:.decimals$}")),
-        None => (format!("{value:.3e}"), format!("{spread:.1e}")),
+        None => (scientific(value, 3), scientific(spread, 1)),
     }
+}
+
+/// A line of TOML with numbers of too many digits in scientific notation.
+pub(crate) fn legible(line: &str) -> String {
+    let ends = [' ', ',', '[', ']'];
+    let word = |word: &str| {
+        let number = word.trim_end_matches(ends);
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > MOST_DIGITS => format!("{value:e}{}", &word[number.len()..]),
+            _ => word.to_owned(),
+        }
+    };
+    line.split_inclusive(ends).map(word).collect()
+}
+
+/// Limits the characters of a number in a line of TOML.
+const MOST_DIGITS: usize = 15;
+
+/// A number in scientific notation.
+pub(crate) fn scientific(value: f64, decimals: usize) -> String {
+    no_number(value).map_or_else(|| format!("{value:.decimals$e}"), str::to_owned)
 }
 
 /// A difference from the truth, to one more digit than the standard deviation supports.
@@ -24,7 +64,7 @@ pub(crate) fn deviation(error: f64, std: f64) -> String {
     match decimals(2.0 * std).filter(|_| error.abs() < 1e9) {
         Some(decimals) => format!("{error:+.0$}", decimals + 1),
         None if error == 0.0 => "0".to_owned(),
-        None => format!("{error:+.1e}"),
+        None => no_number(error).map_or_else(|| format!("{error:+.1e}"), str::to_owned),
     }
 }
 
@@ -34,7 +74,7 @@ pub(crate) fn short(value: f64) -> String {
         return "0".to_owned();
     }
     if !(1e-4..1e6).contains(&value) {
-        return format!("{value:.2e}");
+        return scientific(value, 2);
     }
     let decimals = (2.0 - value.log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{value:.decimals$}")
@@ -46,7 +86,7 @@ pub(crate) fn plain(value: f64) -> String {
         return "0".to_owned();
     }
     if !(1e-4..1e9).contains(&value.abs()) {
-        return format!("{value:.3e}");
+        return scientific(value, 3);
     }
     let decimals = (5.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
     let text = format!("{value:.decimals$}");
@@ -69,7 +109,8 @@ mod tests {
         assert_eq!(text(6.0, 0.0), "6 ± 0");
         assert_eq!(text(1e-12, 1e-12), "1.000e-12 ± 2.0e-12");
         assert_eq!(text(3e20, 1e-3), "3.000e20 ± 2.0e-3");
-        assert_eq!(text(f64::NAN, f64::NAN), "NaN ± NaN");
+        assert_eq!(text(f64::NAN, f64::NAN), "– ± –");
+        assert_eq!(text(1e308, 1e308), "1.000e308 ± ∞");
     }
 
     #[test]
@@ -83,7 +124,17 @@ mod tests {
     fn short_numbers_have_three_digits() {
         let shown = [0.0123456, 1.5, 123.4, 98_765.4, 1e-7, 2e7, 0.0].map(short);
         assert_eq!(shown, ["0.0123", "1.50", "123", "98765", "1.00e-7", "2.00e7", "0"]);
-        assert_eq!(short(f64::NAN), "NaN");
+        assert_eq!([f64::NAN, f64::INFINITY].map(short), ["–", "∞"]);
+    }
+
+    #[test]
+    fn no_number_is_longer_than_can_be_read() {
+        assert_eq!([1e9, -1e45, f64::MAX].map(|x| fixed(x, 2)), ["1.000e9", "-1.000e45", "1.798e308"]);
+        assert_eq!([12.345, f64::NAN, f64::NEG_INFINITY].map(|x| fixed(x, 1)), ["12.3", "–", "-∞"]);
+        let line = format!("initial_std.velocity = [{}.0, 0.5]", "1".to_owned() + &"0".repeat(45));
+        assert_eq!(legible(&line), "initial_std.velocity = [1e45, 0.5]");
+        assert_eq!([f64::NAN, f64::NEG_INFINITY].map(plain), ["–", "-∞"]);
+        assert_eq!([f64::NAN, f64::INFINITY].map(|error| deviation(error, 1.0)), ["–", "∞"]);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use kalmanscope_core::Summary;
 use kalmanscope_core::diagnostics::MeanSquare;
 
-use crate::number::short;
+use crate::number::{fixed, scientific, short};
 
 /// Name and value of each measure: mean NIS and NEES with their intervals, the share of the truth inside, whiteness, log
 /// likelihood.
@@ -18,18 +18,18 @@ pub(crate) fn quality(summary: &Summary, has_innovations: bool) -> Vec<(&'static
         rows.push(("mean NEES", placed(nees, "interval for one sample")));
     }
     if let Some(share) = summary.share_in_ellipsoid {
-        rows.push(("truth", format!("in the 95 % ellipsoid in {:.1} % of the samples", 100.0 * share)));
+        rows.push(("truth", format!("in the 95 % ellipsoid in {} % of the samples", fixed(100.0 * share, 1))));
     }
     let tests = summary.ljung_box.iter().filter_map(|(quantity, test)| {
         let test = test.as_ref()?;
-        Some(format!("{} Q = {}, p = {:.3}", quantity.symbol(), short(test.statistic), test.p_value))
+        Some(format!("{} Q = {}, p = {}", quantity.symbol(), short(test.statistic), fixed(test.p_value, 3)))
     });
     let tests: Vec<String> = tests.collect();
     if !tests.is_empty() {
         rows.push(("Ljung-Box", tests.join("; ")));
     }
     match &summary.nis {
-        Some(_) => rows.push(("log likelihood", format!("{:.2}", summary.log_likelihood))),
+        Some(_) => rows.push(("log likelihood", fixed(summary.log_likelihood, 2))),
         None if has_innovations => rows.push(("log likelihood", "–".to_owned())),
         None => {}
     }
@@ -47,6 +47,6 @@ fn placed(square: &MeanSquare, interval: &str) -> String {
         "above"
     };
     let [mean, low, high] =
-        [mean, range.start(), range.end()].map(|x| if *x < 1e6 { format!("{x:.3}") } else { format!("{x:.3e}") });
+        [mean, range.start(), range.end()].map(|x| if *x < 1e6 { format!("{x:.3}") } else { scientific(*x, 3) });
     format!("{mean}, {place} its χ² 95 % {interval} {low} … {high}")
 }

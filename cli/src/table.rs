@@ -8,7 +8,7 @@ use kalmanscope_core::import::Length;
 use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, Run, Summary};
 
 use crate::findings::{evidence, likeliest};
-use crate::number::{deviation, plain, short, with_spread};
+use crate::number::{deviation, fixed, plain, short, with_spread};
 use crate::quality::quality;
 use crate::remarks::remarks;
 use crate::results::{FilterResults, Results};
@@ -134,13 +134,13 @@ pub(crate) fn row(last: &Final, length: Length) -> [String; COLUMNS] {
     let &Final { channel, mean, std, score } = last;
     let (value, spread) = with_spread(mean, std);
     let scored = score.map(|score| {
-        let in_stds = if std > 0.0 { format!("({:.1}σ)", score.error.abs() / std) } else { String::new() };
+        let in_stds = if std > 0.0 { format!("({}σ)", fixed(score.error.abs() / std, 1)) } else { String::new() };
         let settled = match score.settled {
             _ if std == 0.0 || !channel.is_parameter() => String::new(),
             Some(time) => format!("{} s", plain((time * 1e3).round() / 1e3)),
             None => "never".to_owned(),
         };
-        let inside = if std > 0.0 { format!("{:.1} %", 100.0 * score.share_inside) } else { String::new() };
+        let inside = if std > 0.0 { format!("{} %", fixed(100.0 * score.share_inside, 1)) } else { String::new() };
         [deviation(score.error, std), in_stds, short(score.rmse), short(score.rmse_last_third), inside, settled]
     });
     let [error, in_stds, rmse, last_third, inside, settled] = scored.unwrap_or_default();

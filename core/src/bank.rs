@@ -41,7 +41,7 @@ impl Bank {
     pub(crate) fn add(&mut self, record: &Record, samples: usize, spare: Option<Estimates>) {
         let place = self.passes.len();
         let filter = &self.scenario.filters[place];
-        let pass = Pass::with(filter, self.context(record.dt(), place), self.sensors.clone());
+        let pass = Pass::later(filter, self.context(record.dt(), place), self.sensors.clone());
         let mut estimates = self.empty(filter);
         estimates.recycle(spare, samples);
         self.passes.push(pass);
@@ -87,14 +87,28 @@ impl Bank {
     /// Runs all filters over a record up to `samples`, one filter after the other, because each one's data then stays
     /// in the cache.
     pub(crate) fn follow(&mut self, record: &Record, samples: usize) {
-        for (pass, estimates) in self.passes.iter_mut().zip(&mut self.estimates) {
-            pass.follow(record, samples, estimates);
+        for place in 0..self.passes.len() {
+            self.follow_one(place, record, samples);
         }
+    }
+
+    /// Computes the next sample of each filter ahead, one filter after the other, and calls `while_time` after each. Returns
+    /// early if it is false.
+    pub(crate) fn prepare(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
+        self.passes.iter_mut().all(|pass| {
+            let is_there = pass.is_prepared();
+            pass.prepare(record);
+            is_there || while_time()
+        })
     }
 
     /// Runs the filter at a place over a record up to `samples`.
     pub(crate) fn follow_one(&mut self, place: usize, record: &Record, samples: usize) {
-        self.passes[place].follow(record, samples, &mut self.estimates[place]);
+        let (pass, estimates) = (&mut self.passes[place], &mut self.estimates[place]);
+        if pass.done() < samples {
+            pass.settle(samples, estimates);
+        }
+        pass.follow(record, samples, estimates);
     }
 
     /// Forgets the first samples that are still kept.

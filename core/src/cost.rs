@@ -24,6 +24,20 @@ pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
     one * (settings.substeps.max(1) * settings.guesses.max(1)) as f64
 }
 
+/// Time that one member of an ensemble takes for one sample where no kernel serves the filter \[ns\]: by the number of its
+/// components for a step, and by their square for the sample's covariance and the draws. Measured by `core/tests/heavy.rs`.
+const OF_COMPONENT: f64 = 250.0;
+const OF_COVARIANCE: f64 = 12.0;
+
+/// Limits the time for one sample of an ensemble, which nothing divides; a browser is three to four times slower \[ns\].
+const LONGEST: f64 = 0.25e9;
+
+/// Limits the members of an ensemble of so many components that moves by so many steps a sample.
+pub(crate) fn largest_ensemble(components: usize, substeps: usize) -> usize {
+    let n = components.max(1) as f64;
+    (LONGEST / (OF_COMPONENT * n * substeps.max(1) as f64 + OF_COVARIANCE * n * n)) as usize
+}
+
 /// The number of samples that a filter computes between two checks of the clock.
 pub(crate) fn chunk(step: f64) -> usize {
     (CHUNK / step).clamp(1.0, 1e5) as usize

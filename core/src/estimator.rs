@@ -55,8 +55,34 @@ impl<'a> FilterContext<'a> {
         Self { plant: plant.kind, input: *input, hold: *hold, sensors, dt, seed: *seed, stream }
     }
 
+    /// The inputs on their own.
+    pub(crate) fn kept(self, settings: &FilterSettings) -> Recipe {
+        let Self { plant, input, hold, sensors, dt, seed, stream } = self;
+        Recipe { settings: settings.clone(), plant, input, hold, sensors: sensors.to_vec(), dt, seed, stream }
+    }
+
     /// The model of a filter with these settings.
     pub(crate) fn model(&self, settings: &FilterSettings) -> Model {
         settings.model(self.plant, self.input)
+    }
+}
+
+/// A filter that is yet to be built: to draw a large ensemble takes time.
+pub(crate) struct Recipe {
+    settings: FilterSettings,
+    plant: PlantKind,
+    input: InputKind,
+    hold: Hold,
+    sensors: Vec<Quantity>,
+    dt: f64,
+    seed: u64,
+    stream: usize,
+}
+
+impl Recipe {
+    /// The settings, and the inputs besides them.
+    pub(crate) fn parts(&self) -> (&FilterSettings, FilterContext<'_>) {
+        let &Self { ref settings, plant, input, hold, ref sensors, dt, seed, stream } = self;
+        (settings, FilterContext { plant, input, hold, sensors, dt, seed, stream })
     }
 }

@@ -1,22 +1,45 @@
 //! One filter over one record.
 
-use crate::estimator::{Estimator, Failed, FilterContext};
+use crate::estimator::{Estimator, Failed, FilterContext, Recipe};
 use crate::quantity::MAX_SENSORS;
 use crate::run_error::sensor_places;
-use crate::select::estimator;
 use crate::sink::Sink;
 use crate::tape::Tape;
-use crate::{Estimates, FilterError, FilterSettings, Quantity, Record, RunError, Scenario, Stop};
+use crate::{Estimates, FilterError, FilterSettings, Quantity, Record, RunError, Scenario, Stop, select};
 
 /// A filter that runs over a record sample by sample and reports to a [`Sink`]. Whole records, live mode and maps of
 /// thousands of runs are loops over this.
 pub struct Pass {
-    estimator: Box<dyn Estimator>,
+    filter: Built,
     /// The column of the record for each of the scenario's sensors.
     sensors: Vec<usize>,
     input_delay: i32,
     done: usize,
     stop: Option<Stop>,
+    /// The next sample, where it has been computed ahead.
+    ahead: Option<Tape>,
+}
+
+/// A filter, which is built when it is first needed.
+#[derive(Default)]
+struct Built {
+    /// None once it is built, and for a pass without a filter.
+    recipe: Option<Box<Recipe>>,
+    estimator: Option<Box<dyn Estimator>>,
+}
+
+impl Built {
+    fn estimator(&mut self) -> &mut dyn Estimator {
+        let Self { recipe, estimator } = self;
+        let build = || match recipe.take() {
+            Some(recipe) => {
+                let (settings, context) = recipe.parts();
+                select::estimator(settings, context)
+            }
+            None => Box::new(Failed(FilterError::NotFinite)),
+        };
+        estimator.get_or_insert_with(build).as_mut()
+    }
 }
 
 impl Pass {
@@ -48,14 +71,23 @@ impl Pass {
     }
 
     pub(crate) fn with(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
-        let input_delay = settings.input_delay;
-        Self { estimator: estimator(settings, context), sensors, input_delay, done: 0, stop: None }
+        let estimator = Some(select::estimator(settings, context));
+        Self::of(Built { recipe: None, estimator }, settings, sensors)
+    }
+
+    /// The same, but the filter is built with its first sample.
+    pub(crate) fn later(settings: &FilterSettings, context: FilterContext<'_>, sensors: Vec<usize>) -> Self {
+        let recipe = Some(Box::new(context.kept(settings)));
+        Self::of(Built { recipe, estimator: None }, settings, sensors)
+    }
+
+    fn of(filter: Built, settings: &FilterSettings, sensors: Vec<usize>) -> Self {
+        Self { filter, sensors, input_delay: settings.input_delay, done: 0, stop: None, ahead: None }
     }
 
     /// A pass without a record, which does nothing.
     pub(crate) fn idle() -> Self {
-        let estimator = Box::new(Failed(FilterError::NotFinite));
-        Self { estimator, sensors: Vec::new(), input_delay: 0, done: 0, stop: None }
+        Self { filter: Built::default(), sensors: Vec::new(), input_delay: 0, done: 0, stop: None, ahead: None }
     }
 
     /// An empty history for the filter at `place` of a scenario, to be filled by a pass.
@@ -90,17 +122,43 @@ impl Pass {
 
     /// Begins again after samples that were only taken in.
     pub(crate) fn begin_again(&mut self) {
-        (self.done, self.stop) = (0, None);
+        (self.done, self.stop, self.ahead) = (0, None, None);
+    }
+
+    /// Computes the next sample of the record ahead, if there is one, and keeps it until [`Self::settle`].
+    pub(crate) fn prepare(&mut self, record: &Record) {
+        let next = self.done;
+        if self.ahead.is_none() && self.stop.is_none() && next < record.forgotten() + record.len() {
+            let mut tape = Tape::default();
+            self.follow(record, next + 1, &mut tape);
+            (self.done, self.stop, self.ahead) = (next, None, Some(tape));
+        }
+    }
+
+    /// Whether the next sample has been computed ahead, or there is none.
+    pub(crate) fn is_prepared(&self) -> bool {
+        self.ahead.is_some() || self.stop.is_some()
+    }
+
+    /// Appends the sample that was computed ahead, if there is one. `samples` is the number of all samples.
+    pub(crate) fn settle(&mut self, samples: usize, estimates: &mut Estimates) {
+        if let Some(tape) = self.ahead.take() {
+            self.take(&tape, samples, estimates);
+        }
     }
 
     /// Computes until `samples` samples, counted from the record's beginning, are done, or to the end of the record. A
     /// filter that fails reports the reason to the sink and computes no further samples.
     pub fn follow(&mut self, record: &Record, samples: usize, sink: &mut dyn Sink) {
-        let Self { estimator, sensors, input_delay, done, stop } = self;
+        let Self { filter, sensors, input_delay, done, stop, ahead: _ } = self;
         let force = |k: usize| record.delayed_force(k, *input_delay);
         let goal = samples.min(record.forgotten() + record.len()).max(*done);
         let mut measured = [f64::NAN; MAX_SENSORS];
         let measured = &mut measured[..sensors.len()];
+        if goal == *done {
+            return;
+        }
+        let estimator = filter.estimator();
         for sample in *done..goal {
             if stop.is_some() {
                 break;

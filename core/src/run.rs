@@ -128,6 +128,32 @@ impl Run {
         *done - begin
     }
 
+    /// Simulates the record that [`Self::advance_to`] needs for so many samples, and calls `while_time` where that takes long.
+    /// Returns early if it is false.
+    pub(crate) fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { recording, samples: all, done: _, bank } = self;
+        let goal = (samples.min(*all) + bank.lookahead()).min(*all);
+        while recording.len() < goal.min(*all) {
+            if !recording.advance_some(goal) {
+                *all = recording.len();
+            } else if recording.len() < goal && !while_time() {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Computes the next sample ahead, of one filter after the other, and calls `while_time` after each. Returns early if it is
+    /// false. What has been computed is seen once [`Self::advance_to`] comes to that sample.
+    pub(crate) fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
+        let Self { recording, samples: all, done, bank } = self;
+        let goal = (*done + 1).min(*all);
+        if !recording.advance_to((goal + bank.lookahead()).min(*all)) {
+            *all = recording.len();
+        }
+        goal > *all || bank.prepare(recording.record(), while_time)
+    }
+
     /// Forgets the first `samples` of those that are kept, but never the last one, and everything derived from them.
     /// The memory stays reserved. Later samples are bit-identical to those of a run that keeps everything. Returns
     /// false for a given record, which cannot be forgotten.

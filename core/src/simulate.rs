@@ -94,6 +94,11 @@ impl Simulator {
         self.stop
     }
 
+    /// The number of times that steps have been halved so far, which tells the time that the truth takes.
+    pub(crate) fn halved(&self) -> u64 {
+        self.response.halved()
+    }
+
     /// Appends the next sample to `record`. Returns whether there was one: an unstable plant, such as one with a
     /// softening spring, can diverge beyond the largest number. [`Self::stop`] then has the reason.
     pub fn step(&mut self, record: &mut Record) -> bool {

@@ -15,6 +15,10 @@ pub enum Source {
     Measured(Arc<Record>),
 }
 
+/// Limits the times that the steps of a truth are halved between two checks of the time; the sample at which it is reached may
+/// take as long again: about ten milliseconds.
+const HALVED: u64 = 1000;
+
 /// A record in simulation, or a given one.
 pub(crate) enum Recording {
     /// The simulated part that is kept.
@@ -85,14 +89,24 @@ impl Recording {
     /// Simulates until there are `samples` samples, counted from the beginning. Returns false if the truth has diverged
     /// before.
     pub(crate) fn advance_to(&mut self, samples: usize) -> bool {
-        if let Self::Simulated { simulator, record } = self {
-            while record.forgotten() + record.len() < samples {
-                if !simulator.step(record) {
-                    return false;
-                }
+        while self.len() < samples {
+            if !self.advance_some(samples) {
+                return false;
             }
         }
-        self.len() >= samples
+        true
+    }
+
+    /// The same, but stops after some milliseconds where the plant is hard to follow.
+    pub(crate) fn advance_some(&mut self, samples: usize) -> bool {
+        let Self::Simulated { simulator, record } = self else { return self.len() >= samples };
+        let begin = simulator.halved();
+        while record.forgotten() + record.len() < samples && simulator.halved() - begin < HALVED {
+            if !simulator.step(record) {
+                return false;
+            }
+        }
+        true
     }
 
     /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.

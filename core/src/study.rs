@@ -105,7 +105,15 @@ impl Study {
                 run.forget(forgotten_of(*window));
                 continue;
             }
-            run.advance_to(samples.min(run.done() + chunk).min(end));
+            let goal = samples.min(run.done() + chunk).min(end);
+            if !run.simulate(goal, while_time) {
+                return false;
+            }
+            // Where one sample of all filters takes long, each filter is a piece of work.
+            if chunk == 1 && !run.prepare(while_time) {
+                return false;
+            }
+            run.advance_to(goal);
             if !analysis.advance(&Subject::of(run), while_time) || !while_time() {
                 break;
             }

@@ -66,7 +66,8 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
             let room = *mean - least;
             let name = format!("{name}, amplitude");
             let hint = "Largest distance from the mean";
-            Number { label: "amplitude", name: &name, unit, range: (0.0, room), least: 0.0, logarithmic: false, hint }
+            let shown = (0.0, if room.is_finite() { room } else { range.1 - range.0 });
+            Number { label: "amplitude", name: &name, unit, range: shown, least: 0.0, logarithmic: false, hint }
                 .show(ui, amplitude);
             *amplitude = amplitude.min(room);
             time(ui, "period", period, 0.1);

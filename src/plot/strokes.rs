@@ -62,8 +62,13 @@ impl Strokes {
         }
     }
 
-    /// Draws a dashed line.
+    /// Draws a dashed line. One that is too long for dashes, as where it goes up and down beyond the plot in every pixel, is drawn
+    /// through.
     pub(crate) fn dashed(&mut self, points: &[Pos2], stroke: Stroke, (dash, gap): (f32, f32)) {
+        let length: f32 = points.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
+        if length.is_nan() || length > LONGEST_DASHED {
+            return self.line(points, stroke);
+        }
         for dash in Shape::dashed_line(points, stroke, dash, gap) {
             if let Shape::LineSegment { points, stroke } = dash {
                 self.line(&points, stroke);
@@ -102,6 +107,9 @@ impl Strokes {
         }
     }
 }
+
+/// Limits the length of a dashed line, which is some ten thousand dashes \[points\].
+const LONGEST_DASHED: f32 = 100_000.0;
 
 /// A line's cross-section.
 struct Brush {
@@ -228,6 +236,17 @@ mod tests {
             let across = way.rot90().dot(bent[1].normal);
             assert!((across - 1.0).abs() < 1e-5, "{across}");
         }
+    }
+
+    #[test]
+    fn a_line_that_is_too_long_for_dashes_is_drawn_through() {
+        let shapes = |end: f32| {
+            let mut strokes = Strokes { canvas: Canvas::Shapes(Vec::new()), pixel: 1.0 };
+            strokes.dashed(&[pos2(0.0, 0.0), pos2(end, 0.0)], Stroke::new(1.0, Color32::BLACK), (5.0, 3.0));
+            let Canvas::Shapes(shapes) = strokes.canvas else { panic!("it was no mesh") };
+            shapes.len()
+        };
+        assert_eq!([80.0, 1e30, f32::INFINITY, f32::NAN].map(shapes), [10, 1, 1, 1]);
     }
 
     #[test]

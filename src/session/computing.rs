@@ -89,7 +89,7 @@ impl Session {
             samples
         } else {
             // Playback goes on from here, by as much as there is already of a longer way.
-            let position = ((*clock / dt + 1e-6) as usize + 1).min(samples);
+            let position = ((*clock / dt + 1e-6) as usize).saturating_add(1).min(samples);
             position.min(study.run().done().max(1))
         };
         match Job::new(study, scenario, other_source, goal) {

@@ -40,13 +40,13 @@ impl View for Measured {
         let sheet = |(sensor, quantity): (usize, Quantity)| Sheet {
             title: format!("{} measured and predicted", quantity.name()),
             unit: context.unit(quantity.unit()),
-            columns: columns(sensor, context),
+            columns: columns((sensor, quantity), context),
         };
-        context.session.sensors().into_iter().enumerate().map(sheet).collect()
+        sensors(context).iter().copied().enumerate().map(sheet).collect()
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        let sensors: Vec<Quantity> = context.session.sensors();
+        let sensors = sensors(context);
         if sensors.is_empty() {
             ui.weak("Nothing is measured.");
         }
@@ -61,9 +61,19 @@ impl View for Measured {
     }
 }
 
-/// The prediction of a sensor's reading, one step ahead.
-fn predicted(estimates: &Estimates, measured: &[f64], sensor: usize, k: usize) -> f64 {
-    measured[k] - estimates.innovation(k)[sensor]
+/// The quantities of the record, those too that no filter is told.
+fn sensors<'a>(context: &ViewContext<'a>) -> &'a [Quantity] {
+    context.session.run().record().sensors()
+}
+
+/// The prediction of a quantity one step ahead, if the filter is told it.
+fn predicted<'a>(
+    estimates: &'a Estimates,
+    measured: &'a [f64],
+    quantity: Quantity,
+) -> Option<impl Fn(usize) -> f64 + Copy + 'a> {
+    let place = estimates.sensors().iter().position(|own| *own == quantity)?;
+    Some(move |k: usize| measured[k] - estimates.innovation(k)[place])
 }
 
 /// The measurements of a sensor, as far as they are done.
@@ -72,14 +82,14 @@ fn measured<'a>(sensor: usize, context: &ViewContext<'a>) -> &'a [f64] {
     &run.record().measured(sensor)[..run.len()]
 }
 
-fn columns<'a>(sensor: usize, context: &ViewContext<'a>) -> Vec<Column<'a>> {
+fn columns<'a>((sensor, quantity): (usize, Quantity), context: &ViewContext<'a>) -> Vec<Column<'a>> {
     let all = measured(sensor, context);
     let number = |value: f64| (!value.is_nan()).then(|| significant(value, 4));
     let measured = Column::new("measured", context.palette.measured, move |k| number(*all.get(k)?));
-    let one_step = context.filters().map(move |(_, estimates)| {
-        let text =
-            move |k: usize| number((k < estimates.len().min(all.len())).then(|| predicted(estimates, all, sensor, k))?);
-        Column::new(estimates.name(), context.palette.shade(estimates.color()), text)
+    let one_step = context.filters().filter_map(move |(_, estimates)| {
+        let predicted = predicted(estimates, all, quantity)?;
+        let text = move |k: usize| number((k < estimates.len().min(all.len())).then(|| predicted(k))?);
+        Some(Column::new(estimates.name(), context.palette.shade(estimates.color()), text))
     });
     std::iter::once(measured).chain(one_step).collect()
 }
@@ -93,7 +103,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
         layers.push(Layer::Dots { series: Series::of(all), color: palette.measured });
     }
     for (place, estimates) in context.filters() {
-        let values = move |k: usize| predicted(estimates, all, sensor, k);
+        let Some(values) = predicted(estimates, all, quantity) else { continue };
         layers.push(Layer::Line {
             series: Series::new(estimates.len().min(all.len()), move |samples| samples.map(values)),
             color: palette.shade(estimates.color()).gamma_multiply(0.7),

@@ -53,7 +53,7 @@ impl View for Phase {
             }
         }
         // Some more of the motion than is drawn, so that the frame changes little.
-        let begin = last.saturating_sub(3 * (TAIL / record.dt()) as usize);
+        let begin = last.saturating_sub((3.0 * TAIL / record.dt()) as usize);
         let past = || (begin..last + 1).step_by(((last - begin) / 600).max(1));
         let reach = |channel: Channel| match record.truth(channel) {
             Some(truth) => around(past().map(|k| truth[k])),

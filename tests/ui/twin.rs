@@ -109,3 +109,45 @@ fn news_are_verdicts_that_change_and_messages_that_are_new() {
     let news = screen.state().twin().news(&now);
     assert_eq!(news, [screen.state().session().problem().expect("a negative time step is impossible")]);
 }
+
+/// A measured record may have more sensors than the filters are told, and in another order.
+#[test]
+fn numbers_of_a_measured_record_are_those_of_their_own_sensor() {
+    let mut file = Vec::new();
+    let mut run =
+        kalmanscope_core::Run::new(&Scenario { duration: 20.0, ..Scenario::default() }).expect("it can be run");
+    run.finish();
+    run.record().write_csv(&mut file).expect("memory");
+    let mut screen = screen(DESKTOP, Theme::Light);
+    super::files::drop_file(&mut screen, "record.csv", &file);
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Measured, ViewKind::Innovations, ViewKind::Gain]);
+    let mut swapped = scenario(&screen).clone();
+    assert_eq!(swapped.sensors.len(), 2);
+    swapped.sensors.reverse();
+    swapped.filters.iter_mut().for_each(|filter| filter.sensor_std.reverse());
+    let mut alone = swapped.clone();
+    alone.remove_sensor(Quantity::DISPLACEMENT);
+    for (scenario, place) in [(swapped, 0), (alone, 0)] {
+        let is_told = |quantity| scenario.sensors.iter().any(|sensor| sensor.measures == quantity);
+        let displacement = is_told(Quantity::DISPLACEMENT);
+        screen.state_mut().session_mut().set_scenario(scenario);
+        screen.run_steps(6);
+        let (twin, session) = (screen.state().twin(), screen.state().session());
+        let (estimates, k) = (&session.run().estimates()[0], session.index());
+        let innovation = estimates.innovation(k)[place];
+        let find = |view: &str, caption: &str| {
+            let part = part(&twin, view);
+            part.tables.iter().find(|table| table.caption.starts_with(caption)).cloned()
+        };
+        let shown = find("Innovations", "innovations of the velocity sensor").expect("a table");
+        let now = shown.rows[0][1].clone();
+        assert!(now.starts_with(&significant(innovation, 3)), "{now} in place of {innovation}");
+        let measured = session.run().record().measured_quantity(Quantity::VELOCITY).expect("a column")[k];
+        let shown = find("Measured and predicted", "velocity measured and predicted").expect("a table");
+        assert_eq!(shown.rows[0][2], significant(measured - innovation, 4));
+        let shown = find("Measured and predicted", "displacement measured and predicted").expect("a table");
+        assert_eq!(shown.columns.len(), if displacement { 2 + session.run().estimates().len() } else { 2 });
+    }
+}

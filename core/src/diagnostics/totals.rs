@@ -98,7 +98,8 @@ impl Totals {
     ///
     /// Source: van Herk (1992), A fast algorithm for local minimum and maximum filters on rectangular and octagonal kernels.
     pub(super) fn moving_means(&self, window: usize, range: Range<usize>) -> Vec<f64> {
-        let (squares, window) = (self.squares.rows(), window.max(1));
+        // A longer window has no more samples.
+        let (squares, window) = (self.squares.rows(), window.min(range.end).max(1));
         let mut means = Vec::with_capacity(range.len());
         // The sums from each sample of the block before to its end.
         let mut behind = Vec::with_capacity(window + 1);
@@ -175,9 +176,17 @@ mod tests {
             let degrees = [1, 2, 0, 1, 3][k % 5];
             totals.push(if k == 40 { 1e18 } else { 0.1 + k as f64 }, degrees);
         }
-        for (window, range) in
-            [(1, 0..97), (7, 0..97), (7, 13..60), (40, 39..97), (97, 0..97), (500, 90..97), (3, 9..9)]
-        {
+        for (window, range) in [
+            (1, 0..97),
+            (7, 0..97),
+            (7, 13..60),
+            (40, 39..97),
+            (97, 0..97),
+            (500, 90..97),
+            (3, 9..9),
+            (usize::MAX, 0..97),
+            (usize::MAX, 90..97),
+        ] {
             let means = totals.moving_means(window, range.clone());
             assert_eq!(means.len(), range.len());
             for (k, mean) in range.zip(means) {

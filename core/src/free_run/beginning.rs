@@ -22,7 +22,11 @@ pub(super) struct Beginning {
     scales: Vec<f64>,
     /// The motion at the first sample so far.
     pub(super) motion: Vec<f64>,
+    /// The number of readings.
+    rows: usize,
     error: Vector,
+    /// The changes of the error with each component of the motion, as far as this iteration has come.
+    columns: Vec<Vector>,
     iterations: usize,
 }
 
@@ -37,25 +41,30 @@ impl Beginning {
         let part = beginning(record, part, readings);
         let scales = (0..readings.len()).map(|sensor| scale(&record.measured(sensor)[part.clone()])).collect();
         let motion = vec![0.0; identified.model.motion()];
-        let mut fit = Self { part, scales, motion, error: Vector::zeros(0), iterations: 0 };
+        let there = |sensor: usize| part.clone().filter(move |&k| has(record, readings, k, sensor)).count();
+        let rows = (0..readings.len()).map(there).sum();
+        let mut fit = Self { part, scales, motion, rows, error: Vector::zeros(0), columns: Vec::new(), iterations: 0 };
         fit.error = fit.error_of(&fit.motion, identified, record, readings);
         fit
     }
 
-    /// Makes one iteration. Returns whether the fit is done.
+    /// Makes a piece of an iteration. Returns whether the fit is done.
     pub(super) fn advance(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
         // Without readings there is nothing to fit.
         if self.error.is_empty() || self.motion.is_empty() {
             return true;
         }
         let error_of = |motion: &[f64]| self.error_of(motion, identified, record, readings);
-        let mut jacobian = Matrix::zeros(self.error.len(), self.motion.len());
-        for i in 0..self.motion.len() {
-            let step = 1e-6 * (1e-3 + self.motion[i].abs());
+        let place = self.columns.len();
+        if place < self.motion.len() {
+            let step = 1e-6 * (1e-3 + self.motion[place].abs());
             let mut moved = self.motion.clone();
-            moved[i] += step;
-            jacobian.set_column(i, &((&self.error - error_of(&moved)) / step));
+            moved[place] += step;
+            let column = (&self.error - error_of(&moved)) / step;
+            self.columns.push(column);
+            return false;
         }
+        let jacobian = Matrix::from_columns(&self.columns);
         // The decomposition has no answer to numbers that are not finite, or whose squares are not.
         if !jacobian.norm_squared().is_finite() || !self.error.norm_squared().is_finite() {
             return true;
@@ -72,6 +81,7 @@ impl Beginning {
         }
         let is_settled = after.norm_squared() > (1.0 - 1e-9) * self.error.norm_squared();
         (self.motion, self.error) = (moved, after);
+        self.columns.clear();
         self.iterations += 1;
         is_settled || self.iterations >= ITERATIONS
     }
@@ -84,27 +94,32 @@ impl Beginning {
         record: &Record,
         readings: &[Option<Reading>],
     ) -> Vector {
-        let mut errors = Vec::with_capacity(self.part.len() * readings.len());
+        let mut errors = Vec::with_capacity(self.rows);
         let mut course = Course::new(identified, motion);
         for k in self.part.clone() {
             let Some(state) = course.state() else { break };
-            for (sensor, reading) in readings.iter().enumerate() {
+            for (sensor, reading) in readings.iter().enumerate().filter(|(sensor, _)| has(record, readings, k, *sensor))
+            {
                 let error = record.measured(sensor)[k] - identified.read(reading.as_ref(), state, record, k);
                 errors.push(if error.is_nan() { 0.0 } else { error / self.scales[sensor] });
             }
             course.advance(identified, record, k);
         }
-        errors.resize(self.part.len() * readings.len(), 0.0);
+        errors.resize(self.rows, 0.0);
         Vector::from_vec(errors)
     }
+}
+
+/// Whether a sensor has read something that the model knows at sample `k`.
+fn has(record: &Record, readings: &[Option<Reading>], k: usize, sensor: usize) -> bool {
+    readings[sensor].is_some() && !record.measured(sensor)[k].is_nan()
 }
 
 /// The first samples, which have [`BEGINNING`] readings, but not more than half of the part.
 fn beginning(record: &Record, part: &Range<usize>, readings: &[Option<Reading>]) -> Range<usize> {
     let mut count = 0;
-    let has = |k: usize, sensor: usize| readings[sensor].is_some() && !record.measured(sensor)[k].is_nan();
     let end = part.clone().find(|&k| {
-        count += (0..readings.len()).filter(|&sensor| has(k, sensor)).count();
+        count += (0..readings.len()).filter(|&sensor| has(record, readings, k, sensor)).count();
         count >= BEGINNING
     });
     part.start..end.map_or(part.end, |end| end + 1).min(part.start + part.len() / 2)

@@ -27,6 +27,11 @@ impl Course {
         (self.goes_on && state.iter().all(|value| value.is_finite())).then_some(state)
     }
 
+    /// The number of times that steps have been halved so far, which tells the time that the motion takes.
+    pub(super) fn halved(&self) -> u64 {
+        self.response.halved()
+    }
+
     /// Moves on from sample `k` to the next.
     pub(super) fn advance(&mut self, identified: &Identified, record: &Record, k: usize) {
         let force = |k: usize| record.delayed_force(k, identified.input_delay);

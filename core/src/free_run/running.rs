@@ -11,6 +11,9 @@ use crate::model::Reading;
 /// The samples between two looks at the clock: at most about a millisecond.
 const CHUNK: usize = 64;
 
+/// Limits the times that steps are halved in a piece: some milliseconds.
+const HALVED: u64 = 1000;
+
 /// A free run under way. The record is the same in all calls; the result does not depend on how the work is divided.
 pub struct Running {
     identified: Identified,
@@ -56,7 +59,11 @@ impl Running {
     fn piece(&mut self, record: &Record) {
         let Self { identified, part, readings, course: Some(course), predicted, done, .. } = self else { return };
         let end = (*done + CHUNK).min(part.len());
+        let begin = course.halved();
         for k in part.start + *done..part.start + end {
+            if course.halved() - begin > HALVED {
+                return;
+            }
             let Some(state) = course.state() else {
                 // The model has run away: no prediction follows.
                 *done = part.len();
@@ -66,8 +73,8 @@ impl Running {
                 column.push(identified.read(reading.as_ref(), state, record, k));
             }
             course.advance(identified, record, k);
+            *done += 1;
         }
-        *done = end;
     }
 
     /// The share that is done, from 0 to 1.

@@ -151,7 +151,7 @@ impl Revision {
             let recorded = (goal + bank.lookahead()).min(*all);
             while recording.len() < recorded.min(*all) {
                 let next = (recording.len() + RECORD_CHUNK).min(recorded);
-                if !recording.advance_to(next) {
+                if !recording.advance_some(next) {
                     *all = recording.len();
                 }
                 if !while_time() {

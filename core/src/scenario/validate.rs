@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::channel::{Role, Sign};
+use crate::cost::largest_ensemble;
 use crate::filter::{Adaptation, FilterKind};
 use crate::quantity::MAX_SENSORS;
 use crate::{Channel, Force, InputKind, PlantKind, Signal, Values};
@@ -177,6 +178,16 @@ impl FilterSettings {
             ensemble_size,
             format_args!("from 2 to {MAX_ENSEMBLE}"),
         )?;
+        if kind.is_sampled() {
+            let components = self.model(truth, InputKind::default()).size();
+            let most = largest_ensemble(components, *substeps);
+            require(
+                *ensemble_size <= most.max(2),
+                format_args!("{path}.ensemble_size"),
+                ensemble_size,
+                format_args!("at most {most} for {components} components that move by {substeps} step(s) a sample"),
+            )?;
+        }
         require(
             *forgetting > 0.0 && *forgetting < 1.0,
             format_args!("{path}.adaptation.forgetting"),

@@ -25,6 +25,8 @@ pub(crate) struct Response {
     exact: Option<(Vec<f64>, Exact)>,
     /// Memory for the rates of the motion, and for its change over a step.
     work: [Vector; 2],
+    /// The number of times that steps have been halved.
+    halved: u64,
 }
 
 /// The effects on the motion of a constant rate and of a slope of the rate over one step; both are square.
@@ -38,12 +40,18 @@ impl Response {
     pub(crate) fn new(initial: impl Iterator<Item = f64>) -> Self {
         let state = Vector::from_iterator(initial.size_hint().0, initial);
         let empty = || Vector::zeros(0);
-        Self { size: Vector::zeros(state.len()), state, exact: None, work: [empty(), empty()] }
+        Self { size: Vector::zeros(state.len()), state, exact: None, work: [empty(), empty()], halved: 0 }
     }
 
     /// The state.
     pub(crate) fn state(&self) -> &[f64] {
         self.state.as_slice()
+    }
+
+    /// The number of times that steps have been halved so far: up to [`MAX_STEPS`] for one sample, which then takes about ten
+    /// milliseconds.
+    pub(crate) fn halved(&self) -> u64 {
+        self.halved
     }
 
     /// Sets the present value of a component that does not move.
@@ -60,12 +68,15 @@ impl Response {
         disturbance: f64,
         dt: f64,
     ) -> Result<(), TruthError> {
-        let Self { state, size, exact, work: [rate, change] } = self;
+        let Self { state, size, exact, work: [rate, change], halved } = self;
         let [begin, end] = forces;
         if !model.is_linear() {
             *size = size.sup(&state.abs());
             let motion = Motion { model, forces, disturbance };
-            *state = motion.advance(state, dt, size)?;
+            let mut left = MAX_STEPS;
+            let moved = motion.advance(state, dt, size, &mut left);
+            *halved += u64::from(MAX_STEPS - left);
+            *state = moved?;
             return Ok(());
         }
         let motion = model.motion();
@@ -111,11 +122,10 @@ struct Motion<'a> {
 
 impl Motion<'_> {
     /// The state after `dt` \[s\], by Runge-Kutta steps that are refined where needed, such as around kinks of the
-    /// rate.
-    fn advance(&self, state: &Vector, dt: f64, size: &Vector) -> Result<Vector, TruthError> {
-        let mut halvings = MAX_STEPS;
+    /// rate. `halvings` is the number of times that a step may be halved.
+    fn advance(&self, state: &Vector, dt: f64, size: &Vector, halvings: &mut u32) -> Result<Vector, TruthError> {
         let coarse = self.step(state, 0.0, 1.0, dt);
-        self.refined(state, coarse, (0.0, 1.0), dt, size, &mut halvings).map_err(|reached| {
+        self.refined(state, coarse, (0.0, 1.0), dt, size, halvings).map_err(|reached| {
             // A diverging plant does so within ever shorter times, which no number of halvings resolves.
             let far = (0..size.len()).find(|&i| size[i] > 0.0 && reached[i].abs() > RUNAWAY * size[i]);
             far.map_or(TruthError::StepTooLong, |i| TruthError::Channel(self.model.channels()[i]))

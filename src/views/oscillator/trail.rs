@@ -63,13 +63,14 @@ impl<'a> Trail<'a> {
         for mass in 0..stage.masses() {
             painter.vline(stage.rest(mass), paper.y_range(), grid);
         }
-        let mut second = now.floor();
-        while now - second <= f64::from(paper.height() / SPEED) && second >= self.record.time(0) {
+        // Not one after the other: far from zero, a second less is the same number.
+        let seconds = (0..=(paper.height() / SPEED).max(0.0) as usize).map(|age| now.floor() - age as f64);
+        for second in seconds.take_while(|second| *second >= self.record.time(0)) {
             let y = paper.top() + SPEED * (now - second) as f32;
             painter.hline((stage.wall)..=(paper.right() - 8.0), y, grid);
             let at = pos2(stage.wall, y) + vec2(2.0, -1.0);
-            painter.text(at, Align2::LEFT_BOTTOM, format!("{second} s"), stage.font(), palette.weak);
-            second -= 1.0;
+            let label = if second.abs() < 1e9 { format!("{second} s") } else { format!("{second:e} s") };
+            painter.text(at, Align2::LEFT_BOTTOM, label, stage.font(), palette.weak);
         }
     }
 

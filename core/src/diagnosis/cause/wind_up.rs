@@ -2,6 +2,7 @@
 
 use super::{Cause, Matter, Suspect};
 use crate::diagnosis::verdict_kind::VerdictKind;
+use crate::diagnosis::words::short;
 
 pub(super) static CAUSE: Cause = Cause {
     key: "wind_up",
@@ -15,7 +16,9 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         return;
     }
     let weight = matter.effect_of(|one| one.speaks_for == VerdictKind::WoundUp);
-    let sentence = format!("the memory fades by λ = {} a sample while little is learnt", matter.filter.fading);
+    let fading = matter.filter.fading;
+    let fading = if fading < 1e6 { fading.to_string() } else { short(fading) };
+    let sentence = format!("the memory fades by λ = {fading} a sample while little is learnt");
     let knobs = vec![matter.knob("fading", 1.0)];
     found.push(Suspect { certain: weight > 0.0, ..Suspect::new(cause, weight, 0.0, knobs, sentence) });
 }

@@ -1,0 +1,58 @@
+//! Scenarios that broke something, through the built command: each ends in words, with outputs that can be read.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The scenarios of `tests/hostile`.
+fn scenarios() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/hostile");
+    let mut files: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|end| end == "toml"));
+    files.sort();
+    files
+}
+
+/// Runs the command, which may say that a filter stopped, or refuse a record without readings, but must not panic. Returns
+/// standard output.
+#[track_caller]
+fn call(arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli")).args(arguments).output().unwrap();
+    let Output { status, stdout, stderr } = output;
+    let stderr = String::from_utf8(stderr).unwrap();
+    let is_refused = status.code() == Some(2) && stderr.starts_with("error: ") && arguments.contains(&"--record");
+    assert!(matches!(status.code(), Some(0 | 1)) || is_refused, "{arguments:?}: {status}\n{stderr}");
+    assert!(!stderr.contains("panicked"), "{arguments:?}: {stderr}");
+    String::from_utf8(stdout).unwrap()
+}
+
+/// Whether people can read the numbers of a text.
+#[track_caller]
+fn check(text: &str, what: &str) {
+    for word in text.split(|c: char| !(c.is_alphanumeric() || c == 'σ')) {
+        assert!(!["NaN", "nan", "inf", "infσ"].contains(&word), "{what}: {word} in\n{text}");
+        assert!(word.len() < 18 || !word.bytes().all(|byte| byte.is_ascii_digit()), "{what}: {word} in\n{text}");
+    }
+}
+
+#[test]
+fn scenarios_that_broke_something_are_run_reported_and_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (record, csv, svg, html) = (path("record.csv"), path("all.csv"), path("all.svg"), path("all.html"));
+    assert!(scenarios().len() > 10);
+    for file in scenarios() {
+        let name = file.to_str().unwrap();
+        check(&call(&["run", name, "--record-out", &record, "--out", &csv, "--svg", &svg]), name);
+        check(&fs::read_to_string(&svg).unwrap(), name);
+        call(&["report", name, "--out", &html]);
+        let page = fs::read_to_string(&html).unwrap();
+        check(page.split("<h2>Scenario</h2>").next().unwrap(), name);
+        // A record of one sample is none.
+        if fs::read_to_string(&record).unwrap().lines().count() > 2 {
+            check(&call(&["run", name, "--record", &record]), name);
+            call(&["report", name, "--record", &record, "--out", &html]);
+        }
+    }
+}
