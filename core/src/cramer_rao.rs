@@ -138,7 +138,7 @@ fn bound_settings(scenario: &Scenario, place: usize) -> Option<FilterSettings> {
         initial_std,
         process_std,
         eta,
-        sensor_std: scenario.true_sensor_std(),
+        sensor_std: scenario.true_noise_for(scenario.filters.get(place)?).0,
         ..FilterSettings::default()
     })
 }

@@ -26,6 +26,7 @@ mod sigma_points;
 pub(crate) mod smoother;
 mod square_root;
 mod step;
+mod white;
 
 use std::borrow::Cow;
 
@@ -52,6 +53,7 @@ pub use propagation::{Propagation, Transition};
 pub use sigma_points::{Rule, SigmaPoints};
 pub use square_root::SquareRoot;
 pub use step::Step;
+pub use white::{Course, White};
 
 /// The registry: a constant for each kind, whose description stands in the file of its method, and all of them.
 macro_rules! registry {
@@ -144,6 +146,13 @@ pub trait Belief: Send {
         correction: &mut Correction,
     ) -> Result<(), FilterError>;
 
+    /// Makes a component of the state another one, of mean zero and this variance, that knows nothing of the others: a
+    /// [`White`] force at the next sample. See [`Gaussian::renew`].
+    ///
+    /// # Errors
+    /// Any [`FilterError`].
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError>;
+
     /// Mean and covariance.
     fn gaussian(&self) -> Cow<'_, Gaussian>;
 
@@ -155,6 +164,15 @@ pub trait Belief: Send {
     fn transition(&self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
         sigma_points::transition(&self.gaussian(), Rule::Unscented, model, step)
     }
+}
+
+/// A part of a prediction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Part {
+    /// The belief moves.
+    Step(Step),
+    /// The component at this place is another one from now on.
+    Renewal(usize),
 }
 
 /// A recursive estimator of the n-component state of a model, at k = 0 and after.
@@ -186,6 +204,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     adaptation: Adaptation,
     jump: Option<Jump>,
     substeps: usize,
+    white: Option<White>,
     belief: Box<B>,
 }
 
@@ -202,8 +221,8 @@ impl<B: Belief + ?Sized> Filter<B> {
         adaptation: Adaptation,
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
-        let observation = Observation::of(readings);
-        Self { model, belief, dt, hold, noise, observation, adaptation, jump: None, substeps: 1 }
+        let (observation, substeps) = (Observation::of(readings), 1);
+        Self { model, belief, dt, hold, noise, observation, adaptation, jump: None, substeps, white: None }
     }
 
     /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
@@ -218,6 +237,19 @@ impl<B: Belief + ?Sized> Filter<B> {
     pub fn with_jump(self) -> Self {
         let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
         Self { jump: Some(Jump::new(initial)), ..self }
+    }
+
+    /// The same filter with a white force, whose part of Q counts no more.
+    #[must_use]
+    pub fn with_white_force(mut self, white: Option<White>) -> Self {
+        self.white = white;
+        white.into_iter().for_each(|white| white.leave_out(&mut self.noise.process));
+        self
+    }
+
+    /// The white force, if the filter has one.
+    pub fn white_force(&self) -> Option<White> {
+        self.white
     }
 
     /// The belief after the last predict or update.
@@ -269,39 +301,46 @@ impl<B: Belief + ?Sized> Filter<B> {
         self.predict_by(forces, |_, _, _| Ok(()))
     }
 
-    /// [`Self::predict`], which calls `before` with model, belief and step before each of its steps.
+    /// [`Self::predict`], which calls `before` with model, belief and what comes next before each of its parts.
     pub(crate) fn predict_by(
         &mut self,
         forces: [f64; 2],
-        mut before: impl FnMut(&Model, &B, Step) -> Result<(), FilterError>,
+        mut before: impl FnMut(&Model, &B, Part) -> Result<(), FilterError>,
     ) -> Result<(), FilterError> {
         let whole = self.step(forces);
         if !whole.forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        let Self { model, noise, jump, substeps, belief, .. } = self;
+        let Self { model, noise, jump, substeps, belief, white, .. } = self;
         let mut wide = None;
         if let Some(widening) = jump.as_mut().and_then(Jump::widening) {
             let Noise { process, .. } = wide.insert(noise.clone());
-            widening.enumerate().for_each(|(i, variance)| process[(i, i)] += variance);
+            // A force that is another one at each sample is as wide as it can be.
+            let is_kept = |(i, _): &(usize, f64)| white.is_none_or(|white| white.place != *i);
+            widening.enumerate().filter(is_kept).for_each(|(i, variance)| process[(i, i)] += variance);
         }
         let noise = wide.as_ref().unwrap_or(noise);
-        if *substeps > 1 {
-            let share = |i: usize| i as f64 / *substeps as f64;
-            let part = |i| Step {
-                forces: [whole.force(share(i)), whole.force(share(i + 1))],
-                dt: whole.dt / *substeps as f64,
-            };
+        let (steps, renewed) = white.map_or((*substeps, 0), |white| white.steps(*substeps));
+        if steps == 1 {
+            before(model, belief, Part::Step(whole))?;
+            belief.predict(model, whole, noise)?;
+        } else {
+            let share = |i: usize| i as f64 / steps as f64;
             let silent = Noise { process: Matrix::zeros(model.size(), model.size()), sensors: Vec::new(), fading: 1.0 };
-            for i in 0..*substeps - 1 {
-                before(model, belief, part(i))?;
-                belief.predict(model, part(i), &silent)?;
+            for i in 0..steps {
+                let forces = [whole.force(share(i)), whole.force(share(i + 1))];
+                let part = Step { forces, dt: whole.dt / steps as f64 };
+                before(model, belief, Part::Step(part))?;
+                belief.predict(model, part, if i + 1 < steps { &silent } else { noise })?;
+                if let Some(white) = white.filter(|_| i + 1 == renewed && renewed < steps) {
+                    before(model, belief, Part::Renewal(white.place))?;
+                    white.renew(&mut **belief)?;
+                }
             }
-            before(model, belief, part(*substeps - 1))?;
-            return belief.predict(model, part(*substeps - 1), noise);
         }
-        before(model, belief, whole)?;
-        belief.predict(model, whole, noise)
+        let Some(white) = white.filter(|_| renewed == steps) else { return Ok(()) };
+        before(model, belief, Part::Renewal(white.place))?;
+        white.renew(&mut **belief)
     }
 
     /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A
@@ -313,7 +352,7 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
-        let Self { model, noise, observation, adaptation, jump, belief, .. } = self;
+        let Self { model, noise, observation, adaptation, jump, belief, white, .. } = self;
         correction.clear(model.size(), noise.sensors.len());
         observation.take(force, measured, &noise.sensors)?;
         if observation.is_empty() {
@@ -327,6 +366,9 @@ impl<B: Belief + ?Sized> Filter<B> {
         }
         if adaptation.is_on() {
             adaptation.adapt(observation, correction, noise);
+            if let Some(white) = white {
+                white.leave_out(&mut noise.process);
+            }
         }
         if let Some(jump) = jump {
             jump.look(correction.nis, observation.len());

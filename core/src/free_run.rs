@@ -15,7 +15,7 @@ pub use running::Running;
 
 /// A model with all its parameters known, as a filter has identified it.
 ///
-/// An unknown force is no part of it, and its parameters do not decay.
+/// An unknown or a white force is no part of it, and its parameters do not decay.
 #[derive(Clone, Debug)]
 pub struct Identified {
     model: Model,
@@ -56,7 +56,7 @@ impl Identified {
 
     fn new(scenario: &Scenario, settings: &FilterSettings, mut values: Vec<f64>) -> Self {
         let model = settings.model(scenario.plant.kind, scenario.input).decaying(0.0);
-        if let Some(place) = model.place(Channel::UNKNOWN_FORCE) {
+        for place in [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(|force| model.place(force)) {
             values[place] = 0.0;
         }
         Self { model, values, input_delay: settings.input_delay }

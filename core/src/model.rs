@@ -46,7 +46,7 @@ pub enum Hold {
 ///
 /// ```text
 /// y = [motion, parameters, augmentations]
-/// ẏ = g(y, f):  motion as the plant has it under F = g f + o + u, parameters ṗ = -η p, augmentations constant
+/// ẏ = g(y, f):  motion as the plant has it under F = g f + o + u + w, parameters ṗ = -η p, augmentations constant
 /// ```
 ///
 /// With logarithms the state has `ln θ` in place of every parameter θ that cannot be negative
@@ -63,9 +63,10 @@ pub struct Model {
     logarithms: Vec<usize>,
     input: InputKind,
     gain: Option<usize>,
-    /// The places of forces that the record lacks: the offset and the unknown force.
+    /// The places of forces that the record lacks: the offset, the unknown force and the white one.
     offset: Option<usize>,
     unknown: Option<usize>,
+    white: Option<usize>,
 }
 
 impl Model {
@@ -74,7 +75,8 @@ impl Model {
         let channels = plant.channels().to_vec();
         let (motion, own) = (plant.motion(), channels.len());
         let (eta, logarithms, input) = (0.0, Vec::new(), InputKind::Force);
-        Self { plant, channels, motion, own, eta, logarithms, input, gain: None, offset: None, unknown: None }
+        let (gain, offset, unknown, white) = (None, None, None, None);
+        Self { plant, channels, motion, own, eta, logarithms, input, gain, offset, unknown, white }
     }
 
     /// With these augmentations too, each once; channels that are none are left out.
@@ -88,6 +90,7 @@ impl Model {
         self.gain = self.place(Channel::INPUT_GAIN);
         self.offset = self.place(Channel::INPUT_OFFSET);
         self.unknown = self.place(Channel::UNKNOWN_FORCE);
+        self.white = self.place(Channel::WHITE_FORCE);
         self
     }
 
@@ -186,7 +189,8 @@ impl Model {
     /// F, the force over mass that acts in a state under the recorded force over mass `force`, both in m/s².
     pub fn acting_force(&self, state: &[f64], force: f64) -> f64 {
         let at = |place: Option<usize>, otherwise: f64| place.map_or(otherwise, |place| state[place]);
-        self.recorded_force(state, force) + at(self.unknown, 0.0)
+        let lasting = self.recorded_force(state, force) + at(self.unknown, 0.0);
+        self.white.map_or(lasting, |place| lasting + state[place])
     }
 
     /// The part of F that comes with the recorded input: `g f + o`.
@@ -266,7 +270,7 @@ impl Model {
                 jacobian[(place, place)] = if self.is_logarithm(place) { 0.0 } else { -self.eta };
             }
         }
-        if self.gain.or(self.offset).or(self.unknown).is_some() {
+        if self.gain.or(self.offset).or(self.unknown).or(self.white).is_some() {
             rows.resize(2 * motion, 0.0);
             let (by_force, work) = rows.split_at_mut(motion);
             self.motion_by_force_into(state, by_force, &mut work[..motion]);
@@ -282,7 +286,7 @@ impl Model {
     fn force_parts(&self, force: f64) -> impl Iterator<Item = (usize, f64)> {
         let one = |place: usize| (place, 1.0);
         let gain = self.gain.map(|place| (place, force));
-        gain.into_iter().chain(self.offset.map(one)).chain(self.unknown.map(one))
+        gain.into_iter().chain(self.offset.map(one)).chain(self.unknown.map(one)).chain(self.white.map(one))
     }
 
     /// The place of the input gain, whose column of the Jacobian is that of the force times the force.

@@ -101,6 +101,11 @@ impl Record {
         self.measured[sensor].iter_mut().for_each(|value| *value = change(*value));
     }
 
+    /// The measurements of a sensor, to be changed.
+    pub(crate) fn measured_mut(&mut self, sensor: usize) -> &mut [f64] {
+        &mut self.measured[sensor]
+    }
+
     /// Some samples of those that are kept, as a record of their own.
     #[must_use]
     pub fn part(&self, samples: std::ops::Range<usize>) -> Self {

@@ -3,9 +3,17 @@
 //! ```text
 //! spectra ──▶ R of each sensor, ωₙ, ζ and gain ──▶ initial belief ──likelihood──▶ Q
 //! ```
+//!
+//! Without an input, a white force is tried for the cause of the motion too, and kept if it is likelier.
 
+mod ambient;
+mod ambient_fit;
+mod climb;
 mod conditioning;
+mod follow;
+mod gaps;
 mod hysteresis;
+mod initial;
 mod response;
 mod spectra;
 mod trials;
@@ -14,12 +22,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Channel, FilterKind, FilterSettings, InSlices as _, InputKind, PlantKind, Quantity, Record, Scenario, Sensor,
-    Signal,
 };
 
-use response::{Response, free_response, order, response};
+use follow::first_alone;
+use gaps::Lost;
+use response::{free_response, response};
 use spectra::{Gaps, Spectra};
-use trials::{SHARES, first_alone};
+use trials::SHARES;
 
 pub use trials::Suggest;
 
@@ -73,7 +82,7 @@ impl Suggestion {
     }
 
     /// R from the part of the spectrum at high frequencies that the input does not explain.
-    fn sensor_noise(&mut self, record: &Record) {
+    fn sensor_noise(&mut self, record: &Record, lost: Option<&Lost>) {
         for (place, sensor) in self.scenario.sensors.clone().into_iter().enumerate() {
             let Some(measured) = record.measured_quantity(sensor.measures) else { continue };
             let Some(noise) =
@@ -82,7 +91,10 @@ impl Suggestion {
                 continue;
             };
             let (_, std) = moments(measured);
-            let noise = rounded(noise.max(1e-6 * std));
+            // What fills a gap has no noise of its own.
+            let column = record.sensors().iter().position(|quantity| *quantity == sensor.measures);
+            let there = lost.zip(column).map_or(1.0, |(lost, column)| lost.there(column, record.len()));
+            let noise = rounded((noise / libm::sqrt(there)).max(1e-6 * std));
             if noise <= 0.0 {
                 continue;
             }
@@ -99,114 +111,30 @@ impl Suggestion {
 
     /// Guess and spread of ωₙ, ζ and gain.
     fn motion(&mut self, record: &mut Record) {
-        let has = |filter: &FilterSettings| {
-            filter.model(self.scenario.plant.kind, self.scenario.input).place(Channel::NATURAL_FREQUENCY).is_some()
-        };
-        if !self.scenario.filters.iter().any(has) {
+        if !self.has_frequency() {
             return;
         }
-        let wanted = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION, Quantity::TOTAL_ACCELERATION];
-        let Some((quantity, measured)) = wanted.iter().find_map(|&q| Some((q, record.measured_quantity(q)?))) else {
-            return;
-        };
+        let Some((quantity, measured)) = motion_sensor(record) else { return };
         let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
         let driven = response(record, quantity, measured, band);
         let found = driven.clone().or_else(|| free_response(record, measured, band));
-        let Some(Response { natural_frequency, damping_ratio, gain }) = found else {
+        let Some(found) = found else {
             self.reasons.push(no_motion(quantity, measured));
             self.is_guessed = false;
             return;
         };
-        let (wn, zeta) = (rounded(natural_frequency), rounded(damping_ratio));
         let reason = if driven.is_some() {
             "fitted to the response to the input over frequency"
         } else {
             "the peak of the spectrum and its width at half the power"
         };
-        let hertz = rounded(wn / std::f64::consts::TAU);
-        self.reasons.push(format!("guess of ωₙ: {wn} rad/s ({hertz} Hz) and of ζ: {zeta}, {reason}"));
-        for (channel, value) in [(Channel::NATURAL_FREQUENCY, wn), (Channel::DAMPING_RATIO, zeta)] {
-            // The truth of a measured record is not known: this is what a simulation in its place begins with.
-            if self.scenario.plant.parameter(channel).is_some() {
-                self.scenario.plant.set(channel, Signal::Constant(value));
-            }
-        }
-        self.gain(record, gain);
-        let measured = record.measured_quantity(quantity).unwrap_or_default();
-        let (_, size) = moments(measured);
-        let order = order(quantity);
-        let displacement = size / libm::pow(natural_frequency, f64::from(order));
-        let first = measured.iter().copied().find(|value| !value.is_nan()).filter(|_| order == 0).unwrap_or(0.0);
-        for filter in self.filters() {
-            let std = |value: f64| rounded(value.max(f64::MIN_POSITIVE));
-            let mean = [
-                (Channel::DISPLACEMENT, rounded(first)),
-                (Channel::VELOCITY, 0.0),
-                (Channel::NATURAL_FREQUENCY, wn),
-                (Channel::DAMPING_RATIO, zeta),
-                (Channel::CUBIC_STIFFNESS, 0.0),
-            ];
-            let spread = [
-                (Channel::DISPLACEMENT, std(displacement)),
-                (Channel::VELOCITY, std(displacement * natural_frequency)),
-                (Channel::NATURAL_FREQUENCY, std(0.1 * natural_frequency)),
-                (Channel::DAMPING_RATIO, std((0.5 * damping_ratio).max(0.01))),
-                (Channel::CUBIC_STIFFNESS, std(cubic_scale(natural_frequency, measured, order))),
-            ];
-            for (channel, value) in mean {
-                filter.initial_mean[channel] = value;
-            }
-            for (channel, value) in spread {
-                filter.initial_std[channel] = value;
-            }
-            for (channel, _) in spread.iter().skip(2) {
-                filter.process_std[*channel] = 0.0;
-            }
-        }
-        self.reasons.push("initial spread: a tenth of ωₙ, half of ζ, and the size of the motion itself".to_owned());
-        let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
-        let mut yields = false;
-        self.filters().for_each(|filter| yields |= hysteresis::start(filter, kind, input, displacement));
-        if yields {
-            self.reasons.push(
-                "β and γ: the spring is about to yield at twice the root mean square of the displacement".to_owned(),
-            );
-        }
+        self.begin_at(record, quantity, &found, reason);
     }
 
-    /// A gain that is far from 1 goes into the mapping; the filters estimate what is left of it.
-    fn gain(&mut self, record: &mut Record, gain: Option<f64>) {
-        let Some(gain) = gain.filter(|gain| gain.is_finite() && *gain != 0.0) else { return };
-        if (gain - 1.0).abs() < 0.02 {
-            return;
-        }
-        let gain = rounded(gain);
-        if let Some(input) = self.scenario.record.as_mut().and_then(|mapping| mapping.input.as_mut()) {
-            input.gain *= gain;
-            record.change_input(|value| value * gain);
-            self.reasons.push(format!(
-                "gain of the input: {} m/s² for one unit of its column, from the same fit; the filters estimate the rest",
-                input.gain
-            ));
-        } else {
-            self.reasons.push(format!("gain of the input: {gain}, from the same fit"));
-        }
-        let is_mapped = self.scenario.record.is_some();
-        for filter in self.filters() {
-            if !filter.augment.contains(&Channel::INPUT_GAIN) {
-                filter.augment.push(Channel::INPUT_GAIN);
-            }
-            let mean = if is_mapped { 1.0 } else { gain };
-            if !is_mapped && filter.augment.contains(&Channel::INPUT_OFFSET) {
-                // The offset is that of the true input, whose gain is not yet known well.
-                let offset = mean * filter.initial_mean[Channel::INPUT_OFFSET];
-                filter.initial_mean[Channel::INPUT_OFFSET] = offset;
-                filter.initial_std[Channel::INPUT_OFFSET] = rounded(0.2 * offset.abs());
-            }
-            filter.initial_mean[Channel::INPUT_GAIN] = mean;
-            filter.initial_std[Channel::INPUT_GAIN] = rounded(0.2 * mean.abs());
-            filter.process_std[Channel::INPUT_GAIN] = 0.0;
-        }
+    /// Whether any filter has a natural frequency.
+    fn has_frequency(&self) -> bool {
+        let Scenario { plant, input, filters, .. } = &self.scenario;
+        filters.iter().any(|filter| filter.model(plant.kind, *input).place(Channel::NATURAL_FREQUENCY).is_some())
     }
 
     /// A prediction over a large part of a period is divided, unless it is exact.
@@ -255,6 +183,23 @@ impl Suggestion {
         ));
     }
 
+    /// Gives filters whose motion has no process noise the least of it, where the first does not go through without: once
+    /// nothing moves any more, rounding takes the rank of a covariance that nothing adds to.
+    fn keep_from_rounding(&mut self) {
+        let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
+        let is_without = |filter: &FilterSettings| {
+            let model = filter.model(kind, input);
+            model.channels()[..model.motion()].iter().all(|channel| filter.process_std[*channel] == 0.0)
+        };
+        let share = SHARES[1];
+        if self.scenario.filters.first().is_some_and(is_without) {
+            self.filters().for_each(|filter| set_share(filter, kind, input, share));
+            self.reasons.push(format!(
+                "Q of the motion: {share:e} of its size a step after all, because the filter stops by rounding without any"
+            ));
+        }
+    }
+
     /// The scenario with R of the size of these errors, and no process noise of the motion.
     fn with_error(&self, errors: &[f64]) -> Scenario {
         let mut other = self.scenario.clone();
@@ -295,6 +240,12 @@ fn set_share(filter: &mut FilterSettings, kind: PlantKind, input: InputKind, sha
     }
 }
 
+/// The sensor that shows the motion best, with its readings.
+fn motion_sensor(record: &Record) -> Option<(Quantity, &[f64])> {
+    let wanted = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION, Quantity::TOTAL_ACCELERATION];
+    wanted.iter().find_map(|&quantity| Some((quantity, record.measured_quantity(quantity)?)))
+}
+
 /// Why there is no guess of frequency and damping.
 fn no_motion(quantity: Quantity, measured: &[f64]) -> String {
     let name = quantity.name();
@@ -307,13 +258,6 @@ fn no_motion(quantity: Quantity, measured: &[f64]) -> String {
         format!("the spectrum of the {name} has no peak")
     };
     format!("no start values of ωₙ and ζ could be found, because {why}: the guess is a default, please set it by hand")
-}
-
-/// A cubic stiffness that carries half of the load at the largest displacement.
-fn cubic_scale(natural_frequency: f64, measured: &[f64], order: i32) -> f64 {
-    let most = measured.iter().filter(|value| !value.is_nan()).fold(0.0_f64, |most, value| most.max(value.abs()));
-    let displacement = most / libm::pow(natural_frequency, f64::from(order));
-    if displacement > 0.0 { 0.5 * natural_frequency * natural_frequency / (displacement * displacement) } else { 1.0 }
 }
 
 /// Mean and standard deviation of the values that are there.

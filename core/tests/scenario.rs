@@ -169,7 +169,7 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
             "line 2: `plant.mass`: unknown field `mass`, expected `kind`, `initial`, `disturbance_std`, `input_delay` \
              or one of `natural_frequency`, `damping_ratio`, `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, \
              `hysteresis_gamma`, `yield_beta`, `yield_gamma`, `stiffness_1`, `storey_damping`, `input_gain`, `input_offset`, `unknown_force`, \
-             `bias_displacement`, `bias_velocity`, `bias_acceleration`, `bias_total_acceleration`, `bias_drift`, and of \
+             `white_force`, `bias_displacement`, `bias_velocity`, `bias_acceleration`, `bias_total_acceleration`, `bias_drift`, and of \
              other masses as in `displacement_2`",
         ),
         (

@@ -4,6 +4,10 @@
 
 #[path = "common/excitation.rs"]
 mod excitation;
+#[path = "common/random.rs"]
+mod random;
+
+use std::collections::BTreeMap;
 
 use excitation::{Excitation, Oscillator, record};
 use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
@@ -36,9 +40,12 @@ fn outcome(record: &Record, truth: Oscillator) -> (bool, bool, String) {
     (error(guess, truth.natural_frequency) < 0.1, ends && ekf.stop().is_none(), text)
 }
 
-/// The shares of a grid with a right guess and a right end, and the number of its records.
-fn grid(seeds: std::ops::Range<u64>, oscillators: &[(f64, f64)], verbose: bool) -> (f64, f64, usize) {
-    let (mut right, mut ends, mut all) = (0, 0, 0);
+/// The records of a part of a grid: those with a right guess, those with a right end, and all.
+type Counts = [usize; 3];
+
+/// The counts of a grid: of everything, and by excitation, sensor and damping.
+fn grid(seeds: std::ops::Range<u64>, oscillators: &[(f64, f64)], verbose: bool) -> (Counts, BTreeMap<String, Counts>) {
+    let (mut all, mut parts) = ([0; 3], BTreeMap::<String, Counts>::new());
     for excitation in Excitation::ALL {
         for sensor in SENSORS {
             for damping_ratio in [0.005, 0.02, 0.1] {
@@ -50,27 +57,49 @@ fn grid(seeds: std::ops::Range<u64>, oscillators: &[(f64, f64)], verbose: bool) 
                     if verbose && !(is_right && is_end) {
                         println!("{excitation:?} {} ζ {damping_ratio} seed {seed}: {text}", sensor.key());
                     }
-                    (right, ends, all) = (right + usize::from(is_right), ends + usize::from(is_end), all + 1);
+                    let names = [format!("{excitation:?}"), sensor.key().to_owned(), format!("ζ {damping_ratio}")];
+                    let add = |counts: &mut Counts| {
+                        *counts = [counts[0] + usize::from(is_right), counts[1] + usize::from(is_end), counts[2] + 1];
+                    };
+                    names.into_iter().for_each(|name| add(parts.entry(name).or_default()));
+                    add(&mut all);
                 }
             }
         }
     }
-    (right as f64 / all as f64, ends as f64 / all as f64, all)
+    (all, parts)
+}
+
+/// Percentages of right guesses and right ends.
+fn shares([right, ends, all]: Counts) -> [f64; 2] {
+    [right, ends].map(|count| 100.0 * count as f64 / all as f64)
 }
 
 #[test]
 fn the_guess_is_right_under_every_excitation() {
-    let (right, ends, all) = grid(0..1, &[(9.0, 200.0)], true);
-    println!("{right:.3} {ends:.3} of {all}");
-    assert!(right >= 0.95 && ends >= 0.95, "{right:.3} of the guesses and {ends:.3} of the ends are right");
+    let [right, ends] = shares(grid(0..1, &[(9.0, 200.0)], true).0);
+    assert!(right >= 95.0 && ends >= 95.0, "{right:.1} % of the guesses and {ends:.1} % of the ends are right");
 }
 
 /// All seeds and other oscillators: `cargo test -p kalmanscope-core --test start_values -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement of minutes"]
 fn the_whole_grid() {
-    let (right, ends, all) = grid(100..110, &[(9.0, 200.0), (2.3, 50.0), (35.0, 750.0)], true);
-    println!("of {all} records {:.1} % of the guesses are right, and {:.1} % of the ends", 100.0 * right, 100.0 * ends);
+    let (all, parts) = grid(400..410, &[(9.0, 200.0), (2.3, 50.0), (35.0, 750.0)], true);
+    for (name, counts) in parts.into_iter().chain([("all".to_owned(), all)]) {
+        let [right, ends] = shares(counts);
+        println!("{name}: {right:.1} % of the guesses and {ends:.1} % of the ends of {} are right", counts[2]);
+    }
+}
+
+#[test]
+fn rounding_stops_no_filter_of_a_motion_that_has_died_out() {
+    for (hertz, rate, seed) in [(2.3, 50.0, 403), (35.0, 750.0, 401)] {
+        let truth = Oscillator { natural_frequency: std::f64::consts::TAU * hertz, damping_ratio: 0.02 };
+        let record = record(truth, Excitation::Step, Quantity::DISPLACEMENT, 1.0 / rate, 8192, seed);
+        let (is_right, ends, text) = outcome(&record, truth);
+        assert!(is_right && ends, "{hertz} Hz: {text}");
+    }
 }
 
 /// Whether a sample is lost.
@@ -91,16 +120,38 @@ fn with_losses(record: &Record, is_lost: impl Fn(usize) -> bool) -> Record {
 
 #[test]
 fn lost_readings_change_no_start_value() {
-    for sensor in SENSORS {
-        let truth = Oscillator { natural_frequency: 19.5, damping_ratio: 0.02 };
-        let whole = record(truth, Excitation::White, sensor, 0.01, 8000, 7);
-        let mut state = 9_u64;
-        let random: Vec<bool> = (0..8000)
-            .map(|_| {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                (state >> 33).is_multiple_of(100)
-            })
-            .collect();
+    for (sensor, seed) in SENSORS.into_iter().zip([7, 8, 9]) {
+        let (off, text) = worst_of_losses(sensor, Excitation::White, 0.02, seed);
+        assert!(off < 0.05, "{text}");
+    }
+    for (excitation, seed) in [(Excitation::Multisine, 10), (Excitation::Hammer, 11)] {
+        let (off, text) = worst_of_losses(Quantity::ACCELERATION, excitation, 0.02, seed);
+        assert!(off < 0.05, "{text}");
+    }
+}
+
+/// Other seeds, dampings and excitations: `cargo test -p kalmanscope-core --test start_values -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement of minutes"]
+fn lost_readings_of_many_records() {
+    for excitation in Excitation::ALL {
+        for sensor in SENSORS {
+            let all =
+                (200..204).map(|seed| worst_of_losses(sensor, excitation, [0.005, 0.02, 0.1][seed as usize % 3], seed));
+            let worst = all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+            println!("{excitation:?} {}: {:.1} %, {}", sensor.key(), 100.0 * worst.0, worst.1);
+        }
+    }
+}
+
+/// The largest relative change of a start value by four kinds of losses, and in words.
+fn worst_of_losses(sensor: Quantity, excitation: Excitation, damping_ratio: f64, seed: u64) -> (f64, String) {
+    let mut worst = (0.0, String::new());
+    {
+        let truth = Oscillator { natural_frequency: 19.5, damping_ratio };
+        let whole = record(truth, excitation, sensor, 0.01, 8000, seed);
+        let mut random = random::Random::new(seed + 1000);
+        let random: Vec<bool> = (0..8000).map(|_| random.uniform() < 0.01).collect();
         let losses: [(&str, Losses); 4] = [
             ("1 % at random", Box::new(move |k| random[k])),
             ("one in 97", Box::new(|k| k % 97 == 50)),
@@ -120,15 +171,16 @@ fn lost_readings_change_no_start_value() {
         };
         let before = values(&whole);
         for (name, is_lost) in losses {
-            // R comes from shorter windows, and the width of a peak from what is left of each.
-            let most = [0.1, 0.01, 0.1, 0.05];
             let after = values(&with_losses(&whole, is_lost));
-            for (((what, before), after), most) in ["R", "ωₙ", "ζ", "gain"].iter().zip(before).zip(after).zip(most)
-            {
-                assert!((after / before - 1.0).abs() < most, "{} {name}: {what} {before} {after}", sensor.key());
+            for ((what, before), after) in ["R", "ωₙ", "ζ", "gain"].iter().zip(before).zip(after) {
+                let change = (after / before - 1.0).abs();
+                if change > worst.0 {
+                    worst = (change, format!("{} {name}: {what} {before} {after}", sensor.key()));
+                }
             }
         }
     }
+    worst
 }
 
 #[test]

@@ -73,7 +73,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
         return;
     }
     if match_truth {
-        let (sensor_std, process_std) = scenario.true_noise();
+        let (sensor_std, process_std) = scenario.true_noise_for(&scenario.filters[place]);
         let filter = &mut scenario.filters[place];
         filter.sensor_std = sensor_std;
         filter.process_std = process_std;

@@ -81,8 +81,8 @@ fn augment_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind, sensor
     } else {
         augment.iter().map(|channel| channel.symbol()).collect::<Vec<_>>().join(", ")
     };
-    let hint =
-        "Properties of the input and the sensors that the filter estimates too: gain, offset, unknown force, bias";
+    let hint = "Properties of the input and the sensors that the filter estimates too: gain, offset, a force that \
+         changes slowly (u) or is another one at each sample (w: wind, traffic), bias";
     ui.horizontal(|ui| {
         ui.label("estimates also").on_hover_text(hint);
         let combo = ComboBox::from_id_salt(("augment", *id)).selected_text(summary).show_ui(ui, |ui| {

@@ -75,7 +75,9 @@ fn augmentation_ui(ui: &mut Ui, plant: &mut Plant) {
     let has: Vec<Channel> = plant.parameters().collect();
     let mut chosen = None;
     let combo = ComboBox::from_id_salt("augmentation").selected_text("Add gain, offset, bias …").show_ui(ui, |ui| {
-        for channel in augment::of(plant.kind).filter(|channel| !has.contains(channel)) {
+        // A white force of the truth is its disturbance.
+        let is_offered = |channel: &Channel| !has.contains(channel) && *channel != Channel::WHITE_FORCE;
+        for channel in augment::of(plant.kind).filter(is_offered) {
             ui.selectable_value(&mut chosen, Some(channel), format!("{} {}", channel.symbol(), channel.name()));
         }
     });

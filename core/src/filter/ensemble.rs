@@ -90,6 +90,13 @@ impl Belief for Ensemble {
         self.gaussian().check()
     }
 
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
+        let Self { members, normal, .. } = self;
+        let draws = centred_draws(1, members.ncols(), normal);
+        members.row_mut(place).copy_from(&(draws.row(0) * variance.sqrt()));
+        Ok(())
+    }
+
     fn gaussian(&self) -> Cow<'_, Gaussian> {
         if let Some(origin) = &self.origin {
             return Cow::Borrowed(origin);

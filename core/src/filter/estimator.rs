@@ -1,6 +1,6 @@
 //! A filter as its settings say, reporting to its estimates.
 
-use super::{Belief, Correction, Filter, FilterError, Gaussian, Noise};
+use super::{Belief, Correction, Filter, FilterError, Gaussian, Noise, White};
 use crate::estimator::{Estimator, Failed, FilterContext};
 use crate::linalg::{Matrix, Vector, copy, fit_vector};
 use crate::random::{Normal, Purpose};
@@ -59,7 +59,11 @@ fn report(
             return Err(FilterError::NotFinite);
         }
     }
-    let process = filter.is_adaptive().then(|| filter.noise().process.diagonal());
+    let process = filter.is_adaptive().then(|| {
+        let mut process = filter.noise().process.diagonal();
+        filter.white_force().into_iter().for_each(|white| process[white.place] = white.variance);
+        process
+    });
     sink.push(&Sample {
         mean: belief.mean.as_slice(),
         cov: belief.cov.as_slice(),
@@ -147,15 +151,19 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
     context: &FilterContext<'_>,
 ) -> Filter<B> {
     let model = context.model(settings);
-    let (_, unit) = initial_state(&model, settings);
+    let (mean, unit) = initial_state(&model, settings);
     let process = spread(&model, settings, &settings.process_std).component_mul(&unit);
-    let noise = Noise {
+    let mut noise = Noise {
         process: Matrix::from_diagonal(&process.component_mul(&process)),
         sensors: settings.sensor_std.iter().map(|s| s * s).collect(),
         fading: settings.fading,
     };
+    let white = White::of(&model, settings, context.hold, context.sensors);
+    if let Some(white) = white {
+        white.add_rest(&model, mean.as_slice(), context.dt, &mut noise.process);
+    }
     let filter = Filter::new(model, belief, context.dt, context.hold, noise, context.sensors, settings.adaptation);
-    filter.with_substeps(settings.substeps)
+    filter.with_substeps(settings.substeps).with_white_force(white)
 }
 
 /// The initial mean as a state, and what a unit of each channel is in the state's. For a logarithm that is one over the

@@ -130,6 +130,11 @@ impl Belief for Linearised {
         if goes_on { self.descend(model, observation, correction) } else { Ok(()) }
     }
 
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
+        self.belief.renew(place, variance);
+        Ok(())
+    }
+
     fn gaussian(&self) -> Cow<'_, Gaussian> {
         Cow::Borrowed(&self.belief)
     }

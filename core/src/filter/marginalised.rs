@@ -234,6 +234,13 @@ impl Belief for Marginalised {
         self.gaussian().check()
     }
 
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
+        let Self { particles, origin, .. } = self;
+        let beliefs = particles.iter_mut().map(Linearised::belief_mut).chain(origin);
+        beliefs.for_each(|belief| belief.renew(place, variance));
+        Ok(())
+    }
+
     fn gaussian(&self) -> Cow<'_, Gaussian> {
         self.origin.as_ref().map_or_else(|| Cow::Owned(self.moments()), Cow::Borrowed)
     }

@@ -187,6 +187,14 @@ impl Belief for Particles {
         self.gaussian().check()
     }
 
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
+        let Self { particles, normal, .. } = self;
+        for particle in particles.row_mut(place).iter_mut() {
+            *particle = variance.sqrt() * normal.sample();
+        }
+        Ok(())
+    }
+
     fn gaussian(&self) -> Cow<'_, Gaussian> {
         self.origin.as_ref().map_or_else(|| Cow::Owned(self.moments()), Cow::Borrowed)
     }

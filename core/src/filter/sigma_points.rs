@@ -265,6 +265,11 @@ impl Belief for SigmaPoints {
         kalman::condition(belief, expected, observation, correction)
     }
 
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
+        self.belief.renew(place, variance);
+        Ok(())
+    }
+
     fn gaussian(&self) -> Cow<'_, Gaussian> {
         Cow::Borrowed(&self.belief)
     }

@@ -23,7 +23,7 @@
 
 use super::estimator::{InUnits, build_filter, initial_belief};
 use super::kalman::Last;
-use super::{Correction, Filter, FilterError, Gaussian};
+use super::{Correction, Filter, FilterError, Gaussian, Part};
 use crate::estimator::FilterContext;
 use crate::linalg::{Ldl, Matrix, Vector, multiply, multiply_symmetric};
 use crate::sink::Sample;
@@ -137,8 +137,11 @@ impl Beliefs for Smoothed {
         } else {
             let n = filter.model().size();
             let mut transition = Matrix::identity(n, n);
-            filter.predict_by(forces, |model, belief, step| {
-                transition = belief.transition(model, step)? * &transition;
+            filter.predict_by(forces, |model, belief, part| {
+                match part {
+                    Part::Step(step) => transition = belief.transition(model, step)? * &transition,
+                    Part::Renewal(place) => transition.row_mut(place).fill(0.0),
+                }
                 Ok(())
             })?;
             let predicted = filter.belief().gaussian().into_owned();

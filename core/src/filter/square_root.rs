@@ -176,6 +176,18 @@ impl Belief for SquareRoot {
         self.belief.check()
     }
 
+    fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
+        let Self { belief, root, deviation, .. } = self;
+        belief.mean[place] = 0.0;
+        root.row_mut(place).fill(0.0);
+        deviation.clear();
+        deviation.resize(root.nrows(), 0.0);
+        deviation[place] = variance.sqrt();
+        add_to_root(root, deviation);
+        self.square();
+        Ok(())
+    }
+
     fn gaussian(&self) -> Cow<'_, Gaussian> {
         Cow::Borrowed(&self.belief)
     }

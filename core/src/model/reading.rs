@@ -87,8 +87,8 @@ impl Model {
             }
         }
         if *ground != 0.0 {
-            let unrecorded = self.unknown;
-            for (place, factor) in self.force_parts(force).filter(|(place, _)| Some(*place) != unrecorded) {
+            let unrecorded = [self.unknown, self.white];
+            for (place, factor) in self.force_parts(force).filter(|(place, _)| !unrecorded.contains(&Some(*place))) {
                 add(place, -ground * factor);
             }
         }

@@ -1,7 +1,7 @@
 //! The true noise of a scenario, as the settings of a filter express it.
 
-use super::{Scenario, Values};
-use crate::{Quantity, Signal};
+use super::{FilterSettings, Scenario, Values};
+use crate::{Channel, Quantity, Signal};
 
 impl Scenario {
     /// The true noise, for a filter's settings: that of the sensors ([`Self::true_sensor_std`]), the effect of the
@@ -19,6 +19,20 @@ impl Scenario {
             }
         }
         (sensor_std, process_std)
+    }
+
+    /// [`Self::true_noise`] for this filter. One that knows of a white force has the disturbance there, and neither in R nor
+    /// in the motion.
+    pub fn true_noise_for(&self, filter: &FilterSettings) -> (Vec<f64>, Values) {
+        let (sensor_std, mut process_std) = self.true_noise();
+        if !filter.augment.contains(&Channel::WHITE_FORCE) {
+            return (sensor_std, process_std);
+        }
+        for &channel in self.plant.kind.channels().iter().filter(|channel| !channel.is_parameter()) {
+            process_std[channel] = 0.0;
+        }
+        process_std[Channel::WHITE_FORCE] = self.plant.disturbance_std;
+        (self.sensors.iter().map(|s| usable_std(s.measures, s.noise_std)).collect(), process_std)
     }
 
     /// The standard deviations of the sensors' noise for a filter's settings: the sensor's own noise, and the effect of

@@ -99,6 +99,12 @@ impl Plant {
             let key = format!("plant.{}", channel.key());
             validate_signal(&key, &parameter)?;
             let low = || format!("{} at its lowest", parameter.minimum());
+            require(
+                channel != Channel::WHITE_FORCE,
+                &key,
+                "set",
+                "left out: the truth's white force is its disturbance_std",
+            )?;
             match channel.role() {
                 Role::Parameter(Sign::Positive) => {
                     require(parameter.minimum() > 0.0, key, low(), "above 0 at all times")?;
@@ -211,7 +217,7 @@ impl FilterSettings {
                 channel.is_augmentation() && !augment[..i].contains(channel),
                 format_args!("{path}.augment[{i}]"),
                 format_args!("\"{}\"", channel.key()),
-                "an augmentation, each once: input_gain, input_offset, unknown_force, or bias_ and a sensor",
+                "an augmentation, each once: input_gain, input_offset, unknown_force, white_force, or bias_ and a sensor",
             )?;
         }
         delay(format_args!("{path}.input_delay"), *input_delay)?;

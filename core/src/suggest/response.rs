@@ -132,7 +132,7 @@ fn points(spectra: &Spectra, record: &Record, quantity: Quantity, band: Option<[
     (2..last).filter_map(point).collect()
 }
 
-fn is_within(band: Option<[f64; 2]>, frequency: f64) -> bool {
+pub(super) fn is_within(band: Option<[f64; 2]>, frequency: f64) -> bool {
     let hertz = frequency / std::f64::consts::TAU;
     band.is_none_or(|[low, high]| (low..=high).contains(&hertz))
 }

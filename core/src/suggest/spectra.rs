@@ -137,6 +137,11 @@ impl Spectra {
         }
     }
 
+    /// Time between the samples that it is made of \[s\].
+    pub(super) fn dt(&self) -> f64 {
+        self.dt
+    }
+
     /// The frequency at a place \[rad/s\].
     pub(super) fn frequency(&self, place: usize) -> f64 {
         TAU * place as f64 / (self.length as f64 * self.dt)
@@ -225,7 +230,7 @@ fn between_gaps(values: &[f64], length: usize) -> Vec<usize> {
 }
 
 /// The distance between measurements: one, but for the empty samples that an interpolation puts between them.
-fn stride(measured: &[f64]) -> usize {
+pub(super) fn stride(measured: &[f64]) -> usize {
     let mut there = measured.iter().enumerate().filter(|(_, value)| !value.is_nan()).map(|(k, _)| k);
     let Some(first) = there.next().filter(|&first| first == 0) else { return 1 };
     let stride = there.next().map_or(1, |second| second - first);

@@ -1,32 +1,43 @@
 //! Suggestions that are tried out: the making of a [`Suggestion`], a slice after the other.
 
 use super::Suggestion;
+use super::ambient::{Ambient, has_no_input};
+use super::follow::{first_alone, follow, follow_freely, likelihood, surprise};
+use super::gaps::Lost;
 use crate::in_slices::InSlices;
-use crate::{FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
+use crate::{Record, Run, Running, Scenario};
 
 /// The samples of which the likelihood is taken.
 const LIKELY: usize = 4096;
 
+/// The same where there is no input: the size of a force that is not known takes longer to tell.
+const LIKELY_AMBIENT: usize = 8192;
+
+/// Where a motion needs no noise, as a decay does, a white force is taken for its cause if the log likelihood is larger by
+/// this.
+const CLEARLY: f64 = 10.0;
+
 /// Parts of the motion's size that are tried for its process noise per step.
 pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2];
 
-/// The samples of which the free run is taken.
-const FREE: usize = 16_384;
-
 /// The making of suggested settings for a scenario's filters on a measured record: R from the high frequencies that the
 /// input does not explain, ωₙ, ζ and gain from the response to the input (or the peak of the spectrum), the initial belief
-/// from these, and Q by the likelihood of the innovations. Where the scenario has a mapping, means are removed and a large gain
+/// from these, and Q by the likelihood of the innovations. Without an input, a white force that moves the plant
+/// ([`crate::filter::White`]) is tried too. Where the scenario has a mapping, means are removed and a large gain
 /// goes into the mapping; the record is then to be read again.
 ///
 /// Settings of plants without a natural frequency are left as they are, but for R and Q.
 pub struct Suggest {
     suggestion: Suggestion,
     record: Record,
+    /// What is lost of the record.
+    gaps: Option<Gaps>,
     stage: Stage,
     trial: Option<Run>,
     /// The free run of the trial's model.
     free: Option<Running>,
     likelihoods: Vec<(f64, f64)>,
+    ambient: Option<Ambient>,
     /// The errors of the free run with the settings so far, and those with other settings.
     errors: Vec<f64>,
 }
@@ -35,8 +46,12 @@ pub struct Suggest {
 enum Stage {
     /// Noise, guess and spread are read from the spectra.
     Data,
+    /// A filter with these fills the gaps, and they are read again.
+    Gaps,
     /// The likelihood with one of the shares.
     Likelihood(usize),
+    /// The likelihood with a white force, where there is no input.
+    WhiteForce,
     /// The free run of the model so far.
     FreeRun,
     /// The free run of the model with larger R and no Q.
@@ -44,15 +59,68 @@ enum Stage {
     Done,
 }
 
-/// The samples of a trial between two looks at the clock.
-const CHUNK: usize = 200;
+/// Lost readings, with the record and the settings as they were given.
+struct Gaps {
+    lost: Lost,
+    record: Record,
+    given: Suggestion,
+}
 
 impl Suggest {
     /// Suggestions for a scenario on a record, before the first look at it.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
-        let (trial, free, likelihoods, errors) = Default::default();
-        Self { suggestion, record, stage: Stage::Data, trial, free, likelihoods, errors }
+        let (trial, free, likelihoods, ambient, errors) = Default::default();
+        let gaps = None;
+        Self { suggestion, record, gaps, stage: Stage::Data, trial, free, likelihoods, ambient, errors }
+    }
+
+    /// Looks at the data, whose gaps are filled if they are told: noise, guess and spread.
+    fn begin(&mut self, lost: Option<&Lost>) {
+        // Without a mapping the record stays as it is, and the filters know its offsets.
+        let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
+        self.suggestion.remove_means(&mut self.record);
+        let before = has_no_input(&self.record).then(|| self.suggestion.clone());
+        self.suggestion.sensor_noise(&self.record, lost);
+        self.suggestion.motion(&mut self.record);
+        self.suggestion.substeps(&self.record);
+        self.ambient = before.and_then(|before| {
+            Ambient::new(Suggestion { reasons: before.reasons, ..self.suggestion.clone() }, &mut self.record)
+        });
+        if let Some(record) = as_it_is {
+            self.record = record;
+        }
+    }
+
+    /// Looks at the data again once their gaps can be filled.
+    fn fill(&mut self, run: Option<&Run>) {
+        let Some(Gaps { lost, record, given }) = self.gaps.take() else { return };
+        let Some(filled) = run.and_then(|run| lost.filled(run, &record)) else { return };
+        (self.suggestion, self.record) = (given, filled);
+        self.begin(Some(&lost));
+        lost.lose(&mut self.record);
+    }
+
+    /// The samples of a trial.
+    fn likely(&self) -> usize {
+        if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
+    }
+
+    /// Ends the trials of noise with what is most likely. Returns whether that is a white force.
+    fn choose(&mut self) -> bool {
+        let best = self.likelihoods.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied();
+        if let Some(mut ambient) = self.ambient.take()
+            && let Some((sizes, likelihood)) = ambient.best()
+            && best.is_none_or(|(share, other)| likelihood > other + if share > 0.0 { 0.0 } else { CLEARLY })
+        {
+            ambient.suggestion.take_white_force(&sizes);
+            self.suggestion = ambient.suggestion;
+            return true;
+        }
+        if let Some((share, _)) = best {
+            self.suggestion.process_noise(share);
+        }
+        false
     }
 }
 
@@ -62,8 +130,12 @@ impl InSlices for Suggest {
     fn progress(&self) -> f64 {
         let all = (SHARES.len() + 3) as f64;
         match self.stage {
-            Stage::Data => 0.0,
+            Stage::Data | Stage::Gaps => 0.0,
             Stage::Likelihood(place) => (1 + place) as f64 / all,
+            Stage::WhiteForce => {
+                let done = self.ambient.as_ref().map_or(1.0, Ambient::progress);
+                (SHARES.len() as f64 + done) / all
+            }
             Stage::FreeRun => (1 + SHARES.len()) as f64 / all,
             Stage::ModelError => (2 + SHARES.len()) as f64 / all,
             Stage::Done => 1.0,
@@ -74,31 +146,47 @@ impl InSlices for Suggest {
         while self.stage != Stage::Done {
             self.stage = match self.stage {
                 Stage::Data => {
-                    // Without a mapping the record stays as it is, and the filters know its offsets.
-                    let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
-                    self.suggestion.remove_means(&mut self.record);
-                    self.suggestion.sensor_noise(&self.record);
-                    self.suggestion.motion(&mut self.record);
-                    self.suggestion.substeps(&self.record);
-                    if let Some(record) = as_it_is {
-                        self.record = record;
+                    let (record, given) = (self.record.clone(), self.suggestion.clone());
+                    self.begin(None);
+                    let lost = Lost::of(&record).filter(|_| self.suggestion.can_fill());
+                    self.gaps = lost.map(|lost| Gaps { lost, record, given });
+                    match (self.suggestion.scenario.filters.is_empty(), &self.gaps) {
+                        (true, _) => Stage::Done,
+                        (false, None) => Stage::Likelihood(0),
+                        (false, Some(_)) => Stage::Gaps,
                     }
-                    if self.suggestion.scenario.filters.is_empty() { Stage::Done } else { Stage::Likelihood(0) }
+                }
+                Stage::Gaps => {
+                    let scenario = || self.suggestion.filling();
+                    match follow(&mut self.trial, scenario, &self.record, self.record.len(), while_time) {
+                        None => return false,
+                        Some(run) => self.fill(run.as_ref()),
+                    }
+                    Stage::Likelihood(0)
                 }
                 Stage::Likelihood(place) => {
                     let share = SHARES[place];
-                    let scenario = || self.suggestion.with_share(share);
-                    match follow(&mut self.trial, scenario, &self.record, LIKELY, while_time) {
+                    let (samples, scenario) = (self.likely(), || self.suggestion.with_share(share));
+                    match follow(&mut self.trial, scenario, &self.record, samples, while_time) {
                         None => return false,
                         Some(run) => self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?)))),
                     }
-                    if place + 1 < SHARES.len() {
-                        Stage::Likelihood(place + 1)
-                    } else {
-                        let best = self.likelihoods.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-                        if let Some(&(share, _)) = best {
-                            self.suggestion.process_noise(share);
+                    if place + 1 < SHARES.len() { Stage::Likelihood(place + 1) } else { Stage::WhiteForce }
+                }
+                Stage::WhiteForce => {
+                    let samples = self.likely();
+                    if let Some(ambient) = &mut self.ambient
+                        && let Some(sizes) = ambient.next()
+                    {
+                        let scenario = || ambient.suggestion.trial_of_white_force(&sizes);
+                        match follow(&mut self.trial, scenario, &self.record, samples, while_time) {
+                            None => return false,
+                            Some(run) => ambient.take(run.and_then(|run| likelihood(&run))),
                         }
+                        Stage::WhiteForce
+                    } else if self.choose() {
+                        Stage::Done
+                    } else {
                         Stage::FreeRun
                     }
                 }
@@ -110,6 +198,14 @@ impl InSlices for Suggest {
                         Some(Some((_, errors))) if self.suggestion.is_guessed => {
                             self.errors = errors;
                             Stage::ModelError
+                        }
+                        Some(None) => {
+                            let has_stopped =
+                                |run: &Run| run.estimates().first().is_some_and(|one| one.stop().is_some());
+                            if self.trial.take().as_ref().is_some_and(has_stopped) {
+                                self.suggestion.keep_from_rounding();
+                            }
+                            Stage::Done
                         }
                         Some(_) => Stage::Done,
                     }
@@ -138,93 +234,4 @@ impl InSlices for Suggest {
     fn finish(self) -> Suggestion {
         self.suggestion
     }
-}
-
-/// Runs a trial on the first samples of a record. `None` while it is under way, `Some(None)` where it is impossible.
-#[expect(clippy::option_option, reason = "a trial is under way, impossible or done")]
-fn follow(
-    trial: &mut Option<Run>,
-    scenario: impl FnOnce() -> Scenario,
-    record: &Record,
-    samples: usize,
-    while_time: &mut dyn FnMut() -> bool,
-) -> Option<Option<Run>> {
-    if trial.is_none() {
-        let part = record.part(0..record.len().min(samples));
-        *trial = Run::on_record(&scenario(), part.into()).ok();
-    }
-    let Some(run) = trial else { return Some(None) };
-    while run.done() < run.samples() {
-        run.advance_to(run.done() + CHUNK);
-        if !while_time() && run.done() < run.samples() {
-            return None;
-        }
-    }
-    Some(trial.take())
-}
-
-/// Runs a trial, then its final model freely over the same samples, with the model's error for each of the scenario's
-/// sensors. `None` while it is under way, `Some(None)` where it is impossible.
-#[expect(clippy::option_option, reason = "a trial is under way, impossible or done")]
-fn follow_freely(
-    trial: &mut Option<Run>,
-    free: &mut Option<Running>,
-    scenario: impl FnOnce() -> Scenario,
-    record: &Record,
-    while_time: &mut dyn FnMut() -> bool,
-) -> Option<Option<(Run, Vec<f64>)>> {
-    if free.is_none() {
-        *trial = follow(trial, scenario, record, FREE, while_time)?;
-        *free = trial.as_ref().and_then(begin_freely);
-    }
-    if let (Some(running), Some(run)) = (free.as_mut(), &*trial)
-        && !running.advance(run.record(), while_time)
-    {
-        return None;
-    }
-    let done = trial.take().zip(free.take());
-    Some(done.and_then(|(run, running)| {
-        let errors = errors(&run, &running.finish(run.record()))?;
-        Some((run, errors))
-    }))
-}
-
-/// The free run of the first filter's final model, before its first piece; none where the filter has stopped.
-fn begin_freely(run: &Run) -> Option<Running> {
-    let (scenario, record) = (run.scenario(), run.record());
-    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
-    let model = Identified::at(scenario, &scenario.filters[0], estimates, estimates.len().checked_sub(1)?);
-    Some(model.running(record, 0..record.len()))
-}
-
-/// The error of a free run for each of the scenario's sensors, if the model has not run away.
-fn errors(run: &Run, free: &FreeRun) -> Option<Vec<f64>> {
-    let of = |sensor: &Sensor| free.fit(run.record(), sensor.measures).map(|fit| fit.rms);
-    let errors = run.scenario().sensors.iter().map(of).collect::<Option<Vec<f64>>>();
-    errors.filter(|errors| errors.iter().all(|error| error.is_finite()))
-}
-
-/// The log likelihood of all innovations, if the filter went through.
-fn likelihood(run: &Run) -> Option<f64> {
-    let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;
-    let sum: f64 = (1..estimates.len()).map(|k| estimates.log_likelihood(k)).filter(|l| !l.is_nan()).sum();
-    sum.is_finite().then_some(sum)
-}
-
-/// The size of the innovations over what the filter expects: 1 where they agree.
-fn surprise(run: &Run) -> f64 {
-    let Some(estimates) = run.estimates().first() else { return 1.0 };
-    // The filter finds its parameters in the first half.
-    let half = estimates.len() / 2..estimates.len();
-    let measured = |k: usize| estimates.innovation(k).iter().filter(|e| !e.is_nan()).count();
-    let (sum, count) = half
-        .filter(|&k| !estimates.nis()[k].is_nan())
-        .fold((0.0, 0), |(sum, count), k| (sum + estimates.nis()[k], count + measured(k)));
-    let ratio = libm::sqrt(sum / f64::from(u32::try_from(count.max(1)).unwrap_or(u32::MAX)));
-    if ratio.is_finite() { ratio.clamp(0.1, 10.0) } else { 1.0 }
-}
-
-/// The scenario with its first filter alone.
-pub(super) fn first_alone(scenario: &Scenario) -> Scenario {
-    Scenario { filters: scenario.filters.iter().take(1).cloned().collect(), ..scenario.clone() }
 }

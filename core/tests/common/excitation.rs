@@ -3,6 +3,8 @@
 use kalmanscope_core::record::Input;
 use kalmanscope_core::{Hold, InputKind, Quantity, Record};
 
+use crate::random::Random;
+
 /// The true oscillator.
 #[derive(Clone, Copy)]
 pub(crate) struct Oscillator {
@@ -109,7 +111,7 @@ pub(crate) fn record(
     samples: usize,
     seed: u64,
 ) -> Record {
-    let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) + 12_345);
+    let mut random = Random::new(seed);
     let force = excitation.force(truth, dt, samples, &mut random);
     let Oscillator { natural_frequency: wn, damping_ratio: zeta } = truth;
     let wd = wn * (1.0 - zeta * zeta).sqrt();
@@ -134,21 +136,4 @@ pub(crate) fn record(
     let measured = signal.iter().map(|y| y + 0.01 * size * random.normal()).collect();
     let input = Input { kind: InputKind::Force, hold: Hold::Zero, values: force };
     Record::new(dt, input, vec![(sensor, measured)]).unwrap()
-}
-
-struct Random(u64);
-
-impl Random {
-    /// SplitMix64 (Steele, Lea and Flood 2014).
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * (1.0 - self.uniform()).ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
-    }
 }

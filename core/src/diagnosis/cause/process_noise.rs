@@ -22,7 +22,10 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     let (case, filter) = (matter.case, matter.filter);
     let first = case.sensors.iter().map(|one| one.autocorrelation(&case.kept)[0]);
     let first = first.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-    let motions = || case.estimates.channels().iter().copied().filter(|channel| !channel.is_parameter());
+    // Where a white force drives the motion, it is all of its noise.
+    let is_white = filter.augment.contains(&Channel::WHITE_FORCE) && filter.process_std[Channel::WHITE_FORCE] > 0.0;
+    let moves = |channel: &Channel| if is_white { *channel == Channel::WHITE_FORCE } else { !channel.is_parameter() };
+    let motions = || case.estimates.channels().iter().copied().filter(moves);
     for factor in FACTORS {
         let knobs = motions().map(|channel| {
             let std = filter.process_std[channel];

@@ -1,0 +1,115 @@
+//! A white force in the state of a filter.
+
+use super::{Belief, FilterError, Gaussian};
+use crate::linalg::Matrix;
+use crate::{Channel, FilterSettings, Hold, Model, Quantity};
+
+/// A force over mass that nobody records, independent from sample to sample: wind, traffic, the ground's unrest. It is the
+/// component w of the state ([`Channel::WHITE_FORCE`]), so that a sensor that feels it, such as an accelerometer, reads the
+/// very force that moves the plant.
+///
+/// ```text
+/// w ~ N(0, s²) anew for each sample,  s² = q / dt
+/// x⁺ = Φ x + Γ w,  z = h(x) + D w + v,  cov(Γ w, D w + v) = Γ s² Dᵀ
+/// Γ Γᵀ s² = q [dt³/4, dt²/2; dt²/2, dt] of a light oscillator, and D = 1 of an accelerometer on it
+/// ```
+///
+/// with the intensity q of the white force \[m²/s³\]: its two-sided spectral density. The filter of the state with w is that
+/// of process noise and sensor noise that are correlated, Γ s² Dᵀ: the covariance of x and w after an update is what the
+/// books subtract from the next prediction.
+///
+/// The course of the force between samples depends on what there is to see of it ([`Course`]).
+///
+/// Source: Anderson and Moore (1979), *Optimal Filtering*, section 5.5; Simon (2006), *Optimal State Estimation*, section
+/// 7.1 (correlated process and measurement noise); Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to
+/// Tracking and Navigation*, sections 6.2.2 and 6.3.2 (white acceleration, continuous and held).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct White {
+    /// The place of w in the state.
+    pub place: usize,
+    /// s², the variance of w \[(m/s²)²\].
+    pub variance: f64,
+    /// The course of the force between samples.
+    pub course: Course,
+}
+
+/// The course of a white force between samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Course {
+    /// It is held from its sample to the next, as a simulated disturbance is: where the input is held ([`Hold::Zero`]).
+    Held,
+    /// It is continuous white noise, and w its mean from a sample to the next: where the input is not held ([`Hold::First`])
+    /// and no sensor feels the force. What it does besides its mean moves x, and completes the process noise:
+    ///
+    /// ```text
+    /// Q = q [dt³/12, 0; 0, 0],  Q + Γ Γᵀ s² = q [dt³/3, dt²/2; dt²/2, dt]
+    /// ```
+    Continuous,
+    /// It is held from half a sample before its own to half a sample after it: where the input is not held and a sensor feels
+    /// the force. A sampled accelerometer with a filter against aliases feels it on both sides of its sample.
+    Centred,
+}
+
+impl White {
+    /// The white force of a filter with these settings and sensors, if it has one.
+    pub(super) fn of(model: &Model, settings: &FilterSettings, hold: Hold, sensors: &[Quantity]) -> Option<Self> {
+        let place = model.place(Channel::WHITE_FORCE)?;
+        let std = settings.process_std[Channel::WHITE_FORCE];
+        let feels = |quantity: &Quantity| model.reading(*quantity).is_some_and(|reading| reading.is_of_rates());
+        let course = match hold {
+            Hold::Zero => Course::Held,
+            Hold::First if sensors.iter().any(feels) => Course::Centred,
+            Hold::First => Course::Continuous,
+        };
+        Some(Self { place, variance: std * std, course })
+    }
+
+    /// Adds to Q what the force does besides its mean over a sample, through the plant's own input.
+    pub(super) fn add_rest(self, model: &Model, state: &[f64], dt: f64, process: &mut Matrix) {
+        if self.course != Course::Continuous {
+            return;
+        }
+        let by_force = model.by_force(state);
+        let moved = |place: usize| {
+            let velocity = model.channels()[place].rate()?;
+            Some((place, by_force[model.place(velocity)?]))
+        };
+        let moved: Vec<(usize, f64)> = (0..model.motion()).filter_map(moved).collect();
+        let variance = self.variance * dt * dt * dt * dt / 12.0;
+        for &(i, a) in &moved {
+            for &(j, b) in &moved {
+                process[(i, j)] += variance * a * b;
+            }
+        }
+    }
+
+    /// The number of steps of a prediction of `substeps` steps, and after how many of them w is another.
+    pub(super) fn steps(self, substeps: usize) -> (usize, usize) {
+        match self.course {
+            Course::Held | Course::Continuous => (substeps, substeps),
+            Course::Centred => (2 * substeps.div_ceil(2), substeps.div_ceil(2)),
+        }
+    }
+
+    /// Draws the force of the next sample.
+    pub(super) fn renew<B: Belief + ?Sized>(self, belief: &mut B) -> Result<(), FilterError> {
+        belief.renew(self.place, self.variance)
+    }
+
+    /// Leaves w out of a Q, whose step does not move it.
+    pub(super) fn leave_out(self, process: &mut Matrix) {
+        process.row_mut(self.place).fill(0.0);
+        process.column_mut(self.place).fill(0.0);
+    }
+}
+
+impl Gaussian {
+    /// Makes a component another one, which has mean zero and this variance and knows nothing of the others.
+    pub fn renew(&mut self, place: usize, variance: f64) {
+        let Self { mean, cov } = self;
+        mean[place] = 0.0;
+        cov.row_mut(place).fill(0.0);
+        cov.column_mut(place).fill(0.0);
+        cov[(place, place)] = variance;
+    }
+}

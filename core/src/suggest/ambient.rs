@@ -1,0 +1,180 @@
+//! Records without an input: a white force moves the plant, and its size is one more thing to be found.
+
+use super::ambient_fit::{AmbientFit, ambient_fit};
+use super::climb::Climb;
+use super::follow::first_alone;
+use super::response::{Response, order};
+use super::{Suggestion, moments, motion_sensor, rounded};
+use crate::{Channel, FilterKind, Hold, Record, Scenario, Sensor};
+
+/// The white force of a record without an input, and the noise of the scenario's sensors, before they are tried.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Sizes {
+    /// s \[m/s²\]
+    force: f64,
+    /// In the sensors' order and units.
+    noise: Vec<f64>,
+    /// The course of the force from sample to sample.
+    hold: Hold,
+}
+
+impl Sizes {
+    /// These factors on the force and on the noise of each sensor.
+    fn times(&self, factors: &[f64]) -> Self {
+        let noise = self.noise.iter().zip(&factors[1..]).map(|(noise, by)| rounded(noise * by)).collect();
+        Self { force: rounded(self.force * factors[0]), noise, ..*self }
+    }
+
+    /// The same with a force that is held from its sample to the next.
+    fn held(&self) -> Self {
+        Self { hold: Hold::Zero, ..self.clone() }
+    }
+}
+
+/// Whether a record has no input: one that does not change moves nothing.
+pub(super) fn has_no_input(record: &Record) -> bool {
+    record.input().windows(2).all(|pair| pair[0] == pair[1])
+}
+
+/// The trials of a white force.
+pub(super) struct Ambient {
+    pub(super) suggestion: Suggestion,
+    /// The sizes that factors of the climb multiply.
+    sizes: Sizes,
+    climb: Climb,
+    /// The best of the climb with a force that is held: its log likelihood, if it has one. None before it was tried.
+    held: Option<Option<f64>>,
+}
+
+impl Ambient {
+    /// Those of a suggestion that has no noise yet, for a record without an input. `None` where no oscillator is seen.
+    pub(super) fn new(mut suggestion: Suggestion, record: &mut Record) -> Option<Self> {
+        let sizes = suggestion.ambient(record)?;
+        suggestion.is_guessed = true;
+        suggestion.substeps(record);
+        let climb = Climb::new(1 + suggestion.scenario.sensors.len());
+        Some(Self { suggestion, sizes, climb, held: None })
+    }
+
+    /// The share that is done, from 0 to 1.
+    pub(super) fn progress(&self) -> f64 {
+        self.climb.progress()
+    }
+
+    /// The sizes of the next trial: those of the climb, then its best with a force that is held.
+    pub(super) fn next(&self) -> Option<Sizes> {
+        let Self { sizes, climb, held, .. } = self;
+        let of_climb = || climb.next().map(|factors| sizes.times(&factors));
+        let last = || climb.best().filter(|_| held.is_none()).map(|(factors, _)| sizes.times(factors).held());
+        of_climb().or_else(last)
+    }
+
+    /// Takes in the log likelihood of the last trial, if there is one.
+    pub(super) fn take(&mut self, likelihood: Option<f64>) {
+        if self.climb.next().is_some() {
+            self.climb.take(likelihood);
+        } else {
+            self.held = Some(likelihood);
+        }
+    }
+
+    /// The best sizes and their log likelihood.
+    pub(super) fn best(&self) -> Option<(Sizes, f64)> {
+        let (factors, likelihood) = self.climb.best()?;
+        let sizes = self.sizes.times(factors);
+        let held = self.held.flatten().filter(|held| *held > likelihood);
+        Some(held.map_or_else(|| (sizes.clone(), likelihood), |held| (sizes.held(), held)))
+    }
+}
+
+/// Limits R of an accelerometer beside a displacement or a velocity from below, as a share of the white force: between samples
+/// the force has another course than the filter takes it to have.
+const UNSEEN: f64 = 0.3;
+
+impl Suggestion {
+    /// The start values of filters that take a white force for the cause of the motion, and the first guess of its size.
+    /// `None` where no filter has a frequency, or the spectrum tells none.
+    fn ambient(&mut self, record: &mut Record) -> Option<Sizes> {
+        if !self.has_frequency() {
+            return None;
+        }
+        let (quantity, measured) = motion_sensor(record)?;
+        let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
+        let AmbientFit { natural_frequency, damping_ratio, force, noise } =
+            ambient_fit(record, quantity, measured, band)?;
+        let noises = self.scenario.sensors.iter().enumerate().map(|(place, sensor)| {
+            let measured = record.measured_quantity(sensor.measures)?;
+            let (_, std) = moments(measured);
+            // An accelerometer feels the force at high frequencies, all other sensors but their noise.
+            let own = || if sensor.measures == quantity { Some(noise) } else { None };
+            let fitted = || own().or_else(|| Some(ambient_fit(record, sensor.measures, measured, band)?.noise));
+            let noise = if order(sensor.measures) < 2 { None } else { fitted() };
+            Some(noise.unwrap_or(self.scenario.sensors[place].noise_std).max(1e-4 * std))
+        });
+        let noise = noises.collect::<Option<Vec<f64>>>()?;
+        let found = Response { natural_frequency, damping_ratio, gain: None };
+        self.begin_at(record, quantity, &found, "fitted to the spectrum as that of an oscillator under a white force");
+        // A force that nobody records is on both sides of each sample.
+        Some(Sizes { force, noise, hold: Hold::First })
+    }
+
+    /// The scenario with a white force in every filter, and noise of the sensors, of these sizes.
+    fn with_white_force(&self, sizes: &Sizes) -> Scenario {
+        let Sizes { force, noise, hold } = sizes;
+        let (mut scenario, force) = (self.scenario.clone(), *force);
+        let kind = scenario.plant.kind;
+        scenario.hold = *hold;
+        let is_seen_twice = self.sees_force_twice();
+        let least = |sensor: &Sensor| if is_seen_twice && order(sensor.measures) == 2 { UNSEEN * force } else { 0.0 };
+        let noise: Vec<f64> =
+            noise.iter().zip(&scenario.sensors).map(|(own, sensor)| rounded(own.max(least(sensor)))).collect();
+        for (sensor, noise) in scenario.sensors.iter_mut().zip(&noise) {
+            sensor.noise_std = *noise;
+        }
+        for filter in &mut scenario.filters {
+            for &channel in kind.channels().iter().filter(|channel| !channel.is_parameter()) {
+                filter.process_std[channel] = 0.0;
+            }
+            if !filter.augment.contains(&Channel::WHITE_FORCE) {
+                filter.augment.push(Channel::WHITE_FORCE);
+            }
+            filter.initial_mean[Channel::WHITE_FORCE] = 0.0;
+            filter.initial_std[Channel::WHITE_FORCE] = force;
+            filter.process_std[Channel::WHITE_FORCE] = force;
+            filter.sensor_std.clone_from(&noise);
+        }
+        scenario
+    }
+
+    /// Whether sensors with and without the force see the same motion. Its course between samples is not known, so that they
+    /// disagree by more than their noise, and R of an accelerometer has a limit from below.
+    fn sees_force_twice(&self) -> bool {
+        let orders = || self.scenario.sensors.iter().map(|sensor| order(sensor.measures));
+        orders().any(|order| order == 2) && orders().any(|order| order < 2)
+    }
+
+    /// The first filter of [`Self::with_white_force`] alone.
+    pub(super) fn trial_of_white_force(&self, sizes: &Sizes) -> Scenario {
+        let mut scenario = first_alone(&self.with_white_force(sizes));
+        for filter in scenario.filters.iter_mut().filter(|filter| filter.kind.is_sampled()) {
+            filter.kind = FilterKind::EKF;
+        }
+        scenario
+    }
+
+    /// Takes these sizes for good.
+    pub(super) fn take_white_force(&mut self, sizes: &Sizes) {
+        self.scenario = self.with_white_force(sizes);
+        let Some(filter) = self.scenario.filters.first() else { return };
+        let force = sizes.force;
+        let lasts = if sizes.hold == Hold::Zero { ", and that lasts until the next" } else { "" };
+        self.reasons.push(format!(
+            "there is no input: the filters take a white force for the cause of the motion, of {force} m/s² at a sample, which an \
+             accelerometer feels too{lasts}"
+        ));
+        for (sensor, noise) in self.scenario.sensors.iter().zip(&filter.sensor_std) {
+            let (name, unit) = (sensor.measures.name(), sensor.measures.unit());
+            self.reasons.push(format!("R of the {name}: {noise} {unit}, the most likely together with that force"));
+        }
+    }
+}

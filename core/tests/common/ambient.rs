@@ -1,0 +1,156 @@
+//! Records of an oscillator under a force that nobody records, by a simulator of its own.
+
+use kalmanscope_core::record::Input;
+use kalmanscope_core::{Hold, InputKind, Quantity, Record};
+
+use crate::random::Random;
+
+/// How an accelerometer comes from the acceleration to a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Accelerometer {
+    /// It takes the mean from half a sample before to half a sample after.
+    Mean,
+    /// The force itself ends at the Nyquist frequency, and the sample is that of the instant.
+    BandLimited,
+    /// A Butterworth filter of fourth order at 0.4 of the rate comes before the sample.
+    Filtered,
+    /// Nothing keeps aliases away: the sample is that of the instant.
+    Instant,
+    /// The force is held from its sample to the next, and the sample is that of the instant.
+    Held,
+}
+
+/// An ambient record.
+#[derive(Clone, Debug)]
+pub(crate) struct Ambient {
+    /// ωₙ \[rad/s\] and ζ.
+    pub(crate) natural_frequency: f64,
+    pub(crate) damping_ratio: f64,
+    /// Samples a second, and seconds.
+    pub(crate) rate: f64,
+    pub(crate) seconds: f64,
+    pub(crate) sensors: Vec<Quantity>,
+    pub(crate) accelerometer: Accelerometer,
+    /// The noise of each sensor, relative to its signal.
+    pub(crate) noise: f64,
+    pub(crate) seed: u64,
+}
+
+/// Substeps in half a sample.
+const HALF: usize = 10;
+/// The intensity of the force is that of 1 m/s² held for a sample.
+const FORCE: f64 = 1.0;
+
+impl Ambient {
+    /// The force over each substep.
+    fn force(&self, samples: usize, random: &mut Random) -> Vec<f64> {
+        let fine = 2 * HALF;
+        if self.accelerometer == Accelerometer::Held {
+            let held: Vec<f64> = (0..samples).map(|_| FORCE * random.normal()).collect();
+            return (0..samples * fine).map(|k| held[k / fine]).collect();
+        }
+        if self.accelerometer != Accelerometer::BandLimited {
+            let std = FORCE * (fine as f64).sqrt();
+            return (0..samples * fine).map(|_| std * random.normal()).collect();
+        }
+        // Lanczos.
+        const REACH: usize = 10;
+        let at_samples: Vec<f64> = (0..samples + 2 * REACH).map(|_| FORCE * random.normal()).collect();
+        let sinc = |x: f64| if x == 0.0 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) };
+        let kernel: Vec<Vec<f64>> = (0..fine)
+            .map(|i| {
+                let past = (i as f64 + 0.5) / fine as f64;
+                (0..2 * REACH)
+                    .map(|j| {
+                        let away = past - (j as f64 - (REACH as f64 - 1.0));
+                        sinc(away) * sinc(away / REACH as f64)
+                    })
+                    .collect()
+            })
+            .collect();
+        (0..samples * fine)
+            .map(|k| at_samples[k / fine..].iter().zip(&kernel[k % fine]).map(|(w, by)| w * by).sum())
+            .collect()
+    }
+
+    pub(crate) fn record(&self) -> Record {
+        let Self { natural_frequency: wn, damping_ratio: zeta, rate, .. } = *self;
+        let mut random = Random::new(self.seed);
+        let (samples, fine) = ((self.seconds * rate) as usize, 2 * HALF);
+        let h = 1.0 / rate / fine as f64;
+        // Ten time constants before the first sample.
+        let before = (10.0 / (zeta * wn) * rate) as usize + 4;
+        let force = self.force(before + samples + 1, &mut random);
+        let wd = wn * (1.0 - zeta * zeta).sqrt();
+        let (decay, cos, sin) = ((-zeta * wn * h).exp(), (wd * h).cos(), (wd * h).sin());
+        let mut low_pass =
+            [Biquad::low_pass(0.4 / fine as f64, 0.541_196), Biquad::low_pass(0.4 / fine as f64, 1.306_563)];
+        let (mut x, mut v) = (0.0, 0.0);
+        let (mut xs, mut vs, mut accelerations) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut halves, mut last) = (Vec::new(), 0.0);
+        for (k, &f) in force.iter().enumerate() {
+            let acceleration = f - 2.0 * zeta * wn * v - wn * wn * x;
+            let filtered = low_pass.iter_mut().fold(acceleration, |value, biquad| biquad.next(value));
+            if k % fine == 0 && k / fine >= before {
+                xs.push(x);
+                vs.push(v);
+                accelerations.push(match self.accelerometer {
+                    Accelerometer::Filtered => filtered,
+                    _ => acceleration,
+                });
+            }
+            let (rest, from) = (f / (wn * wn), x - f / (wn * wn));
+            (x, v) = (
+                decay * (cos * from + sin * (v + zeta * wn * from) / wd) + rest,
+                decay * (cos * v - sin * (wn * wn * from + zeta * wn * v) / wd),
+            );
+            if (k + 1) % fine == HALF {
+                if (k + 1) / fine >= before {
+                    halves.push((v - last) * rate);
+                }
+                last = v;
+            }
+        }
+        if self.accelerometer == Accelerometer::Mean {
+            accelerations = halves;
+        }
+        let columns = self.sensors.iter().map(|&quantity| {
+            let signal = match quantity {
+                q if q == Quantity::DISPLACEMENT => &xs,
+                q if q == Quantity::VELOCITY => &vs,
+                _ => &accelerations,
+            };
+            let signal = &signal[..samples];
+            let size = (signal.iter().map(|y| y * y).sum::<f64>() / samples as f64).sqrt();
+            (quantity, signal.iter().map(|y| y + self.noise * size * random.normal()).collect())
+        });
+        let columns = columns.collect();
+        let input = Input { kind: InputKind::Force, hold: Hold::First, values: vec![0.0; samples] };
+        Record::new(1.0 / rate, input, columns).unwrap()
+    }
+}
+
+/// A filter of second order.
+struct Biquad {
+    b: [f64; 3],
+    a: [f64; 2],
+    state: [f64; 2],
+}
+
+impl Biquad {
+    /// A low pass at a share of the rate.
+    fn low_pass(share: f64, quality: f64) -> Self {
+        let w = std::f64::consts::TAU * share;
+        let (sin, cos) = w.sin_cos();
+        let alpha = sin / (2.0 * quality);
+        let a0 = 1.0 + alpha;
+        let b = (1.0 - cos) / a0;
+        Self { b: [0.5 * b, b, 0.5 * b], a: [-2.0 * cos / a0, (1.0 - alpha) / a0], state: [0.0; 2] }
+    }
+
+    fn next(&mut self, value: f64) -> f64 {
+        let out = self.b[0] * value + self.state[0];
+        self.state = [self.b[1] * value - self.a[0] * out + self.state[1], self.b[2] * value - self.a[1] * out];
+        out
+    }
+}
