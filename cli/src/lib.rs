@@ -18,6 +18,7 @@ mod free_run;
 mod json;
 mod markup;
 mod number;
+mod other_units;
 #[cfg(feature = "plots")]
 pub mod output;
 #[cfg(feature = "plots")]

@@ -31,7 +31,7 @@ impl Prepared {
     /// Reads scenario and records and runs the filters. Remarks on a record are printed on standard error. Refuses outputs that are
     /// inputs. A quiet run prints no remarks.
     pub(crate) fn new(source: &SourceArgs, outputs: &Places<'_>, quiet: bool) -> Result<Self, InputError> {
-        let SourceArgs { scenario: file, record: _, map: _, holdout, then, seed } = source;
+        let SourceArgs { scenario: file, record: _, map: _, holdout, no_input: _, then, seed } = source;
         check(&source.inputs(), &Places::new())?;
         let mut scenario = read_scenario(file)?;
         check_with_record(&scenario, source, outputs)?;
@@ -44,7 +44,7 @@ impl Prepared {
         }
         let is_measured = imported.is_some() || !then.is_empty();
         let (record, remarks) =
-            imported.map_or((None, Vec::new()), |Imported { record, remarks }| (Some(record), remarks));
+            imported.map_or((None, Vec::new()), |Imported { record, remarks, .. }| (Some(record), remarks));
         remarks.iter().filter(|_| !quiet).for_each(|remark| say(remark));
         let held_out = holdout.iter().map(|path| Ok((path.clone(), read(path, &mut scenario.clone())?.record)));
         let held_out = held_out.collect::<Result<Vec<_>, InputError>>()?;
@@ -77,6 +77,7 @@ pub(crate) fn scenario_and_record(
         map: map.cloned(),
         holdout: Vec::new(),
         then: Vec::new(),
+        no_input: false,
         seed: None,
     };
     check(&source.inputs(), &Places::new())?;

@@ -4,7 +4,6 @@ mod filter;
 mod html;
 
 use kalmanscope_core::diagnosis::Finding;
-use kalmanscope_core::import::Length;
 use kalmanscope_core::{Analysis, Record, Run, ScenarioError};
 use thiserror::Error;
 
@@ -48,7 +47,6 @@ pub fn report(
     page.element("h1", title);
     origin(&mut page, run);
     let summaries = summaries(run, analysis);
-    let length = Length::of(run.scenario().record.as_ref());
     page.element("h2", "Filters");
     if summaries.is_empty() {
         page.element("p", "There are no filters.");
@@ -57,7 +55,7 @@ pub fn report(
         let causes = causes.get(place).map_or(&[][..], Vec::as_slice);
         let is_filter = place < run.estimates().len();
         let diagnosis = if is_filter { analysis.diagnosis(place) } else { None };
-        filter::section(&mut page, summary, diagnosis, causes, (run.record(), length));
+        filter::section(&mut page, summary, diagnosis, causes, (run.record(), run.scenario().record.as_ref()));
     }
     page.element("h2", "Figures");
     for picture in pages(run)? {

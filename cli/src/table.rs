@@ -9,6 +9,7 @@ use kalmanscope_core::{Analysis, Channel, CramerRao, Diagnosis, Estimates, Filte
 
 use crate::findings::{evidence, likeliest};
 use crate::number::{deviation, plain, short, with_spread};
+use crate::other_units::rows;
 use crate::quality::quality;
 
 /// The results of each filter as a table: the verdict with its evidence and causes, the last estimates ±2σ with units, their errors where the truth
@@ -48,9 +49,9 @@ fn write_table(
         writeln!(text, "\nno filters")?;
     }
     let summaries = summaries(run, analysis);
-    let length = Length::of(run.scenario().record.as_ref());
+    let mapping = run.scenario().record.as_ref();
     let rows: Vec<Vec<[String; COLUMNS]>> =
-        summaries.iter().map(|s| s.finals.iter().map(|last| row(last, length)).collect()).collect();
+        summaries.iter().map(|s| s.finals.iter().flat_map(|last| rows(last, mapping)).collect()).collect();
     let widths: [usize; COLUMNS] =
         std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
     for (i, (summary, rows)) in summaries.iter().zip(&rows).enumerate() {
@@ -242,7 +243,8 @@ mod tests {
         }
         let places: Vec<usize> =
             text.lines().filter_map(|l| l.find(" ± ").map(|byte| l[..byte].chars().count())).collect();
-        assert_eq!(places.len(), 8);
+        // Four channels of two filters, and their frequencies in Hz.
+        assert_eq!(places.len(), 10);
         assert!(places.iter().all(|&p| p == places[0]), "{text}");
         for label in ["  error ", "  RMSE ", "  last third ", "  inside "] {
             let places: Vec<usize> =
