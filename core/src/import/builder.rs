@@ -424,8 +424,9 @@ mod tests {
         let Imported { record, remarks, .. } = import(night, |_| {}).unwrap();
         assert_eq!((record.len(), record.dt()), (4, 0.25));
         assert_eq!(remarks, ["the times pass midnight in line 4"]);
-        let gap = import("t,force,x\n0,1,2\n,2,3\n0.2,2,4\n", |_| {}).unwrap_err().to_string();
-        assert_eq!(gap, "line 3, column `t`: a time is missing");
+        let gap =
+            import("t,force,x\n0,1,2\n0.1,2,3\n0.2,2,3\n0.3,1,1\n,2,3\n0.5,2,4\n", |_| {}).unwrap_err().to_string();
+        assert_eq!(gap, "line 6, column `t`: a time is missing");
     }
 
     #[test]
