@@ -92,6 +92,10 @@ impl Import {
             },
             Stage::Suggesting(draft, mut suggest) => {
                 if let Some(suggestion) = suggest.advance(while_time) {
+                    if let Err(error) = suggestion.scenario.validate() {
+                        self.stage = Stage::Failed(format!("no start values can be made of it: {error}"));
+                        return None;
+                    }
                     let file = Arc::clone(draft.file());
                     return Some(Opened { file, scenario: suggestion.scenario, reasons: suggestion.reasons });
                 }

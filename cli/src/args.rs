@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
+use kalmanscope_core::import::{Dimension, unit};
 use kalmanscope_core::{PlantKind, Quantity, VerdictKind};
 use kalmanscope_lab::tune::Goal;
 use kalmanscope_lab::{Axis, Measure};
@@ -184,6 +185,9 @@ pub(crate) struct SourceArgs {
     /// Run the identified models freely over this record too, which the filters do not see; its columns mean the same
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) holdout: Vec<PathBuf>,
+    /// No input was recorded, as under wind or traffic: no column of --record is the input
+    #[arg(long)]
+    pub(crate) no_input: bool,
     /// Go on with these records, one after the other: each begins with the parameters that the filters have found so far
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) then: Vec<PathBuf>,
@@ -195,7 +199,7 @@ pub(crate) struct SourceArgs {
 impl SourceArgs {
     /// The files that are read.
     pub(crate) fn inputs(&self) -> Places<'_> {
-        let Self { scenario, record, map, holdout, then, seed: _ } = self;
+        let Self { scenario, record, map, holdout, no_input: _, then, seed: _ } = self;
         let all = [places("the scenario", [scenario]), places("--record", record), places("--map", map)];
         let more = [places("--holdout", holdout), places("--then", then)];
         all.into_iter().chain(more).flatten().collect()
@@ -251,6 +255,12 @@ pub(crate) struct ImportArgs {
     /// The column of the times
     #[arg(long, value_name = "COLUMN")]
     pub(crate) time: Option<String>,
+    /// The unit of the times, such as ms, where the file does not tell it
+    #[arg(long, value_name = "UNIT", value_parser = time_unit, conflicts_with = "rate")]
+    pub(crate) time_unit: Option<String>,
+    /// The number that stands in cells without a reading, such as -9999; `none` if all numbers are readings
+    #[arg(long, value_name = "NUMBER", value_parser = missing, allow_negative_numbers = true)]
+    pub(crate) missing: Option<Missing>,
     /// The column of the input
     #[arg(long, value_name = "COLUMN")]
     pub(crate) input: Option<String>,
@@ -287,6 +297,25 @@ fn sensor(text: &str) -> Result<(Quantity, String), String> {
     let (key, column) = text.split_once('=').ok_or("expected QUANTITY=COLUMN, such as displacement=V2")?;
     let quantity = Quantity::from_key(key.trim()).ok_or_else(|| format!("there is no quantity `{key}`"))?;
     Ok((quantity, column.trim().to_owned()))
+}
+
+fn time_unit(text: &str) -> Result<String, String> {
+    match unit(text) {
+        Some((Dimension::Time, _)) => Ok(text.to_owned()),
+        _ => Err("expected a unit of time, such as s, ms, us, min".to_owned()),
+    }
+}
+
+/// The number that stands in cells without a reading, if there is one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Missing(pub(crate) Option<f64>);
+
+fn missing(text: &str) -> Result<Missing, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    match number {
+        None if text != "none" => Err("expected a number, or `none`".to_owned()),
+        number => Ok(Missing(number)),
+    }
 }
 
 fn plant(key: &str) -> Result<PlantKind, String> {

@@ -3,14 +3,14 @@
 use std::fs;
 use std::path::Path;
 
-use kalmanscope_core::import::{Builder, ColumnGuess, MappedColumn, Mapping, Time};
+use kalmanscope_core::import::{Builder, ColumnGuess, ImportError, MappedColumn, Mapping, Time};
 use kalmanscope_core::scenario::shown;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Hold, InputKind};
 
-use crate::args::ImportArgs;
+use crate::args::{ImportArgs, Missing};
 use crate::input::{InputError, is_standard_input};
-use crate::places::{check, places, write_text};
+use crate::places::{check, places, say, write_text};
 use crate::progress::Progress;
 use crate::record::table;
 
@@ -21,6 +21,8 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         out,
         rate,
         time,
+        time_unit,
+        missing,
         input,
         no_input,
         ground,
@@ -44,13 +46,16 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         mapping.time = Time { rate: Some(*rate), ..Time::default() };
     }
     if let Some(column) = time {
-        let unit = unit_of(&table, column);
+        let unit = MappedColumn::of(&table, column).unit;
         mapping.time = Time { column: Some(column.clone()), unit, rate: None };
     }
-    let mapped = |column: &String| MappedColumn { unit: unit_of(&table, column), ..MappedColumn::new(column.clone()) };
+    if let (Some(unit), Some(_)) = (time_unit, &mapping.time.column) {
+        mapping.time.unit.clone_from(unit);
+    }
+    let mapped = |column: &String| MappedColumn::of(&table, column);
     let is_nothing = |column: &&String| NOTHING.contains(&column.as_str()) && table.place(column).is_none();
     if *no_input || input.as_ref().is_some_and(|column| is_nothing(&column)) {
-        mapping.input = None;
+        (mapping.input, mapping.no_input) = (None, true);
     } else if let Some(column) = input {
         mapping.input = Some(mapped(column));
         mapping.sensors.retain(|_, sensor| sensor.column != *column);
@@ -69,12 +74,20 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         }
         mapping.sensors = sensor.iter().map(|(quantity, column)| (*quantity, mapped(column))).collect();
     }
+    if let Some(Missing(missing)) = missing {
+        let all = mapping.input.iter_mut().chain(mapping.sensors.values_mut());
+        all.for_each(|mapped| mapped.missing = *missing);
+    }
     (mapping.from, mapping.to, mapping.every, mapping.interpolate) = (*from, *to, *every, *interpolate);
     mapping.band = band.as_ref().and_then(|band| band.as_slice().try_into().ok());
     let imported = Builder::new(&table, &mapping, kind, Hold::First).and_then(Builder::finish).map_err(bad)?;
     drop(progress);
     for guess in &guesses {
         eprintln!("{}", shown(&meaning(guess, &mapping, args)));
+    }
+    imported.remarks.iter().for_each(|remark| say(remark));
+    if let Some(sensor) = imported.still {
+        return Err(bad(ImportError::Still { sensor: sensor.name() }));
     }
     let mut scenario = scenario_for(&imported.record);
     scenario.set_plant(*plant);
@@ -83,9 +96,10 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let suggestion = suggest(&scenario, &imported.record);
     drop(progress);
     // What `run` would refuse is not written.
-    let toml = suggestion.scenario.validate().and_then(|()| suggestion.scenario.to_toml());
-    let toml = toml.map_err(|error| InputError::Scenario { file: file.clone(), error })?;
-    let mut text = format!("# {}\n", table.dialect);
+    let unsound = |error| InputError::StartValues { file: file.clone(), error };
+    suggestion.scenario.validate().map_err(unsound)?;
+    let toml = suggestion.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;
+    let mut text = format!("# {}\n", table.form);
     for remark in imported.remarks.iter().chain(&suggestion.reasons) {
         text.push_str(&shown(&format!("# {remark}\n")));
     }
@@ -115,10 +129,6 @@ fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String 
     };
     let why = if is_asked { "as asked" } else { guess.why };
     format!("column `{}`: {what}: {why}", guess.column)
-}
-
-fn unit_of(table: &kalmanscope_core::import::Table, column: &str) -> String {
-    table.place(column).and_then(|place| table.columns[place].unit.clone()).unwrap_or_default()
 }
 
 /// The path of a record as a scenario in `out` names it: relative if both are in one folder, and none for a pipe, which cannot be

@@ -23,6 +23,8 @@ pub(crate) enum InputError {
     Read { file: PathBuf, error: io::Error },
     #[error("{}: {error}", shown(.file))]
     Scenario { file: PathBuf, error: ScenarioError },
+    #[error("{}: no start values can be made of it: {error}", shown(.file))]
+    StartValues { file: PathBuf, error: ScenarioError },
     #[error("{}: {error}", shown(.file))]
     Lesson { file: PathBuf, error: LessonError },
     #[error("{}: {error}", shown(.file))]

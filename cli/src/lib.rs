@@ -20,6 +20,7 @@ mod in_turn;
 mod json;
 mod markup;
 mod number;
+mod other_units;
 #[cfg(feature = "plots")]
 pub mod output;
 #[cfg(feature = "plots")]

@@ -7,6 +7,7 @@ mod args;
 mod import;
 mod input;
 mod lesson;
+mod parquet_file;
 mod places;
 mod prepared;
 mod progress;

@@ -36,7 +36,7 @@ impl Prepared {
     /// Reads scenario and records. Remarks on a record are printed on standard error. Refuses outputs that are inputs. A quiet run
     /// prints no remarks.
     pub(crate) fn new(source: &SourceArgs, outputs: &Places<'_>, quiet: bool) -> Result<Self, InputError> {
-        let SourceArgs { scenario: file, record: _, map: _, holdout, then, seed } = source;
+        let SourceArgs { scenario: file, record: _, map: _, holdout, no_input: _, then, seed } = source;
         check(&source.inputs(), &Places::new())?;
         let mut scenario = read_scenario(file, quiet)?;
         check_with_record(&scenario, source, outputs)?;
@@ -49,7 +49,7 @@ impl Prepared {
         }
         let is_measured = imported.is_some() || !then.is_empty();
         let (record, remarks) =
-            imported.map_or((None, Vec::new()), |Imported { record, remarks }| (Some(record), remarks));
+            imported.map_or((None, Vec::new()), |Imported { record, remarks, .. }| (Some(record), remarks));
         remarks.iter().filter(|_| !quiet).for_each(|remark| say(remark));
         let held_out =
             holdout.iter().map(|path| Ok((path.display().to_string(), read(path, &mut scenario.clone())?.record)));
@@ -113,6 +113,7 @@ pub(crate) fn scenario_and_record(
         map: map.cloned(),
         holdout: Vec::new(),
         then: Vec::new(),
+        no_input: false,
         seed: None,
     };
     check(&source.inputs(), &Places::new())?;

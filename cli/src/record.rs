@@ -2,12 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use kalmanscope_core::import::{self, Builder, Decimal, Delimiter, Dialect, Encoding, Imported, Mapping, Table, hash};
+use kalmanscope_core::import::{
+    self, Builder, ColumnGuess, Decimal, Delimiter, Dialect, Encoding, Imported, Mapping, Table, hash,
+};
 use kalmanscope_core::{RunError, Scenario};
 use kalmanscope_lessons::records;
 
 use crate::args::SourceArgs;
 use crate::input::{InputError, read_record, read_text};
+use crate::parquet_file;
 use crate::places::say;
 
 /// The sentence on settings that a measured record overrides.
@@ -19,10 +22,14 @@ pub(crate) const READY: &str = "# a measured record as the filters read it: SI u
 
 /// The measured record of a run, if it has one, with sentences about its making. The scenario gets the mapping.
 pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<Option<Imported>, InputError> {
-    let SourceArgs { scenario: file, record, map, .. } = source;
+    let SourceArgs { scenario: file, record, map, no_input, .. } = source;
     if let Some(map) = map {
         let bad = |error| InputError::Scenario { file: map.clone(), error };
         scenario.record = Some(Mapping::from_toml(&read_text(map)?).map_err(bad)?);
+    }
+    if *no_input && (record.is_some() || scenario.record.is_some()) {
+        let mapping = scenario.record.get_or_insert_default();
+        (mapping.no_input, mapping.input) = (true, None);
     }
     let path = match (record, &scenario.record) {
         (Some(path), _) => path.clone(),
@@ -62,12 +69,11 @@ pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, Inp
     let bytes = read_record(path)?;
     let mapping = scenario.record.clone().unwrap_or_default();
     let is_ready = bytes.starts_with(READY.as_bytes());
-    let parsed = |error| InputError::Import { file: path.to_owned(), error };
-    let table = import::read(bytes, mapping.dialect.filter(|_| !is_ready)).map_err(parsed)?;
+    let table = columns(path, bytes, mapping.dialect.filter(|_| !is_ready))?;
     if !is_ready {
         return of_table(path, &table, scenario);
     }
-    scenario.record = None;
+    scenario.record = mapping.no_input.then(|| Mapping { no_input: true, ..Mapping::default() });
     let imported = of_table(path, &table, scenario);
     // Lengths and angles keep their names.
     scenario.record = Some(mapping).filter(|mapping| !mapping.sensors.is_empty());
@@ -78,18 +84,27 @@ pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, Inp
 fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Imported, InputError> {
     let bad = |error| InputError::Import { file: path.to_owned(), error };
     let mapping = scenario.record.clone().unwrap_or_default();
+    let mut left_out = None;
     let mapping = if mapping.sensors.is_empty() {
-        let (guess, kind) = Mapping::guess(table);
+        let (mut guess, kind, reasons) = Mapping::guess_with_reasons(table);
         scenario.input = kind;
+        // A scenario says what is measured: a column that is like a sensor of another kind is none.
+        if scenario.sensors.iter().any(|sensor| guess.sensors.contains_key(&sensor.measures)) {
+            guess.sensors.retain(|quantity, _| scenario.sensors.iter().any(|sensor| sensor.measures == *quantity));
+        }
         let time = if mapping.time == Default::default() { guess.time } else { mapping.time };
-        Mapping { time, input: guess.input, sensors: guess.sensors, ..mapping }
+        let input = guess.input.filter(|_| !mapping.no_input);
+        let mapping = Mapping { time, input, sensors: guess.sensors, ..mapping };
+        left_out = columns_without_meaning(&mapping, &reasons);
+        mapping
     } else {
         mapping
     };
-    let remarks = if is_own_form(table, &mapping) {
-        Vec::new()
+    let remarks: Vec<String> = if is_own_form(table, &mapping) {
+        left_out.into_iter().collect()
     } else {
-        vec![table.dialect.to_string(), meaning(&mapping), OVERRIDDEN.to_owned()]
+        let said = [Some(table.form.clone()), Some(meaning(&mapping)), left_out, Some(OVERRIDDEN.to_owned())];
+        said.into_iter().flatten().collect()
     };
     let imported = Builder::new(table, &mapping, scenario.input, scenario.hold).and_then(Builder::finish);
     let mut imported = imported.map_err(bad)?;
@@ -105,8 +120,16 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
 pub(crate) fn table(path: &Path) -> Result<(Table, String), InputError> {
     let bytes = read_record(path)?;
     let hash = hash(&bytes);
-    let table = import::read(bytes, None).map_err(|error| InputError::Import { file: path.to_owned(), error })?;
-    Ok((table, hash))
+    Ok((columns(path, bytes, None)?, hash))
+}
+
+/// The columns in the bytes of a file.
+fn columns(path: &Path, bytes: Vec<u8>, dialect: Option<Dialect>) -> Result<Table, InputError> {
+    let file = path.to_owned();
+    if bytes.starts_with(parquet_file::MARK) {
+        return parquet_file::read(bytes).map_err(|reason| InputError::Laboratory { file, reason });
+    }
+    import::read(bytes, dialect).map_err(|error| InputError::Import { file, error })
 }
 
 /// The meaning of the columns in one line.
@@ -119,6 +142,16 @@ fn meaning(mapping: &Mapping) -> String {
     let input = mapping.input.iter().map(|input| format!("input in `{}`", input.column));
     let sensors = mapping.sensors.iter().map(|(q, column)| format!("{} in `{}`", q.name(), column.column));
     std::iter::once(time).chain(input).chain(sensors).collect::<Vec<_>>().join(", ")
+}
+
+/// A sentence about the columns that mean nothing.
+fn columns_without_meaning(mapping: &Mapping, columns: &[ColumnGuess]) -> Option<String> {
+    let sensors = mapping.sensors.values().chain(&mapping.input).map(|mapped| &mapped.column);
+    let used: Vec<&String> = sensors.chain(&mapping.time.column).collect();
+    let is_left_out = |name: &&String| !used.contains(name) && !name.starts_with("true_");
+    let names = columns.iter().map(|guess| &guess.column).filter(is_left_out);
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    (!names.is_empty()).then(|| format!("left out: {}", names.join(", ")))
 }
 
 /// Whether a file is as the command line writes it: then there is nothing to say about it.

@@ -48,17 +48,18 @@ pub fn report(
     page.element("h1", title);
     origin(&mut page, run);
     let results = Results::of_run(run, analysis, causes.to_vec());
-    let (length, Results { record, filters, smoothers, .. }) = (results.length(), results);
+    let Results { scenario, record, filters, smoothers, .. } = results;
+    let mapping = scenario.record.as_ref();
     page.element("h2", "Filters");
     if filters.is_empty() {
         page.element("p", "There are no filters.");
     }
     for FilterResults { summary, diagnosis, causes, remarks: said, .. } in &filters {
-        filter::section(&mut page, summary, diagnosis.as_ref(), causes, (record, length));
+        filter::section(&mut page, summary, diagnosis.as_ref(), causes, (record, mapping));
         page.list(remarks(said, record));
     }
     for summary in &smoothers {
-        filter::section(&mut page, summary, None, &[], (record, length));
+        filter::section(&mut page, summary, None, &[], (record, mapping));
     }
     page.element("h2", "Figures");
     for picture in pages(run)? {

@@ -9,6 +9,7 @@ use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, Run, Summary};
 
 use crate::findings::{evidence, likeliest};
 use crate::number::{deviation, fixed, plain, short, with_spread};
+use crate::other_units::rows;
 use crate::quality::quality;
 use crate::remarks::remarks;
 use crate::results::{FilterResults, Results};
@@ -33,8 +34,7 @@ impl Results<'_> {
 }
 
 fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
-    let Results { scenario: _, record, truth_stop, filters, smoothers, free_runs: _ } = results;
-    let length = results.length();
+    let Results { scenario, record, truth_stop, filters, smoothers, free_runs: _ } = results;
     let (start, end) = (record.time(0), record.time(record.len().saturating_sub(1)));
     let [start, end, dt] = [start, end, record.dt()].map(plain);
     writeln!(text, "{} samples from {start} s to {end} s, {dt} s apart", record.len())?;
@@ -51,8 +51,9 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
     }
     let all: Vec<(&Summary, Option<&FilterResults>)> =
         filters.iter().map(|f| (&f.summary, Some(f))).chain(smoothers.iter().map(|s| (s, None))).collect();
+    let mapping = scenario.record.as_ref();
     let rows: Vec<Vec<[String; COLUMNS]>> =
-        all.iter().map(|(s, _)| s.finals.iter().map(|last| row(last, length)).collect()).collect();
+        all.iter().map(|(s, _)| s.finals.iter().flat_map(|last| rows(last, mapping)).collect()).collect();
     let widths: [usize; COLUMNS] =
         std::array::from_fn(|i| rows.iter().flatten().map(|row| width(&row[i])).max().unwrap_or(0));
     for ((summary, filter), rows) in all.into_iter().zip(&rows) {
@@ -237,7 +238,8 @@ mod tests {
         }
         let places: Vec<usize> =
             text.lines().filter_map(|l| l.find(" ± ").map(|byte| l[..byte].chars().count())).collect();
-        assert_eq!(places.len(), 8);
+        // Four channels of two filters, and their frequencies in Hz.
+        assert_eq!(places.len(), 10);
         assert!(places.iter().all(|&p| p == places[0]), "{text}");
         for label in ["  error ", "  RMSE ", "  last third ", "  inside "] {
             let places: Vec<usize> =

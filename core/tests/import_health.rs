@@ -6,7 +6,7 @@ mod import;
 use import::check_import;
 
 /// Files of usual dialects, to be broken.
-const FILES: [&str; 8] = [
+const FILES: [&str; 15] = [
     "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n0.6,1,1\n0.7,2,2\n",
     "\"V1\",\"V2\",\n0.1,0.2,\n0.3,0.4,\n0.2,0.1,\n0.5,0.7,\n0.1,0.1,\n",
     "Zeit;Kraft;Weg\ns;N;mm\n0,00;1,5;2\n0,01;1;2,5\n0,02;2;3\n0,03;1;0\n",
@@ -14,11 +14,23 @@ const FILES: [&str; 8] = [
     "# made by hand\n# t x\n0 1\n1 2\n2 3\n3 2\n",
     "when,acc (g)\n2024-05-01 12:00:00.00,1\n2024-05-01 12:00:00.01,2\n2024-05-01 12:00:00.02,1\n",
     "Logger\nStart: 12.05.2024; rate 100\n\nZeit;Weg;Status\n0,00;1,2;ok\n0,01;1,3;ok\n0,02;1,1;bad\n",
+    "ACCELERATION TIME SERIES IN UNITS OF G\nNPTS=  7, DT=   .0100 SEC,\n  .12E-02  -.23E-02\n .3E-02 .4D-02 -.5E-02\n 1 2\n",
+    "Chan  1: 180 Deg\n 6 points of accel data equally spaced at 0.010 sec, in cm/sec2. (3f7.2)\n1234.561234.56   1.00\n  -1.00-234.56   1.00\n\
+     /&  End of data\n 3 points of veloc data equally spaced at 0.010 sec, in cm/sec. (3f7.2)\n   1.00   2.00   3.00\n",
+    "TIMESERIES A, 4 samples, 50 sps, 2024-05-01T00:00:01.0, SLIST, FLOAT, M\n1 2\n3 4\nTIMESERIES B, 2 samples, 50 sps, \
+     2024-05-01T00:00:01.04, SLIST, FLOAT, M/S\n5 6\n",
+    "    -1\n    58\nBeam\nNONE\nNONE\nNONE\nNONE\n    1         0    0         0 NONE               7   3 NONE               1   3\n\
+     \x20        2         4         1  0.00000e+00  5.00000e-03  0.00000e+00\n        17    0    0    0 Time                 s\n\
+     \x20        8    0    0    0 Response             m\n         0\n         0\n  1.00000e+00  2.00000e+00  3.00000e+00  1.00000e+00\n    -1\n",
+    "LabVIEW Measurement\nSeparator\tTab\nX_Columns\tNo\n***End_of_Header***\n\nChannels\t2\nX0\t0\t0\nDelta_X\t0.1\t0.1\n\
+     ***End_of_Header***\nX_Value\tA\tB\tComment\n\t1\t2\n\t2\t3\n\t1\t1\n",
+    "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-1.0e-01,1.0e-02\n0,1,2,,\n1,2,1,,\n2,1,2,,\n",
+    "Record Length,4,,0.0,1.0,\nSample Interval,0.1,,0.1,2.0,\nSource,CH1,,0.2,1.0,\n,,,0.3,2.5,\n",
     "\u{FEFF}t\tx\n0\t1e300\n1\t-1e300\n2\tnan\n3\tinf\n4\t1\n",
 ];
 
 /// Pieces of text that are put into the files.
-const PIECES: [&str; 20] = [
+const PIECES: [&str; 26] = [
     ",",
     ";",
     "\t",
@@ -39,6 +51,12 @@ const PIECES: [&str; 20] = [
     "2024-01-01",
     "\u{FEFF}",
     ",,,,,,,,",
+    "1.234,5",
+    "23:59:59.5 PM",
+    "-1.#IND",
+    "-9999",
+    "999999999999",
+    "    -1\n    58\n",
 ];
 
 /// Numbers that are the same on every machine.
@@ -97,7 +115,7 @@ fn broken_files_become_sound_records_or_sentences() {
 
 #[test]
 fn whole_files_are_records() {
-    for file in &FILES[..7] {
+    for file in &FILES[..14] {
         let table = kalmanscope_core::import::read(file.as_bytes(), None).expect("a table");
         assert!(table.rows() >= 3, "{file}");
     }

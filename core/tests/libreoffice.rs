@@ -20,7 +20,8 @@ fn files_of_a_german_libreoffice_are_read_without_a_choice() {
         assert_eq!((dialect.encoding, dialect.delimiter, dialect.decimal), (encoding, delimiter, Decimal::Comma));
         let (mapping, kind) = Mapping::guess(&table);
         assert_eq!(kind, InputKind::Force);
-        let Imported { record, remarks } = Builder::new(&table, &mapping, kind, Hold::First).unwrap().finish().unwrap();
+        let Imported { record, remarks, .. } =
+            Builder::new(&table, &mapping, kind, Hold::First).unwrap().finish().unwrap();
         assert_eq!(remarks, Vec::<String>::new());
         assert_eq!((record.len(), record.dt()), (121, 0.05));
         assert_eq!((record.input()[1], record.input()[120]), (0.005, 0.0));

@@ -1,7 +1,9 @@
 //! The columns of a file with their meaning, in rows.
 
+use std::sync::Arc;
+
 use egui::{Grid, RichText, ScrollArea, TextEdit, Ui};
-use kalmanscope_core::import::{MappedColumn, Offset};
+use kalmanscope_core::import::{MappedColumn, Offset, Table};
 use kalmanscope_core::{InputKind, Quantity};
 
 use super::choices::{choice_ui, number_ui};
@@ -18,8 +20,8 @@ const MOST: usize = 60;
 pub(super) fn columns_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
     let count = draft.file().table.columns.len();
     ScrollArea::horizontal().id_salt("columns").show(ui, |ui| {
-        Grid::new("columns").num_columns(9).spacing([12.0, 6.0]).striped(true).show(ui, |ui| {
-            for title in ["column", "is", "", "begins with", "unit", "gain", "offset", "late by"] {
+        Grid::new("columns").num_columns(10).spacing([12.0, 6.0]).striped(true).show(ui, |ui| {
+            for title in ["column", "is", "", "begins with", "unit", "gain", "offset", "late by", "missing is"] {
                 ui.weak(title);
             }
             ui.end_row();
@@ -35,7 +37,8 @@ pub(super) fn columns_ui(ui: &mut Ui, draft: &mut Draft, palette: &Palette) {
 }
 
 fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
-    let table = &draft.file().table;
+    let file = Arc::clone(draft.file());
+    let table = &file.table;
     let column = &table.columns[place];
     let name = column.name.clone();
     let begins: Vec<String> = column.values.iter().take(FIRST).map(|value| significant(*value, 3)).collect();
@@ -59,12 +62,12 @@ fn column_ui(ui: &mut Ui, draft: &mut Draft, place: usize, palette: &Palette) {
         Role::Time => unit_ui(ui, &name, &mut draft.mapping.time.unit),
         Role::Input => {
             if let Some(mapped) = &mut draft.mapping.input {
-                mapped_ui(ui, &name, mapped);
+                mapped_ui(ui, &name, mapped, table);
             }
         }
         Role::Sensor(quantity) => {
             if let Some(mapped) = draft.mapping.sensors.get_mut(&quantity) {
-                mapped_ui(ui, &name, mapped);
+                mapped_ui(ui, &name, mapped, table);
             }
         }
         Role::Unused => {}
@@ -88,8 +91,8 @@ fn unit_ui(ui: &mut Ui, name: &str, unit: &mut String) {
     field.ctx.accesskit_node_builder(field.id, |node| node.set_label(format!("Unit of {name}")));
 }
 
-fn mapped_ui(ui: &mut Ui, name: &str, mapped: &mut MappedColumn) {
-    let MappedColumn { column: _, unit, gain, offset, delay } = mapped;
+fn mapped_ui(ui: &mut Ui, name: &str, mapped: &mut MappedColumn, table: &Table) {
+    let MappedColumn { column, unit, gain, offset, delay, missing } = mapped;
     unit_ui(ui, name, unit);
     let speed = 0.01 * gain.abs().max(1e-6);
     number_ui(ui, &format!("Gain of {name}"), gain, speed);
@@ -105,4 +108,16 @@ fn mapped_ui(ui: &mut Ui, name: &str, mapped: &mut MappedColumn) {
     });
     let field = ui.add(egui::DragValue::new(delay).suffix(" samples").range(-1000..=1000));
     field.ctx.accesskit_node_builder(field.id, |node| node.set_label(format!("Delay of {name}")));
+    ui.horizontal(|ui| {
+        let mut on = missing.is_some();
+        let check = ui.checkbox(&mut on, "").on_hover_text("Cells with this number have no reading");
+        check.ctx.accesskit_node_builder(check.id, |node| node.set_label(format!("Missing number in {name}")));
+        if check.changed() {
+            let found = || table.place(column).and_then(|place| table.sentinel(place));
+            *missing = on.then(|| found().map_or(-9999.0, |found| found.value));
+        }
+        if let Some(missing) = missing {
+            number_ui(ui, &format!("Number for a missing reading in {name}"), missing, 1.0);
+        }
+    });
 }

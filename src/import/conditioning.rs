@@ -21,10 +21,14 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
         }
         ui.label("the input is");
         let kinds = [
-            (InputKind::Force, "a force over mass".to_owned()),
-            (InputKind::GroundAcceleration, "the ground's acceleration".to_owned()),
+            (Some(InputKind::Force), "a force over mass".to_owned()),
+            (Some(InputKind::GroundAcceleration), "the ground's acceleration".to_owned()),
+            (None, "nothing: it was not recorded".to_owned()),
         ];
-        choice_ui(ui, "Kind of input", &mut draft.input, &kinds);
+        let mut kind = Some(draft.input).filter(|_| !draft.mapping.no_input);
+        if choice_ui(ui, "Kind of input", &mut kind, &kinds) {
+            draft.set_input(kind);
+        }
         let holds =
             [(Hold::First, "linear between samples".to_owned()), (Hold::Zero, "held between samples".to_owned())];
         choice_ui(ui, "Hold of the input", &mut draft.hold, &holds);

@@ -94,7 +94,7 @@ impl Draft {
         let rows = table.rows();
         ui.horizontal_wrapped(|ui| {
             ui.strong(&file.name);
-            ui.weak(format!("{rows} rows, {} columns; {}", table.columns.len(), table.dialect));
+            ui.weak(format!("{rows} rows, {} columns; {}", table.columns.len(), table.form));
         });
         ui.add_space(4.0);
         columns_ui(ui, self, palette);
@@ -118,7 +118,8 @@ impl Draft {
                 for remark in &imported.remarks {
                     ui.weak(remark);
                 }
-                !is_behind
+                // Of readings that stand still no start values can be made.
+                !is_behind && !(self.suggest && imported.still.is_some())
             }
             Some(Err(reason)) => {
                 ui.colored_label(palette.warning, reason);

@@ -106,7 +106,7 @@ impl Draft {
     pub fn set_role(&mut self, place: usize, role: Role) {
         let column = &self.file.table.columns[place];
         let unit = column.unit.clone().unwrap_or_default();
-        let Self { mapping, .. } = self;
+        let mapping = &mut self.mapping;
         if mapping.time.column.as_ref() == Some(&column.name) {
             mapping.time = Time::default();
         }
@@ -114,14 +114,23 @@ impl Draft {
             mapping.input = None;
         }
         mapping.sensors.retain(|_, sensor| sensor.column != column.name);
-        let mapped = MappedColumn { unit: unit.clone(), ..MappedColumn::new(column.name.clone()) };
+        let mapped = MappedColumn::of(&self.file.table, column.name.clone());
         match role {
             Role::Unused => {}
             Role::Time => mapping.time = Time { column: Some(column.name.clone()), unit, rate: None },
-            Role::Input => mapping.input = Some(mapped),
+            Role::Input => (mapping.input, mapping.no_input) = (Some(mapped), false),
             Role::Sensor(quantity) => {
                 mapping.sensors.insert(quantity, mapped);
             }
+        }
+    }
+
+    /// Says what the input is; `None` where no input was recorded: then no column is it.
+    pub fn set_input(&mut self, kind: Option<InputKind>) {
+        self.mapping.no_input = kind.is_none();
+        match kind {
+            Some(kind) => self.input = kind,
+            None => self.mapping.input = None,
         }
     }
 
@@ -236,6 +245,24 @@ mod tests {
         draft.mapping.from = Some(9.0);
         make(&mut draft);
         assert!(draft.outcome().is_some_and(|outcome| outcome.is_err()));
+    }
+
+    #[test]
+    fn an_input_that_was_not_recorded_is_a_choice_and_numbers_for_missing_readings_are_found() {
+        let text = "t,force,x\n0,1,2\n0.1,2,-9999\n0.2,1,3\n0.3,1,-9999\n0.4,1,1\n0.5,2,1.5\n";
+        let table = read(text.as_bytes(), None).expect("a table");
+        let file = RecordFile { name: "record.csv".to_owned(), hash: String::new(), table };
+        let mut draft = Draft::new(Arc::new(file));
+        let missing = |draft: &Draft| draft.mapping.sensors.values().next().and_then(|mapped| mapped.missing);
+        assert_eq!(missing(&draft), Some(-9999.0));
+        draft.set_input(None);
+        assert!(draft.mapping.no_input && draft.mapping.input.is_none());
+        assert_eq!(draft.role(1), Role::Unused);
+        draft.set_role(1, Role::Input);
+        assert!(!draft.mapping.no_input && draft.mapping.input.is_some());
+        draft.set_role(2, Role::Unused);
+        draft.set_role(2, Role::Sensor(Quantity::VELOCITY));
+        assert_eq!(missing(&draft), Some(-9999.0));
     }
 
     #[test]

@@ -1,28 +1,29 @@
 //! The part of a report about one filter, or one smoother.
 
 use kalmanscope_core::diagnosis::Finding;
-use kalmanscope_core::import::Length;
+use kalmanscope_core::import::Mapping;
 use kalmanscope_core::{Diagnosis, Record, Summary};
 
 use super::html::Html;
 use crate::findings::{evidence, likeliest};
 use crate::number::plain;
+use crate::other_units::rows;
 use crate::quality::quality;
-use crate::table::{COLUMNS, heading, row};
+use crate::table::{COLUMNS, heading};
 
-/// The headings of [`row`].
+/// The headings of [`rows`].
 const HEADINGS: [&str; COLUMNS] =
     ["", "quantity", "estimate", "±2σ", "unit", "error", "", "RMSE", "last third", "inside ±2σ", "settled"];
 
 /// Writes the verdict with evidence and causes, the last estimates with their scores, and consistency in numbers.
-/// `diagnosis` is none for a smoother. `length` is the unit of
-/// lengths.
+/// `diagnosis` is none for a smoother. `mapping` is that of a measured
+/// record.
 pub(super) fn section(
     page: &mut Html,
     summary: &Summary,
     diagnosis: Option<&Diagnosis>,
     causes: &[Finding],
-    (record, length): (&Record, Length),
+    (record, mapping): (&Record, Option<&Mapping>),
 ) {
     page.element("h3", &heading(&summary.name, summary.kind));
     match &summary.verdict {
@@ -35,7 +36,7 @@ pub(super) fn section(
         page.element("h4", &format!("Cause {number}: {}", cause.sentence));
         page.list(cause.remedies);
     }
-    let rows: Vec<[String; COLUMNS]> = summary.finals.iter().map(|last| row(last, length)).collect();
+    let rows: Vec<[String; COLUMNS]> = summary.finals.iter().flat_map(|last| rows(last, mapping)).collect();
     // A column that is empty in every row is left out.
     let kept: Vec<usize> = (0..COLUMNS).filter(|&i| rows.iter().any(|row| !row[i].is_empty())).collect();
     let headings: Vec<&str> = kept.iter().map(|&i| HEADINGS[i]).collect();

@@ -5,6 +5,7 @@ use std::borrow::Borrow;
 use super::butterworth::band_pass;
 use super::mapping::{MappedColumn, Offset};
 use super::samples::{fill, mean, shift};
+use super::times;
 use super::timing::{FEWEST, MOST, Timing};
 use super::unit::unit;
 use super::{ImportError, Mapping, Table, resample};
@@ -18,6 +19,8 @@ pub struct Imported {
     pub record: Record,
     /// Sentences about its making that a user should know.
     pub remarks: Vec<String>,
+    /// A sensor whose readings are all the same, or that has none: there is no motion to filter.
+    pub still: Option<Quantity>,
 }
 
 /// A record in the making, column by column, from a table that it borrows or shares.
@@ -57,6 +60,7 @@ impl<'a> Builder<'a> {
         if mapping.sensors.is_empty() {
             return Err(ImportError::NoSensor);
         }
+        let mut remarks = table.remarks.clone();
         let timing = match (&mapping.time.column, mapping.time.rate) {
             (Some(name), _) => {
                 let column = &table.columns[place(table, name)?];
@@ -64,16 +68,16 @@ impl<'a> Builder<'a> {
                     let (line, text) = (text.line, text.text.clone());
                     return Err(ImportError::Text { line, column: name.clone(), text });
                 }
-                let size = unit(&mapping.time.unit).map_or(1.0, |(_, size)| size);
-                let scaled =
-                    if size == 1.0 { None } else { Some(column.values.iter().map(|t| t * size).collect::<Vec<_>>()) };
-                Timing::of_times(scaled.as_deref().unwrap_or(&column.values), name, |row| table.line(row))?
+                let times = times::of(table, column, &mapping.time.unit, &mut remarks);
+                let timing = Timing::of_times(&times, name, |row| table.line(row))?;
+                remarks.extend(times::question(column, &mapping.time.unit, timing.dt));
+                timing
             }
             (None, Some(rate)) => Timing::of_rate(rate, table.rows())?,
             (None, None) => return Err(ImportError::NoTime),
         };
-        let mut remarks = table.remarks.clone();
         remarks.extend(timing.remark.clone());
+        remarks.extend(above_nyquist(mapping.band, 0.5 / timing.dt)?);
         let (mapping, sensors) = (mapping.clone(), Vec::new());
         Ok(Self { table: source, mapping, kind, hold, timing, input: None, sensors, remarks })
     }
@@ -93,7 +97,8 @@ impl<'a> Builder<'a> {
         while self.sensors.len() < self.mapping.sensors.len() {
             let next = self.mapping.sensors.iter().nth(self.sensors.len());
             let Some((&quantity, mapped)) = next else { break };
-            let values = self.sensor(mapped)?;
+            let (values, remarks) = self.sensor(mapped)?;
+            self.remarks.extend(remarks);
             self.sensors.push((quantity, values));
             if !while_time() {
                 break;
@@ -110,7 +115,11 @@ impl<'a> Builder<'a> {
         while !self.advance(&mut || true)? {}
         let (start, dt) = (self.start(), self.dt());
         let truth = self.truth()?;
-        let Self { kind, hold, input, sensors, remarks, .. } = self;
+        let Self { kind, hold, input, sensors, mut remarks, .. } = self;
+        let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
+        if let Some(quantity) = still {
+            remarks.push(format!("all readings of the {} are the same: there is no motion in them", quantity.name()));
+        }
         let input = Input { kind, hold, values: input.unwrap_or_default() };
         let samples = input.values.len();
         if samples < FEWEST {
@@ -120,7 +129,7 @@ impl<'a> Builder<'a> {
             return Err(ImportError::TooLong { found: samples });
         }
         let record = Record::new(dt, input, sensors)?.with_truth(truth)?.starting_at(start);
-        Ok(Imported { record, remarks })
+        Ok(Imported { record, remarks, still })
     }
 
     /// The samples before the part that is used, and the samples of that part.
@@ -151,7 +160,8 @@ impl<'a> Builder<'a> {
             let kept = self.part().len().div_ceil(self.mapping.every);
             return Ok(vec![0.0; kept.saturating_sub(1) * self.mapping.interpolate + kept.min(1)]);
         };
-        let mut values = self.mapped(mapped)?;
+        let (mut values, remarks) = self.mapped(mapped)?;
+        self.remarks.extend(remarks);
         if let Some(missing) = fill(&mut values) {
             self.remarks.push(format!(
                 "the input is missing in {} sample(s), the first at {} s; it is interpolated there",
@@ -163,8 +173,8 @@ impl<'a> Builder<'a> {
         Ok(resample::interpolate(&values, self.mapping.interpolate))
     }
 
-    fn sensor(&self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
-        let mut values = self.mapped(mapped)?;
+    fn sensor(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
+        let (mut values, remarks) = self.mapped(mapped)?;
         let mut missing: Vec<f64> = values.clone();
         let changes = self.mapping.band.is_some() || self.mapping.every > 1;
         if changes && fill(&mut values).is_some() {
@@ -185,7 +195,7 @@ impl<'a> Builder<'a> {
             finer.iter_mut().step_by(steps).zip(&values).for_each(|(fine, value)| *fine = *value);
             values = finer;
         }
-        Ok(values)
+        Ok((values, remarks))
     }
 
     /// Band-pass, cut and decimation.
@@ -204,10 +214,11 @@ impl<'a> Builder<'a> {
         values.drain(..part.start.min(values.len()));
     }
 
-    /// A column at even times, with unit, gain, offset and delay.
-    fn mapped(&self, mapped: &MappedColumn) -> Result<Vec<f64>, ImportError> {
+    /// A column at even times, with unit, gain, offset and delay, and what there is to say about its cells.
+    fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
         let table = (*self.table).borrow();
-        let column = &table.columns[place(table, &mapped.column)?];
+        let column_place = place(table, &mapped.column)?;
+        let column = &table.columns[column_place];
         if let Some(text) = &column.text {
             let (line, text) = (text.line, text.text.clone());
             return Err(ImportError::Text { line, column: mapped.column.clone(), text });
@@ -215,7 +226,10 @@ impl<'a> Builder<'a> {
         if let Some(row) = column.values.iter().position(|value| value.is_infinite()) {
             return Err(ImportError::Infinite { line: table.line(row), column: mapped.column.clone() });
         }
-        let mut values = self.timing.spread(&column.values);
+        let without = |missing: f64| column.values.iter().map(|&x| if x == missing { f64::NAN } else { x }).collect();
+        let cells: Option<Vec<f64>> = mapped.missing.map(without);
+        let mut values = self.timing.spread(cells.as_ref().unwrap_or(&column.values));
+        let remarks = cells_without_readings(table, column_place, mapped);
         let offset = match mapped.offset {
             Offset::Number(number) => number,
             Offset::Mean(_) => mean(&values[self.part()]),
@@ -230,7 +244,7 @@ impl<'a> Builder<'a> {
             values.iter_mut().for_each(|value| *value = factor * (*value - offset));
         }
         shift(&mut values, mapped.delay);
-        Ok(values)
+        Ok((values, remarks))
     }
 
     /// The columns with the truth of a simulated record.
@@ -250,6 +264,56 @@ impl<'a> Builder<'a> {
         }
         Ok(truth)
     }
+}
+
+/// Sentences about the cells of a column that have no reading, or seem to have none.
+fn cells_without_readings(table: &Table, place: usize, mapped: &MappedColumn) -> Vec<String> {
+    let column = &table.columns[place];
+    let name = &column.name;
+    let word = column.word.as_ref().map(|word| {
+        let (count, line) = (column.words, word.line);
+        format!(
+            "{count} cell(s) of `{name}` have a word such as `{}`, the first in line {line}: they count as missing",
+            word.text
+        )
+    });
+    let number = match mapped.missing {
+        Some(missing) => {
+            let rows = || column.values.iter().enumerate().filter(|(_, value)| **value == missing);
+            rows().next().map(|(row, _)| {
+                let (count, line) = (rows().count(), table.line(row));
+                format!("{count} cell(s) of `{name}` are {missing}, the first in line {line}: they count as missing")
+            })
+        }
+        None => table.sentinel(place).map(|found| {
+            let (value, count, line) = (found.value, found.count, found.line);
+            format!(
+                "{count} cells of `{name}` are {value}, far from all others, the first in line {line}: are they missing? They \
+                 count as readings until `missing = {value}` is stated"
+            )
+        }),
+    };
+    word.into_iter().chain(number).collect()
+}
+
+/// Whether readings do not differ.
+fn is_still(readings: &[f64]) -> bool {
+    let mut there = readings.iter().filter(|reading| !reading.is_nan());
+    let first = there.next();
+    there.all(|reading| Some(reading) == first)
+}
+
+/// A sentence about a band whose upper limit has no effect.
+fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Option<String>, ImportError> {
+    let Some([low, high]) = band.filter(|[_, high]| *high >= nyquist) else { return Ok(None) };
+    if low >= nyquist {
+        let (key, value) = ("band".to_owned(), format!("[{low}, {high}]"));
+        let allowed = format!("below the Nyquist frequency, {nyquist} Hz");
+        return Err(ImportError::Setting { key, value, allowed });
+    }
+    Ok(Some(format!(
+        "the band's upper limit, {high} Hz, is not below the Nyquist frequency, {nyquist} Hz: it takes nothing away"
+    )))
 }
 
 fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
@@ -289,7 +353,7 @@ mod tests {
 
     #[test]
     fn gaps_in_the_input_are_filled_and_those_in_a_sensor_stay() {
-        let Imported { record, remarks } = import(TEXT, |_| {}).unwrap();
+        let Imported { record, remarks, .. } = import(TEXT, |_| {}).unwrap();
         assert_eq!(record.input(), [1.0, 2.0, 3.0, 4.0, 5.0]);
         assert!(record.measured(0)[3].is_nan());
         assert_eq!(remarks, ["the input is missing in 1 sample(s), the first at 0.2 s; it is interpolated there"]);
@@ -336,6 +400,57 @@ mod tests {
         let none = import(TEXT, |mapping| mapping.sensors.clear()).unwrap_err().to_string();
         assert_eq!(none, "no column is chosen for a sensor");
         assert!(import(TEXT, |m| m.from = Some(9.0)).unwrap_err().to_string().starts_with("0 row(s)"));
+    }
+
+    #[test]
+    fn times_without_a_unit_are_asked_about_where_they_are_slow() {
+        let text = "t,force,x\n0,1,2\n10,2,3\n20,1,4\n";
+        let remarks = import(text, |_| {}).unwrap().remarks;
+        assert_eq!(remarks.len(), 1);
+        assert!(remarks[0].contains("0.1 samples a second: are they ms?"), "{remarks:?}");
+        let said = import(text, |mapping| mapping.time.unit = "s".to_owned()).unwrap();
+        assert_eq!((said.remarks.len(), said.record.dt()), (0, 10.0));
+        assert_eq!(import(text, |mapping| mapping.time.unit = "ms".to_owned()).unwrap().record.dt(), 0.01);
+        let unknown = import(text, |mapping| mapping.time.unit = "ticks".to_owned()).unwrap().remarks;
+        assert!(unknown[0].contains("`ticks` is no known unit of time"), "{unknown:?}");
+    }
+
+    #[test]
+    fn blank_times_at_the_end_are_the_end_and_midnight_is_passed() {
+        let imported = import("t,force,x\n0,1,2\n0.1,2,3\n0.2,2,4\n,3,5\n,4,\n", |_| {}).unwrap();
+        assert_eq!((imported.record.len(), imported.record.input()), (3, &[1.0, 2.0, 2.0][..]));
+        assert_eq!(imported.remarks, ["the times end in line 4: 2 row(s) below it are left out"]);
+        let night = "when,force,x\n23:59:59.5,1,2\n23:59:59.75,2,3\n00:00:00,3,4\n00:00:00.25,4,5\n";
+        let Imported { record, remarks, .. } = import(night, |_| {}).unwrap();
+        assert_eq!((record.len(), record.dt()), (4, 0.25));
+        assert_eq!(remarks, ["the times pass midnight in line 4"]);
+        let gap =
+            import("t,force,x\n0,1,2\n0.1,2,3\n0.2,2,3\n0.3,1,1\n,2,3\n0.5,2,4\n", |_| {}).unwrap_err().to_string();
+        assert_eq!(gap, "line 6, column `t`: a time is missing");
+    }
+
+    #[test]
+    fn numbers_and_words_for_missing_readings_are_said() {
+        let text = "t,force,x\n0,1,2\n0.1,2,-9999\n0.2,1,2.5\n0.3,OVLD,1.5\n0.4,1,-9999\n";
+        let Imported { record, remarks, .. } = import(text, |_| {}).unwrap();
+        assert!(record.measured(0)[1].is_nan() && record.measured(0)[4].is_nan());
+        let said = remarks.join("\n");
+        assert!(said.contains("1 cell(s) of `force` have a word such as `OVLD`, the first in line 5"), "{said}");
+        assert!(said.contains("2 cell(s) of `x` are -9999, the first in line 3: they count as missing"), "{said}");
+        let as_they_are = import(text, |m| m.sensors.values_mut().for_each(|sensor| sensor.missing = None)).unwrap();
+        assert_eq!(as_they_are.record.measured(0)[1], -9999.0);
+        assert!(as_they_are.remarks.join("\n").contains("are they missing?"), "{:?}", as_they_are.remarks);
+    }
+
+    #[test]
+    fn bands_above_the_nyquist_frequency_and_readings_that_stand_still_are_told() {
+        let band = |low, high| import(TEXT, |mapping| mapping.band = Some([low, high]));
+        let remarks = band(1.0, 90.0).unwrap().remarks;
+        assert!(remarks[0].contains("90 Hz, is not below the Nyquist frequency, 5 Hz"), "{remarks:?}");
+        assert!(band(6.0, 90.0).unwrap_err().to_string().contains("below the Nyquist frequency, 5 Hz"));
+        let still = import("t,force,x\n0,1,2\n0.1,2,2\n0.2,1,\n0.3,1,2\n", |_| {}).unwrap();
+        assert_eq!(still.still, Some(Quantity::DISPLACEMENT));
+        assert_eq!(import(TEXT, |_| {}).unwrap().still, None);
     }
 
     #[test]

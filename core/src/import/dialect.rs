@@ -4,9 +4,11 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::cell::{Decimal, Delimiter};
+use super::cell::Delimiter;
 use super::encoding::Encoding;
+use super::number::{Decimal, Found};
 use super::unit;
+use crate::scenario::is_default;
 
 /// The form of a text file with columns of numbers. [`Reader::new`](super::Reader::new) finds it by looking at the first lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,6 +26,9 @@ pub struct Dialect {
     pub units: usize,
     /// The first line with numbers, counted from 1.
     pub data: usize,
+    /// Whether a separator such as that in `1.234`, where commas are decimal, or in `1,234` is one of thousands.
+    #[serde(skip_serializing_if = "is_default")]
+    pub thousands: bool,
 }
 
 /// Limits the lines that are looked at.
@@ -49,8 +54,8 @@ impl Dialect {
         let (_, form) = best?;
         let data = form.data()?;
         let (names, units) = form.header(lines, data);
-        let Form { delimiter, decimal, .. } = form;
-        Some(Self { encoding, delimiter, decimal, names, units, data: data + 1 })
+        let Form { delimiter, decimal, thousands, .. } = form;
+        Some(Self { encoding, delimiter, decimal, names, units, data: data + 1, thousands })
     }
 
     /// The names and units in the header, for this many columns.
@@ -64,8 +69,8 @@ impl Dialect {
                 Some(header) => unit::name_and_unit(header),
                 None => (format!("column {}", place + 1), None),
             };
-            let below = units.get(place).map(|text| text.trim_matches(['(', ')', '[', ']', '<', '>']).trim());
-            (name, below.filter(|text| !text.is_empty()).map(str::to_owned).or(own))
+            let below = units.get(place).map(|text| unit::in_words(text)).filter(|text| !text.is_empty());
+            (name, below.map(str::to_owned).or(own))
         };
         (0..columns).map(one).collect()
     }
@@ -74,12 +79,15 @@ impl Dialect {
 impl fmt::Display for Dialect {
     /// Writes the dialect in one line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { encoding, delimiter, decimal, names, units, data } = self;
+        let Self { encoding, delimiter, decimal, names, units, data, thousands } = self;
         write!(f, "{}, {} between cells, decimal ", encoding.name(), delimiter.name())?;
         f.write_str(match decimal {
             Decimal::Point => "points",
             Decimal::Comma => "commas",
         })?;
+        if *thousands {
+            f.write_str(", thousands apart")?;
+        }
         match names {
             0 => f.write_str(", no names")?,
             line => write!(f, ", names in line {line}")?,
@@ -118,6 +126,8 @@ struct Form {
     lines: Vec<Counts>,
     /// The number of cells of most lines.
     columns: usize,
+    /// Whether a number has thousands apart.
+    thousands: bool,
 }
 
 /// The cells of a line: how many there are, of them numbers, and texts.
@@ -136,7 +146,8 @@ impl Counts {
 
 impl Form {
     fn new(delimiter: Delimiter, decimal: Decimal, lines: &[&str]) -> Self {
-        let count = |line: &&str| {
+        let mut thousands = false;
+        let mut count = |line: &&str| {
             if line.trim_start().starts_with(REMARKS) || line.trim().is_empty() {
                 return Counts::default();
             }
@@ -147,18 +158,23 @@ impl Form {
             let mut counts = Counts::default();
             for cell in delimiter.cells(line) {
                 counts.cells += 1;
-                match decimal.number(cell) {
-                    Some(number) if !number.is_nan() => counts.numbers += 1,
-                    Some(_) => {}
-                    None => counts.texts += 1,
+                match decimal.read(cell, false) {
+                    Found::Number(number) if number.is_nan() => {}
+                    Found::Number(_) | Found::Clock { .. } => counts.numbers += 1,
+                    Found::Grouped(_) => {
+                        counts.numbers += 1;
+                        thousands = true;
+                    }
+                    Found::Missing | Found::Word => {}
+                    Found::Text => counts.texts += 1,
                 }
             }
             counts
         };
-        let lines: Vec<Counts> = lines.iter().map(count).collect();
+        let lines: Vec<Counts> = lines.iter().map(&mut count).collect();
         let with_numbers = || lines.iter().filter(|line| line.numbers > 0).map(|line| line.cells);
         let columns = with_numbers().max_by_key(|&cells| (with_numbers().filter(|&c| c == cells).count(), cells));
-        Self { delimiter, decimal, columns: columns.unwrap_or(0), lines }
+        Self { delimiter, decimal, columns: columns.unwrap_or(0), lines, thousands }
     }
 
     /// Numbers speak for the form, texts against it.
@@ -182,21 +198,38 @@ impl Form {
     /// The lines of names and units above the numbers, counted from 1.
     fn header(&self, lines: &[&str], data: usize) -> (usize, usize) {
         let columns = self.columns;
-        let is_header = |place: &usize| {
-            let cells = header_cells(self.delimiter, lines[*place], columns);
+        let above = (0..data).rev().filter(|&place| !lines[place].trim().is_empty());
+        let cells = |place: usize| (place, header_cells(self.delimiter, lines[place], columns));
+        let is_header = |(_, cells): &(usize, Vec<String>)| {
             let texts = cells.iter().filter(|c| self.decimal.number(c).is_none_or(f64::is_nan)).count();
             cells.len() == columns && texts * 2 > columns && cells.iter().any(|cell| !cell.is_empty())
         };
-        let mut above = (0..data).rev().filter(|&place| !lines[place].trim().is_empty());
-        let Some(last) = above.next().filter(is_header) else { return (0, 0) };
-        let cells = header_cells(self.delimiter, lines[last], columns);
-        let is_unit = |cell: &&String| cell.is_empty() || unit::unit(cell.trim_matches(['(', ')', '[', ']'])).is_some();
-        let are_units = cells.iter().filter(is_unit).count() * 2 > columns;
-        match above.next().filter(is_header) {
-            Some(names) if are_units => (names + 1, last + 1),
-            _ => (last + 1, 0),
+        let near: Vec<(usize, Vec<String>)> = above.map(cells).take_while(is_header).take(3).collect();
+        let is_filled = |(_, cells): &&(usize, Vec<String>)| {
+            let words = cells.iter().filter(|cell| cell.chars().any(char::is_alphabetic)).count();
+            2 * words >= columns
+        };
+        // A line with a few numbers, such as the delays of the channels, names nothing.
+        let filled: Vec<&(usize, Vec<String>)> = near.iter().filter(is_filled).collect();
+        let are_units = |cells: &[String]| {
+            let known = cells.iter().filter(|cell| unit::unit(unit::in_words(cell)).is_some()).count();
+            let empty = cells.iter().filter(|cell| cell.is_empty()).count();
+            known > 0 && (known + empty) * 2 > columns
+        };
+        match (near.first(), filled.as_slice()) {
+            (Some((last, cells)), [_, ..]) if are_units(cells) && near.len() > 1 => (near[1].0 + 1, last + 1),
+            (_, [(last, cells), (above, names), ..]) if are_units(cells) || distinct(names) > distinct(cells) => {
+                (above + 1, last + 1)
+            }
+            (_, [(last, _), ..]) | (Some((last, _)), []) => (last + 1, 0),
+            (None, _) => (0, 0),
         }
     }
+}
+
+/// The number of cells that no cell before has.
+fn distinct(cells: &[String]) -> usize {
+    (0..cells.len()).filter(|&place| !cells[..place].contains(&cells[place])).count()
 }
 
 #[cfg(test)]
@@ -210,7 +243,7 @@ mod tests {
 
     #[track_caller]
     fn check(text: &str, delimiter: Delimiter, decimal: Decimal, [names, units, data]: [usize; 3]) {
-        let dialect = Dialect { encoding: Encoding::Utf8, delimiter, decimal, names, units, data };
+        let dialect = Dialect { encoding: Encoding::Utf8, delimiter, decimal, names, units, data, thousands: false };
         assert_eq!(sniff(text), dialect, "{text}");
     }
 
@@ -246,6 +279,26 @@ mod tests {
         let blanks = header("Time (s) acc (g)\n0 1\n1 2\n", 2);
         assert_eq!(blanks, [("Time".to_owned(), Some("s".to_owned())), ("acc".to_owned(), Some("g".to_owned()))]);
         assert_eq!(header("1 2\n3 4\n", 2)[1], ("column 2".to_owned(), None));
+    }
+
+    #[test]
+    fn a_line_that_names_nothing_is_passed_over() {
+        let raw = "test5.txt\nSampling Frequency - 5000\nLow G Accel\tSG_300_a\tAccel\tTime\n\
+                   Voltage (unscaled)\tVoltage (unscaled)\tVoltage (unscaled)\tSec\n0.0 0.0 0\t\t\t\n\n\
+                   2.4E-3\t6.8E-2\t-6.6E-2\t0.0E+0\n2.4E-3\t6.7E-2\t-5.5E-2\t2.0E-4\n";
+        check(raw, Delimiter::Tab, Decimal::Point, [3, 4, 7]);
+        let header = sniff(raw).header(&raw.lines().collect::<Vec<_>>(), 4);
+        assert_eq!(header[0], ("Low G Accel".to_owned(), Some("Voltage".to_owned())));
+        assert_eq!(header[3], ("Time".to_owned(), Some("Sec".to_owned())));
+    }
+
+    #[test]
+    fn thousands_are_found_where_a_number_has_them_for_sure() {
+        let dialect = sniff("t;x\n0;1.234,5\n1;1.234\n");
+        assert_eq!((dialect.decimal, dialect.thousands), (Decimal::Comma, true));
+        assert!(!sniff("t;x\n0;1,5\n1;1.234\n").thousands);
+        let quoted = sniff("t,x\n0,\"1,234.5\"\n1,\"999.5\"\n");
+        assert_eq!((quoted.delimiter, quoted.decimal, quoted.thousands), (Delimiter::Comma, Decimal::Point, true));
     }
 
     #[test]

@@ -16,6 +16,14 @@ pub enum ImportError {
     /// It is a MATLAB file.
     #[error("this is a MATLAB file; save its columns as text: writematrix(data, \"record.csv\")")]
     Matlab,
+    /// It is an HDF5 file.
+    #[error(
+        "this is an HDF5 file, as MATLAB writes it with -v7.3; save its columns as text: writematrix(data, \"record.csv\")"
+    )]
+    Hdf5,
+    /// It is a Parquet file.
+    #[error("this is a Parquet file, which the command line reads; save its columns as CSV")]
+    Parquet,
     /// It is a spreadsheet.
     #[error("this is a spreadsheet; save the sheet as CSV")]
     Spreadsheet,
@@ -98,6 +106,12 @@ pub enum ImportError {
     /// No sensor has a column.
     #[error("no column is chosen for a sensor")]
     NoSensor,
+    /// There is no motion in a sensor's readings.
+    #[error("all readings of the {sensor} are the same: there is no motion to make start values of")]
+    Still {
+        /// The sensor's name.
+        sensor: String,
+    },
     /// A setting is impossible.
     #[error("`record.{key}` is {value}, but must be {allowed}")]
     Setting {

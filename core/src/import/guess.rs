@@ -26,6 +26,37 @@ const WORDS: [(&[&str], Role); 7] = [
     ),
 ];
 
+/// Words in names of columns that are neither input nor motion of the oscillator. Those of one or two letters must be the whole
+/// word.
+const OTHERS: [&str; 22] = [
+    "other",
+    "integrated",
+    "reference",
+    "setpoint",
+    "target",
+    "estimate",
+    "predicted",
+    "model",
+    "wind",
+    "temperature",
+    "humid",
+    "batt",
+    "status",
+    "flag",
+    "quality",
+    "trigger",
+    "latitude",
+    "longitude",
+    "rpm",
+    "strain",
+    "error",
+    "noise",
+];
+
+/// Names of columns that count the rows.
+const COUNTERS: [&str; 14] =
+    ["record", "rn", "index", "sample", "samples", "scan", "frame", "row", "nr", "no", "n", "#", "count", "counter"];
+
 /// What a column was taken for, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColumnGuess {
@@ -43,16 +74,20 @@ impl ColumnGuess {
 
     /// Whether the column got no meaning.
     pub fn is_left_out(&self) -> bool {
-        [LOST, UNKNOWN, NO_NUMBERS, TRUTH].contains(&self.why)
+        [LOST, UNKNOWN, NO_NUMBERS, TRUTH, OTHER, COUNTER, SEVERAL].contains(&self.why)
     }
 }
 
 const NAMED: &str = "its name says so";
 const BY_UNIT: &str = "its unit says so";
+const BY_CLOCK: &str = "its cells are times of day";
 const BY_SHAPE: &str = "its numbers rise evenly";
 const FIRST_FREE: &str = "guessed: the first column without a meaning, and no other is one";
 const LOST: &str = "another column has that meaning already";
 const UNKNOWN: &str = "neither its name nor its unit says what it is";
+const OTHER: &str = "its name says that it is something else";
+const COUNTER: &str = "it counts the rows";
+const SEVERAL: &str = "it may be the input, but others may be too: name it, if one is";
 const NO_NUMBERS: &str = "it has no numbers";
 const TRUTH: &str = "the truth of a simulated record";
 
@@ -60,13 +95,10 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
     if let Some(quantity) = Quantity::from_key(&column.name) {
         return Some((Role::Sensor(quantity), NAMED));
     }
-    let name = column.name.to_lowercase();
-    let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
-    let fits = |word: &&str| match word.len() {
-        ..=2 => words.contains(word),
-        _ => name.contains(*word),
-    };
-    let named = WORDS.iter().find(|(words, _)| words.iter().any(&fits)).map(|(_, role)| *role);
+    if column.is_dated || column.is_time_of_day {
+        return Some((Role::Time, BY_CLOCK));
+    }
+    let named = WORDS.iter().find(|(words, _)| has_word(&column.name, words)).map(|(_, role)| *role);
     let of_unit = || match unit(column.unit.as_deref()?)?.0 {
         Dimension::Time => Some(Role::Time),
         Dimension::Length | Dimension::Angle => Some(Role::Sensor(Quantity::DISPLACEMENT)),
@@ -75,7 +107,32 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
         Dimension::Force => Some(Role::Input(InputKind::Force)),
         Dimension::Voltage => None,
     };
+    // A unit knows better than a word, such as the station A in the name of a channel, what is measured.
+    let agrees = |role: Role| match of_unit() {
+        Some(of_unit) if matches!(role, Role::Sensor(_)) => {
+            let is_total = role == Role::Sensor(Quantity::TOTAL_ACCELERATION);
+            of_unit == role || (is_total && of_unit == Role::Sensor(Quantity::ACCELERATION))
+        }
+        _ => true,
+    };
+    let named = named.filter(|role| agrees(*role));
     named.map(|role| (role, NAMED)).or_else(|| of_unit().map(|role| (role, BY_UNIT)))
+}
+
+/// Whether a name has one of some words; those of one or two letters must be whole.
+fn has_word(name: &str, words: &[&str]) -> bool {
+    let name = name.to_lowercase();
+    let whole: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
+    words.iter().any(|word| if word.len() > 2 { name.contains(word) } else { whole.contains(word) })
+}
+
+/// The reason why a column's name tells that it is neither time, input nor motion.
+fn is_something_else(column: &Column) -> Option<&'static str> {
+    let counts = || column.values.windows(2).all(|pair| pair[1] == pair[0] + 1.0);
+    if COUNTERS.iter().any(|name| column.name.trim().eq_ignore_ascii_case(name)) && counts() {
+        return Some(COUNTER);
+    }
+    (Quantity::from_key(&column.name).is_none() && has_word(&column.name, &OTHERS)).then_some(OTHER)
 }
 
 /// Whether the numbers rise in even steps, as times do.
@@ -119,7 +176,9 @@ impl Mapping {
 
     /// A guess from names, units and shapes, with the kind of input and a reason for each column: names first; then the
     /// first column whose numbers rise evenly is the time; and of two columns without a meaning the first is the input and
-    /// the second the displacement. A column whose meaning another one has already is left out.
+    /// the second the displacement. A column whose meaning another one has already is left out, and so is one that counts the rows
+    /// or whose name says that it is something else. Where a sensor says what it is, one other column is the input, but none of
+    /// several.
     pub fn guess_with_reasons(table: &Table) -> (Self, InputKind, Vec<ColumnGuess>) {
         let columns = &table.columns;
         let mut all = candidates(table);
@@ -131,11 +190,17 @@ impl Mapping {
         }
         let free = |all: &[Candidate]| all.iter().filter(|one| one.is_free).count();
         let has_sensor = has(&all, &|role| matches!(role, Role::Sensor(_)));
-        if !has(&all, &|role| matches!(role, Role::Input(_)))
-            && (free(&all) >= 2 || (has_sensor && free(&all) == 1))
-            && let Some(one) = all.iter_mut().find(|one| one.is_free)
-        {
-            one.take(Role::Input(InputKind::Force), FIRST_FREE);
+        if !has(&all, &|role| matches!(role, Role::Input(_))) {
+            match free(&all) {
+                // Beside a sensor that says what it is, one of several columns is no better guess than another.
+                2.. if has_sensor => all.iter_mut().filter(|one| one.is_free).for_each(|one| one.why = SEVERAL),
+                1 if !has_sensor => {}
+                _ => {
+                    if let Some(one) = all.iter_mut().find(|one| one.is_free) {
+                        one.take(Role::Input(InputKind::Force), FIRST_FREE);
+                    }
+                }
+            }
         }
         if !has_sensor && let Some(one) = all.iter_mut().find(|one| one.is_free) {
             one.take(Role::Sensor(Quantity::DISPLACEMENT), FIRST_FREE);
@@ -153,10 +218,10 @@ impl Mapping {
         let mut kind = InputKind::Force;
         for one in &all {
             let column = &columns[one.place];
-            let unit = column.unit.clone().unwrap_or_default();
-            let mapped = || MappedColumn { unit: unit.clone(), ..MappedColumn::new(column.name.clone()) };
+            let mapped = || MappedColumn::of(table, column.name.clone());
             match one.role {
                 Some(Role::Time) => {
+                    let unit = column.unit.clone().unwrap_or_default();
                     mapping.time = Time { column: Some(column.name.clone()), unit, rate: None };
                 }
                 Some(Role::Input(of)) => {
@@ -184,12 +249,20 @@ fn candidates(table: &Table) -> Vec<Candidate> {
     let columns = &table.columns;
     let numeric = |place: &usize| !table.is_without_numbers(*place) && !is_truth(&columns[*place]);
     let mut all: Vec<Candidate> = Vec::new();
-    for place in (0..columns.len()).filter(numeric) {
+    // A name that is the key of a quantity goes before one that has its word.
+    let is_key = |place: &usize| Quantity::from_key(&columns[*place].name).is_some();
+    let (keys, others): (Vec<usize>, Vec<usize>) = (0..columns.len()).filter(numeric).partition(is_key);
+    for place in keys.into_iter().chain(others) {
         let mut one = Candidate { place, role: None, why: UNKNOWN, is_free: true };
         let is_taken = |role: Role| match role {
             Role::Input(_) => all.iter().any(|other| matches!(other.role, Some(Role::Input(_)))),
             role => all.iter().any(|other| other.role == Some(role)),
         };
+        if let Some(why) = is_something_else(&columns[place]) {
+            (one.why, one.is_free) = (why, false);
+            all.push(one);
+            continue;
+        }
         match role_of(&columns[place]) {
             // A false time may be anything.
             Some((Role::Time, _)) if !mostly_rises(&columns[place].values) => {}
@@ -199,6 +272,7 @@ fn candidates(table: &Table) -> Vec<Candidate> {
         }
         all.push(one);
     }
+    all.sort_by_key(|one| one.place);
     all
 }
 
@@ -244,6 +318,24 @@ mod tests {
                      0,1,2,3\n1,2,0,1\n2,0,1,2\n";
         check(phone, Some("Time"), None, &[(Quantity::ACCELERATION, "Linear Acceleration x")]);
         check("t,x,y\n0,1,2\n1,2,0\n2,0,1\n", Some("t"), None, &[(x, "x")]);
+        check("t,other_velocity,x\n0,1,2\n1,2,0\n2,0,1\n", Some("t"), None, &[(x, "x")]);
+        let both = "t,my velocity,velocity\n0,1,2\n1,2,0\n2,0,1\n";
+        check(both, Some("t"), None, &[(Quantity::VELOCITY, "velocity")]);
+        let logger = "TIMESTAMP,RECORD,accel,batt\n0,5,2,12\n1,6,0,12\n2,7,1,12\n";
+        check(logger, Some("TIMESTAMP"), None, &[(Quantity::ACCELERATION, "accel")]);
+        let station = "time,XX_A_DISP (m)\n0,1\n1,2\n2,1\n";
+        check(station, Some("time"), None, &[(x, "XX_A_DISP")]);
+        let several = "time,gauge 1,gauge 2,accel\n0,1,2,3\n1,2,0,1\n2,0,1,2\n";
+        check(several, Some("time"), None, &[(Quantity::ACCELERATION, "accel")]);
+        let one = "time,gauge 1,accel\n0,1,3\n1,2,1\n2,0,2\n";
+        check(one, Some("time"), Some("gauge 1"), &[(Quantity::ACCELERATION, "accel")]);
         check("t,x,true_displacement\n0,1,1\n1,2,2\n2,1,1\n", Some("t"), None, &[(x, "x")]);
+    }
+    #[test]
+    fn a_usual_number_for_missing_readings_is_guessed() {
+        let table = read("t,force,x\n0,1,2\n1,0,-9999\n2,1,2.5\n3,1,-9999\n4,1,2.25\n".as_bytes(), None).unwrap();
+        let (mapping, _) = Mapping::guess(&table);
+        assert_eq!(mapping.sensors[&Quantity::DISPLACEMENT].missing, Some(-9999.0));
+        assert_eq!(mapping.input.unwrap().missing, None);
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Dialect, ImportError};
+use super::{Dialect, ImportError, Table};
 use crate::scenario::{is_default, is_one};
 use crate::{Document, Quantity};
 
@@ -32,6 +32,9 @@ pub struct Mapping {
     /// The input; without one it is zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<MappedColumn>,
+    /// Whether no input was recorded, so that no column is guessed to be it where the columns of the sensors are guessed.
+    #[serde(skip_serializing_if = "is_default")]
+    pub no_input: bool,
     /// The sensors' columns.
     pub sensors: BTreeMap<Quantity, MappedColumn>,
     /// The beginning of the part that is used \[s\].
@@ -86,6 +89,9 @@ pub struct MappedColumn {
     /// The number of samples by which the column is late; a negative one is early.
     #[serde(default, skip_serializing_if = "is_default")]
     pub delay: i32,
+    /// The number that stands in cells without a reading, such as -9999.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing: Option<f64>,
 }
 
 /// The offset of a column.
@@ -131,6 +137,7 @@ impl Default for Mapping {
             dialect: None,
             time: Time::default(),
             input: None,
+            no_input: false,
             sensors: BTreeMap::new(),
             from: None,
             to: None,
@@ -155,8 +162,19 @@ impl Offset {
 impl MappedColumn {
     /// A column as it is.
     pub fn new(column: impl Into<String>) -> Self {
-        let (unit, gain, offset, delay) = (String::new(), one(), Offset::default(), 0);
-        Self { column: column.into(), unit, gain, offset, delay }
+        let (unit, gain, offset, delay, missing) = (String::new(), one(), Offset::default(), 0, None);
+        Self { column: column.into(), unit, gain, offset, delay, missing }
+    }
+
+    /// The column of a table with a name, in the unit of its header; a number that loggers write where a reading is missing, and
+    /// that is far from all others, is missing.
+    pub fn of(table: &Table, column: impl Into<String>) -> Self {
+        let mut mapped = Self::new(column);
+        if let Some(place) = table.place(&mapped.column) {
+            mapped.unit = table.columns[place].unit.clone().unwrap_or_default();
+            mapped.missing = table.sentinel(place).filter(|found| found.is_usual).map(|found| found.value);
+        }
+        mapped
     }
 }
 
@@ -173,7 +191,8 @@ impl Mapping {
     /// # Errors
     /// [`ImportError::Setting`] for the first impossible one.
     pub fn validate(&self) -> Result<(), ImportError> {
-        let Self { file: _, hash: _, dialect: _, time, input, sensors, from, to, band, every, interpolate } = self;
+        let Self { file: _, hash: _, dialect: _, time, input, no_input, sensors, from, to, band, every, interpolate } =
+            self;
         let require = |ok: bool, key: &str, value: String, allowed: &str| {
             let error = || ImportError::Setting { key: key.to_owned(), value, allowed: allowed.to_owned() };
             if ok { Ok(()) } else { Err(error()) }
@@ -182,9 +201,11 @@ impl Mapping {
             let allowed = "positive and finite";
             require(rate.is_finite() && rate > 0.0, "time.rate", rate.to_string(), allowed)?;
         }
+        let is_one = !no_input || input.is_none();
+        require(is_one, "no_input", no_input.to_string(), "false where there is an input")?;
         let named = sensors.iter().map(|(quantity, column)| (format!("sensors.{}", quantity.key()), column));
         for (key, column) in input.iter().map(|column| ("input".to_owned(), column)).chain(named) {
-            let MappedColumn { column: _, unit: _, gain, offset, delay } = column;
+            let MappedColumn { column: _, unit: _, gain, offset, delay, missing } = column;
             let is_gain = gain.is_finite() && *gain != 0.0;
             require(is_gain, &format!("{key}.gain"), gain.to_string(), "finite and not 0")?;
             let (ok, value) = match offset {
@@ -193,6 +214,8 @@ impl Mapping {
                 Offset::Part { mean: [from, to] } => (from < to, format!("{{ mean = [{from}, {to}] }}")),
             };
             require(ok, &format!("{key}.offset"), value, "a finite number, \"mean\" or the mean of a part")?;
+            let missing = missing.unwrap_or_default();
+            require(missing.is_finite(), &format!("{key}.missing"), missing.to_string(), "a finite number")?;
             let allowed = format!("from -{MOST_DELAY} to {MOST_DELAY}");
             require(delay.unsigned_abs() <= MOST_DELAY, &format!("{key}.delay"), delay.to_string(), &allowed)?;
         }
@@ -266,6 +289,8 @@ mod tests {
         assert_eq!(message(&|m| m.interpolate = 9), "`record.interpolate` is 9, but must be from 1 to 8");
         assert!(message(&|m| m.every = 0).contains("record.every"));
         assert!(message(&|m| m.band = Some([5.0, 5.0])).contains("rising"));
+        assert!(message(&|m| m.no_input = true).contains("record.no_input"));
+        assert!(message(&|m| m.input.as_mut().unwrap().missing = Some(f64::INFINITY)).contains("record.input.missing"));
         assert!(message(&|m| m.input.as_mut().unwrap().gain = f64::NAN).contains("record.input.gain"));
         assert!(message(&|m| (m.from, m.to) = (Some(2.0), Some(1.0))).contains("after `from`"));
     }

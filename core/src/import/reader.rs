@@ -1,6 +1,9 @@
 //! Reads a file with columns of numbers, a slice after the other.
 
-use super::table::{Column, Lines, Table, TextCell};
+use super::formats::{self, Layout, Rows};
+use super::number::Found;
+use super::series::{SeriesReader, time_column};
+use super::table::{Column, Lines, Table, TextCell, free_name};
 use super::{Decimal, Dialect, Encoding, ImportError, dialect};
 
 /// Limits the bytes that are looked at to find the dialect.
@@ -35,11 +38,36 @@ pub struct Reader {
     place: usize,
     line: usize,
     dialect: Dialect,
+    /// The name of the format, if the header says what the numbers are.
+    format: Option<&'static str>,
+    body: Body,
+    text: String,
+}
+
+/// What has been read.
+#[derive(Debug)]
+enum Body {
+    Rows(RowsReader),
+    Series(SeriesReader),
+}
+
+/// The rows of a table.
+#[derive(Debug)]
+struct RowsReader {
     columns: Vec<Column>,
+    /// Whether the cell of a row belongs to a column.
+    belongs: Vec<bool>,
+    /// The first time and the step of rows without times.
+    even: Option<(f64, f64)>,
+    ends: fn(&str) -> bool,
+    /// The line that begins another table.
+    end: Option<usize>,
     lines: Lines,
     short: Odd,
     long: Odd,
-    text: String,
+    /// Numbers with thousands apart, and numbers that may have them, in a file whose first lines have none.
+    grouped: Odd,
+    doubtful: Odd,
 }
 
 /// Rows that are not as expected: the first line, and how many there are.
@@ -75,8 +103,14 @@ impl Reader {
         if bytes.iter().all(u8::is_ascii_whitespace) {
             return Err(ImportError::Empty);
         }
-        if bytes.starts_with(b"MATLAB 5.0 MAT-file") || bytes.starts_with(b"\x89HDF") {
+        if bytes.starts_with(b"MATLAB 5.0 MAT-file") {
             return Err(ImportError::Matlab);
+        }
+        if bytes.starts_with(b"MATLAB 7.3 MAT-file") || bytes.starts_with(b"\x89HDF") {
+            return Err(ImportError::Hdf5);
+        }
+        if bytes.starts_with(b"PAR1") {
+            return Err(ImportError::Parquet);
         }
         if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xD0\xCF\x11\xE0") {
             return Err(ImportError::Spreadsheet);
@@ -101,27 +135,23 @@ impl Reader {
         let whole =
             if head.len() < bytes.len() { text.rfind('\n').map_or(text.len(), |end| end + 1) } else { text.len() };
         let lines: Vec<&str> = text[..whole].lines().collect();
-        let dialect = dialect
-            .or_else(|| Dialect::sniff(encoding, &lines))
-            .ok_or(ImportError::NoNumbers { lines: lines.len() })?;
-        let first = lines.get(dialect.data.saturating_sub(1)).copied().unwrap_or_default();
-        let mut width = dialect.delimiter.cells(first).count();
-        // A delimiter that ends each line begins no column.
-        let ends = |line: &&&str| dialect.delimiter.cells(line).nth(width - 1).is_none_or(str::is_empty);
-        let data = lines.iter().skip(dialect.data.saturating_sub(1)).filter(|line| !line.trim().is_empty());
-        if width > 1 && data.take(100).all(|line| ends(&line)) && named(&dialect, &lines, width) < width {
-            width -= 1;
-        }
-        if width > MOST_COLUMNS {
-            return Err(ImportError::TooManyColumns { line: dialect.data, found: width });
-        }
-        let mean = (whole.max(1) / lines.len().max(1)).max(1);
-        let rows = (bytes.len() / mean.max(1)).min(bytes.len() / width.max(1) + 1);
-        let header = unique(dialect.header(&lines, width));
-        let column = |(name, unit)| Column { name, unit, values: Vec::with_capacity(rows + rows / 50), text: None };
-        let columns = header.into_iter().map(column).collect();
-        let (short, long) = Default::default();
-        Ok(Self { bytes, place: start, line: 0, dialect, columns, lines: Lines::default(), short, long, text })
+        let layout = if dialect.is_none() { formats::find(&lines) } else { None };
+        let (format, layout) = layout.map_or((None, None), |(name, layout)| (Some(name), Some(layout)));
+        let (dialect, body) = match layout {
+            Some(Layout::Series(next)) => {
+                (Dialect { encoding, ..Dialect::default() }, Body::Series(SeriesReader::new(next)))
+            }
+            Some(Layout::Rows(rows)) => {
+                let dialect = Dialect { encoding, ..rows.dialect };
+                (dialect, Body::Rows(RowsReader::new(dialect, &lines, bytes.len(), Some(rows))?))
+            }
+            None => {
+                let found = dialect.or_else(|| Dialect::sniff(encoding, &lines));
+                let dialect = found.ok_or(ImportError::NoNumbers { lines: lines.len() })?;
+                (dialect, Body::Rows(RowsReader::new(dialect, &lines, bytes.len(), None)?))
+            }
+        };
+        Ok(Self { bytes, place: start, line: 0, dialect, format, body, text })
     }
 
     /// The dialect in which the file is read.
@@ -158,21 +188,19 @@ impl Reader {
     /// # Errors
     /// [`ImportError::NoNumbers`] where there are none.
     pub fn finish(self) -> Result<Table, ImportError> {
-        let Self { dialect, mut columns, lines, short, long, line, .. } = self;
-        if columns.iter().all(|column| column.values.iter().all(|value| value.is_nan())) {
-            return Err(ImportError::NoNumbers { lines: line });
+        let Self { dialect, format, body, line, .. } = self;
+        match body {
+            Body::Series(series) => series.finish(format.unwrap_or_default(), dialect, line),
+            Body::Rows(rows) => {
+                let form = format.map_or_else(|| dialect.to_string(), |name| format!("{name}: {dialect}"));
+                rows.finish(dialect, form, line)
+            }
         }
-        columns.iter_mut().for_each(|column| column.values.shrink_to_fit());
-        let remarks = [
-            short.remark("fewer cells than the others; what is missing counts as empty"),
-            long.remark("more cells than the others; those at the end are left out"),
-        ];
-        Ok(Table { dialect, columns, remarks: remarks.into_iter().flatten().collect(), lines })
     }
 
     /// Reads a line. Returns whether there was one.
     fn read_line(&mut self) -> Result<bool, ImportError> {
-        let Self { bytes, place, line, dialect, columns, lines, short, long, text } = self;
+        let Self { bytes, place, line, dialect, body, text, .. } = self;
         let rest = &bytes[*place..];
         if rest.is_empty() {
             return Ok(false);
@@ -195,38 +223,127 @@ impl Reader {
                 text
             }
         };
+        match body {
+            Body::Series(series) => series.line(row, *line)?,
+            Body::Rows(rows) => {
+                rows.line(row, *line, *dialect);
+                if rows.end.is_some() {
+                    *place = bytes.len();
+                }
+            }
+        }
+        Ok(true)
+    }
+}
+
+impl RowsReader {
+    /// The columns of a table in a file of some length that begins with some lines: of known rows, or as its header tells.
+    fn new(dialect: Dialect, lines: &[&str], length: usize, known: Option<Rows>) -> Result<Self, ImportError> {
+        let (cells, even, ends) = match known {
+            Some(Rows { cells, even, ends, .. }) => (cells, even, ends),
+            None => (Vec::new(), None, (|_| false) as fn(&str) -> bool),
+        };
+        let (belongs, header) = if cells.is_empty() {
+            let width = width(&dialect, lines)?;
+            (vec![true; width], dialect.header(lines, width))
+        } else {
+            (cells.iter().map(Option::is_some).collect(), cells.into_iter().flatten().collect())
+        };
+        // Columns are set aside for as many rows as the first lines let expect.
+        let whole: usize = lines.iter().map(|line| line.len() + 1).sum();
+        let mean = (whole.max(1) / lines.len().max(1)).max(1);
+        let rows = (length / mean).min(length / belongs.len().max(1) + 1);
+        let column =
+            |(name, unit)| Column { name, unit, values: Vec::with_capacity(rows + rows / 50), ..Column::default() };
+        let columns = unique(header).into_iter().map(column).collect();
+        let (lines, short, long, grouped, doubtful) = Default::default();
+        Ok(Self { columns, belongs, even, ends, end: None, lines, short, long, grouped, doubtful })
+    }
+
+    fn line(&mut self, row: &str, line: usize, dialect: Dialect) {
+        let Self { columns, belongs, even: _, ends, end, lines, short, long, grouped, doubtful } = self;
         let trimmed = row.trim();
         if trimmed.is_empty() || trimmed.starts_with(dialect::REMARKS) {
-            return Ok(true);
+            return;
+        }
+        if ends(row) {
+            *end = Some(line);
+            return;
         }
         let mut cells = dialect.delimiter.cells(row);
         let mut missing = false;
-        for column in columns.iter_mut() {
+        let mut kept = columns.iter_mut();
+        for &belongs in belongs.iter() {
             let cell = cells.next();
-            missing |= cell.is_none();
-            column.push(cell.unwrap_or_default(), dialect.decimal, *line);
+            if belongs && let Some(column) = kept.next() {
+                missing |= cell.is_none();
+                let cell = cell.unwrap_or_default();
+                if column.push(cell, dialect, line) {
+                    grouped.note(line);
+                } else if dialect.decimal == Decimal::Comma && cell.contains('.') {
+                    doubtful.note(line);
+                }
+            }
         }
         if missing {
-            short.note(*line);
+            short.note(line);
         }
         if cells.any(|cell| !cell.is_empty()) {
-            long.note(*line);
+            long.note(line);
         }
-        lines.push(columns[0].values.len() - 1, *line);
-        Ok(true)
+        if let Some(column) = columns.first() {
+            lines.push(column.values.len() - 1, line);
+        }
     }
+
+    fn finish(self, dialect: Dialect, form: String, line: usize) -> Result<Table, ImportError> {
+        let Self { mut columns, even, end, lines, short, long, grouped, doubtful, .. } = self;
+        if columns.iter().all(|column| column.values.iter().all(|value| value.is_nan())) {
+            return Err(ImportError::NoNumbers { lines: line });
+        }
+        columns.iter_mut().for_each(|column| column.values.shrink_to_fit());
+        let late = (grouped.count > 0 && doubtful.count > 0 && !dialect.thousands).then(|| {
+            format!(
+                "line {} has thousands apart, but line {} has a point that was taken for a decimal one, as the first lines \
+                 have no thousands: state `thousands = true` in the dialect",
+                grouped.first, doubtful.first
+            )
+        });
+        let remarks = [
+            short.remark("fewer cells than the others; what is missing counts as empty"),
+            long.remark("more cells than the others; those at the end are left out"),
+            end.map(|line| format!("line {line} begins another table; it is left out, with all below it")),
+            late,
+        ];
+        if let Some((start, step)) = even {
+            let rows = columns.first().map_or(0, |column| column.values.len());
+            columns.insert(0, time_column((0..rows).map(|k| start + k as f64 * step).collect()));
+        }
+        Ok(Table { dialect, form, columns, remarks: remarks.into_iter().flatten().collect(), lines })
+    }
+}
+
+/// The number of columns in a dialect.
+fn width(dialect: &Dialect, lines: &[&str]) -> Result<usize, ImportError> {
+    let first = lines.get(dialect.data.saturating_sub(1)).copied().unwrap_or_default();
+    let mut width = dialect.delimiter.cells(first).count();
+    // A delimiter that ends each line begins no column.
+    let ends = |line: &&&str| dialect.delimiter.cells(line).nth(width - 1).is_none_or(str::is_empty);
+    let data = lines.iter().skip(dialect.data.saturating_sub(1)).filter(|line| !line.trim().is_empty());
+    if width > 1 && data.take(100).all(|line| ends(&line)) && named(dialect, lines, width) < width {
+        width -= 1;
+    }
+    if width > MOST_COLUMNS {
+        return Err(ImportError::TooManyColumns { line: dialect.data, found: width });
+    }
+    Ok(width)
 }
 
 /// The same headers with a number behind each name that there was before.
 fn unique(mut header: Vec<(String, Option<String>)>) -> Vec<(String, Option<String>)> {
     for place in 1..header.len() {
         let (before, rest) = header.split_at_mut(place);
-        let name = rest[0].0.clone();
-        let mut number = 2;
-        while before.iter().any(|(other, _)| *other == rest[0].0) {
-            rest[0].0 = format!("{name} ({number})");
-            number += 1;
-        }
+        rest[0].0 = free_name(&rest[0].0, |name| before.iter().any(|(other, _)| other == name));
     }
     header
 }
@@ -242,14 +359,30 @@ fn named(dialect: &Dialect, lines: &[&str], width: usize) -> usize {
 }
 
 impl Column {
-    fn push(&mut self, cell: &str, decimal: Decimal, line: usize) {
-        let number = decimal.number(cell);
-        if number.is_none() && self.text.is_none() {
+    /// Takes the number in a cell. Returns whether it has thousands apart.
+    fn push(&mut self, cell: &str, dialect: Dialect, line: usize) -> bool {
+        let found = dialect.decimal.read(cell, dialect.thousands);
+        let quoted = || {
             /// Limits the characters that a message quotes.
             const QUOTED: usize = 40;
-            self.text = Some(TextCell { line, text: cell.chars().take(QUOTED).collect() });
+            TextCell { line, text: cell.chars().take(QUOTED).collect() }
+        };
+        match found {
+            Found::Number(_) | Found::Grouped(_) | Found::Missing => {}
+            Found::Clock { is_dated, .. } => {
+                self.is_time_of_day |= !is_dated;
+                self.is_dated |= is_dated;
+            }
+            Found::Word => {
+                self.word.get_or_insert_with(quoted);
+                self.words += 1;
+            }
+            Found::Text => {
+                self.text.get_or_insert_with(quoted);
+            }
         }
-        self.values.push(number.unwrap_or(f64::NAN));
+        self.values.push(found.value());
+        matches!(found, Found::Grouped(_))
     }
 }
 
@@ -321,7 +454,8 @@ mod tests {
         let mut text = "t,x\n".to_owned();
         (0..10_000).for_each(|k| text.push_str(&format!("{:.4},{:.6}\n", f64::from(k) * 0.01, f64::from(k).sin())));
         let reader = Reader::new(text.clone().into_bytes(), None).unwrap();
-        let reserved: usize = reader.columns.iter().map(|column| column.values.capacity() * 8).sum();
+        let Body::Rows(rows) = &reader.body else { panic!("a table") };
+        let reserved: usize = rows.columns.iter().map(|column| column.values.capacity() * 8).sum();
         assert!(reserved < 2 * text.len(), "{reserved} for {}", text.len());
     }
 }

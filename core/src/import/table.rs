@@ -3,12 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::Dialect;
+use super::unit::name_and_unit;
 
 /// The columns of a file. A document of it has all but the numbers, which are too many for a text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// The file's form.
     pub dialect: Dialect,
+    /// The file's form in one line: the format, if its header says what its numbers are, and the dialect.
+    pub form: String,
     /// The columns, all of the same length.
     pub columns: Vec<Column>,
     /// Sentences about rows that were not as expected.
@@ -28,6 +31,14 @@ pub struct Column {
     pub values: Vec<f64>,
     /// The first cell with text that is not a number.
     pub text: Option<TextCell>,
+    /// The first cell with a word that says that its reading failed, such as `OVLD`. It counts as missing.
+    pub word: Option<TextCell>,
+    /// The number of cells with such a word.
+    pub words: usize,
+    /// Whether a cell is a time of day without a date.
+    pub is_time_of_day: bool,
+    /// Whether a cell is a date with a time of day.
+    pub is_dated: bool,
 }
 
 /// A cell with text that is not a number.
@@ -39,7 +50,22 @@ pub struct TextCell {
     pub text: String,
 }
 
+impl Column {
+    /// A column of numbers, with the name and unit of its header; `unit` is that which the file tells apart from it.
+    pub fn of_header(header: &str, unit: Option<&str>, values: Vec<f64>) -> Self {
+        let (name, own) = name_and_unit(header);
+        Self { name, unit: unit.map(str::to_owned).or(own), values, ..Self::default() }
+    }
+}
+
 impl Table {
+    /// A table of columns of the same length that are no text; `form` says what file they come from.
+    pub fn of_columns(form: &str, columns: Vec<Column>, remarks: Vec<String>) -> Self {
+        let mut lines = Lines::default();
+        lines.push(0, 1);
+        Self { dialect: Dialect::default(), form: form.to_owned(), columns, remarks, lines }
+    }
+
     /// The number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
@@ -60,6 +86,12 @@ impl Table {
     pub fn is_without_numbers(&self, place: usize) -> bool {
         self.columns[place].values.iter().all(|value| value.is_nan())
     }
+}
+
+/// A name with a number behind it if it is taken.
+pub(super) fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let numbered = (2..).map(|number| format!("{name} ({number})"));
+    std::iter::once(name.to_owned()).chain(numbered).find(|name| !is_taken(name)).unwrap_or_default()
 }
 
 /// The lines of rows: blocks of rows without a line between them.

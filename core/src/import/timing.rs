@@ -112,7 +112,8 @@ impl Timing {
     /// The values of the samples from those of the rows; NaN where there is none.
     pub(super) fn spread(&self, rows: &[f64]) -> Vec<f64> {
         match &self.places {
-            Places::Rows => rows.to_vec(),
+            // Rows without a time at the end have no sample.
+            Places::Rows => rows[..self.samples.min(rows.len())].to_vec(),
             Places::Gaps(places) => {
                 let mut values = vec![f64::NAN; self.samples];
                 places.iter().zip(rows).for_each(|(&place, &value)| values[place] = value);

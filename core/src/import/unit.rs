@@ -34,12 +34,16 @@ const UNITS: [(&[&str], Dimension, f64); 28] = [
     (&["in", "inch", "inches"], Dimension::Length, 0.0254),
     (&["ft", "feet"], Dimension::Length, 0.3048),
     (&["m/s", "m/sec", "ms-1", "m s-1"], Dimension::Velocity, 1.0),
-    (&["mm/s"], Dimension::Velocity, 1e-3),
-    (&["cm/s"], Dimension::Velocity, 1e-2),
+    (&["mm/s", "mm/sec"], Dimension::Velocity, 1e-3),
+    (&["cm/s", "cm/sec"], Dimension::Velocity, 1e-2),
     (&["in/s"], Dimension::Velocity, 0.0254),
-    (&["m/s²", "m/s2", "m/s^2", "m/s/s", "ms-2", "m s-2"], Dimension::Acceleration, 1.0),
-    (&["mm/s²", "mm/s2", "mm/s^2"], Dimension::Acceleration, 1e-3),
-    (&["cm/s²", "cm/s2", "cm/s^2", "gal"], Dimension::Acceleration, 1e-2),
+    (&["m/s²", "m/s2", "m/s^2", "m/s/s", "m/s**2", "m/sec2", "m/sec^2", "ms-2", "m s-2"], Dimension::Acceleration, 1.0),
+    (&["mm/s²", "mm/s2", "mm/s^2", "mm/s/s", "mm/sec2"], Dimension::Acceleration, 1e-3),
+    (
+        &["cm/s²", "cm/s2", "cm/s^2", "cm/s/s", "cm/s**2", "cm/sec2", "cm/sec^2", "cm/sec/sec", "gal"],
+        Dimension::Acceleration,
+        1e-2,
+    ),
     (&["g", "gn"], Dimension::Acceleration, STANDARD_GRAVITY),
     (&["mg"], Dimension::Acceleration, 1e-3 * STANDARD_GRAVITY),
     (&["rad", "radians"], Dimension::Angle, 1.0),
@@ -47,7 +51,7 @@ const UNITS: [(&[&str], Dimension, f64); 28] = [
     (&["mrad"], Dimension::Angle, 1e-3),
     (&["N", "newton"], Dimension::Force, 1.0),
     (&["kN"], Dimension::Force, 1e3),
-    (&["V", "volt", "volts"], Dimension::Voltage, 1.0),
+    (&["V", "volt", "volts", "voltage"], Dimension::Voltage, 1.0),
     (&["mV"], Dimension::Voltage, 1e-3),
 ];
 
@@ -61,6 +65,15 @@ pub fn unit(text: &str) -> Option<(Dimension, f64)> {
         if text.chars().count() < 2 { *spelling == text } else { spelling.to_lowercase() == text.to_lowercase() }
     };
     UNITS.iter().find(|(spellings, ..)| spellings.iter().any(same)).map(|&(_, dimension, size)| (dimension, size))
+}
+
+/// The unit in a cell of a line of units, such as `mm` in `[mm]` and `Voltage` in `Voltage (unscaled)`.
+pub(super) fn in_words(cell: &str) -> &str {
+    let bare = cell.trim().trim_matches(['(', ')', '[', ']', '<', '>']).trim();
+    match cell.trim().split_once([' ', '(', '[']) {
+        Some((first, _)) if unit(bare).is_none() && unit(first).is_some() => first,
+        _ => bare,
+    }
 }
 
 /// A column's name and unit from its header, such as `acc (g)`, `Weg [mm]`, `t in ms`, `force_N`.

@@ -1,0 +1,110 @@
+//! Numbers that stand where a reading is missing, such as -9999.
+
+use super::Table;
+
+/// A number that seems to stand where a reading is missing: it occurs several times, far from all others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sentinel {
+    /// The number.
+    pub value: f64,
+    /// The number of cells that have it.
+    pub count: usize,
+    /// The line of the first one, counted from 1.
+    pub line: usize,
+    /// Whether loggers write it for a missing reading: nines, the ends of whole numbers of 16 and 32 bits, 1e30 and more.
+    pub is_usual: bool,
+}
+
+/// The distance to all other numbers, in their range, from which on a usual sentinel and another number are taken for one.
+const FAR: [f64; 2] = [3.0, 30.0];
+
+/// The fewest cells that have an unusual sentinel.
+const FEWEST: usize = 3;
+
+/// One end of a column's numbers.
+#[derive(Clone, Copy)]
+struct End {
+    value: f64,
+    count: usize,
+    row: usize,
+    /// The next number towards the other end.
+    next: f64,
+}
+
+impl Table {
+    /// The number in the column at a place that seems to stand where a reading is missing.
+    pub fn sentinel(&self, place: usize) -> Option<Sentinel> {
+        let values = &self.columns[place].values;
+        let (low, high) = (end(values, 1.0)?, end(values, -1.0)?);
+        let finite = values.iter().filter(|value| value.is_finite()).count();
+        let of = |end: End, other: End| {
+            let is_usual = is_usual(end.value);
+            let range = (end.next - other.value).abs();
+            let far = (end.value - end.next).abs() > FAR[usize::from(!is_usual)] * range;
+            let enough = end.count >= if is_usual { 2 } else { FEWEST } && 2 * end.count < finite;
+            (range > 0.0 && far && enough).then(|| Sentinel {
+                value: end.value,
+                count: end.count,
+                line: self.line(end.row),
+                is_usual,
+            })
+        };
+        of(low, high).or_else(|| of(high, low))
+    }
+}
+
+/// The lowest number for a sign of 1, the highest for -1.
+fn end(values: &[f64], sign: f64) -> Option<End> {
+    let mut end: Option<End> = None;
+    for (row, &value) in values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+        match &mut end {
+            None => end = Some(End { value, count: 1, row, next: sign * f64::INFINITY }),
+            Some(end) if value == end.value => end.count += 1,
+            Some(end) if sign * value < sign * end.value => *end = End { value, count: 1, row, next: end.value },
+            Some(end) if sign * value < sign * end.next => end.next = value,
+            Some(_) => {}
+        }
+    }
+    end.filter(|end| end.next.is_finite())
+}
+
+/// Whether loggers write a number for a missing reading.
+fn is_usual(value: f64) -> bool {
+    let size = value.abs();
+    let nines = [999.0, 9999.0, 99_999.0, 999_999.0, 9_999_999.0, 999.25, 999.9, 9999.9];
+    let ends = [32_767.0, 32_768.0, 65_535.0, 2_147_483_647.0, 2_147_483_648.0, 8888.0, 7999.0, 6999.0];
+    nines.contains(&size) || ends.contains(&size) || size >= 1e30
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::read;
+    use super::*;
+
+    fn sentinel(readings: &[&str]) -> Option<Sentinel> {
+        let text: String =
+            std::iter::once("x").chain(readings.iter().copied()).map(|cell| format!("{cell}\n")).collect();
+        read(text.as_bytes(), None).unwrap().sentinel(0)
+    }
+
+    #[test]
+    fn several_equal_numbers_far_from_all_others_stand_out() {
+        let found = sentinel(&["0.1", "-0.2", "-9999", "0.3", "-9999", "0.2"]).unwrap();
+        assert_eq!(found, Sentinel { value: -9999.0, count: 2, line: 4, is_usual: true });
+        let found = sentinel(&["1000.1", "0", "1000.2", "0", "1000.3", "0", "1000.4"]).unwrap();
+        assert_eq!((found.value, found.count, found.is_usual), (0.0, 3, false));
+        assert_eq!(sentinel(&["1e38", "2", "1", "1e38", "3"]).unwrap().line, 2);
+    }
+
+    #[test]
+    fn pulses_steps_and_clipped_readings_are_no_sentinels() {
+        let steps = ["0", "0", "0", "1", "1", "1"];
+        let clipped = ["0", "2", "4", "5", "5", "5", "4", "1"];
+        let hammer = ["0.01", "-0.01", "0.02", "50", "0.01", "0", "-0.02"];
+        let random = ["1", "-1", "-1", "1", "0", "1", "-1"];
+        let counts = ["-9999", "9999", "-5000", "5000", "0", "-9999"];
+        for readings in [&steps[..], &clipped, &hammer, &random, &counts, &["1", "2"], &["1", "nan"]] {
+            assert_eq!(sentinel(readings), None, "{readings:?}");
+        }
+    }
+}

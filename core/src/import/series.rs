@@ -1,0 +1,213 @@
+//! Series of numbers one after the other, each behind a header of its own and wrapped over lines.
+
+use super::number::{Decimal, Found};
+use super::table::{Column, Lines, free_name};
+use super::timing::MOST;
+use super::{Dialect, ImportError, Table};
+
+/// Reads the header of the next series: of all lines so far that are no numbers, the last of which may end it.
+pub(super) type Next = fn(&[String]) -> Option<Series>;
+
+/// A series, as its header tells of it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Series {
+    pub(super) name: String,
+    pub(super) unit: Option<String>,
+    /// The time of the first value \[s\].
+    pub(super) start: f64,
+    /// The time between values \[s\].
+    pub(super) dt: f64,
+    /// The number of numbers, if it is known.
+    pub(super) count: Option<usize>,
+    /// The width of a number's field, if numbers may abut.
+    pub(super) width: Option<usize>,
+    /// Whether a time stands before each value.
+    pub(super) has_times: bool,
+    /// The reason why it is no record.
+    pub(super) no_record: Option<&'static str>,
+}
+
+/// Limits the lines of headers that are kept.
+const MOST_LINES: usize = 1000;
+
+/// Series that are being read.
+#[derive(Debug)]
+pub(super) struct SeriesReader {
+    next: Next,
+    header: Vec<String>,
+    all: Vec<(Series, Vec<f64>)>,
+    is_reading: bool,
+    /// The rows that have a line, and their lines.
+    rows: usize,
+    lines: Lines,
+    /// The lines of numbers that belong to no series since the last one.
+    loose: usize,
+}
+
+impl SeriesReader {
+    pub(super) fn new(next: Next) -> Self {
+        let (header, all, lines) = Default::default();
+        Self { next, header, all, is_reading: false, rows: 0, lines, loose: 0 }
+    }
+
+    /// Reads a line.
+    pub(super) fn line(&mut self, text: &str, line: usize) -> Result<(), ImportError> {
+        let Self { next, header, all, is_reading, rows, lines, loose } = self;
+        if text.trim().is_empty() && *is_reading {
+            return Ok(());
+        }
+        if let Some((series, values)) = all.last_mut().filter(|_| *is_reading) {
+            if let Some(numbers) = numbers(text, series.width) {
+                let before = values.len();
+                values.extend(numbers);
+                values.truncate(series.count.unwrap_or(usize::MAX));
+                for row in before.max(*rows)..values.len() {
+                    lines.push(row, line);
+                    *rows = row + 1;
+                }
+                *is_reading = series.count.is_none_or(|count| values.len() < count);
+                if values.len() > 2 * MOST {
+                    return Err(ImportError::TooLong { found: values.len() });
+                }
+                return Ok(());
+            }
+            // A number that cannot be read is no end of a series.
+            if text.trim_start().starts_with(|c: char| c.is_ascii_digit() || c == '.')
+                && series.count.is_some_and(|count| values.len() < count)
+                && !text.contains(char::is_alphabetic)
+            {
+                let (column, text) = (series.name.clone(), text.trim().chars().take(40).collect());
+                return Err(ImportError::Text { line, column, text });
+            }
+            *is_reading = false;
+        }
+        if header.len() >= MOST_LINES {
+            header.drain(..MOST_LINES / 2);
+        }
+        header.push(text.trim_end().to_owned());
+        if let Some(series) = next(header) {
+            if !(series.dt > 0.0 && series.dt.is_finite() && series.start.is_finite() || series.has_times) {
+                return Ok(());
+            }
+            all.push((series, Vec::new()));
+            (*is_reading, *loose) = (true, 0);
+        } else if !all.is_empty() && numbers(text, None).is_some_and(|numbers| numbers.len() > 1) {
+            *loose += 1;
+        }
+        Ok(())
+    }
+
+    /// The series as columns, at the times of the first one.
+    pub(super) fn finish(self, name: &str, dialect: Dialect, lines: usize) -> Result<Table, ImportError> {
+        let Self { all, loose, lines: known, .. } = self;
+        let mut remarks = Vec::new();
+        let mut columns: Vec<Column> = Vec::new();
+        let mut times: Option<Vec<f64>> = None;
+        let usable = |(series, values): &&(Series, Vec<f64>)| series.no_record.is_none() && values.len() > 1;
+        let Some((first, _)) = all.iter().find(usable) else { return Err(ImportError::NoNumbers { lines }) };
+        let origin = all.iter().filter(usable).map(|(series, _)| series.start).fold(first.start, f64::min);
+        let (dt, has_times) = (first.dt, first.has_times);
+        for (series, values) in &all {
+            let name = &series.name;
+            if let Some(count) = series.count.filter(|count| *count != values.len()) {
+                remarks.push(format!("`{name}` has {} numbers, but its header tells of {count}", values.len()));
+            }
+            let missing = values.iter().filter(|value| value.is_nan()).count();
+            if missing > 0 {
+                remarks.push(format!("`{name}` has no reading in {missing} place(s)"));
+            }
+            if let Some(reason) = series.no_record {
+                remarks.push(format!("`{name}` {reason}; it is left out"));
+                continue;
+            }
+            let (own, values): (Vec<f64>, Vec<f64>) = if series.has_times {
+                (values.iter().step_by(2).copied().collect(), values.iter().skip(1).step_by(2).copied().collect())
+            } else {
+                (Vec::new(), values.clone())
+            };
+            if series.has_times != has_times
+                || (has_times && times.as_ref().is_some_and(|times| *times != own))
+                || (!has_times && (series.dt - dt).abs() > 1e-9 * dt)
+            {
+                remarks.push(format!("`{name}` has other times than `{}`; it is left out", first.name));
+                continue;
+            }
+            let place = if has_times { 0.0 } else { libm::round((series.start - origin) / dt) };
+            if place + values.len() as f64 > MOST as f64 {
+                return Err(ImportError::TooLong { found: (place.min(1e15) as usize).saturating_add(values.len()) });
+            }
+            let place = place as usize;
+            // A series of the same name that begins later goes on with it.
+            let same = columns.iter_mut().find(|column| column.name == *name && column.values.len() <= place);
+            let column = match same {
+                Some(column) => column,
+                None => {
+                    columns.push(Column { name: name.clone(), unit: series.unit.clone(), ..Column::default() });
+                    let last = columns.len() - 1;
+                    &mut columns[last]
+                }
+            };
+            column.values.resize(place, f64::NAN);
+            column.values.extend(values);
+            if has_times {
+                times.get_or_insert(own);
+            }
+        }
+        if loose > 0 {
+            remarks.push(format!("{loose} line(s) of numbers behind the last series are left out"));
+        }
+        for place in 1..columns.len() {
+            let (before, rest) = columns.split_at_mut(place);
+            rest[0].name = free_name(&rest[0].name, |name| before.iter().any(|column| column.name == name));
+        }
+        let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
+        columns.iter_mut().for_each(|column| column.values.resize(rows, f64::NAN));
+        let form = match has_times {
+            true => format!("{name}: {} series of {rows} numbers with their times", columns.len()),
+            false => format!("{name}: {} series of {rows} numbers, {dt} s apart", columns.len()),
+        };
+        let even = || (0..rows).map(|k| k as f64 * dt).collect();
+        columns.insert(0, time_column(times.unwrap_or_else(even)));
+        Ok(Table { dialect, form, columns, remarks, lines: known })
+    }
+}
+
+/// A column of times that a file tells of in its header.
+pub(super) fn time_column(values: Vec<f64>) -> Column {
+    Column { name: "time".to_owned(), unit: Some("s".to_owned()), values, ..Column::default() }
+}
+
+/// The numbers of a line, or `None` if it has other text. Numbers of a known width may abut.
+pub(super) fn numbers(line: &str, width: Option<usize>) -> Option<Vec<f64>> {
+    let number = |text: &str| match Decimal::Point.read(text.trim(), false) {
+        Found::Number(value) => Some(value),
+        Found::Missing | Found::Word => Some(f64::NAN),
+        _ => None,
+    };
+    let line = line.trim_end();
+    let apart: Vec<&str> = line.split_whitespace().collect();
+    let fields = width.map_or(0, |width| line.len().div_ceil(width));
+    if apart.len() >= fields && !apart.is_empty() {
+        return apart.into_iter().map(number).collect();
+    }
+    let width = width.filter(|_| line.is_ascii() && !line.is_empty())?;
+    (0..fields).map(|k| number(line.get(k * width..((k + 1) * width).min(line.len()))?)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_abut_only_where_their_width_is_known() {
+        assert_eq!(numbers(" 1.5  -2.5E+1 3D2", None), Some(vec![1.5, -25.0, 300.0]));
+        assert_eq!(numbers("12345.67812345.679", Some(9)), Some(vec![12345.678, 12345.679]));
+        assert_eq!(numbers("  1.5-2.5", Some(5)), Some(vec![1.5, -2.5]));
+        assert_eq!(numbers("1.5 2.5 3.5", Some(10)), Some(vec![1.5, 2.5, 3.5]), "narrower than told");
+        assert_eq!(
+            [numbers("1.5 oops", None), numbers("", None), numbers("End of data", Some(10))],
+            [const { None }; 3]
+        );
+        assert!(numbers("  ********", Some(10)).unwrap()[0].is_nan());
+    }
+}
