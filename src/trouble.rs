@@ -1,6 +1,8 @@
 //! Why a filter or the truth has stopped, remarks on the filters, and why an edited scenario cannot be run.
 
+use crate::gap::Gap;
 use crate::session::Session;
+use crate::text::sentence;
 
 /// One of them, as a sentence.
 pub(crate) struct Trouble {
@@ -24,10 +26,15 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
             let time = record.time_of(stop.sample);
             say(true, format!("{name} stopped at {time:.2} s: {}.", stop.reason));
         }
-        if let Some(remark) = estimates.remarks().last() {
+        let is_gap = |what| matches!(what, kalmanscope_core::Trouble::Missing(_));
+        if let Some(remark) = estimates.remarks().iter().rfind(|remark| !is_gap(remark.what)) {
             let time = record.time_of(remark.sample);
             say(false, format!("{name} from {time:.2} s: {}.", remark.what));
         }
+    }
+    // A gap that is over is marked on the time axis.
+    for gap in Gap::all(session).iter().filter(|gap| !gap.is_over) {
+        say(false, format!("{}.", sentence(&gap.words())));
     }
     if let Some(problem) = session.problem() {
         say(true, problem.to_owned());

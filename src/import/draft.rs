@@ -166,6 +166,11 @@ impl Draft {
         Some(outcome.as_ref().map_err(String::as_str))
     }
 
+    /// Whether there is a record that follows from the choices.
+    pub(super) fn is_possible(&self) -> bool {
+        !self.is_behind() && self.outcome().is_some_and(|outcome| outcome.is_ok())
+    }
+
     /// Whether something is computed.
     pub(super) fn is_busy(&self) -> bool {
         self.is_behind() || self.spectra.as_ref().is_some_and(Spectra::is_behind)
