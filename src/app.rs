@@ -50,6 +50,8 @@ pub struct App {
     history: Undoer<Scenario>,
     /// Whether the settings are shown; `None` until the user decides.
     controls_open: Option<bool>,
+    /// The heights of the drawers of a narrow window.
+    drawers: window::Drawers,
     presenting: bool,
     keys_open: bool,
     /// Width of the window in the last frame \[points\], and its theme.
@@ -105,6 +107,7 @@ impl App {
             tutor: None,
             history: Undoer::default(),
             controls_open: None,
+            drawers: window::Drawers::default(),
             presenting: false,
             keys_open: false,
             width: window::WIDE,
@@ -215,7 +218,10 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         theme::fit_targets(ctx);
-        keys::keys(ctx, &self.session, &mut self.requests);
+        // Behind the window of an import keys have no effect.
+        if self.importing.is_none() {
+            keys::keys(ctx, &self.session, &mut self.requests);
+        }
         drop::dropped(ctx, &mut self.requests);
         self.take_files();
         link::pasted(ctx, &mut self.requests);

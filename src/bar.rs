@@ -1,24 +1,24 @@
 //! The bar at the top: views, lessons and the transport.
 
-use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Button, PopupCloseBehavior, RichText, Ui};
+use egui::{Button, RichText, Ui};
 use kalmanscope_lessons::BUILT_IN;
 
 use crate::export_menu;
 use crate::layout::Layout;
+use crate::menu::{Closing, menu_ui};
 use crate::probe;
 use crate::request::{Arrangement, Request, ViewKind};
 use crate::session::{Session, Setting};
 use crate::theme;
-use crate::transport;
+use crate::transport::{Extent, transport_ui};
 use crate::tutor::{self, Catalogue};
 use crate::views::view;
 
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
 
-/// Limits the width below which the transport has its own row \[points\].
-const ONE_ROW: f32 = 960.0;
+/// Limits the width below which the transport has its own row, all of it and the short one \[points\].
+const ONE_ROW: [f32; 2] = [960.0, 780.0];
 
 /// The inputs of the bar.
 pub(crate) struct Bar<'a> {
@@ -29,6 +29,8 @@ pub(crate) struct Bar<'a> {
     pub(crate) controls: bool,
     pub(crate) presenting: bool,
     pub(crate) narrow: bool,
+    /// The parts of the transport that are shown.
+    pub(crate) transport: Extent,
     /// Whether another page embeds this one: transport only.
     pub(crate) embedded: bool,
     /// Whether there is a change to take back, and one to make again.
@@ -37,11 +39,11 @@ pub(crate) struct Bar<'a> {
 
 impl Bar<'_> {
     pub(crate) fn ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
-        let Self { session, layout, catalogue, controls, presenting, narrow, embedded, history } = *self;
+        let Self { session, layout, catalogue, controls, presenting, narrow, transport, embedded, history } = *self;
         ui.horizontal_wrapped(|ui| {
             if embedded {
                 open_outside_ui(ui, requests);
-                return transport::transport_ui(ui, session, narrow, requests, |_, _| {});
+                return transport_ui(ui, session, (narrow, transport), requests, |_, _| {});
             }
             let toggle = ui.selectable_label(controls, RichText::new("☰").size(16.0)).on_hover_text("Settings (S)");
             toggle.ctx.accesskit_node_builder(toggle.id, |node| node.set_label("Settings"));
@@ -67,12 +69,14 @@ impl Bar<'_> {
                     settings_ui(ui, session, requests);
                 }
             }
-            if narrow || ui.max_rect().width() < ONE_ROW {
+            let [full, short] = ONE_ROW;
+            let one_row = if transport == Extent::Full { full } else { short };
+            if narrow || ui.max_rect().width() < one_row {
                 ui.end_row();
             } else {
                 ui.separator();
             }
-            transport::transport_ui(ui, session, narrow, requests, |ui, requests| {
+            transport_ui(ui, session, (narrow, transport), requests, |ui, requests| {
                 if narrow {
                     history_ui(ui, history, requests);
                 }
@@ -94,7 +98,7 @@ fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool 
 
 /// The scenarios that come along; with them the way to other files where the bar has no room for it.
 fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &mut Vec<Request>) {
-    let (button, _) = MenuButton::new("Scenario").ui(ui, |ui| {
+    let button = menu_ui(ui, "Scenario", Closing::AtOnce, |ui| {
         if !is_roomy {
             if choose_file_ui(ui, "Open a file…", requests) {
                 ui.close();
@@ -119,9 +123,7 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &m
 }
 
 fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {
-    // The menu stays open, because users often switch several views.
-    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    let (button, _) = MenuButton::new("Views").config(stays).ui(ui, |ui| {
+    let button = menu_ui(ui, "Views", Closing::Beside, |ui| {
         for arrangement in Arrangement::ALL {
             if ui.button(arrangement.name()).clicked() {
                 requests.push(Request::Arrange(arrangement));
@@ -168,7 +170,7 @@ fn open_outside_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 }
 
 /// Takes changes back and makes them again.
-fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut Vec<Request>) {
+pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut Vec<Request>) {
     for (icon, name, key, possible, request) in
         [("↶", "Undo", "Ctrl+Z", undo, Request::Undo), ("↷", "Redo", "Ctrl+Shift+Z", redo, Request::Redo)]
     {

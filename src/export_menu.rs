@@ -1,14 +1,14 @@
 //! The menu of exports.
 
-use egui::containers::menu::MenuButton;
 use egui::{Context, Id, Popup, RichText, Ui};
 
+use crate::menu::{self, Closing};
 use crate::probe;
 use crate::request::{Export, FigureFormat, Picture, Request};
 
 /// Shows the menu's button, and the menu while it is open.
 pub(crate) fn menu_ui(ui: &mut Ui, narrow: bool, requests: &mut Vec<Request>) {
-    let (button, _) = MenuButton::new(if narrow { "↓" } else { "Export" }).ui(ui, |ui| {
+    let button = menu::menu_ui(ui, if narrow { "↓" } else { "Export" }, Closing::AtOnce, |ui| {
         if ui.button("Copy link").on_hover_text("To this picture: settings, views and time (C)").clicked() {
             requests.push(Request::CopyLink);
             ui.close();

@@ -61,6 +61,8 @@ pub struct Opened {
     pub scenario: Scenario,
     /// The reasons of its settings.
     pub reasons: Vec<String>,
+    /// Why no start values were found, if they were looked for in vain.
+    pub problem: Option<String>,
 }
 
 impl Import {
@@ -97,7 +99,10 @@ impl Import {
                         return None;
                     }
                     let file = Arc::clone(draft.file());
-                    return Some(Opened { file, scenario: suggestion.scenario, reasons: suggestion.reasons });
+                    let problem = suggestion.why_no_guess().map(str::to_owned);
+                    let Suggestion { scenario, mut reasons, .. } = suggestion;
+                    reasons.retain(|reason| Some(reason) != problem.as_ref());
+                    return Some(Opened { file, scenario, reasons, problem });
                 }
                 Stage::Suggesting(draft, suggest)
             }
@@ -153,6 +158,6 @@ impl Import {
             self.stage = Stage::Suggesting(draft, Box::new(suggest));
             return None;
         }
-        Some(Opened { file: Arc::clone(draft.file()), scenario, reasons: Vec::new() })
+        Some(Opened { file: Arc::clone(draft.file()), scenario, reasons: Vec::new(), problem: None })
     }
 }

@@ -1,11 +1,14 @@
 //! The legend of all plots; a click shows or hides an entry.
 
-use egui::{Button, Color32, Painter, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
+use egui::scroll_area::ScrollBarVisibility;
+use egui::{Button, Color32, Painter, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, Vec2, WidgetInfo};
+use kalmanscope_core::Estimates;
 
 use crate::request::{LegendEntry, Request, ViewKind};
-use crate::session::Session;
+use crate::session::{Before, Session};
 use crate::theme::Palette;
 use crate::trouble::{Trouble, troubles};
+use crate::tutor;
 use crate::verdict::chip_ui;
 use crate::visibility::Visibility;
 
@@ -18,77 +21,194 @@ pub(crate) enum Mark {
     Chip,
 }
 
-/// One row of entries with `add_contents` at its end, and below it the run's problems.
-pub(crate) fn legend_ui(
-    ui: &mut Ui,
-    session: &Session,
-    visible: &Visibility,
-    palette: &Palette,
-    requests: &mut Vec<Request>,
-    add_contents: impl FnOnce(&mut Ui, &mut Vec<Request>),
-) {
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 12.0;
-        let entry = |ui: &mut Ui, entry, name: &str, mark, color, on, requests: &mut Vec<Request>| {
-            if entry_ui(ui, name, mark, color, on) {
-                requests.push(Request::ToggleEntry(entry));
+/// The room for a legend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// As many rows as it needs.
+    Full,
+    /// One row, which scrolls to the side. What is being changed comes first.
+    OneRow,
+}
+
+/// The width that is kept for the chip of the picture from before, at least \[points\].
+const CHIP: f32 = 96.0;
+
+/// The legend, and the run's problems.
+pub(crate) struct Legend<'a> {
+    pub(crate) session: &'a Session,
+    pub(crate) visible: &'a Visibility,
+    pub(crate) palette: &'a Palette,
+}
+
+impl Legend<'_> {
+    /// Shows all entries, and below them the run's problems. New users may be invited to the first lesson.
+    pub(crate) fn ui(&self, ui: &mut Ui, extent: Extent, inviting: bool, requests: &mut Vec<Request>) {
+        match extent {
+            Extent::OneRow => {
+                let hidden = ScrollBarVisibility::AlwaysHidden;
+                ScrollArea::horizontal().id_salt("legend").scroll_bar_visibility(hidden).show(ui, |ui| {
+                    ui.horizontal(|ui| self.one_row_ui(ui, requests));
+                });
             }
-        };
+            Extent::Full => _ = ui.horizontal_wrapped(|ui| self.rows_ui(ui, inviting, requests)),
+        }
+        self.troubles_ui(ui);
+    }
+
+    fn rows_ui(&self, ui: &mut Ui, inviting: bool, requests: &mut Vec<Request>) {
+        ui.spacing_mut().item_spacing.x = 12.0;
+        self.record_ui(ui, requests);
+        for (place, estimates) in self.session.run().estimates().iter().enumerate() {
+            self.filter_ui(ui, place, estimates, requests);
+        }
+        self.switches_ui(ui, requests);
+        self.only_ui(ui, requests);
+        match self.session.before() {
+            Some(before) => self.before_ui(ui, &format!("before: {}", before.words()), requests),
+            None if inviting => tutor::invitation_ui(ui, requests),
+            // A change has its chip here: nothing else moves then.
+            None => _ = ui.allocate_exact_size(Vec2::new(CHIP, HEIGHT), Sense::hover()),
+        }
+    }
+
+    fn one_row_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
+        ui.spacing_mut().item_spacing.x = 12.0;
+        let before = self.session.before();
+        let is_changed =
+            |estimates: &Estimates| before.is_some_and(|before| before.estimates(estimates.id()).is_some());
+        let all = || self.session.run().estimates().iter().enumerate();
+        let (changed, rest): (Vec<_>, Vec<_>) = all().partition(|(_, estimates)| is_changed(estimates));
+        for (place, estimates) in &changed {
+            self.filter_ui(ui, *place, estimates, requests);
+        }
+        if let Some(before) = before {
+            self.before_ui(ui, &short(before, &changed), requests);
+        }
+        for (place, estimates) in &rest {
+            self.filter_ui(ui, *place, estimates, requests);
+        }
+        self.only_ui(ui, requests);
+        self.record_ui(ui, requests);
+        self.switches_ui(ui, requests);
+    }
+
+    /// Truth and measurements.
+    fn record_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
+        let Self { session, visible, palette } = self;
         let run = session.run();
         if run.channels().iter().any(|channel| run.record().truth(*channel).is_some()) {
-            entry(ui, LegendEntry::Truth, "truth", Mark::Line, palette.truth, visible.truth, requests);
+            entry_ui(ui, LegendEntry::Truth, "truth", (Mark::Line, palette.truth, visible.truth), requests);
         }
-        entry(ui, LegendEntry::Measured, "measured", Mark::Dots, palette.weak, visible.measured, requests);
-        for (place, estimates) in session.run().estimates().iter().enumerate() {
-            let (color, on) = (palette.shade(estimates.color()), visible.filter(estimates.id()));
-            entry(ui, LegendEntry::Filter(estimates.id()), estimates.name(), Mark::Band, color, on, requests);
-            let verdict = session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
-            if let Some(verdict) = verdict.filter(|_| visible.verdicts)
-                && chip_ui(ui, estimates.name(), verdict, (color, on), palette).clicked()
-            {
-                requests.push(Request::ShowView(ViewKind::Diagnosis));
-            }
+        entry_ui(ui, LegendEntry::Measured, "measured", (Mark::Dots, palette.weak, visible.measured), requests);
+    }
+
+    /// A filter and the verdict on it.
+    fn filter_ui(&self, ui: &mut Ui, place: usize, estimates: &Estimates, requests: &mut Vec<Request>) {
+        let Self { session, visible, palette } = self;
+        let (color, on) = (palette.shade(estimates.color()), visible.filter(estimates.id()));
+        let entry = LegendEntry::Filter(estimates.id());
+        entry_ui(ui, entry, estimates.name(), (Mark::Band, color, on), requests);
+        let verdict = session.diagnosis(place).and_then(|diagnosis| diagnosis.verdict.as_ref());
+        if let Some(verdict) = verdict.filter(|_| visible.verdicts)
+            && chip_ui(ui, estimates.name(), verdict, (color, on), palette).clicked()
+        {
+            requests.push(Request::ShowView(ViewKind::Diagnosis));
         }
-        entry(ui, LegendEntry::Bands, "±2σ", Mark::Band, palette.weak, visible.bands, requests);
-        entry(ui, LegendEntry::Verdicts, "verdicts", Mark::Chip, palette.weak, visible.verdicts, requests);
-        if let Some(before) = session.before() {
-            let text = format!("before: {} ×", before.words());
-            let chip = ui.add(Button::new(text).small().stroke(Stroke::new(1.2, palette.weak)));
-            if chip
-                .on_hover_text("The thin grey lines: the estimates before the last change. Click to forget them")
-                .clicked()
-            {
-                requests.push(Request::ForgetBefore);
-            }
+    }
+
+    /// Bands and verdicts, shown or not.
+    fn switches_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
+        let Self { session: _, visible, palette } = self;
+        entry_ui(ui, LegendEntry::Bands, "±2σ", (Mark::Band, palette.weak, visible.bands), requests);
+        entry_ui(ui, LegendEntry::Verdicts, "verdicts", (Mark::Chip, palette.weak, visible.verdicts), requests);
+    }
+
+    /// The chip of the picture from before, in what is left of a row.
+    fn before_ui(&self, ui: &mut Ui, text: &str, requests: &mut Vec<Request>) {
+        let left = ui.available_size_before_wrap().x;
+        let room = if left < CHIP { ui.max_rect().width() } else { left };
+        let shown = format!("{} ×", fitted(ui, text, room - CHIP_EDGES));
+        let chip =
+            Button::new(shown).small().stroke(Stroke::new(1.2, self.palette.weak)).min_size(Vec2::new(CHIP, 0.0));
+        let hint = || {
+            let words = self.session.before().map_or("", Before::words);
+            format!("The thin grey lines: the estimates before the last change ({words}). Click to forget them")
+        };
+        let chip = ui.add(chip).on_hover_ui(|ui| _ = ui.label(hint()));
+        chip.ctx.accesskit_node_builder(chip.id, |node| node.set_label(format!("{text} ×")));
+        if chip.clicked() {
+            requests.push(Request::ForgetBefore);
         }
-        if !visible.only.is_empty() {
-            let symbols: Vec<&str> = visible.only.iter().map(|channel| channel.symbol()).collect();
+    }
+
+    /// The chip of the quantities that are shown alone.
+    fn only_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
+        if !self.visible.only.is_empty() {
+            let symbols: Vec<&str> = self.visible.only.iter().map(|channel| channel.symbol()).collect();
             let all = Button::new(format!("only {} ×", symbols.join(", "))).small();
             if ui.add(all).on_hover_text("Click to show all quantities").clicked() {
                 requests.push(Request::ShowAllChannels);
             }
         }
-        add_contents(ui, requests);
-    });
-    troubles_ui(ui, session, palette);
-}
+    }
 
-fn troubles_ui(ui: &mut Ui, session: &Session, palette: &Palette) {
-    for Trouble { sentence, is_failure } in troubles(session) {
-        if is_failure {
-            ui.colored_label(palette.warning, sentence);
-        } else {
-            ui.weak(sentence);
+    fn troubles_ui(&self, ui: &mut Ui) {
+        for Trouble { sentence, is_failure } in troubles(self.session) {
+            if is_failure {
+                ui.colored_label(self.palette.warning, sentence);
+            } else {
+                ui.weak(sentence);
+            }
         }
     }
 }
 
-/// Returns whether it was clicked.
-fn entry_ui(ui: &mut Ui, name: &str, mark: Mark, color: Color32, on: bool) -> bool {
-    let font = egui::TextStyle::Body.resolve(ui.style());
+/// The words of the picture from before, without the name of the filter that stands beside them.
+fn short(before: &Before, changed: &[(usize, &Estimates)]) -> String {
+    let words = match changed {
+        [(_, only)] => before.words().replace(&format!("{} ", only.name()), ""),
+        _ => before.words().to_owned(),
+    };
+    format!("before: {words}")
+}
+
+/// The width of the cross and the edges of a chip \[points\].
+const CHIP_EDGES: f32 = 34.0;
+
+/// A text that is cut off with an ellipsis where it is wider than the room \[points\].
+fn fitted(ui: &Ui, text: &str, room: f32) -> String {
+    let font = TextStyle::Button.resolve(ui.style());
+    let width = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::WHITE).size().x;
+    if width(text) <= room {
+        return text.to_owned();
+    }
+    let letters: Vec<char> = text.chars().collect();
+    let cut = |count: usize| letters[..count].iter().collect::<String>().trim_end_matches([' ', ',']).to_owned() + "…";
+    let most = letters.len().saturating_sub(1);
+    // The longest beginning that fits.
+    let (mut fits, mut too_long) = (0, most + 1);
+    while too_long - fits > 1 {
+        let middle = usize::midpoint(fits, too_long);
+        if width(&cut(middle)) <= room { fits = middle } else { too_long = middle }
+    }
+    cut(fits)
+}
+
+/// The height of an entry \[points\].
+const HEIGHT: f32 = 20.0;
+
+/// Shows an entry with its sample's shape and colour, and whether it is on.
+fn entry_ui(
+    ui: &mut Ui,
+    entry: LegendEntry,
+    name: &str,
+    (mark, color, on): (Mark, Color32, bool),
+    requests: &mut Vec<Request>,
+) {
+    let font = TextStyle::Body.resolve(ui.style());
     let text_color = if on { ui.visuals().text_color() } else { ui.visuals().weak_text_color().gamma_multiply(0.6) };
     let galley = ui.painter().layout_no_wrap(name.to_owned(), font, text_color);
-    let size = Vec2::new(galley.size().x + 26.0, 20.0);
+    let size = Vec2::new(galley.size().x + 26.0, HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::selected(egui::Role::CheckBox, true, on, format!("Show {name}")));
     let color = if on { color } else { color.gamma_multiply(0.3) };
@@ -99,7 +219,9 @@ fn entry_ui(ui: &mut Ui, name: &str, mark: Mark, color: Color32, on: bool) -> bo
     if response.has_focus() {
         painter.rect_stroke(rect.expand(2.0), 3.0, ui.visuals().selection.stroke, StrokeKind::Outside);
     }
-    response.on_hover_text(if on { "Click to hide" } else { "Click to show" }).clicked()
+    if response.on_hover_text(if on { "Click to hide" } else { "Click to show" }).clicked() {
+        requests.push(Request::ToggleEntry(entry));
+    }
 }
 
 /// Paints the sample of an entry.

@@ -114,6 +114,7 @@ mod web {
     use std::cell::RefCell;
 
     use kalmanscope::share::address;
+    use kalmanscope::theme;
     use wasm_bindgen::JsCast as _;
     use wasm_bindgen::prelude::*;
 
@@ -218,9 +219,9 @@ mod web {
         });
     }
 
-    /// Whether the user prefers reduced motion.
-    fn wants_reduced_motion() -> bool {
-        let asked = web_sys::window().and_then(|window| window.match_media("(prefers-reduced-motion: reduce)").ok()?);
+    /// Whether a media query matches: `(pointer: coarse)` where fingers point, for example.
+    fn is_match(query: &str) -> bool {
+        let asked = web_sys::window().and_then(|window| window.match_media(query).ok()?);
         asked.is_some_and(|query| query.matches())
     }
 
@@ -246,7 +247,10 @@ mod web {
                 .choosing(choose)
                 .computing_with(workers::engine(&team, software))
                 .working_with(workers::errands(&team, &creation.egui_ctx));
-            if wants_reduced_motion() {
+            if is_match("(pointer: coarse)") {
+                theme::expect_fingers(&creation.egui_ctx);
+            }
+            if is_match("(prefers-reduced-motion: reduce)") {
                 app.reduce_motion(&creation.egui_ctx);
             }
             app.open_address(&address);

@@ -1,12 +1,18 @@
 //! A message, until it is dismissed or, about something that has been done, has been read.
 
-use egui::{Button, Context, Ui};
+use egui::{Align2, Area, Button, Context, Frame, Id, Label, Order, Rect, RichText, Stroke, Vec2, vec2};
 
 use crate::request::Request;
 use crate::theme::Palette;
 
 /// The time for which a message about something that has been done stays \[s\].
 const STAYS: f64 = 8.0;
+
+/// The distance of a message from the foot and the sides of the plots \[points\].
+const APART: f32 = 12.0;
+
+/// Limits the width of a message \[points\].
+const WIDEST: f32 = 560.0;
 
 /// A message.
 pub(crate) struct Notice {
@@ -43,15 +49,31 @@ impl From<String> for Notice {
     }
 }
 
-/// Shows the message with a button to dismiss it.
-pub(crate) fn notice_ui(ui: &mut Ui, notice: &Notice, palette: &Palette, requests: &mut Vec<Request>) {
-    ui.horizontal_wrapped(|ui| {
-        let color = if notice.is_failure { palette.warning } else { ui.visuals().text_color() };
-        ui.colored_label(color, &notice.sentence);
-        let dismiss = ui.add(Button::new("×").small()).on_hover_text("Dismiss");
-        dismiss.ctx.accesskit_node_builder(dismiss.id, |node| node.set_label("Dismiss"));
-        if dismiss.clicked() {
-            requests.push(Request::DismissNotice);
-        }
+/// Shows the message with a button to dismiss it, over the foot of the plots: nothing moves when it comes or goes.
+pub(crate) fn notice_ui(ctx: &Context, notice: &Notice, plots: Rect, palette: &Palette, requests: &mut Vec<Request>) {
+    let at = plots.center_bottom() - vec2(0.0, APART);
+    let area = Area::new(Id::unique("notice")).order(Order::Foreground).pivot(Align2::CENTER_BOTTOM).fixed_pos(at);
+    let width = (plots.width() - 2.0 * APART).clamp(1.0, WIDEST);
+    let color = if notice.is_failure { palette.warning } else { palette.text };
+    area.default_width(width).show(ctx, |ui| {
+        let frame = Frame::popup(ui.style()).stroke(Stroke::new(1.0, color));
+        frame.show(ui, |ui| {
+            ui.set_max_width(width);
+            ui.horizontal(|ui| {
+                let side = ui.spacing().interact_size.y;
+                let text = RichText::new(&notice.sentence).color(color);
+                let font = egui::TextStyle::Body.resolve(ui.style());
+                let whole = ui.painter().layout_no_wrap(notice.sentence.clone(), font, color).size().x;
+                ui.allocate_ui(vec2(whole.min(width - 2.0 * side) + 1.0, 0.0), |ui| {
+                    ui.add(Label::new(text).wrap());
+                });
+                let dismiss = Button::new("×").frame(false).min_size(Vec2::splat(side));
+                let dismiss = ui.add(dismiss).on_hover_text("Dismiss");
+                dismiss.ctx.accesskit_node_builder(dismiss.id, |node| node.set_label("Dismiss"));
+                if dismiss.clicked() {
+                    requests.push(Request::DismissNotice);
+                }
+            });
+        });
     });
 }

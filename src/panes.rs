@@ -16,22 +16,31 @@ const LOW: f32 = 340.0;
 /// The side of a button above a view, at least \[points\].
 const TARGET: f32 = 24.0;
 
-/// Fills the rest of `ui` with the views: as tiles, or in one column where it is narrow.
-pub(crate) fn panes_ui(
-    ui: &mut Ui,
-    layout: &Layout,
-    context: &ViewContext<'_>,
-    requests: &mut Vec<Request>,
-    narrow: bool,
-) {
+/// The way in which views share the room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// As the layout has them, where there is room for that.
+    Tiles,
+    /// In one column.
+    Column,
+    /// In one column of views without bars, each with all the room, and without pictures of the plant: while a setting is
+    /// changed on a phone, the curves that it changes are in sight.
+    Plots,
+}
+
+/// Fills the rest of `ui` with the views.
+pub(crate) fn panes_ui(ui: &mut Ui, layout: &Layout, context: &ViewContext<'_>, requests: &mut Vec<Request>, way: Way) {
     let area = ui.available_size();
     if area.x < 1.0 || area.y < 1.0 {
         return;
     }
+    let narrow = way != Way::Tiles;
     let mut panes = Panes { context, requests, pointed: None, draggable: !narrow };
     if let Some(kind) = layout.enlarged() {
         panes.draggable = false;
         panes.show(ui, kind);
+    } else if way == Way::Plots {
+        panes.show_plots(ui, &layout.in_order());
     } else if narrow || area.y < LOW {
         panes.draggable = false;
         let mut kinds = layout.in_order();
@@ -93,6 +102,20 @@ impl Panes<'_> {
                 let (rect, _) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
                 let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name()).max_rect(rect));
                 self.show(&mut child, kind);
+            }
+        });
+    }
+
+    /// Shows views over all the room, one below the other.
+    fn show_plots(&mut self, ui: &mut Ui, kinds: &[ViewKind]) {
+        let is_picture = |kind: &&ViewKind| view(**kind).proportions() == Proportions::Flat;
+        let (pictures, plots): (Vec<&ViewKind>, Vec<&ViewKind>) = kinds.iter().partition(is_picture);
+        let size = ui.available_size();
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            for &&kind in if plots.is_empty() { &pictures } else { &plots } {
+                let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
+                let mut child = ui.new_child(UiBuilder::new().id_salt(view(kind).name()).max_rect(rect));
+                self.pointed = view(kind).ui(&mut child, self.context, self.requests).or(self.pointed);
             }
         });
     }

@@ -10,6 +10,7 @@ mod cursor;
 mod decoration;
 mod drawing;
 pub(crate) mod frame;
+mod gaps;
 pub(crate) mod graph;
 mod grid;
 pub(crate) mod handles;

@@ -269,9 +269,9 @@ impl Session {
         Ok(())
     }
 
-    /// Keeps the reasons of start values that were made from a record.
-    pub fn explain(&mut self, reasons: Vec<String>) {
-        self.library.set_reasons(reasons);
+    /// Keeps the reasons of start values that were made from a record, and why some were not found.
+    pub fn explain(&mut self, reasons: Vec<String>, problem: Option<String>) {
+        self.library.set_reasons(reasons, problem);
     }
 
     /// Whether the samples are measured, not simulated.

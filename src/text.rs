@@ -52,6 +52,12 @@ pub fn parse(text: &str) -> Option<f64> {
     text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
 }
 
+/// A text that begins with a capital letter.
+pub(crate) fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// A time \[s\] in hours, minutes and whole seconds, `h:mm:ss`.
 pub fn clock(time: f64) -> String {
     let seconds = time.abs().floor() as u64;

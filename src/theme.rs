@@ -35,9 +35,21 @@ pub fn readout() -> TextStyle {
 
 /// Makes everything that is pressed large enough for a finger, once there is one.
 pub fn fit_targets(ctx: &egui::Context) {
-    if ctx.input(egui::InputState::has_touch_screen) && ctx.global_style().spacing.interact_size.y < FINGER {
+    if ctx.input(egui::InputState::has_touch_screen) {
+        expect_fingers(ctx);
+    }
+}
+
+/// Makes everything that is pressed large enough for a finger from now on.
+pub fn expect_fingers(ctx: &egui::Context) {
+    if !is_for_fingers(ctx) {
         ctx.all_styles_mut(|style| style.spacing.interact_size.y = FINGER);
     }
+}
+
+/// Whether everything that is pressed is large enough for a finger.
+pub fn is_for_fingers(ctx: &egui::Context) -> bool {
+    ctx.global_style().spacing.interact_size.y >= FINGER
 }
 
 /// The height of what a finger presses \[points\].

@@ -8,14 +8,28 @@ use crate::request::Request;
 use crate::session::{Mode, Session};
 use crate::text::{clock, parse_clock, significant};
 
+/// The parts of the transport that are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// All of it.
+    Full,
+    /// The buttons of playback and the time, where a lesson chooses the rest.
+    Short,
+    /// Nothing, where settings need the room.
+    Nothing,
+}
+
 /// Shows the playback's buttons; where it is narrow, the time has its own row, with `add_contents` at its beginning.
 pub(crate) fn transport_ui(
     ui: &mut Ui,
     session: &Session,
-    narrow: bool,
+    (narrow, extent): (bool, Extent),
     requests: &mut Vec<Request>,
     add_contents: impl FnOnce(&mut Ui, &mut Vec<Request>),
 ) {
+    if extent == Extent::Nothing {
+        return;
+    }
     let (icon, name) = if session.playing() { ("⏸", "Pause") } else { ("▶", "Play") };
     if button(ui, icon, name, "Space") {
         requests.push(Request::TogglePlay);
@@ -25,6 +39,9 @@ pub(crate) fn transport_ui(
     }
     if button(ui, "↺", "Restart", "R") {
         requests.push(Request::Restart);
+    }
+    if extent == Extent::Short {
+        return time_ui(ui, session, requests);
     }
     speed_ui(ui, session, requests);
     if !narrow {

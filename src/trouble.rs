@@ -1,8 +1,10 @@
 //! Why a filter or the truth has stopped, remarks on the filters, and why an edited scenario cannot be run.
 
-use kalmanscope_core::Remark;
+use kalmanscope_core::{Remark, Trouble as Told};
 
+use crate::gap::Gap;
 use crate::session::Session;
+use crate::text::sentence;
 
 /// One of them, as a sentence.
 pub(crate) struct Trouble {
@@ -31,11 +33,16 @@ pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
             let times = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
             say(false, format!("{name} widened its parameters at {times} s, where its innovations grew at once."));
         }
-        let is_trouble = |remark: &&Remark| remark.what != kalmanscope_core::Trouble::Widened;
-        if let Some(remark) = estimates.remarks().iter().rfind(is_trouble) {
+        // Gaps have a sentence of their own.
+        let is_other = |remark: &&Remark| !matches!(remark.what, Told::Widened | Told::Missing(_));
+        if let Some(remark) = estimates.remarks().iter().rfind(is_other) {
             let time = record.time_of(remark.sample);
             say(false, format!("{name} from {time:.2} s: {}.", remark.what));
         }
+    }
+    // A gap that is over is marked on the time axis.
+    for gap in Gap::all(session).iter().filter(|gap| !gap.is_over) {
+        say(false, format!("{}.", sentence(&gap.words())));
     }
     if let Some(problem) = session.problem() {
         say(true, problem.to_owned());

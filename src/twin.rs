@@ -2,12 +2,13 @@
 
 use egui::Theme;
 
+use crate::gap::Gap;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::ruler::Ruler;
 use crate::session::Session;
 use crate::sheet::{Column, Sheet};
-use crate::text::significant;
+use crate::text::{sentence, significant};
 use crate::theme::Palette;
 use crate::trouble::{Trouble, troubles};
 use crate::view::ViewContext;
@@ -81,9 +82,12 @@ impl Twin {
         });
         let verdicts = visible.verdicts.then(|| verdicts(&context));
         let troubles = troubles(session).into_iter().map(|Trouble { sentence, .. }| sentence);
+        // Marks on the axis of time.
+        let gaps = Gap::all(session).into_iter().filter(|gap| gap.is_over);
+        let gaps = gaps.map(|gap| format!("{}.", sentence(&gap.words())));
         Self {
             parts: verdicts.into_iter().chain(views).collect(),
-            messages: notice.map(str::to_owned).into_iter().chain(troubles).collect(),
+            messages: notice.map(str::to_owned).into_iter().chain(troubles).chain(gaps).collect(),
         }
     }
 

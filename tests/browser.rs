@@ -22,6 +22,8 @@ mod laboratory;
 mod loading;
 #[path = "browser/page.rs"]
 mod page;
+#[path = "browser/phone.rs"]
+mod phone;
 #[path = "browser/server.rs"]
 mod server;
 #[path = "browser/share.rs"]
@@ -92,6 +94,22 @@ fn links_frames_and_files_work_in_a_browser() {
         starts(&page, &address).await;
         import::a_record_is_chosen(&page, &driver.downloads()).await;
         import::a_record_is_opened_by_drop(&page).await;
+    });
+}
+
+#[test]
+fn a_phone_keeps_its_plots_in_sight() {
+    let pictures = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/browser");
+    fs::create_dir_all(&pictures).unwrap();
+    let address = served().page();
+    let driver = Driver::start();
+    runtime().block_on(async {
+        let page = driver.open().await;
+        phone::opens(&page, &address).await;
+        phone::fingers_are_expected(&page, &pictures.join("phone-start.png")).await;
+        phone::a_lesson_leaves_the_plots_their_room(&page, &pictures.join("phone-lesson.png")).await;
+        phone::the_menu_of_views_scrolls(&page, &pictures.join("phone-views.png")).await;
+        reports_no_problems(&page, &address).await;
     });
 }
 

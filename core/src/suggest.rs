@@ -76,7 +76,16 @@ pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
     suggest.finish()
 }
 
+/// The beginning of the reason why there is no guess.
+const NO_GUESS: &str = "no start values of ωₙ and ζ could be found, because";
+
 impl Suggestion {
+    /// Why no guess of the motion's frequency was found; `None` where there is one.
+    pub fn why_no_guess(&self) -> Option<&str> {
+        let reason = self.reasons.iter().find(|reason| reason.starts_with(NO_GUESS));
+        reason.filter(|_| !self.is_guessed).map(String::as_str)
+    }
+
     fn filters(&mut self) -> impl Iterator<Item = &mut FilterSettings> {
         self.scenario.filters.iter_mut()
     }
@@ -257,7 +266,7 @@ fn no_motion(quantity: Quantity, measured: &[f64]) -> String {
     } else {
         format!("the spectrum of the {name} has no peak")
     };
-    format!("no start values of ωₙ and ζ could be found, because {why}: the guess is a default, please set it by hand")
+    format!("{NO_GUESS} {why}: the guess is a default, please set it by hand")
 }
 
 /// Mean and standard deviation of the values that are there.

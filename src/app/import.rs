@@ -9,6 +9,7 @@ use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{RawFile, ViewKind};
 use crate::session::{Mode, RecordFile, name_of};
+use crate::text::sentence;
 use crate::theme::Palette;
 
 /// The views of a measured record.
@@ -70,7 +71,7 @@ impl App {
     }
 
     /// Shows a record as a whole.
-    fn open_record(&mut self, Opened { file, scenario, reasons }: Opened, ctx: &Context) {
+    fn open_record(&mut self, Opened { file, scenario, reasons, problem }: Opened, ctx: &Context) {
         self.importing = None;
         self.tutor = None;
         self.session.keep_file(file);
@@ -89,7 +90,9 @@ impl App {
         } else {
             self.session.edit(scenario);
         }
-        self.session.explain(reasons);
+        let problem = problem.map(|problem| format!("{}.", sentence(&problem)));
+        self.notice = problem.clone().map(Into::into);
+        self.session.explain(reasons, problem);
     }
 
     /// The import under way.

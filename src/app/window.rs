@@ -1,19 +1,28 @@
 //! The window: bar, settings, lesson and views.
 
-use egui::{CentralPanel, Color32, Context, Frame, Margin, Panel, Ui};
+use egui::{Align, CentralPanel, Color32, Context, Frame, Layout, Margin, Panel, RichText, Ui};
 
 use super::App;
-use crate::bar::Bar;
+use crate::bar::{self, Bar};
 use crate::controls::{Asked, controls_ui};
+use crate::drawer::{Drawer, close_ui};
 use crate::keys;
-use crate::legend::legend_ui;
-use crate::notice::notice_ui;
-use crate::panes::panes_ui;
+use crate::legend::{self, Legend};
+use crate::notice;
+use crate::panes::{Way, panes_ui};
 use crate::reading::{self, Reading};
 use crate::request::Request;
-use crate::theme::Palette;
-use crate::tutor::{self, Tutor};
+use crate::theme::{self, Palette};
+use crate::transport::Extent;
+use crate::tutor::Tutor;
 use crate::view::ViewContext;
+
+/// The drawers of a narrow window.
+#[derive(Default)]
+pub(super) struct Drawers {
+    settings: Drawer,
+    lesson: Drawer,
+}
 
 /// Limits the width of a window whose settings are a drawer under the plots \[points\].
 pub(super) const NARROW: f32 = 720.0;
@@ -23,11 +32,11 @@ pub(super) const WIDE: f32 = 1500.0;
 
 /// In presenter mode the bar is there for a pointer near it, for a finger, and for who goes through it by keyboard.
 fn is_bar_wanted(ctx: &Context) -> bool {
-    let near = ctx.input(|input| {
-        input.has_touch_screen()
-            || input.pointer.latest_pos().is_none_or(|at| at.y < NEAR_BAR + input.content_rect().top())
-    });
-    near || egui::Popup::is_any_open(ctx) || ctx.memory(|memory| memory.focused().is_some())
+    let near =
+        ctx.input(|input| input.pointer.latest_pos().is_none_or(|at| at.y < NEAR_BAR + input.content_rect().top()));
+    near || theme::is_for_fingers(ctx)
+        || egui::Popup::is_any_open(ctx)
+        || ctx.memory(|memory| memory.focused().is_some())
 }
 
 /// Limits the height of a window that shows settings beside plots, unless the user opens them \[points\].
@@ -41,26 +50,38 @@ impl App {
     pub(super) fn window_ui(&mut self, ui: &mut Ui) {
         let palette = Palette::of(ui.ctx().theme());
         self.width = ui.available_width();
-        self.low = ui.available_height() < LOW;
+        let height = ui.available_height();
+        self.low = height < LOW;
         let narrow = self.width < NARROW;
         self.theme = ui.ctx().options(|options| options.theme_preference);
         let open = self.controls_open();
         let ground = if self.cleared { Color32::TRANSPARENT } else { palette.ground };
         let frame = Frame::new().fill(ground).inner_margin(Margin::symmetric(10, 6));
+        let transport = self.transport(narrow);
         let Self { session, layout, catalogue, presenting, embedded, requests, history, .. } = self;
         let history = (history.has_undo(session.scenario()), history.has_redo(session.scenario()));
         let (presenting, embedded) = (*presenting, *embedded);
-        let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, embedded, history };
+        let bar = Bar { session, layout, catalogue, controls: open, presenting, narrow, transport, embedded, history };
         if !presenting || is_bar_wanted(ui.ctx()) {
             Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         }
+        if narrow {
+            // Above a drawer, whose height follows from what is left.
+            let frame = frame.inner_margin(Margin { bottom: 0, ..frame.inner_margin });
+            let legend = Panel::top("legend").frame(frame).show_separator_line(false);
+            legend.show(ui, |ui| self.legend_ui(ui, &palette));
+        }
+        let drawer = narrow.then_some(height);
         if open {
-            self.controls_panel_ui(ui, frame, &palette, narrow);
+            self.controls_panel_ui(ui, frame, &palette, (drawer, history));
         }
         if !(open && narrow) {
-            self.lesson_panel_ui(ui, frame, &palette, narrow);
+            self.lesson_panel_ui(ui, frame, &palette, drawer);
         }
-        CentralPanel::default().frame(frame).show(ui, |ui| self.centre_ui(ui, &palette, narrow));
+        let centre = CentralPanel::default().frame(frame).show(ui, |ui| self.centre_ui(ui, &palette, narrow));
+        if let Some(notice) = &self.notice {
+            notice::notice_ui(ui.ctx(), notice, centre.response.rect, &palette, &mut self.requests);
+        }
         self.keys_ui(ui.ctx());
         self.import_ui(ui.ctx(), &palette);
         if !self.requests.is_empty() {
@@ -77,48 +98,100 @@ impl App {
         self.controls_open.unwrap_or(self.width >= room && !self.low && !self.presenting)
     }
 
-    fn controls_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {
-        // A drawer leaves the plots visible, so that the effect of a setting can be seen.
-        let panel = if narrow {
-            Panel::bottom("drawer").default_size(0.46 * ui.available_height()).size_range(120.0..=600.0).resizable(true)
-        } else {
-            Panel::left("controls").default_size((0.29 * self.width).clamp(340.0, 420.0)).size_range(300.0..=460.0)
-        };
-        let Self { session, tutor, requests, .. } = self;
+    /// Whether the window is that of a phone, in which settings or a lesson leave the plots little room.
+    fn is_tight(&self) -> bool {
+        (self.width < NARROW || self.low) && (self.controls_open() || self.tutor.is_some())
+    }
+
+    /// The parts of the transport for which there is room.
+    fn transport(&self, narrow: bool) -> Extent {
+        match (self.is_tight(), self.controls_open() && narrow) {
+            (false, _) => Extent::Full,
+            (true, false) => Extent::Short,
+            (true, true) => Extent::Nothing,
+        }
+    }
+
+    /// Shows the settings: beside the plots, or in a drawer below them in a window of the height `drawer` \[points\].
+    fn controls_panel_ui(
+        &mut self,
+        ui: &mut Ui,
+        frame: Frame,
+        palette: &Palette,
+        (drawer, history): (Option<f32>, (bool, bool)),
+    ) {
+        let Self { session, tutor, requests, width, drawers, .. } = self;
         let lit = tutor.as_ref().map_or(vec![], Tutor::lit);
-        panel.frame(frame).show(ui, |ui| {
+        let contents = |ui: &mut Ui, requests: &mut Vec<Request>| {
             let mut scenario = session.scenario().clone();
             let (changed, asked) = controls_ui(ui, &mut scenario, session.library(), palette, lit);
             if changed {
                 requests.push(Request::Edit(Box::new(scenario)));
             }
             requests.extend(asked.into_iter().map(|Asked::Columns| Request::ChangeColumns));
-        });
-    }
-
-    fn lesson_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, narrow: bool) {
-        let Self { tutor: Some(tutor), catalogue, requests, .. } = self else { return };
-        let panel = if narrow {
-            Panel::bottom("lesson").default_size(0.46 * ui.available_height()).size_range(160.0..=600.0).resizable(true)
-        } else {
-            Panel::right("lesson").default_size(290.0).size_range(240.0..=420.0)
         };
-        panel.frame(frame).show(ui, |ui| tutor.ui(ui, catalogue, palette, requests));
+        let Some(height) = drawer else {
+            let panel = Panel::left("controls").default_size((0.29 * *width).clamp(340.0, 420.0));
+            panel.size_range(300.0..=460.0).frame(frame).show(ui, |ui| contents(ui, requests));
+            return;
+        };
+        let mut asked = Vec::new();
+        let heading = |ui: &mut Ui| {
+            ui.label(RichText::new("Settings").family(theme::strong()).size(15.0));
+            bar::history_ui(ui, history, &mut asked);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                if close_ui(ui, "Close the settings") {
+                    asked.push(Request::ToggleControls);
+                }
+            });
+        };
+        drawers.settings.show(ui, "settings", (frame, height), heading, |ui| contents(ui, requests));
+        requests.append(&mut asked);
     }
 
-    /// Legend and views.
+    /// Shows the lesson, if there is one: beside the plots, or in a drawer below them in a window of the height `drawer`
+    /// \[points\].
+    fn lesson_panel_ui(&mut self, ui: &mut Ui, frame: Frame, palette: &Palette, drawer: Option<f32>) {
+        let Self { tutor: Some(tutor), catalogue, requests, drawers, .. } = self else { return };
+        let Some(height) = drawer else {
+            let panel = Panel::right("lesson").default_size(290.0).size_range(240.0..=420.0);
+            panel.frame(frame).show(ui, |ui| {
+                // The panel keeps its size when the text becomes shorter.
+                ui.set_min_size(ui.available_size());
+                tutor.title_ui(ui, Align::Min, requests);
+                tutor.ui(ui, catalogue, palette, requests);
+            });
+            return;
+        };
+        let mut asked = Vec::new();
+        let heading = |ui: &mut Ui| tutor.title_ui(ui, Align::Center, &mut asked);
+        let contents = |ui: &mut Ui| tutor.ui(ui, catalogue, palette, requests);
+        drawers.lesson.show(ui, "lesson", (frame, height), heading, contents);
+        requests.append(&mut asked);
+    }
+
+    /// Legend and problems.
+    fn legend_ui(&mut self, ui: &mut Ui, palette: &Palette) {
+        let extent = if self.is_tight() { legend::Extent::OneRow } else { legend::Extent::Full };
+        let Self { session, visible, requests, inviting, .. } = self;
+        let legend = Legend { session, visible, palette };
+        legend.ui(ui, extent, *inviting, requests);
+    }
+
+    /// Legend, where it has no panel of its own, and views.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
-        let Self { session, axis, ruler, visible, layout, laboratory, requests, inviting, notice, .. } = self;
-        if let Some(notice) = notice {
-            notice_ui(ui, notice, palette, requests);
+        if !narrow {
+            self.legend_ui(ui, palette);
         }
-        legend_ui(ui, session, visible, palette, requests, |ui, requests| {
-            if *inviting {
-                tutor::invitation_ui(ui, requests);
-            }
-        });
+        let is_tuning = self.is_tight() && self.controls_open();
+        let Self { session, axis, ruler, visible, layout, laboratory, requests, .. } = self;
         let context = ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory));
-        panes_ui(ui, layout, &context, requests, narrow);
+        let way = match (narrow, is_tuning) {
+            (_, true) => Way::Plots,
+            (true, false) => Way::Column,
+            (false, false) => Way::Tiles,
+        };
+        panes_ui(ui, layout, &context, requests, way);
         if let Some(reading) = Reading::of(ruler, session, visible, palette) {
             reading::table_ui(ui.ctx(), &reading, requests);
         }
@@ -126,8 +199,7 @@ impl App {
 
     fn keys_ui(&mut self, ctx: &Context) {
         if self.keys_open {
-            let window = egui::Window::new("Keys").collapsible(false).resizable(false).open(&mut self.keys_open);
-            window.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).show(ctx, keys::list_ui);
+            keys::window_ui(ctx, &mut self.keys_open);
         }
     }
 }

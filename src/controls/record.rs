@@ -32,6 +32,9 @@ pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library,
             scenario.record = None;
         }
     });
+    if let Some(problem) = library.problem() {
+        ui.colored_label(ui.visuals().warn_fg_color, problem);
+    }
     for reason in library.reasons() {
         ui.weak(format!("• {reason}"));
     }

@@ -1,6 +1,6 @@
 //! The window of an import.
 
-use egui::{Align2, Button, Context, ProgressBar, ScrollArea, Ui, Vec2, Window};
+use egui::{Align2, Button, Context, Key, Popup, ProgressBar, ScrollArea, Ui, Vec2, Window};
 
 use super::columns::columns_ui;
 use super::conditioning::{conditioning_ui, meaning_ui};
@@ -37,7 +37,8 @@ impl Import {
                 .show(ui, |ui| self.stage_ui(ui, palette, can_hold_out))
                 .inner
         });
-        match choice.and_then(|shown| shown.inner).flatten() {
+        let choice = choice.and_then(|shown| shown.inner).flatten().or_else(|| self.pressed(ctx));
+        match choice {
             Some(Choice::Cancel) => {
                 requests.push(Request::CancelImport);
                 None
@@ -53,6 +54,22 @@ impl Import {
                 self.accept(record, scenario)
             }
             None => None,
+        }
+    }
+
+    /// The choice that a key makes, unless it is typed into a field or presses what has the focus: Esc closes the window, Enter
+    /// opens the record.
+    fn pressed(&self, ctx: &Context) -> Option<Choice> {
+        if ctx.text_edit_focused() || Popup::is_any_open(ctx) {
+            return None;
+        }
+        let has_focus = ctx.memory(|memory| memory.focused().is_some());
+        let [escape, enter] = ctx.input(|input| [Key::Escape, Key::Enter].map(|key| input.key_pressed(key)));
+        let is_possible = matches!(&self.stage, Stage::Asking(draft) if draft.is_possible());
+        match (escape, enter && !has_focus && is_possible) {
+            (true, _) => Some(Choice::Cancel),
+            (false, true) => Some(Choice::Open),
+            (false, false) => None,
         }
     }
 
@@ -104,12 +121,8 @@ impl Draft {
         ui.checkbox(&mut self.suggest, "make start values from the data: R, guess, gain, Q")
             .on_hover_text("From spectra and from the likelihood; every number can be changed afterwards");
         ui.add_space(4.0);
-        let is_behind = self.is_behind();
-        let is_possible = match self.outcome() {
-            None => {
-                ui.label("Making the record…");
-                false
-            }
+        match self.outcome() {
+            None => _ = ui.label("Making the record…"),
             Some(Ok(imported)) => {
                 let record = &imported.record;
                 let [dt, rate] = [record.dt(), 1.0 / record.dt()].map(|x| significant(x, 5));
@@ -118,17 +131,12 @@ impl Draft {
                 for remark in &imported.remarks {
                     ui.weak(remark);
                 }
-                // Of readings that stand still no start values can be made.
-                !is_behind && !(self.suggest && imported.still.is_some())
             }
-            Some(Err(reason)) => {
-                ui.colored_label(palette.warning, reason);
-                false
-            }
-        };
+            Some(Err(reason)) => _ = ui.colored_label(palette.warning, reason),
+        }
         ui.add_space(4.0);
         ui.horizontal(|ui| {
-            let open = button(ui, "Open the record", is_possible);
+            let open = button(ui, "Open the record", self.is_possible());
             let hint = "The free run of the models on screen over this record, which the filters do not see";
             let tests = can_hold_out
                 && !self.is_of_scenario()

@@ -175,6 +175,13 @@ impl Draft {
         Some(outcome.as_ref().map_err(String::as_str))
     }
 
+    /// Whether there is a record that follows from the choices, with start values where they are wanted: of readings that
+    /// stand still none can be made.
+    pub(super) fn is_possible(&self) -> bool {
+        let is_fit = |imported: &Imported| !(self.suggest && imported.still.is_some());
+        !self.is_behind() && self.outcome().is_some_and(|outcome| outcome.is_ok_and(is_fit))
+    }
+
     /// Whether something is computed.
     pub(super) fn is_busy(&self) -> bool {
         self.is_behind() || self.spectra.as_ref().is_some_and(Spectra::is_behind)

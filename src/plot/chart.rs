@@ -11,6 +11,7 @@ use super::cursor::{Cursors, cursor_gestures, time_text};
 use super::decoration::Decoration;
 use super::drawing::Drawing;
 use super::frame::{Y_AXIS, sense};
+use super::gaps::Gaps;
 use super::grid::Grid;
 use super::handles::{Handle, handles_ui};
 use super::heading::{Readout, heading_ui};
@@ -22,6 +23,7 @@ use super::strips::Strips;
 use super::ticks::{LOG_TICKS_FADE, Side, log_tick, tick_inside};
 use super::turns::in_turn;
 use super::window::Window;
+use crate::gap::Gap;
 use crate::request::Request;
 
 /// Labels of ticks are opaque from this distance on \[points\].
@@ -71,6 +73,7 @@ impl Chart<'_> {
             symbol.interact(Sense::click()).on_hover_text("Click: this plot alone, or all of them again").clicked();
         let PlotInput { session, palette, visible, axis, version, .. } = *input;
         let strips = Strips::of(session, visible, palette);
+        let gaps = Gap::all(session);
         let size = ui.available_size().max(Vec2::splat(1.0));
         let followed = axis.followed(session);
         let group = Id::unique("time");
@@ -136,6 +139,7 @@ impl Chart<'_> {
                     plot.set_plot_bounds_y(low..=high);
                 }
             }
+            plot.add(Decoration::new("gaps", Gaps::of(&gaps, self.last_row, palette)));
             plot.add(Decoration::new("bad parts", strips));
             drawn.show(grid, plot);
             plot.add(Decoration::new("labels", Labels::of(&self.layers)));
@@ -149,6 +153,11 @@ impl Chart<'_> {
             return ChartResponse { pointed: None, alone: false };
         }
         handles_ui(ui, &self.key, &self.handles, &transform, input, requests);
+        let inside = |time: f64| gaps.iter().find(|gap| gap.times.0 <= time && time <= gap.times.1);
+        let response = match pointed.and_then(inside) {
+            Some(gap) => response.on_hover_text_at_pointer(gap.words()),
+            None => response,
+        };
         response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("Plot of the {}", self.title)));
         if response.double_clicked() {
             requests.push(Request::Follow);

@@ -28,6 +28,7 @@ pub struct Library {
     files: Vec<Arc<RecordFile>>,
     made: Vec<Made>,
     reasons: Vec<String>,
+    problem: Option<String>,
     held_out: Option<(String, Arc<Record>)>,
 }
 
@@ -126,9 +127,14 @@ impl Library {
         &self.reasons
     }
 
+    /// Why start values were not found, when they were made last.
+    pub fn problem(&self) -> Option<&str> {
+        self.problem.as_deref()
+    }
+
     /// Keeps the reasons of start values.
-    pub(super) fn set_reasons(&mut self, reasons: Vec<String>) {
-        self.reasons = reasons;
+    pub(super) fn set_reasons(&mut self, reasons: Vec<String>, problem: Option<String>) {
+        (self.reasons, self.problem) = (reasons, problem);
     }
 
     /// Sentences about the making of a record.

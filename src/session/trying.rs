@@ -44,7 +44,8 @@ impl Attempt {
         self.before.as_ref()
     }
 
-    /// The causes that were found, the likeliest first.
+    /// The causes that were found, the likeliest first. While trials are under way for the first time, each keeps the place
+    /// at which it was found.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
     }
@@ -56,13 +57,28 @@ impl Attempt {
         self.progress = trials.progress();
         if is_done || !self.is_complete {
             self.before = trials.before().cloned();
+        }
+        if is_done {
             self.findings = trials.findings();
+        } else if !self.is_complete {
+            self.findings = in_places_of(&self.findings, trials.findings());
         }
         if is_done {
             self.is_complete = true;
             self.trials = None;
         }
     }
+}
+
+/// The findings of later trials, those of before at their places and new ones after them.
+fn in_places_of(before: &[Finding], mut found: Vec<Finding>) -> Vec<Finding> {
+    let mut placed = Vec::with_capacity(found.len());
+    for finding in before {
+        let again = found.iter().position(|other| other.suspect.cause.key == finding.suspect.cause.key);
+        placed.extend(again.map(|place| found.remove(place)));
+    }
+    placed.append(&mut found);
+    placed
 }
 
 impl Session {

@@ -1,11 +1,12 @@
 //! The ways to a lesson: the menu, and an invitation for new users.
 
-use egui::containers::menu::MenuButton;
-use egui::{Button, RichText, ScrollArea, TextWrapMode, Ui};
+use egui::{Button, RichText, TextWrapMode, Ui};
 
 use super::Catalogue;
+use crate::menu::{self, Closing};
 use crate::probe;
 use crate::request::Request;
+use crate::theme;
 
 /// The space between two lessons, for a pointer \[points\].
 const LINES_APART: f32 = 2.0;
@@ -22,34 +23,30 @@ pub(crate) fn invitation_ui(ui: &mut Ui, requests: &mut Vec<Request>) {
 
 /// The menu of all lessons, by group; finished ones have a tick.
 pub(crate) fn menu_ui(ui: &mut Ui, catalogue: &Catalogue, requests: &mut Vec<Request>) {
-    let (button, _) = MenuButton::new("Lessons").ui(ui, |ui| {
-        // As high as the window allows.
-        let height = (ui.ctx().content_rect().height() - 70.0).max(100.0);
-        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
-            if !ui.input(egui::InputState::has_touch_screen) {
-                // All of them in a window of usual height.
-                ui.spacing_mut().item_spacing.y = LINES_APART;
+    let button = menu::menu_ui(ui, "Lessons", Closing::AtOnce, |ui| {
+        if !theme::is_for_fingers(ui.ctx()) {
+            // All of them in a window of usual height.
+            ui.spacing_mut().item_spacing.y = LINES_APART;
+        }
+        let mut group = "";
+        for (place, lesson) in catalogue.lessons().iter().enumerate() {
+            if lesson.group != group {
+                group = &lesson.group;
+                ui.label(RichText::new(group).small().weak());
             }
-            let mut group = "";
-            for (place, lesson) in catalogue.lessons().iter().enumerate() {
-                if lesson.group != group {
-                    group = &lesson.group;
-                    ui.label(RichText::new(group).small().weak());
-                }
-                let finished = catalogue.is_finished(lesson);
-                let text = if finished { format!("{} ✓", lesson.title) } else { lesson.title.clone() };
-                let button = ui.button(text).on_hover_text(lesson.summary.as_str());
-                if finished {
-                    let name = format!("{}, finished", lesson.title);
-                    button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
-                }
-                probe::remember(ui.ctx(), &lesson.title, button.rect);
-                if button.clicked() {
-                    requests.push(Request::StartLesson(place));
-                    ui.close();
-                }
+            let finished = catalogue.is_finished(lesson);
+            let text = if finished { format!("{} ✓", lesson.title) } else { lesson.title.clone() };
+            let button = ui.button(text).on_hover_text(lesson.summary.as_str());
+            if finished {
+                let name = format!("{}, finished", lesson.title);
+                button.ctx.accesskit_node_builder(button.id, |node| node.set_label(name));
             }
-        });
+            probe::remember(ui.ctx(), &lesson.title, button.rect);
+            if button.clicked() {
+                requests.push(Request::StartLesson(place));
+                ui.close();
+            }
+        }
     });
     probe::remember(ui.ctx(), "Lessons", button.rect);
 }

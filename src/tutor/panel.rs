@@ -1,11 +1,12 @@
 //! The panel of a lesson.
 
-use egui::{Align, Button, Frame, Id, Panel, RichText, ScrollArea, Sense, Ui};
+use egui::{Align, Button, Frame, Id, Label, Layout, Panel, RichText, ScrollArea, Sense, Ui};
 use kalmanscope_lessons::Change;
 
 use super::heading::heading_ui;
 use super::question::{feedback_ui, question_ui};
 use super::{Catalogue, Tutor};
+use crate::drawer::close_ui;
 use crate::probe;
 use crate::request::Request;
 use crate::theme::{self, Palette};
@@ -14,11 +15,8 @@ use crate::theme::{self, Palette};
 const SHORT: f32 = 450.0;
 
 impl Tutor {
-    /// The panel's contents.
+    /// The panel's contents below the title.
     pub(crate) fn ui(&self, ui: &mut Ui, catalogue: &Catalogue, palette: &Palette, requests: &mut Vec<Request>) {
-        // The panel keeps its size when the text becomes shorter.
-        ui.set_min_size(ui.available_size());
-        self.title_ui(ui, requests);
         // The buttons stay in sight while the text is scrolled.
         Panel::bottom("steps").frame(Frame::new()).show_separator_line(false).show(ui, |ui| {
             self.steps_ui(ui, catalogue, requests);
@@ -29,15 +27,19 @@ impl Tutor {
         });
     }
 
-    fn title_ui(&self, ui: &mut Ui, requests: &mut Vec<Request>) {
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
-            let close = ui.add(Button::new("×").frame(false)).on_hover_text("Leave the lesson");
-            close.ctx.accesskit_node_builder(close.id, |node| node.set_label("Leave the lesson"));
-            if close.clicked() {
+    /// The title, and the button that leaves the lesson. Where they are centred, there is room for one line.
+    pub(crate) fn title_ui(&self, ui: &mut Ui, align: Align, requests: &mut Vec<Request>) {
+        let is_one_line = align == Align::Center;
+        ui.with_layout(Layout::right_to_left(align), |ui| {
+            if close_ui(ui, "Leave the lesson") {
                 requests.push(Request::LeaveLesson);
             }
-            ui.with_layout(egui::Layout::top_down(egui::Align::Min), |ui| {
-                ui.label(RichText::new(&self.lesson.title).family(theme::strong()).size(15.0));
+            let layout = if is_one_line { Layout::left_to_right(align) } else { Layout::top_down(align) };
+            ui.with_layout(layout, |ui| {
+                let title = RichText::new(&self.lesson.title).family(theme::strong()).size(15.0);
+                // A drag of the title is one of the drawer.
+                let title = Label::new(title).selectable(false);
+                ui.add(if is_one_line { title.truncate() } else { title });
             });
         });
     }

@@ -3,12 +3,14 @@
 mod causes;
 mod evidence;
 
-use egui::{Label, RichText, ScrollArea, Ui};
+use egui::{Label, RichText, ScrollArea, TextStyle, Ui};
 use kalmanscope_core::Estimates;
 use kalmanscope_core::diagnostics::Depth;
 
 use crate::request::Request;
 use crate::session::Wanted;
+use crate::steady::{is_held, steady_ui};
+use crate::text::sentence;
 use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
@@ -34,10 +36,12 @@ impl View for Diagnosis {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
+        // A button that has been pressed may be followed by another at its place.
+        let is_held = is_held(ui, "hand on the diagnosis");
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
             for (place, estimates) in context.filters() {
-                ui.push_id(estimates.id(), |ui| filter_ui(ui, context, place, estimates, requests));
+                ui.push_id(estimates.id(), |ui| filter_ui(ui, context, (place, is_held), estimates, requests));
                 ui.add_space(10.0);
             }
         });
@@ -45,7 +49,16 @@ impl View for Diagnosis {
     }
 }
 
-fn filter_ui(ui: &mut Ui, context: &ViewContext<'_>, place: usize, estimates: &Estimates, requests: &mut Vec<Request>) {
+/// The lines that are kept for the reason of a verdict.
+const LINES: f32 = 3.0;
+
+fn filter_ui(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    (place, is_held): (usize, bool),
+    estimates: &Estimates,
+    requests: &mut Vec<Request>,
+) {
     let ViewContext { session, palette, .. } = *context;
     let color = palette.shade(estimates.color());
     let diagnosis = session.diagnosis(place);
@@ -62,15 +75,23 @@ fn filter_ui(ui: &mut Ui, context: &ViewContext<'_>, place: usize, estimates: &E
         }
     });
     let (Some(diagnosis), Some(verdict)) = (diagnosis, verdict) else { return };
-    ui.add(Label::new(format!("{}.", sentence(&verdict.reason))).wrap());
-    if is_mirrored(estimates) {
-        let text = "The filter itself has (−ωₙ, −ζ), the mirror image of the same oscillator. Plots and numbers show it with \
-                    positive signs.";
-        ui.weak(text);
-    }
-    if !verdict.kind.is_good() {
-        causes::causes_ui(ui, context, estimates, requests);
-    }
+    let is_good = verdict.kind.is_good();
+    steady_ui(ui, "reason", is_held, |ui| {
+        if !is_good {
+            ui.set_min_height(LINES * ui.text_style_height(&TextStyle::Body));
+        }
+        ui.add(Label::new(format!("{}.", sentence(&verdict.reason))).wrap());
+        if is_mirrored(estimates) {
+            let text = "The filter itself has (−ωₙ, −ζ), the mirror image of the same oscillator. Plots and numbers show it \
+                        with positive signs.";
+            ui.weak(text);
+        }
+    });
+    steady_ui(ui, "causes", is_held, |ui| {
+        if !is_good {
+            causes::causes_ui(ui, context, estimates, requests);
+        }
+    });
     evidence::evidence_ui(ui, &diagnosis.evidence, color, palette);
 }
 
@@ -78,10 +99,4 @@ fn filter_ui(ui: &mut Ui, context: &ViewContext<'_>, place: usize, estimates: &E
 fn is_mirrored(estimates: &Estimates) -> bool {
     let Some(last) = estimates.len().checked_sub(1) else { return false };
     (0..estimates.channels().len()).any(|place| estimates.canonical_sign(last, place) < 0.0)
-}
-
-/// A text that begins with a capital letter.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

@@ -15,7 +15,7 @@ pub(crate) struct Page {
 }
 
 /// The rectangle of a control \[CSS pixels\].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rect {
     pub(crate) x: f64,
     pub(crate) y: f64,
@@ -91,6 +91,42 @@ impl Page {
         self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setDeviceMetricsOverride", "params": params })).await;
         let resized = format!("innerWidth === {width} && innerHeight === {height}");
         self.wait_until(&resized, Duration::from_secs(10)).await.expect("the window can be resized");
+        self.settle().await;
+    }
+
+    /// Makes the window one of this size on a phone, whose pointer is a finger.
+    pub(crate) async fn become_phone(&self, (width, height): (u32, u32)) {
+        let params = json!({ "enabled": true, "maxTouchPoints": 5 });
+        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setTouchEmulationEnabled", "params": params })).await;
+        let params = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": true });
+        self.post("goog/cdp/execute", json!({ "cmd": "Emulation.setDeviceMetricsOverride", "params": params })).await;
+    }
+
+    /// Taps a control with a finger.
+    pub(crate) async fn tap(&self, name: &str) {
+        let at = self.rect(name).await.at(0.5);
+        self.touch(at, at).await;
+    }
+
+    /// Touches the page at a place and lets go at another, and waits until what scrolls rests.
+    pub(crate) async fn touch(&self, from: (f64, f64), to: (f64, f64)) {
+        const STEPS: u32 = 8;
+        let points = |(x, y): (f64, f64)| json!([{ "x": x, "y": y }]);
+        let mut events = vec![("touchStart", points(from))];
+        for step in 1..=STEPS {
+            let share = f64::from(step) / f64::from(STEPS);
+            let at = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+            if from != to {
+                events.push(("touchMove", points(at)));
+            }
+        }
+        events.push(("touchEnd", json!([])));
+        for (kind, points) in events {
+            let params = json!({ "type": kind, "touchPoints": points });
+            self.post("goog/cdp/execute", json!({ "cmd": "Input.dispatchTouchEvent", "params": params })).await;
+            tokio::time::sleep(Duration::from_millis(30)).await;
+        }
+        tokio::time::sleep(Duration::from_millis(900)).await;
         self.settle().await;
     }
 
@@ -210,7 +246,8 @@ impl Page {
         panic!("`{name}` cannot be scrolled into view");
     }
 
-    async fn rect(&self, name: &str) -> Rect {
+    /// The place of a control.
+    pub(crate) async fn rect(&self, name: &str) -> Rect {
         let summary = self.summary().await;
         let controls = summary["controls"].as_array().expect("controls are a list");
         let control = controls.iter().find(|control| control["name"] == name);

@@ -88,3 +88,36 @@ fn a_verdict_on_a_phone_opens_the_diagnosis_alone() {
     assert!(screen.query_by_label("About Diagnosis").is_some());
     assert!(screen.query_by_label("About Parameters").is_none());
 }
+
+#[test]
+fn nothing_moves_under_the_pointer_when_a_cause_is_repaired() {
+    let mut screen = mistuned();
+    let mut scenario = scenario(&screen).clone();
+    // The second fault is left when the first is repaired.
+    scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 14.0;
+    scenario.filters[0].initial_std[Channel::NATURAL_FREQUENCY] = 0.3;
+    screen.state_mut().session_mut().set_scenario(scenario);
+    screen.run_steps(20);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Diagnosis]);
+    screen.set_size(DESKTOP);
+    screen.run_steps(20);
+    let place = |screen: &Screen| {
+        ["About Diagnosis", "Causes: what cures stands first, then the likeliest"]
+            .map(|label| screen.query_all_by_label(label).map(|node| node.rect().top()).next())
+    };
+    let before = place(&screen);
+    let first = |screen: &Screen| {
+        let knobs = screen.query_all_by_label_contains("Turn the knob of EKF");
+        knobs.map(|node| node.rect()).min_by(|a, b| a.top().total_cmp(&b.top()))
+    };
+    let button = first(&screen).expect("a cause with a knob");
+    super::hand::click_at(&mut screen, button.center(), Modifiers::NONE);
+    screen.run_steps(20);
+    assert!(screen.query_by_label_contains("before: ").is_some(), "there is a chip now");
+    let after = place(&screen);
+    assert_eq!(after[0], before[0], "the view has moved");
+    if let Some(again) = first(&screen) {
+        assert_eq!(after[1], before[1], "the causes have moved");
+        assert!((again.top() - button.top()).abs() < 1.0, "the first knob was at {button} and is at {again}");
+    }
+}

@@ -71,3 +71,27 @@ fn a_filter_is_tuned_and_compared_by_keyboard() {
     press(&mut screen, Key::B);
     assert!(screen.query_by_label_contains("Δt 30.00").is_some());
 }
+
+#[test]
+fn the_list_of_keys_fits_into_any_window_and_is_closed_by_a_button() {
+    for size in [DESKTOP, Vec2::new(1000.0, 560.0), PHONE, Vec2::new(844.0, 390.0), Vec2::new(360.0, 420.0)] {
+        let mut screen = screen(size, Theme::Light);
+        press(&mut screen, Key::Questionmark);
+        screen.run_steps(10);
+        let window = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+        for line in ["play or pause", "copy a link to this picture", "zoom in", "turn it"] {
+            // Without a scroll where there is room.
+            if size != DESKTOP {
+                screen.get_by_label(line).scroll_to_me();
+                screen.run_steps(30);
+            }
+            let rect = screen.get_by_label(line).rect();
+            assert!(window.contains_rect(rect), "{line}: {rect} of {size}");
+        }
+        let close = screen.get_by_label("Close window");
+        assert!(window.contains_rect(close.rect()), "{} of {size}", close.rect());
+        close.click();
+        screen.run_steps(4);
+        assert!(screen.query_by_label("play or pause").is_none(), "{size}");
+    }
+}

@@ -13,6 +13,7 @@ mod map;
 mod marks;
 mod memory;
 mod monte_carlo;
+mod phone;
 mod playback;
 mod progress;
 mod records;

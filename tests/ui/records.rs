@@ -249,3 +249,83 @@ fn a_link_and_a_saved_session_wait_for_their_file() {
     assert!(restored.session().problem().is_some_and(|problem| problem.contains(name)));
     assert_eq!(restored.session().scenario(), first.state().session().scenario());
 }
+
+/// A record of 40 s with some samples of its sensor lost, whole and at rest.
+fn with_losses(is_lost: impl Fn(usize) -> bool) -> Screen {
+    let mut text = "time,force,x (mm)\n".to_owned();
+    for (k, [t, f, x]) in rows().into_iter().enumerate() {
+        let reading = if is_lost(k) { String::new() } else { format!("{x:.5}") };
+        writeln!(text, "{t:.3},{f:.5},{reading}").expect("memory");
+    }
+    let mut screen = screen(DESKTOP, Theme::Light);
+    drop_file(&mut screen, "gaps.csv", text.as_bytes());
+    screen.run_steps(3);
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    screen
+}
+
+#[test]
+fn a_gap_that_is_over_is_a_mark_on_the_axis_and_no_row() {
+    let top = |screen: &Screen| screen.get_by_label("About Measured and predicted").rect().top();
+    let without = top(&with_losses(|_| false));
+    let mut screen = with_losses(|k| (500..=520).contains(&k));
+    assert!(screen.query_by_label_contains("delivers nothing").is_none());
+    assert_eq!(top(&screen), without, "it takes no row");
+    let words = "no displacement from 25 to 26 s";
+    let told = screen.state().twin().messages;
+    assert_eq!(told, ["No displacement from 25 to 26 s."], "readers of the tables learn of it");
+    // A pointer over the gap tells it.
+    assert!(screen.query_by_label(words).is_none());
+    let plot = screen.get_by_label("Plot of the natural frequency").rect();
+    let axis = screen.state().axis().followed(screen.state().session());
+    let share = (25.5 - axis.0) / (axis.1 - axis.0);
+    screen.hover_at(egui::pos2(plot.left() + share as f32 * plot.width(), plot.center().y));
+    screen.run_steps(90);
+    screen.get_by_label(words);
+}
+
+#[test]
+fn a_sensor_that_is_silent_to_the_end_is_said_once_until_another_record_is_there() {
+    let mut screen = with_losses(|k| k >= 700);
+    let said = |screen: &Screen| screen.query_all_by_label("No displacement since 35 s.").count();
+    assert_eq!(said(&screen), 1, "once, for all filters");
+    drop_file(&mut screen, "trailing.csv", &dialects()[0].1);
+    screen.run_steps(3);
+    screen.get_by_label("Open the record").click();
+    screen.run_steps(6);
+    assert_eq!(said(&screen), 0);
+}
+
+#[test]
+fn start_values_that_are_not_found_are_said_in_red_and_r_is_not_inflated() {
+    let screen = with_losses(|k| k % 13 < 9);
+    let notice = screen.state().notice().expect("a notice");
+    assert!(notice.starts_with("No start values of ωₙ and ζ could be found, because"), "{notice}");
+    assert_eq!(screen.query_all_by_label(notice).count(), 2, "as a notice, and where the start values are explained");
+    let std = scenario(&screen).filters[0].sensor_std[0];
+    assert!(std <= 0.01, "R is larger than its default: {std}");
+    assert!(screen.query_by_label_contains("R as large").is_none());
+}
+
+#[test]
+fn the_window_of_an_import_has_the_keys() {
+    let mut screen = screen(DESKTOP, Theme::Light);
+    drop_file(&mut screen, "bad.csv", b"");
+    screen.get_by_label("“bad.csv” cannot be opened: the file is empty.");
+    // No key acts behind the window.
+    let mode = screen.state().session().mode();
+    for key in [Key::L, Key::Space, Key::C] {
+        screen.key_press(key);
+        screen.run_steps(2);
+    }
+    assert_eq!((screen.state().session().mode(), screen.state().notice()), (mode, None));
+    screen.key_press(Key::Escape);
+    screen.run_steps(3);
+    assert!(screen.query_by_label("Close").is_none());
+    drop_file(&mut screen, "trailing.csv", &dialects()[0].1);
+    screen.run_steps(3);
+    screen.key_press(Key::Enter);
+    screen.run_steps(6);
+    check_result(&screen, "trailing.csv");
+}

@@ -4,10 +4,9 @@ use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
 use kalmanscope_core::Estimates;
 use kalmanscope_core::diagnosis::{Finding, Knob};
 
-use super::sentence;
 use crate::request::Request;
 use crate::session::Attempt;
-use crate::text::significant;
+use crate::text::{sentence, significant};
 use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::ViewContext;
@@ -22,7 +21,12 @@ const SHOWN: usize = 2;
 pub(super) fn causes_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Estimates, requests: &mut Vec<Request>) {
     let session = context.session;
     ui.add_space(4.0);
-    ui.label(RichText::new("Causes, the likeliest first").small().weak());
+    let order = if session.attempt(estimates.id()).is_some_and(Attempt::is_under_way) {
+        "Causes, as they are found"
+    } else {
+        "Causes: what cures stands first, then the likeliest"
+    };
+    ui.label(RichText::new(order).small().weak());
     let Some(attempt) = session.attempt(estimates.id()) else {
         ui.weak("They are tried as soon as the record is computed.");
         return;

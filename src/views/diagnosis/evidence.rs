@@ -4,8 +4,7 @@ use egui::{Color32, Label, Rect, RichText, Sense, Stroke, Ui, Vec2};
 use kalmanscope_core::diagnosis::Evidence;
 use kalmanscope_core::sorting::sort_short_by_key;
 
-use super::sentence;
-use crate::text::significant;
+use crate::text::{sentence, significant};
 use crate::theme::Palette;
 
 /// The size of a bar \[points\].

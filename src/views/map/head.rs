@@ -1,7 +1,6 @@
 //! The line above the panels: axes, score, filters, ranges, and the progress.
 
-use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{ComboBox, Grid, PopupCloseBehavior, Ui, vec2};
+use egui::{ComboBox, Grid, Ui, vec2};
 use kalmanscope_core::Scenario;
 use kalmanscope_lab::{Axis, Setting, Spacing};
 
@@ -10,6 +9,7 @@ use crate::laboratory::{
     Choice, Computer, Finding, Laboratory, MOST, Precision, Survey, candidates, collide, measure_name, offered,
     part_of, setting_name,
 };
+use crate::menu::{Closing, menu_ui};
 use crate::probe;
 use crate::request::Request;
 use crate::theme::Palette;
@@ -112,8 +112,7 @@ fn filters_ui(ui: &mut Ui, choice: &mut Choice, scenario: &Scenario) {
 /// The ranges of the axes, the numbers of their values, and the precision, in a popup.
 fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option<&Finding>, palette: &Palette) {
     let [x, y] = choice.axes.each_ref().map(|axis| axis.count);
-    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    let (button, _) = MenuButton::new(format!("{x} × {y}")).config(stays).ui(ui, |ui| {
+    let button = menu_ui(ui, format!("{x} × {y}"), Closing::Beside, |ui| {
         // Fields and buttons of a menu have no ground of their own.
         ui.visuals_mut().widgets.inactive.weak_bg_fill = palette.faint;
         Grid::new("ranges of the map").spacing([8.0, 4.0]).show(ui, |ui| {

@@ -1,10 +1,10 @@
 //! The line above the charts: seeds, parameter, and the progress.
 
-use egui::containers::menu::MenuButton;
 use egui::{ComboBox, DragValue, Ui};
 
 use super::curves;
 use crate::laboratory::{SEEDS, Seeds};
+use crate::menu::{Closing, menu_ui};
 use crate::request::Request;
 use crate::view::ViewContext;
 
@@ -22,7 +22,7 @@ pub(super) fn head_ui(ui: &mut Ui, context: &ViewContext<'_>, seeds: &Seeds, req
         let number = number.on_hover_text(hint);
         number.ctx.accesskit_node_builder(number.id, |node| node.set_label("Seeds"));
         ui.weak("seeds");
-        let (button, _) = MenuButton::new("…").ui(ui, |ui| {
+        let button = menu_ui(ui, "…", Closing::AtOnce, |ui| {
             for count in USUAL {
                 if ui.button(format!("{count} seeds")).clicked() {
                     next.seeds = count;
