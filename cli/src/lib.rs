@@ -23,6 +23,7 @@ pub mod output;
 #[cfg(feature = "plots")]
 mod plot;
 mod quality;
+mod remarks;
 #[cfg(feature = "plots")]
 mod report;
 mod table;

@@ -11,6 +11,7 @@ use thiserror::Error;
 use crate::free_run;
 use crate::number::plain;
 use crate::plot::{PlotError, pages};
+use crate::remarks::remarks;
 use crate::table::summaries;
 use html::Html;
 
@@ -58,6 +59,7 @@ pub fn report(
         let is_filter = place < run.estimates().len();
         let diagnosis = if is_filter { analysis.diagnosis(place) } else { None };
         filter::section(&mut page, summary, diagnosis, causes, (run.record(), length));
+        page.list(run.estimates().get(place).into_iter().flat_map(|estimates| remarks(estimates, run.record())));
     }
     page.element("h2", "Figures");
     for picture in pages(run)? {

@@ -10,6 +10,7 @@ use kalmanscope_core::{Analysis, Channel, CramerRao, Diagnosis, Estimates, Filte
 use crate::findings::{evidence, likeliest};
 use crate::number::{deviation, plain, short, with_spread};
 use crate::quality::quality;
+use crate::remarks::remarks;
 
 /// The results of each filter as a table: the verdict with its evidence and causes, the last estimates ±2σ with units, their errors where the truth
 /// is known, σ over its Cramér-Rao bound, mean NIS and NEES with their 95 % intervals, the whiteness of the
@@ -75,9 +76,8 @@ fn write_table(
         if let Some(Some(time)) = step_times.get(i) {
             writeln!(text, "  time per step   {time:.0} ns")?;
         }
-        for remark in filter.into_iter().flat_map(Estimates::remarks) {
-            let [from, to] = [remark.sample, remark.last].map(|number| plain(record.time_of(number)));
-            writeln!(text, "  from {from} s to {to} s: {}", remark.what)?;
+        for line in filter.into_iter().flat_map(|estimates| remarks(estimates, record)) {
+            writeln!(text, "  {line}")?;
         }
         if let Some(stop) = summary.stop {
             let time = plain(record.time_of(stop.sample));

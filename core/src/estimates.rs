@@ -3,7 +3,7 @@
 mod growth;
 
 use crate::by_channel::ByChannel;
-use crate::remarks::{Monitor, Remark};
+use crate::remarks::{Monitor, Remark, Trouble};
 use crate::{
     Channel, FilterColor, FilterError, FilterKind, FilterSettings, Model, PlantKind, Quantity, gaussian_likelihood,
 };
@@ -176,6 +176,12 @@ impl Estimates {
     /// samples are dropped.
     pub fn remarks(&self) -> &[Remark] {
         self.monitor.remarks()
+    }
+
+    /// The samples, counted from the run's beginning, at which the filter had widened P because its innovations grew at
+    /// once ([`FilterSettings::jump`]); those that are forgotten are left out.
+    pub fn jumps(&self) -> impl Iterator<Item = usize> + '_ {
+        self.remarks().iter().filter(|remark| remark.what == Trouble::Widened).map(|remark| remark.sample)
     }
 
     /// The number of kept samples without a measurement of a sensor; the run's first sample does not count.

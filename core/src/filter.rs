@@ -13,6 +13,7 @@ mod adaptation;
 mod ensemble;
 pub(crate) mod estimator;
 mod gaussian;
+pub(crate) mod jump;
 pub mod kalman;
 pub mod kind;
 mod linearised;
@@ -28,6 +29,8 @@ mod step;
 use std::borrow::Cow;
 
 use thiserror::Error;
+
+use jump::Jump;
 
 use crate::linalg::{Matrix, RootError};
 use crate::model::{Hold, Model};
@@ -177,6 +180,7 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
     noise: Noise,
     observation: Observation,
     adaptation: Adaptation,
+    jump: Option<Jump>,
     substeps: usize,
     belief: Box<B>,
 }
@@ -194,7 +198,8 @@ impl<B: Belief + ?Sized> Filter<B> {
         adaptation: Adaptation,
     ) -> Self {
         let readings = sensors.iter().map(|&quantity| model.reading(quantity)).collect();
-        Self { model, belief, dt, hold, noise, observation: Observation::of(readings), adaptation, substeps: 1 }
+        let observation = Observation::of(readings);
+        Self { model, belief, dt, hold, noise, observation, adaptation, jump: None, substeps: 1 }
     }
 
     /// The same filter with its predictions divided into this many steps, for plants that are not linear over one: the
@@ -202,6 +207,13 @@ impl<B: Belief + ?Sized> Filter<B> {
     #[must_use]
     pub fn with_substeps(self, substeps: usize) -> Self {
         Self { substeps: substeps.max(1), ..self }
+    }
+
+    /// The same filter, which widens P once where its innovations grow at once. The belief must be the initial one.
+    #[must_use]
+    pub fn with_jump(self) -> Self {
+        let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
+        Self { jump: Some(Jump::new(initial)), ..self }
     }
 
     /// The belief after the last predict or update.
@@ -227,6 +239,11 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// Whether the filter learns its noise.
     pub(crate) fn is_adaptive(&self) -> bool {
         self.adaptation.is_on()
+    }
+
+    /// Whether the last prediction has widened P because the innovations had grown at once.
+    pub fn has_widened(&self) -> bool {
+        self.jump.as_ref().is_some_and(Jump::has_widened)
     }
 
     /// The step from a sample to the next with the recorded forces over mass of both \[m/s²\].
@@ -258,7 +275,13 @@ impl<B: Belief + ?Sized> Filter<B> {
         if !whole.forces.iter().all(|force| force.is_finite()) {
             return Err(FilterError::UndefinedForce);
         }
-        let Self { model, noise, substeps, belief, .. } = self;
+        let Self { model, noise, jump, substeps, belief, .. } = self;
+        let mut wide = None;
+        if let Some(widening) = jump.as_mut().and_then(Jump::widening) {
+            let Noise { process, .. } = wide.insert(noise.clone());
+            widening.enumerate().for_each(|(i, variance)| process[(i, i)] += variance);
+        }
+        let noise = wide.as_ref().unwrap_or(noise);
         if *substeps > 1 {
             let share = |i: usize| i as f64 / *substeps as f64;
             let part = |i| Step {
@@ -286,7 +309,7 @@ impl<B: Belief + ?Sized> Filter<B> {
     /// [`FilterError::NotFinite`] where the belief overflows; [`FilterError::ImpossibleMeasurement`] where the likelihood
     /// does; [`FilterError::InfiniteMeasurement`].
     pub fn update(&mut self, force: f64, measured: &[f64], correction: &mut Correction) -> Result<(), FilterError> {
-        let Self { model, noise, observation, adaptation, belief, .. } = self;
+        let Self { model, noise, observation, adaptation, jump, belief, .. } = self;
         correction.clear(model.size(), noise.sensors.len());
         observation.take(force, measured, &noise.sensors)?;
         if observation.is_empty() {
@@ -300,6 +323,9 @@ impl<B: Belief + ?Sized> Filter<B> {
         }
         if adaptation.is_on() {
             adaptation.adapt(observation, correction, noise);
+        }
+        if let Some(jump) = jump {
+            jump.look(correction.nis, observation.len());
         }
         Ok(())
     }

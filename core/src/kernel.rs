@@ -22,6 +22,7 @@ use std::borrow::Cow;
 
 use observation::Active;
 
+use crate::filter::jump::Jump;
 use crate::filter::{Adaptation, FilterError};
 use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::kernel::model::{Model, Output};
@@ -141,6 +142,7 @@ pub struct Filter<P, B, const N: usize> {
     noise: Noise<N>,
     outputs: Vec<Option<Output>>,
     adaptation: Adaptation,
+    jump: Option<Jump>,
 }
 
 impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
@@ -154,7 +156,14 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         outputs: Vec<Option<Output>>,
         adaptation: Adaptation,
     ) -> Self {
-        Self { model, belief, dt, noise, outputs, adaptation }
+        Self { model, belief, dt, noise, outputs, adaptation, jump: None }
+    }
+
+    /// The same filter, which widens P once where its innovations grow at once. The belief must be the initial one.
+    #[must_use]
+    pub(crate) fn with_jump(self) -> Self {
+        let initial = self.belief.gaussian().cov.diagonal().as_slice().to_vec();
+        Self { jump: Some(Jump::new(initial)), ..self }
     }
 
     /// The belief after the last predict or update.
@@ -182,6 +191,11 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         self.adaptation.is_on()
     }
 
+    /// Whether the last prediction has widened P because the innovations had grown at once.
+    pub(crate) fn has_widened(&self) -> bool {
+        self.jump.as_ref().is_some_and(Jump::has_widened)
+    }
+
     /// Carries the belief over one step in which the force over mass was `force` \[m/s²\].
     ///
     /// ```text
@@ -195,6 +209,11 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
     pub fn predict(&mut self, force: f64) -> Result<(), FilterError> {
         if !force.is_finite() {
             return Err(FilterError::UndefinedForce);
+        }
+        if let Some(widening) = self.jump.as_mut().and_then(Jump::widening) {
+            let mut noise = self.noise.clone();
+            widening.enumerate().for_each(|(i, variance)| noise.process[(i, i)] += variance);
+            return self.belief.predict(&self.model, force, self.dt, &noise);
         }
         self.belief.predict(&self.model, force, self.dt, &self.noise)
     }
@@ -249,6 +268,9 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         }
         if self.adaptation.is_on() {
             self.adaptation.adapt_kernel(observation.measured(), correction, &mut self.noise);
+        }
+        if let Some(jump) = &mut self.jump {
+            jump.look(correction.nis, count);
         }
         Ok(())
     }

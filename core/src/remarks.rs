@@ -28,6 +28,9 @@ pub enum Trouble {
     /// For ten measurements or more, one or two particles, or less than 2 % of them, have had nearly all the weight.
     #[error("the particles have collapsed: hardly any of them agrees with the measurements")]
     Collapse,
+    /// The filter has jumped ([`FilterSettings::jump`]).
+    #[error("its innovations grew at once, and it widened its parameters")]
+    Widened,
     /// R has learnt a standard deviation a thousandth of the initial one.
     #[error("the noise that the filter learns for the sensor for {} runs to zero", .0.key())]
     VanishingSensorNoise(Quantity),
@@ -134,7 +137,7 @@ impl Monitor {
     /// Checks sample number `k`.
     #[inline(always)]
     pub(crate) fn look(&mut self, k: usize, sample: &Sample<'_>) {
-        let Sample { mean, cov, innovation, effective_samples, noise, .. } = *sample;
+        let Sample { mean, cov, innovation, effective_samples, noise, has_widened, .. } = *sample;
         let n = mean.len();
         let wide = (0..n).zip(&self.suspicious).fold(false, |wide, (i, limit)| wide | (cov[i * n + i] > *limit));
         let mut beyond = false;
@@ -161,6 +164,9 @@ impl Monitor {
         }
         if let Some(noise) = noise {
             self.look_at_noise(k, noise);
+        }
+        if has_widened {
+            self.note(Trouble::Widened, k, k);
         }
     }
 

@@ -27,6 +27,8 @@ pub struct Sample<'a> {
     pub effective_samples: f64,
     /// For an adaptive filter, the present variances of process and sensor noise.
     pub noise: Option<AssumedNoise<'a>>,
+    /// Whether the filter widened P in the step to this sample, because its innovations had grown at once.
+    pub has_widened: bool,
 }
 
 impl<'a> Sample<'a> {
@@ -44,6 +46,7 @@ impl<'a> Sample<'a> {
             log_likelihood: nan,
             effective_samples: nan,
             noise: None,
+            has_widened: false,
         }
     }
 }

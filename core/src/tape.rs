@@ -14,7 +14,7 @@ pub struct Tape(Vec<f64>);
 const HEAD: usize = 3;
 
 /// The numbers of a sample besides vectors and matrices.
-const SCALARS: usize = 4;
+const SCALARS: usize = 5;
 
 /// Every reason to stop; its place is its number.
 const REASONS: [FilterError; 8] = [
@@ -62,9 +62,10 @@ impl Tape {
             let (mean, cov, innovation) = (next(n), next(n * n), next(m));
             let (innovation_cov, gain, scalars) = (next(m * m), next(n * m), next(SCALARS));
             let noise = has_noise.then(|| AssumedNoise { process: next(n), sensors: next(m) });
-            let &[nis, determinant, log_likelihood, effective_samples] = scalars else { return None };
+            let &[nis, determinant, log_likelihood, effective_samples, widened] = scalars else { return None };
             let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
-            estimates.push(&Sample { log_likelihood, effective_samples, noise, ..update });
+            let has_widened = widened != 0.0;
+            estimates.push(&Sample { log_likelihood, effective_samples, noise, has_widened, ..update });
         }
         let stop = REASONS.get(reason as usize).filter(|_| !reason.is_nan());
         let stop = stop.map(|&reason| Stop { sample: at as usize, reason });
@@ -83,7 +84,8 @@ impl Sink for Tape {
         for part in [mean, cov, innovation, innovation_cov, gain] {
             numbers.extend_from_slice(part);
         }
-        numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples]);
+        let widened = f64::from(u8::from(sample.has_widened));
+        numbers.extend([nis, determinant, sample.log_likelihood, sample.effective_samples, widened]);
         if let Some(AssumedNoise { process, sensors }) = sample.noise {
             numbers.extend(process.iter().chain(sensors));
         }

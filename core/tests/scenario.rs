@@ -200,7 +200,7 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
         (
             "[[filters]]\n[[filters]]\nlambda = 1",
             "line 3: `filters[1].lambda`: unknown field `lambda`, expected one of `id`, `name`, `kind`, `color`, `plant`, \
-             `augment`, `input_delay`, `log_parameters`, `propagation`, `substeps`, `iterations`, `ensemble_size`, `adaptation`, `smoother`, \
+             `augment`, `input_delay`, `log_parameters`, `propagation`, `substeps`, `iterations`, `ensemble_size`, `adaptation`, `jump`, `smoother`, \
              `fading`, \
              `eta`, `sensor_std`, `initial_mean`, `initial_std`, `process_std`",
         ),

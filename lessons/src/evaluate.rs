@@ -144,6 +144,7 @@ const fn trouble_key(trouble: Trouble) -> &'static str {
         Trouble::Missing(_) => "missing",
         Trouble::Unknown(_) => "unknown",
         Trouble::Collapse => "collapse",
+        Trouble::Widened => "widened",
         Trouble::VanishingSensorNoise(_) => "vanishing_sensor_noise",
         Trouble::GrowingSensorNoise(_) => "growing_sensor_noise",
         Trouble::VanishingProcessNoise(_) => "vanishing_process_noise",

@@ -1,7 +1,7 @@
 //! One filter.
 
 use egui::collapsing_header::CollapsingState;
-use egui::{ComboBox, RichText, Ui};
+use egui::{Checkbox, ComboBox, RichText, Ui};
 use kalmanscope_core::import::Length;
 use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 
@@ -157,6 +157,7 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
         let hint = "Memory half-life: the time after which a measurement counts half";
         ui.add(egui::Label::new(RichText::new(memory).small()).truncate()).on_hover_text(hint);
     });
+    jump_ui(ui, filter);
     ui.add_enabled_ui(filter.kind != FilterKind::KF, |ui| {
         let name = format!("{} parameter decay", filter.name);
         let decay = Number {
@@ -169,5 +170,21 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
             hint: "Rate at which the filter's model lets the parameters decay; 0 keeps them constant",
         };
         lit(ui, &format!("filters.{}.eta", filter.name), |ui| decay.show(ui, &mut filter.eta));
+    });
+}
+
+/// Whether the filter widens P once where its innovations grow at once. A KF that knows its parameters has none to widen.
+fn jump_ui(ui: &mut Ui, filter: &mut FilterSettings) {
+    let FilterSettings { name, kind, augment, jump, .. } = filter;
+    let knows_all = *kind == FilterKind::KF && augment.is_empty();
+    *jump &= !knows_all;
+    let text = "jump at a sudden change";
+    let hint = "Where the innovations grow at once, widen P once by its initial covariance and learn anew; before and after, \
+                forget nothing. A remark says when";
+    ui.add_enabled_ui(!knows_all, |ui| {
+        lit(ui, &format!("filters.{name}.jump"), |ui| {
+            let response = ui.add(Checkbox::new(jump, text)).on_hover_text(hint);
+            response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("{name}: {text}")));
+        });
     });
 }

@@ -73,6 +73,7 @@ fn report(
         noise: process
             .as_ref()
             .map(|process| AssumedNoise { process: process.as_slice(), sensors: &filter.noise().sensors }),
+        has_widened: filter.has_widened(),
     });
     Ok(())
 }
@@ -114,6 +115,7 @@ impl InUnits {
 pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext<'_>) -> Box<dyn Estimator> {
     match initial_belief(settings, context).map(|belief| build_filter(belief, settings, context)) {
         Ok(filter) => {
+            let filter = if settings.jump { filter.with_jump() } else { filter };
             let correction = Correction::nothing(filter.model().size(), context.sensors.len());
             Box::new(Followed { filter, correction, in_units: InUnits::default() })
         }

@@ -15,7 +15,8 @@
 //! and of the readings: with them `cov(next, now) = Φ P` and `K S = P⁻ Hᵀ`, which is all that both smoothers ask for. An
 //! update that does not tell its H has it found by division by P⁻, whose lost directions have no part in it.
 //!
-//! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`.
+//! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`. So does what a
+//! jump ([`super::jump`]) adds to P⁻.
 //!
 //! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
 //! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.
@@ -32,6 +33,7 @@ use crate::{Estimates, FilterSettings, Quantity, Record};
 /// The beliefs of a filter with these settings; none where it cannot begin.
 pub(crate) fn beliefs(settings: &FilterSettings, context: &FilterContext<'_>) -> Option<Box<dyn Beliefs>> {
     let filter = build_filter(initial_belief(settings, context).ok()?, settings, context);
+    let filter = if settings.jump { filter.with_jump() } else { filter };
     let sensors = context.sensors.to_vec();
     Some(Box::new(Smoothed {
         filter,

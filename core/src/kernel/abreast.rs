@@ -97,7 +97,7 @@ pub struct OscillatorFilter<P = Sdof, const N: usize = 4> {
 
 impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
     /// The filter at `place` of a scenario, if it is one of the kernels' KF, EKF or UKF of this plant that adapts nothing,
-    /// propagates by local linearisation and can begin.
+    /// does not jump, propagates by local linearisation and can begin.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new), but for filters of other plants, which it does not look at.
@@ -117,6 +117,7 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
         };
         let usual = !settings.log_parameters
             && !settings.adaptation.is_on()
+            && !settings.jump
             && settings.substeps == 1
             && (method == Method::SigmaPoints || settings.propagation == Propagation::LocalLinearisation)
             && serves(settings, &context);

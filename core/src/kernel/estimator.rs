@@ -48,7 +48,8 @@ fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
 ) -> Result<(), FilterError> {
     let belief = filter.belief().gaussian();
     let noise = filter.is_adaptive().then(|| filter.noise());
-    let told = Told { belief: &belief, correction, sensors: filter.outputs.len(), noise };
+    let has_widened = filter.has_widened();
+    let told = Told { belief: &belief, correction, sensors: filter.outputs.len(), noise, has_widened };
     if filter.model().in_units() {
         told.push(sink);
         return Ok(());
@@ -66,6 +67,7 @@ struct Told<'a, const N: usize> {
     sensors: usize,
     /// The noise, where it is learnt.
     noise: Option<&'a Noise<N>>,
+    has_widened: bool,
 }
 
 impl<const N: usize> Told<'_, N> {
@@ -92,7 +94,7 @@ impl<const N: usize> Told<'_, N> {
     /// Writes it down. In a history, with lengths that the compiler knows for the usual numbers of sensors: to copy a number
     /// is not worth a call. A page leaves that out, to be smaller.
     fn push(self, sink: &mut dyn Sink) {
-        let Self { belief, correction, sensors: m, noise } = self;
+        let Self { belief, correction, sensors: m, noise, has_widened } = self;
         let process;
         let noise = if let Some(Noise { process: matrix, sensors, fading: _ }) = noise {
             process = matrix.diagonal();
@@ -104,9 +106,9 @@ impl<const N: usize> Told<'_, N> {
             && let (1 | 2, Some(history)) = (m, sink.history())
         {
             if m == 1 {
-                append::<N, 1>(belief, correction, noise, history);
+                append::<N, 1>(belief, correction, (noise, has_widened), history);
             } else {
-                append::<N, 2>(belief, correction, noise, history);
+                append::<N, 2>(belief, correction, (noise, has_widened), history);
             }
             return;
         }
@@ -114,19 +116,22 @@ impl<const N: usize> Told<'_, N> {
         for i in 0..m {
             cov[i * m..(i + 1) * m].copy_from_slice(&correction.innovation_cov[i][..m]);
         }
-        sink.push(&sample(belief, correction, m, &cov[..m * m], noise));
+        sink.push(&sample(belief, correction, m, &cov[..m * m], (noise, has_widened)));
     }
 }
+
+/// The noise of an adaptive filter, and whether the filter has widened P.
+type Assumed<'a> = (Option<AssumedNoise<'a>>, bool);
 
 #[inline]
 fn append<const N: usize, const M: usize>(
     belief: &Gaussian<N>,
     correction: &Correction<N>,
-    noise: Option<AssumedNoise<'_>>,
+    assumed: Assumed<'_>,
     history: &mut Estimates,
 ) {
     let cov: [[f64; M]; M] = std::array::from_fn(|i| std::array::from_fn(|j| correction.innovation_cov[i][j]));
-    history.append(&sample(belief, correction, M, cov.as_flattened(), noise));
+    history.append(&sample(belief, correction, M, cov.as_flattened(), assumed));
 }
 
 #[inline(always)]
@@ -135,7 +140,7 @@ fn sample<'a, const N: usize>(
     correction: &'a Correction<N>,
     m: usize,
     innovation_cov: &'a [f64],
-    noise: Option<AssumedNoise<'a>>,
+    (noise, has_widened): Assumed<'a>,
 ) -> Sample<'a> {
     Sample {
         mean: &belief.mean.data.0[0],
@@ -148,6 +153,7 @@ fn sample<'a, const N: usize>(
         log_likelihood: correction.log_likelihood,
         effective_samples: correction.effective_samples,
         noise,
+        has_widened,
     }
 }
 
@@ -207,6 +213,7 @@ impl Build<'_> {
         belief: B,
     ) -> Box<dyn Estimator> {
         let filter = build_filter(model, belief, self.settings, &self.context);
+        let filter = if self.settings.jump { filter.with_jump() } else { filter };
         Box::new(Followed { filter, correction: Correction::NOTHING })
     }
 }

@@ -51,6 +51,10 @@ pub struct FilterSettings {
     pub ensemble_size: usize,
     /// Whether the filter learns R and Q from its innovations.
     pub adaptation: Adaptation,
+    /// Whether the filter widens P by its initial covariance, once, where its innovations grow at once: after a sudden
+    /// change it learns anew, and before it forgets nothing.
+    #[serde(skip_serializing_if = "super::is_default")]
+    pub jump: bool,
     /// Whether the whole record is smoothed once the filter has seen it. Fading counts as process noise then.
     pub smoother: bool,
     /// Fading factor λ ≥ 1 on the predicted covariance; 1 forgets nothing.
@@ -87,6 +91,7 @@ impl Default for FilterSettings {
             iterations: 5,
             ensemble_size: 500,
             adaptation: Adaptation::default(),
+            jump: false,
             smoother: false,
             fading: 1.0,
             eta: 0.0,

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::channel::{Role, Sign};
-use crate::filter::Adaptation;
+use crate::filter::{Adaptation, FilterKind};
 use crate::quantity::MAX_SENSORS;
 use crate::{Force, PlantKind, Signal, Values};
 
@@ -122,6 +122,7 @@ impl FilterSettings {
             iterations,
             ensemble_size,
             adaptation: Adaptation { sensor_noise: _, process_noise: _, forgetting },
+            jump,
             smoother,
             fading,
             eta,
@@ -153,6 +154,12 @@ impl FilterSettings {
             format_args!("{path}.adaptation.forgetting"),
             forgetting,
             "between 0 and 1",
+        )?;
+        require(
+            !*jump || *kind != FilterKind::KF || !augment.is_empty(),
+            format_args!("{path}.jump"),
+            jump,
+            "false for a KF, which takes its parameters for known and has none to widen",
         )?;
         require(
             !(*smoother && kind.is_sampled()),

@@ -280,12 +280,14 @@ fn other_filters_run_by_themselves() {
     let good = scenario.filters[0].clone();
     let of = |kind| FilterSettings { kind, ensemble_size: 30, ..good.clone() };
     let logarithms = FilterSettings { log_parameters: true, ..good.clone() };
-    let other = [of(FilterKind::CKF), of(FilterKind::PF), logarithms, FilterSettings { substeps: 2, ..good.clone() }];
+    let jumps = FilterSettings { jump: true, ..good.clone() };
+    let substeps = FilterSettings { substeps: 2, ..good.clone() };
+    let other = [of(FilterKind::CKF), of(FilterKind::PF), logarithms, substeps, jumps];
     scenario.filters.extend(other);
     let record = simulated(&scenario);
     let runs = all(&scenario, &record);
     let served: Vec<bool> = runs.iter().map(|run| serves(run).unwrap()).collect();
-    assert_eq!(served, [true, true, false, false, false, false]);
+    assert_eq!(served, [true, true, false, false, false, false, false]);
     check(&runs).unwrap();
     let missing = LaneRun { place: 9, ..runs[0] };
     assert!(serves(&missing).is_err() && outcomes_with(Level::best(), &[runs[0], missing], &[]).is_err());

@@ -1,0 +1,224 @@
+//! Filters that widen P once where their innovations grow at once.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+#[path = "common/run.rs"]
+mod run;
+
+use kalmanscope_core::filter::FilterInfo;
+use kalmanscope_core::{
+    Channel, Estimates, FilterKind, FilterSettings, Force, Pass, Quantity, Run, Scenario, Sensor, Signal, Step, Tape,
+    Trouble, Values,
+};
+
+use run::finished;
+
+const NATURAL_FREQUENCY: Channel = Channel::NATURAL_FREQUENCY;
+const DAMPING_RATIO: Channel = Channel::DAMPING_RATIO;
+
+/// 40 s of an oscillator whose ωₙ steps from 6 to another value [rad/s] at 20 s, under white noise of a force.
+fn stepping(seed: u64, to: f64, sensors: &[(Quantity, f64)]) -> Scenario {
+    let mut scenario = Scenario { seed, duration: 40.0, filters: vec![], ..Scenario::default() };
+    scenario.force = Force::WhiteNoise { std: 10.0 };
+    scenario.plant.set(NATURAL_FREQUENCY, Signal::Step(Step { from: 6.0, to, at: 20.0 }));
+    scenario.plant.set(DAMPING_RATIO, Signal::Constant(0.05));
+    scenario.plant.disturbance_std = 0.5;
+    scenario.sensors = sensors.iter().map(|&(measures, noise_std)| Sensor { measures, noise_std }).collect();
+    scenario
+}
+
+const BOTH: [(Quantity, f64); 2] = [(Quantity::DISPLACEMENT, 0.01), (Quantity::VELOCITY, 0.06)];
+
+/// A filter that knows the noise of [`stepping`] and takes the parameters for constant.
+fn filter(kind: FilterKind, sensors: &[(Quantity, f64)]) -> FilterSettings {
+    let of = |values: [f64; 4]| {
+        let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, NATURAL_FREQUENCY, DAMPING_RATIO];
+        Values::ZERO.with(channels.into_iter().zip(values))
+    };
+    FilterSettings {
+        kind,
+        sensor_std: sensors.iter().map(|(_, noise)| *noise).collect(),
+        initial_mean: of([0.0, 0.0, 6.6, 0.07]),
+        initial_std: of([0.05, 0.3, 1.2, 0.03]),
+        process_std: of([2.5e-5, 5e-3, 6e-6, 5e-8]),
+        ..FilterSettings::default()
+    }
+}
+
+/// The root mean square error of a channel between two times [s].
+fn rms(run: &Run, place: usize, channel: Channel, from: f64, to: f64) -> f64 {
+    let (estimates, truth) = (&run.estimates()[place], run.record().truth(channel).unwrap());
+    let of = estimates.place(channel).unwrap();
+    let range = (100.0 * from) as usize..(100.0 * to) as usize;
+    let square = |k: usize| (estimates.canonical_mean(k, of) - truth[k]).powi(2);
+    (range.clone().map(square).sum::<f64>() / range.len() as f64).sqrt()
+}
+
+/// The time after 20 s from which on ωₙ stays within 5 % of its new value [s].
+fn lag(run: &Run, place: usize) -> f64 {
+    let (estimates, truth) = (&run.estimates()[place], run.record().truth(NATURAL_FREQUENCY).unwrap());
+    let of = estimates.place(NATURAL_FREQUENCY).unwrap();
+    let is_off = |k: &usize| (estimates.canonical_mean(*k, of) / truth[*k] - 1.0).abs() > 0.05;
+    (2000..estimates.len()).rev().find(is_off).map_or(0.0, |k| 0.01 * (k - 1999) as f64)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn jump_times(estimates: &Estimates) -> Vec<usize> {
+    estimates.jumps().collect()
+}
+
+#[test]
+fn after_a_step_the_error_is_half_and_the_lag_a_fifth_of_that_of_fading() {
+    for kind in [FilterKind::EKF, FilterKind::UKF] {
+        let mut before = [0.0; 2];
+        let mut after = [0.0; 2];
+        let mut lags = [Vec::new(), Vec::new()];
+        let mut within = 0;
+        for seed in 301..313 {
+            let mut scenario = stepping(seed, if seed % 2 == 0 { 4.8 } else { 7.5 }, &BOTH);
+            let settings = filter(kind, &BOTH);
+            scenario.filters = vec![
+                FilterSettings { fading: 1.005, ..settings.clone() },
+                FilterSettings { jump: true, ..settings.clone() },
+                settings,
+            ];
+            let run = finished(&scenario);
+            let [_, jumping, plain] = run.estimates() else { panic!("three filters") };
+            let jumps = jump_times(jumping);
+            assert!(jumps.len() == 1 && (2010..2100).contains(&jumps[0]), "{kind:?}, seed {seed}: {jumps:?}");
+            assert_eq!(jump_times(plain), []);
+            // Until then the filter is the one without a jump, bit by bit.
+            assert!((0..jumps[0]).all(|k| jumping.mean(k) == plain.mean(k) && jumping.cov(k) == plain.cov(k)));
+            for place in 0..2 {
+                before[place] += rms(&run, place, NATURAL_FREQUENCY, 15.0, 20.0).powi(2);
+                after[place] += rms(&run, place, NATURAL_FREQUENCY, 35.0, 40.0).powi(2);
+                lags[place].push(lag(&run, place));
+            }
+            let last = jumping.len() - 1;
+            let is_within = |channel: Channel| {
+                let place = jumping.place(channel).unwrap();
+                let error = jumping.canonical_mean(last, place) - run.record().truth(channel).unwrap()[last];
+                error.abs() < 3.0 * jumping.std(last, place)
+            };
+            within += usize::from(is_within(NATURAL_FREQUENCY) && is_within(DAMPING_RATIO));
+        }
+        let [slow, quick] = lags.map(median);
+        let ratios = [before[1] / before[0], after[1] / after[0]].map(f64::sqrt);
+        println!(
+            "{kind:?}: error before and after over that of fading {ratios:.2?}, lag {slow:.2} and {quick:.2} s, within 3σ {within} of 12"
+        );
+        assert!(ratios[0] < 0.55 && ratios[1] < 0.6, "{kind:?}: {ratios:?}");
+        assert!(quick < 0.25 * slow, "{kind:?}: {quick} of {slow}");
+        assert!(within >= 11, "{kind:?}: within 3σ {within}");
+    }
+}
+
+#[test]
+fn a_well_tuned_filter_never_jumps() {
+    let sets: [&[(Quantity, f64)]; 3] =
+        [&BOTH[..1], &BOTH, &[(Quantity::DISPLACEMENT, 0.01), (Quantity::VELOCITY, 0.2)]];
+    for seed in 401..411 {
+        for sensors in sets {
+            let mut scenario = stepping(seed, 6.0, sensors);
+            let of = |kind| FilterSettings { jump: true, ..filter(kind, sensors) };
+            scenario.filters = [FilterKind::EKF, FilterKind::UKF].map(of).to_vec();
+            for estimates in finished(&scenario).estimates() {
+                assert_eq!(jump_times(estimates), [], "seed {seed}, {sensors:?}, {:?}", estimates.kind());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_small_change_is_found_and_a_wrong_r_does_not_make_a_filter_jump_over_and_over() {
+    for seed in 501..506 {
+        let mut scenario = stepping(seed, 5.7, &BOTH);
+        let settings = FilterSettings { jump: true, ..filter(FilterKind::EKF, &BOTH) };
+        let wrong = FilterSettings { sensor_std: vec![0.005, 0.03], ..settings.clone() };
+        scenario.filters = vec![settings, wrong];
+        let run = finished(&scenario);
+        let jumps = jump_times(&run.estimates()[0]);
+        assert!(jumps.first().is_some_and(|k| (2010..3000).contains(k)), "seed {seed}: {jumps:?}");
+        let jumps = jump_times(&run.estimates()[1]);
+        assert!(jumps.iter().filter(|k| **k < 2000).count() <= 1 && jumps.len() <= 3, "seed {seed}: {jumps:?}");
+    }
+}
+
+#[test]
+fn every_kind_jumps_and_says_when() {
+    let mut scenario = stepping(601, 4.5, &BOTH);
+    let kinds = FilterKind::ALL.into_iter().filter(|kind| *kind != FilterKind::KF);
+    let of = |kind| FilterSettings { jump: true, ensemble_size: 300, ..filter(kind, &BOTH) };
+    scenario.filters = kinds.map(of).collect();
+    for estimates in finished(&scenario).estimates() {
+        let (kind, jumps) = (estimates.kind(), jump_times(estimates));
+        assert!(jumps.iter().any(|k| (2010..2150).contains(k)), "{kind:?}: {jumps:?}");
+        let first = jumps[0];
+        let remark = estimates.remarks().iter().find(|remark| remark.what == Trouble::Widened).unwrap();
+        assert_eq!((remark.sample, remark.last), (first, first));
+        let place = estimates.place(NATURAL_FREQUENCY).unwrap();
+        assert!(estimates.std(first, place) > 2.0 * estimates.std(first - 1, place), "{kind:?}");
+    }
+}
+
+/// The same kind of filter under a name without a kernel, so that the reference filter is used.
+fn by_the_book(kind: FilterKind) -> FilterKind {
+    let key = format!("book_{}", kind.key()).leak();
+    FilterKind::new(Box::leak(Box::new(FilterInfo { key, ..*kind.info() })))
+}
+
+#[test]
+fn kernels_and_book_jump_alike_and_so_does_a_filter_that_is_computed_elsewhere() {
+    for kind in [FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF] {
+        for log_parameters in [false, true] {
+            let mut scenario = stepping(602, 4.5, &BOTH);
+            let kernel = FilterSettings { jump: true, log_parameters, ..filter(kind, &BOTH) };
+            let book = FilterSettings { kind: by_the_book(kind), ..kernel.clone() };
+            scenario.filters = vec![kernel, book];
+            let run = finished(&scenario);
+            let [kernel, book] = run.estimates() else { panic!("two filters") };
+            assert_eq!((jump_times(kernel), jump_times(kernel).len()), (jump_times(book), 1), "{kind:?}");
+            let place = kernel.place(NATURAL_FREQUENCY).unwrap();
+            for k in (0..kernel.len()).step_by(100) {
+                let difference = (kernel.mean(k)[place] - book.mean(k)[place]).abs();
+                assert!(difference < 1e-6 * kernel.std(k, place), "{kind:?} at {k}: {difference}");
+            }
+            let mut tape = Tape::default();
+            Pass::new(&scenario, 0, run.record()).unwrap().follow(run.record(), 4001, &mut tape);
+            let widened = tape.numbers()[3..].chunks_exact((tape.numbers().len() - 3) / 4001).map(|s| s[s.len() - 1]);
+            let at: Vec<usize> = widened.enumerate().filter(|(_, flag)| *flag == 1.0).map(|(k, _)| k).collect();
+            assert_eq!(at, jump_times(kernel));
+        }
+    }
+}
+
+#[test]
+fn hindsight_jumps_with_its_filter() {
+    let mut scenario = stepping(603, 4.8, &BOTH);
+    let settings = FilterSettings { smoother: true, ..filter(FilterKind::EKF, &BOTH) };
+    scenario.filters = vec![FilterSettings { jump: true, ..settings.clone() }, settings];
+    let smoothed = finished(&scenario).smoothed();
+    let at = |place: usize, k: usize| {
+        let of = smoothed[place].place(NATURAL_FREQUENCY).unwrap();
+        (smoothed[place].mean(k)[of], smoothed[place].std(k, of))
+    };
+    for (k, truth) in [(1000, 6.0), (1900, 6.0), (2300, 4.8), (3500, 4.8)] {
+        let (mean, std) = at(0, k);
+        assert!((mean - truth).abs() < 4.0 * std && std < 0.03, "{mean} ± {std} at {k}");
+        assert!((at(1, k).0 - truth).abs() > 10.0 * at(1, k).1, "the one without a jump is wrong at {k}");
+    }
+}
+
+#[test]
+fn a_kalman_filter_without_parameters_to_widen_is_refused() {
+    let refused = Scenario::from_toml("[[filters]]\nkind = \"kf\"\njump = true").unwrap_err().to_string();
+    assert!(refused.contains("filters[0].jump") && refused.contains("takes its parameters for known"), "{refused}");
+    let gain = "[[filters]]\nkind = \"kf\"\njump = true\naugment = [\"input_gain\"]";
+    assert!(Scenario::from_toml(gain).unwrap().filters[0].jump);
+    let written = Scenario::from_toml("[[filters]]\njump = true").unwrap().to_toml().unwrap();
+    assert!(written.contains("jump = true"));
+    assert!(!Scenario::default().to_toml().unwrap().contains("jump"), "what is not said is not written");
+}
