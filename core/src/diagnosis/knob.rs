@@ -46,7 +46,7 @@ impl Knob {
     pub fn filter(&self) -> Option<&str> {
         let rest = self.key.strip_prefix("filters.")?;
         // A setting has one key, or two where it has one for each channel; names may have dots.
-        let settings = ["initial_mean.", "initial_std.", "process_std."];
+        let settings = ["initial_mean.", "initial_std.", "process_std.", "adaptation."];
         let inner = settings.iter().find_map(|setting| rest.rfind(&format!(".{setting}")));
         Some(&rest[..inner.or_else(|| rest.rfind('.'))?])
     }
