@@ -115,7 +115,7 @@ fn unit_of(table: &kalmanscope_core::import::Table, column: &str) -> String {
 
 /// The path of a record as a scenario in `out` names it: relative if both are in one folder, and none for a pipe, which cannot be
 /// read again.
-fn path_from(out: Option<&Path>, file: &Path) -> String {
+pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
     if !file.is_file() || is_standard_input(file) {
         return String::new();
     }

@@ -12,8 +12,8 @@ use crate::table::summaries;
 ///
 /// ```text
 /// samples, start [s], dt [s], measured: [quantity]
-/// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, remedies }],
-///             estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
+/// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, remedies }], explained: whether the first
+///             cause leaves a good verdict, estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
 ///             mean_nis, mean_nees, log_likelihood, stopped: { sample, time, reason } }]
 /// free_runs: [{ record, filter, sensor, rms, percent, one_step_rms, one_step_percent }]
 /// ```
@@ -33,7 +33,7 @@ pub fn json(
         let is_filter = place < run.estimates().len();
         let evidence = analysis.diagnosis(place).filter(|_| is_filter).map_or_else(Vec::new, evidence);
         let causes = causes.get(place).filter(|_| is_filter).map_or(&[][..], Vec::as_slice);
-        filter(&summary, !is_filter, evidence, causes, record)
+        filter(&summary, !is_filter, evidence, causes, run)
     });
     let free_runs =
         records.iter().flat_map(|(name, record)| fits(run, record).into_iter().map(move |fit| free_run(name, fit)));
@@ -53,12 +53,14 @@ fn filter(
     is_smoothed: bool,
     evidence: Vec<String>,
     causes: &[Finding],
-    record: &Record,
+    run: &Run,
 ) -> Document {
+    let record = run.record();
     let verdict = summary.verdict.as_ref().map(|verdict| {
         Document::of_entries([("kind", text(verdict.kind.key())), ("sentence", Document::Text(verdict.to_string()))])
     });
-    let causes = likeliest(causes).map(|cause| {
+    let explained = if causes.is_empty() { Document::Null } else { Document::Flag(Finding::is_explained(causes)) };
+    let causes = likeliest(causes, run.scenario()).into_iter().map(|cause| {
         Document::of_entries([("sentence", Document::Text(cause.sentence)), ("remedies", texts(cause.remedies))])
     });
     let stopped = summary.stop.map(|stop| {
@@ -76,6 +78,7 @@ fn filter(
         ("verdict", verdict.unwrap_or(Document::Null)),
         ("evidence", texts(evidence)),
         ("causes", Document::List(causes.collect())),
+        ("explained", explained),
         ("estimates", Document::List(summary.finals.iter().map(estimate).collect())),
         ("mean_nis", number(summary.nis.as_ref().map(|nis| nis.mean))),
         ("mean_nees", number(summary.nees.as_ref().map(|nees| nees.mean))),

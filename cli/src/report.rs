@@ -58,7 +58,7 @@ pub fn report(
         let causes = causes.get(place).map_or(&[][..], Vec::as_slice);
         let is_filter = place < run.estimates().len();
         let diagnosis = if is_filter { analysis.diagnosis(place) } else { None };
-        filter::section(&mut page, summary, diagnosis, causes, (run.record(), length));
+        filter::section(&mut page, summary, diagnosis, causes, (run.record(), run.scenario(), length));
         page.list(run.estimates().get(place).into_iter().flat_map(|estimates| remarks(estimates, run.record())));
     }
     page.element("h2", "Figures");

@@ -4,10 +4,12 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use kalmanscope_cli::{PlotError, causes, free_runs, json, step_times, svg, table, write_estimates};
+use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::{Analysis, Record, RecordError, Run, VerdictKind, Wanted};
 use thiserror::Error;
 
 use crate::args::RunArgs;
+use crate::fix::write_fixed;
 use crate::input::InputError;
 use crate::places::{Places, is_standard_output, places, print, say, write};
 use crate::prepared::Prepared;
@@ -43,7 +45,7 @@ pub(crate) enum Ending {
 
 /// Runs the scenario, writes what was asked for and prints the table. What could not be written is told on standard error.
 pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
-    let RunArgs { source, out, record_out, svg: picture, fail_on, json: as_json, quiet } = args;
+    let RunArgs { source, fix, out, record_out, svg: picture, fail_on, json: as_json, quiet } = args;
     let outputs: Places<'_> = [("--out", out), ("--record-out", record_out), ("--svg", picture)]
         .map(|(word, file)| places(word, file))
         .concat();
@@ -59,13 +61,18 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
             report_error(&format_args!("{}: {error}", path.display()));
         }
     };
-    save(out, &|file| Ok(write_estimates(run, file)?));
+    save(&out.clone().filter(|_| fix.is_none()), &|file| Ok(write_estimates(run, file)?));
     save(record_out, &|file| write_record(run, *is_measured, file));
     save(picture, &|file| Ok(file.write_all(svg(run)?.as_bytes())?));
 
     let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
+    let causes = if *quiet && fix.is_none() { Vec::new() } else { causes(run, &analysis) };
+    if let (Some(number), Some(out)) = (fix, out) {
+        write_fixed(&prepared, &causes, usize::from(*number), out)?;
+    }
     if !quiet {
-        let text = if *as_json { results(&prepared, &analysis)? } else { words(&prepared, &analysis)? };
+        let text =
+            if *as_json { results(&prepared, &analysis, &causes)? } else { words(&prepared, &analysis, &causes)? };
         // Standard output is the file's that asks for it.
         if outputs.iter().any(|(_, file)| is_standard_output(file)) {
             say(&text.trim_end());
@@ -86,10 +93,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
 }
 
 /// The table and the free runs.
-fn words(prepared: &Prepared, analysis: &Analysis) -> Result<String, InputError> {
+fn words(prepared: &Prepared, analysis: &Analysis, causes: &[Vec<Finding>]) -> Result<String, InputError> {
     let Prepared { scenario, run, is_measured, held_out, .. } = prepared;
     let times = step_times(scenario, run).map_err(|error| prepared.bad_run(error))?;
-    let mut text = table(run, analysis, &causes(run, analysis), &times);
+    let mut text = table(run, analysis, causes, &times);
     if *is_measured {
         text.push_str(&free_runs(run, run.record(), OWN));
     }
@@ -100,13 +107,13 @@ fn words(prepared: &Prepared, analysis: &Analysis) -> Result<String, InputError>
 }
 
 /// The same as JSON, but for times, which differ from run to run.
-fn results(prepared: &Prepared, analysis: &Analysis) -> Result<String, InputError> {
+fn results(prepared: &Prepared, analysis: &Analysis, causes: &[Vec<Finding>]) -> Result<String, InputError> {
     let Prepared { file, run, is_measured, held_out, .. } = prepared;
     let others: Vec<String> = held_out.iter().map(|(path, _)| path.display().to_string()).collect();
     let own = is_measured.then(|| (OWN, run.record()));
     let others = others.iter().map(String::as_str).zip(held_out.iter().map(|(_, record)| record));
     let records: Vec<(&str, &Record)> = own.into_iter().chain(others).collect();
-    let text = json(run, analysis, &causes(run, analysis), &records);
+    let text = json(run, analysis, causes, &records);
     let text = text.map_err(|error| InputError::Laboratory { file: file.clone(), reason: error.to_string() })?;
     Ok(text + "\n")
 }

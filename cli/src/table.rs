@@ -5,9 +5,9 @@ use std::fmt::{self, Write as _};
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::diagnostics::Final;
 use kalmanscope_core::import::Length;
-use kalmanscope_core::{Analysis, Channel, CramerRao, Diagnosis, Estimates, FilterKind, Run, Summary};
+use kalmanscope_core::{Analysis, Channel, CramerRao, Diagnosis, Estimates, FilterKind, Run, Scenario, Summary};
 
-use crate::findings::{evidence, likeliest};
+use crate::findings::{evidence, likeliest, unexplained};
 use crate::number::{deviation, plain, short, with_spread};
 use crate::quality::quality;
 use crate::remarks::remarks;
@@ -64,7 +64,7 @@ fn write_table(
         }
         if filter.is_some() {
             write_evidence(text, analysis.diagnosis(i))?;
-            write_causes(text, causes.get(i).map_or(&[], Vec::as_slice))?;
+            write_causes(text, causes.get(i).map_or(&[], Vec::as_slice), run.scenario())?;
         }
         for row in rows {
             write_row(text, row, &widths)?;
@@ -102,8 +102,9 @@ fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Resu
     diagnosis.into_iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))
 }
 
-fn write_causes(text: &mut String, causes: &[Finding]) -> fmt::Result {
-    for (number, cause) in (1..).zip(likeliest(causes)) {
+fn write_causes(text: &mut String, causes: &[Finding], scenario: &Scenario) -> fmt::Result {
+    unexplained(causes).into_iter().try_for_each(|line| writeln!(text, "  {line}"))?;
+    for (number, cause) in (1..).zip(likeliest(causes, scenario)) {
         writeln!(text, "  cause {number}: {}", cause.sentence)?;
         cause.remedies.iter().try_for_each(|line| writeln!(text, "    {line}"))?;
     }
@@ -187,7 +188,7 @@ fn width(text: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::{Scenario, Wanted};
+    use kalmanscope_core::Wanted;
 
     use crate::{causes, run_scenario};
 

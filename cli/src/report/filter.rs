@@ -2,10 +2,10 @@
 
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::import::Length;
-use kalmanscope_core::{Diagnosis, Record, Summary};
+use kalmanscope_core::{Diagnosis, Record, Scenario, Summary};
 
 use super::html::Html;
-use crate::findings::{evidence, likeliest};
+use crate::findings::{evidence, likeliest, unexplained};
 use crate::number::plain;
 use crate::quality::quality;
 use crate::table::{COLUMNS, heading, row};
@@ -22,7 +22,7 @@ pub(super) fn section(
     summary: &Summary,
     diagnosis: Option<&Diagnosis>,
     causes: &[Finding],
-    (record, length): (&Record, Length),
+    (record, scenario, length): (&Record, &Scenario, Length),
 ) {
     page.element("h3", &heading(&summary.name, summary.kind));
     match &summary.verdict {
@@ -31,7 +31,8 @@ pub(super) fn section(
         None => {}
     }
     page.list(diagnosis.into_iter().flat_map(evidence));
-    for (number, cause) in (1..).zip(likeliest(causes)) {
+    unexplained(causes).into_iter().for_each(|line| page.element("p", &line));
+    for (number, cause) in (1..).zip(likeliest(causes, scenario)) {
         page.element("h4", &format!("Cause {number}: {}", cause.sentence));
         page.list(cause.remedies);
     }

@@ -42,6 +42,33 @@ impl Knob {
         format!("{inner} = {}", self.value)
     }
 
+    /// The whole lines that turn some knobs, each with the name of its filter if it is one of a filter's. A table with a number for
+    /// each channel is one line, so that it can take the place of that in a file.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn toml_lines(knobs: &[Self], scenario: &Scenario) -> Result<Vec<(Option<String>, String)>, ScenarioError> {
+        let mut file = Document::table(&Self::apply_all(knobs, scenario)?)?;
+        let mut lines: Vec<(Option<String>, String)> = Vec::new();
+        for knob in knobs {
+            let name = knob.filter();
+            let inner = name.map_or(knob.key.as_str(), |name| &knob.key["filters.".len() + name.len() + 1..]);
+            let outer = inner.split('.').next().unwrap_or(inner);
+            let table = match name {
+                None => Some(&mut file),
+                Some(name) => filter_named(&mut file, name),
+            };
+            // A setting that is back at its default has no line in the file.
+            let value = table.and_then(|table| table.get(outer)).filter(|value| outer == inner || value.is_table());
+            let line = value.map_or_else(|| knob.toml_line(), |value| format!("{outer} = {value}"));
+            let line = (name.map(str::to_owned), line);
+            if !lines.contains(&line) {
+                lines.push(line);
+            }
+        }
+        Ok(lines)
+    }
+
     /// The name of the filter whose setting it is, if it is one of a filter.
     pub fn filter(&self) -> Option<&str> {
         let rest = self.key.strip_prefix("filters.")?;
@@ -137,6 +164,15 @@ mod tests {
         assert_eq!((knobs[2].toml_line().as_str(), knobs[2].filter()), ("sensor_std = [0.1, 0.2]", Some("UKF, no. 2")));
         let rounded = Knob::of_filter("EKF", "sensor_std", vec![0.012_345_678, 1.005]).rounded();
         assert_eq!(rounded.toml_line(), "sensor_std = [0.01235, 1.005]");
+        let lines = Knob::toml_lines(&knobs, &scenario).unwrap();
+        assert_eq!(lines.len(), 5);
+        assert_eq!((&lines[0].0, lines[0].1.as_str()), (&None, "hold = \"first\""));
+        // A file takes each line in place of its own, which is a table in one line.
+        let (name, line) = &lines[1];
+        assert_eq!(name.as_deref(), Some("UKF, no. 2"));
+        let line: toml::Table = toml::from_str(line).unwrap();
+        assert_eq!(line["process_std"]["velocity"].as_float(), Some(0.5));
+        assert!(line["process_std"].as_table().unwrap().len() >= 4, "{line}");
         for wrong in [Knob::of_filter("PF", "fading", 1.0), Knob::of_filter("EKF", "fadng", 1.0)] {
             assert!(matches!(wrong.apply(&scenario), Err(ScenarioError::Syntax(_))), "{wrong:?}");
         }

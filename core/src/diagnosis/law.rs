@@ -9,6 +9,14 @@ use crate::select;
 use crate::smoother::Smoother;
 use crate::{Channel, Estimates, Quantity, Record, Scenario};
 
+/// A law in words.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Law {
+    pub(super) text: String,
+    /// Whether no plant nor input of a filter has it, so that the force is a real one.
+    pub(super) is_own: bool,
+}
+
 /// Limits the share of a force's mean square that a law must explain from below.
 const SHARE: f64 = 0.5;
 
@@ -56,7 +64,7 @@ impl ForceInHindsight {
     }
 
     /// The law in words; none where there is none.
-    pub(super) fn law(&self, dt: f64) -> Option<String> {
+    pub(super) fn law(&self, dt: f64) -> Option<Law> {
         let of = |channel| self.estimates.place(channel).map(|place| self.estimates.canonical_means(place));
         let force = of(Channel::UNKNOWN_FORCE)?;
         law(force, of(Channel::DISPLACEMENT)?, of(Channel::VELOCITY)?, dt)
@@ -69,7 +77,7 @@ impl ForceInHindsight {
 /// ```text
 /// u = a x + b v + c l(x, v),  l = sign v, v |v| or x³:  the one with the largest share of the mean square
 /// ```
-fn law(force: &[f64], displacement: &[f64], velocity: &[f64], dt: f64) -> Option<String> {
+fn law(force: &[f64], displacement: &[f64], velocity: &[f64], dt: f64) -> Option<Law> {
     let n = force.len().min(displacement.len()).min(velocity.len());
     let margin = (MARGIN * n as f64) as usize;
     let [mut u, mut x, mut v] = [force, displacement, velocity].map(|all| all[margin..n - margin].to_vec());
@@ -82,7 +90,8 @@ fn law(force: &[f64], displacement: &[f64], velocity: &[f64], dt: f64) -> Option
     if let Some((share, turn)) = wave(&u).filter(|(share, _)| *share > SHARE) {
         let amplitude = (2.0 * share * whole / samples as f64).sqrt();
         let (frequency, amplitude) = (short(turn / dt), short(amplitude));
-        return Some(format!("it is a wave of {frequency} rad/s with an amplitude of {amplitude} m/s²"));
+        let text = format!("it is a wave of {frequency} rad/s with an amplitude of {amplitude} m/s²");
+        return Some(Law { text, is_own: true });
     }
     let left_of_v = without(&v, &[&x]);
     let linear = share(&u, &x) + share(&u, &left_of_v);
@@ -100,15 +109,16 @@ fn law(force: &[f64], displacement: &[f64], velocity: &[f64], dt: f64) -> Option
     if linear + shares[best] < SHARE {
         return None;
     }
+    let is_linear = shares[best] < BEYOND;
     let text = match (best, grows) {
-        _ if shares[best] < BEYOND => "it is linear in the motion: the parameters themselves are other ones",
+        _ if is_linear => "it is linear in the motion: the parameters themselves are other ones",
         (0, false) => "it opposes the motion with the same size at any speed: dry friction",
         (0, true) | (1, false) => "it opposes the motion, and grows faster than the speed: a drag, as in a fluid",
         (1, true) => "it opposes the motion, and grows less than the speed: friction",
         (_, false) => "it grows with the cube of the displacement: the spring hardens",
         (_, true) => "it grows with the cube of the displacement: the spring softens",
     };
-    Some(format!("{text}, and ζ is not to be trusted"))
+    Some(Law { text: format!("{text}, and ζ is not to be trusted"), is_own: !is_linear && best < 2 })
 }
 
 /// The largest share of the mean square that one wave explains over all samples, and its frequency in radians a sample.
@@ -184,7 +194,7 @@ mod tests {
         let [x, v, noise] = motion();
         let named = |of: &dyn Fn(usize) -> f64| {
             let force: Vec<f64> = (0..x.len()).map(|k| of(k) + 0.1 * noise[k]).collect();
-            law(&force, &x, &v, 0.01).unwrap_or_default()
+            law(&force, &x, &v, 0.01).map_or(String::new(), |law| law.text)
         };
         assert!(named(&|k| 0.3 * v[k] - v[k].signum()).contains("dry friction"));
         assert!(named(&|k| -v[k] * v[k].abs() + 0.5 * v[k]).contains("drag"));

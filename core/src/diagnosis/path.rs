@@ -81,6 +81,11 @@ impl Path {
         Some(path)
     }
 
+    /// Whether one of its causes has a key.
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.steps.iter().any(|step| step.suspect.cause.key == key)
+    }
+
     /// The keys of its causes, sorted.
     pub(super) fn causes(&self) -> Vec<&'static str> {
         let mut keys: Vec<_> = self.steps.iter().map(|step| step.suspect.cause.key).collect();

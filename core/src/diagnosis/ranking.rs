@@ -81,7 +81,7 @@ impl Trials {
             let ranked = Ranked { finding, rank, achieved };
             let key = ranked.finding.suspect.cause.key;
             match all.iter_mut().find(|other| other.finding.suspect.cause.key == key) {
-                Some(other) if other.rank >= rank => {}
+                Some(other) if compare((&ranked.finding, rank), (&other.finding, other.rank)).is_le() => {}
                 Some(other) => *other = ranked,
                 None => all.push(ranked),
             }

@@ -9,7 +9,7 @@
 //! needless are left out.
 
 use super::finding::Finding;
-use super::law::ForceInHindsight;
+use super::law::{ForceInHindsight, Law};
 use super::path::Path;
 use super::ranking::{Ranked, WORTH, compare};
 use super::trial::Trials;
@@ -24,6 +24,12 @@ const FILTERS: usize = 6;
 
 /// The key of the cause whose force is looked at.
 const UNKNOWN_FORCE: &str = "unknown_force";
+
+/// The share of its gain that an unknown force without a law of its own is charged for fitting any record.
+const PRICE: f64 = 0.05;
+
+/// Limits the gain of a path that is tried beside one with such a force from below, relative to its gain.
+const FAR_BEHIND: f64 = 0.7;
 
 /// Limits the same once a remedy ends well.
 const FILTERS_ENOUGH: usize = 4;
@@ -43,7 +49,7 @@ pub struct Search {
     /// The filters on which causes were tried.
     filters: usize,
     /// The law that an unknown force follows, in words.
-    law: Option<String>,
+    law: Option<Law>,
 }
 
 /// The use of the trials that are under way.
@@ -52,8 +58,8 @@ enum Stage {
     Causes(Option<usize>),
     /// A run of the path at a place without one of its causes.
     Without { path: usize, step: usize, shorter: Path },
-    /// The unknown force of a remedy with hindsight.
-    Force(ForceInHindsight),
+    /// The unknown force of a remedy with hindsight, before the search goes on or at its end.
+    Force { force: ForceInHindsight, is_last: bool },
     Done,
 }
 
@@ -71,7 +77,7 @@ impl Search {
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let is_ready = match &mut self.stage {
-                Stage::Force(force) => force.advance(self.trials.record(), while_time),
+                Stage::Force { force, .. } => force.advance(self.trials.record(), while_time),
                 _ => self.trials.advance(while_time),
             };
             if !is_ready {
@@ -94,7 +100,8 @@ impl Search {
     pub fn progress(&self) -> f64 {
         match self.stage {
             Stage::Causes(_) => (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
-            Stage::Without { .. } | Stage::Force(_) => 0.99,
+            Stage::Without { .. } | Stage::Force { is_last: true, .. } => 0.99,
+            Stage::Force { is_last: false, .. } => 1.0 / FILTERS as f64,
             Stage::Done => 1.0,
         }
     }
@@ -110,16 +117,19 @@ impl Search {
         if matches!(self.stage, Stage::Causes(None)) {
             return self.trials.findings();
         }
-        let mut all: Vec<(Finding, f64)> = self.alone.iter().map(|one| (one.finding.clone(), one.rank)).collect();
+        let price = |key: &str, rank: f64| if key == UNKNOWN_FORCE { self.priced(rank) } else { rank };
+        let alone = self.alone.iter().map(|one| &one.finding).zip(self.alone.iter().map(|one| one.rank));
+        let alone = alone.map(|(one, rank)| (one.clone(), price(one.suspect.cause.key, rank)));
+        let mut all: Vec<(Finding, f64)> = alone.collect();
         for path in self.paths.iter().filter(|path| path.len() > 1 || path.is_tried) {
             let Some(finding) = path.finding() else { continue };
-            let key = finding.suspect.cause.key;
+            let (key, path_rank) = (finding.suspect.cause.key, self.rank(path));
             match all.iter_mut().find(|(other, _)| other.suspect.cause.key == key) {
-                Some((other, rank)) if compare((&finding, path.rank), (other, *rank)).is_gt() => {
-                    (*other, *rank) = (finding, path.rank);
+                Some((other, rank)) if compare((&finding, path_rank), (other, *rank)).is_gt() => {
+                    (*other, *rank) = (finding, path_rank);
                 }
                 Some(_) => {}
-                None => all.push((finding, path.rank)),
+                None => all.push((finding, path_rank)),
             }
         }
         sort_short_by(&mut all, |(a, a_rank), (b, b_rank)| compare((b, *b_rank), (a, *a_rank)));
@@ -135,7 +145,7 @@ impl Search {
         if let Some(law) = &self.law {
             let causes = findings.iter_mut().flat_map(Finding::causes_mut);
             let forces = causes.filter(|suspect| suspect.cause.key == UNKNOWN_FORCE);
-            forces.for_each(|suspect| suspect.sentence = format!("{}; {law}", suspect.sentence));
+            forces.for_each(|suspect| suspect.sentence = format!("{}; {}", suspect.sentence, law.text));
         }
         findings
     }
@@ -163,6 +173,7 @@ impl Search {
                     self.before = self.trials.before().cloned();
                     self.likelihood = self.trials.outcome_before().map_or(f64::NAN, |before| before.log_likelihood);
                     self.alone = ranked;
+                    return self.look_at_force(false);
                 }
                 self.try_next();
             }
@@ -183,7 +194,12 @@ impl Search {
                     self.shorten(path, step + 1);
                 }
             }
-            Stage::Force(force) => self.law = force.law(self.trials.record().dt()),
+            Stage::Force { force, is_last } => {
+                self.law = force.law(self.trials.record().dt());
+                if !is_last {
+                    self.try_next();
+                }
+            }
             Stage::Done => {}
         }
     }
@@ -191,13 +207,18 @@ impl Search {
     /// Tries the causes of what is left on the best path that does not end well, if it can still become the best.
     fn try_next(&mut self) {
         let ends_well = |path: &Path| path.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
-        let well = self.paths.iter().filter(|path| ends_well(path)).map(|path| path.rank).reduce(f64::max);
+        let best_of = |is: &dyn Fn(&Path) -> bool| {
+            self.paths.iter().filter(|path| ends_well(path) && is(path)).map(|path| self.rank(path)).reduce(f64::max)
+        };
+        // A force that may be anything ends well whatever is the cause: others have their turn, if they are not far behind.
+        let well = best_of(&|path| !self.is_any_force(path));
+        let least = well.or_else(|| best_of(&|_| true).map(|rank| FAR_BEHIND * rank));
         let limit = if well.is_some() { FILTERS_ENOUGH } else { FILTERS };
         let is_open = |path: &Path| {
-            !path.is_tried && path.len() < STEPS && !ends_well(path) && well.is_none_or(|well| path.rank > well)
+            !path.is_tried && path.len() < STEPS && !ends_well(path) && least.is_none_or(|least| self.rank(path) > least)
         };
         let open = self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
-        let best = open.max_by(|(_, a), (_, b)| a.rank.total_cmp(&b.rank)).map(|(place, _)| place);
+        let best = open.max_by(|(_, a), (_, b)| self.rank(a).total_cmp(&self.rank(b))).map(|(place, _)| place);
         match best.filter(|_| self.filters < limit) {
             Some(place) => {
                 self.filters += 1;
@@ -214,7 +235,7 @@ impl Search {
     fn shorten_first(&mut self) {
         match self.findings().first().and_then(|first| self.place_of(first)) {
             Some(path) => self.shorten(path, 0),
-            None => self.look_at_force(),
+            None => self.look_at_force(true),
         }
     }
 
@@ -224,12 +245,33 @@ impl Search {
         self.paths.iter().position(is_it)
     }
 
-    /// Looks at the unknown force of the first remedy that has one.
-    fn look_at_force(&mut self) {
+    /// Looks at the unknown force of the first remedy that has one, and then goes on or ends.
+    fn look_at_force(&mut self, is_last: bool) {
         let has_force = |finding: &Finding| finding.causes().any(|suspect| suspect.cause.key == UNKNOWN_FORCE);
         let place = self.findings().iter().find(|one| has_force(one)).and_then(|finding| self.place_of(finding));
+        let place = place.filter(|_| self.law.is_none());
         let force = place.and_then(|path| ForceInHindsight::new(&self.paths[path].scenario, self.trials.record()));
-        self.stage = force.map_or(Stage::Done, Stage::Force);
+        match force {
+            Some(force) => self.stage = Stage::Force { force, is_last },
+            None if is_last => self.stage = Stage::Done,
+            None => self.try_next(),
+        }
+    }
+
+    /// The gain that the order of a path goes by.
+    fn rank(&self, path: &Path) -> f64 {
+        if path.has(UNKNOWN_FORCE) { self.priced(path.rank) } else { path.rank }
+    }
+
+    /// The gain with an unknown force, less the price of one that follows no law of its own.
+    fn priced(&self, rank: f64) -> f64 {
+        let is_own = self.law.as_ref().is_some_and(|law| law.is_own);
+        if is_own || rank <= 0.0 { rank } else { (1.0 - PRICE) * rank }
+    }
+
+    /// Whether an unknown force that follows no law of its own is among the causes of a path.
+    fn is_any_force(&self, path: &Path) -> bool {
+        path.has(UNKNOWN_FORCE) && !self.law.as_ref().is_some_and(|law| law.is_own)
     }
 
     /// Tries a path without its cause at `step`, or without a later one.
@@ -242,7 +284,7 @@ impl Search {
                 self.run(&shorter, false);
                 self.stage = Stage::Without { path, step, shorter };
             }
-            None => self.look_at_force(),
+            None => self.look_at_force(true),
         }
     }
 
