@@ -49,6 +49,16 @@ fn keys(finding: &Finding) -> Vec<&'static str> {
     finding.causes().map(|suspect| suspect.cause.key).collect()
 }
 
+/// The findings in words.
+fn told(findings: &[Finding]) -> String {
+    let of = |finding: &Finding| {
+        let after = finding.after.as_ref().map_or("none", |verdict| verdict.kind.name());
+        let sentences: Vec<&str> = finding.causes().map(|suspect| suspect.sentence.as_str()).collect();
+        format!("{:+.0} {} -> {after}", finding.gain, sentences.join("; "))
+    };
+    findings.iter().map(of).collect::<Vec<_>>().join("\n")
+}
+
 /// The same record with other measurements.
 fn with(record: &Record, change: impl Fn(Quantity, usize, f64) -> f64) -> Record {
     let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
@@ -68,7 +78,7 @@ fn two_faults_have_one_remedy_and_its_verdict_is_kept() {
         let (before, findings) = judged(&scenario, &record);
         assert!(!before.is_good(), "seed {seed}: {before:?}");
         let first = &findings[0];
-        assert_eq!(keys(first), ["input_gain", "sensor_noise"], "seed {seed}");
+        assert_eq!(keys(first), ["input_gain", "sensor_noise"], "seed {seed}: {}", told(&findings));
         assert!(first.then[0].sentence.contains("too small"), "{}", first.then[0].sentence);
         assert!(Finding::is_explained(&findings));
         let promised = first.after.as_ref().unwrap().kind;
@@ -133,7 +143,7 @@ fn a_wave_that_nobody_records_is_named_with_its_frequency() {
     scenario.plant.set(Channel::UNKNOWN_FORCE, Signal::Sine(wave));
     let findings = judged(&scenario, &record(&scenario)).1;
     let force = findings.iter().flat_map(Finding::causes).find(|suspect| suspect.cause.key == "unknown_force");
-    let sentence = &force.unwrap().sentence;
+    let sentence = &force.unwrap_or_else(|| panic!("{}", told(&findings))).sentence;
     assert!(sentence.contains("it is a wave of 4.0 rad/s with an amplitude of "), "{sentence}");
 }
 
@@ -148,6 +158,6 @@ fn a_remedy_that_does_not_end_well_does_not_explain() {
     let (before, findings) = judged(&scenario, &spoilt);
     assert!(!before.is_good() && !findings.is_empty());
     let ends = findings[0].after.as_ref().unwrap().kind;
-    assert_eq!(Finding::is_explained(&findings), ends.is_good(), "{ends:?}");
+    assert_eq!(Finding::is_explained(&findings), ends.is_good(), "{}", told(&findings));
     assert!(findings.iter().skip(1).all(|one| ends.is_good() || !one.after.as_ref().is_some_and(|v| v.kind.is_good())));
 }

@@ -22,14 +22,21 @@ const STEPS: usize = 4;
 /// Limits the filters on which causes are tried, with the first one: each takes some thirty runs over the window.
 const FILTERS: usize = 6;
 
+/// The share of the search before needless causes are left out.
+const NEARLY: f64 = 0.99;
+
 /// The key of the cause whose force is looked at.
 const UNKNOWN_FORCE: &str = "unknown_force";
 
-/// The share of its gain that an unknown force without a law of its own is charged for fitting any record.
+/// The share of its gain that an unknown force without a law of its own is charged for fitting any record, and that one with such
+/// a law has in advance of noise, which fits any record too.
 const PRICE: f64 = 0.05;
 
 /// Limits the gain of a path that is tried beside one with such a force from below, relative to its gain.
 const FAR_BEHIND: f64 = 0.7;
+
+/// The first causes on which others are tried before there are three.
+const FIRSTS: usize = 3;
 
 /// Limits the same once a remedy ends well.
 const FILTERS_ENOUGH: usize = 4;
@@ -99,9 +106,9 @@ impl Search {
     /// The share that is done, from 0 to 1, as far as it can be told.
     pub fn progress(&self) -> f64 {
         match self.stage {
-            Stage::Causes(_) => (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
-            Stage::Without { .. } | Stage::Force { is_last: true, .. } => 0.99,
-            Stage::Force { is_last: false, .. } => 1.0 / FILTERS as f64,
+            Stage::Causes(_) => NEARLY * (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
+            Stage::Without { .. } | Stage::Force { is_last: true, .. } => NEARLY,
+            Stage::Force { is_last: false, .. } => NEARLY / FILTERS as f64,
             Stage::Done => 1.0,
         }
     }
@@ -217,8 +224,16 @@ impl Search {
         let is_open = |path: &Path| {
             !path.is_tried && path.len() < STEPS && !ends_well(path) && least.is_none_or(|least| self.rank(path) > least)
         };
-        let open = self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
-        let best = open.max_by(|(_, a), (_, b)| self.rank(a).total_cmp(&self.rank(b))).map(|(place, _)| place);
+        let open = || self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
+        // A path with more causes is likelier, also where it begins with a wrong one: the best first causes go ahead.
+        let mut firsts: Vec<f64> =
+            self.paths.iter().filter(|path| path.len() == 1).map(|path| self.rank(path)).collect();
+        sort_short_by(&mut firsts, |a, b| b.total_cmp(a));
+        let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
+        let is_first = |path: &Path| path.len() == 1 && self.rank(path) >= least_first;
+        let order = |path: &Path| (is_first(path), self.rank(path));
+        let better = |a: &Path, b: &Path| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal);
+        let best = open().max_by(|(_, a), (_, b)| better(a, b)).map(|(place, _)| place);
         match best.filter(|_| self.filters < limit) {
             Some(place) => {
                 self.filters += 1;
@@ -266,7 +281,8 @@ impl Search {
     /// The gain with an unknown force, less the price of one that follows no law of its own.
     fn priced(&self, rank: f64) -> f64 {
         let is_own = self.law.as_ref().is_some_and(|law| law.is_own);
-        if is_own || rank <= 0.0 { rank } else { (1.0 - PRICE) * rank }
+        let share = if is_own { 1.0 + PRICE } else { 1.0 - PRICE };
+        if rank > 0.0 { share * rank } else { rank }
     }
 
     /// Whether an unknown force that follows no law of its own is among the causes of a path.

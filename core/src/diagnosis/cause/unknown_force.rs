@@ -7,7 +7,7 @@ use crate::Channel;
 const FREE: f64 = 0.3;
 
 /// The tried changes of the force over one period of the oscillator, relative to the force that moves the spring.
-const CHANGES: [f64; 2] = [0.03, 0.3];
+const CHANGES: [f64; 3] = [0.03, 0.3, 2.0];
 
 pub(super) static CAUSE: Cause = Cause {
     key: "unknown_force",
