@@ -48,7 +48,7 @@ pub(super) fn disturbed(fault: Fault, record: &Record, truth: &Scenario, draw: &
             let (values, std) = (&mut columns[place].1, noise[place]);
             for (k, value) in values.iter_mut().enumerate() {
                 let share = k as f64 / n as f64;
-                let swing = 0.5 + 0.5 * (std::f64::consts::TAU * share / period).sin();
+                let swing = 0.5 + 0.5 * libm::sin(std::f64::consts::TAU * share / period);
                 let size = if fault == Fault::NoiseSwings { swing } else { f64::from(u8::from(share > from)) };
                 *value += more * size * std * draw.normal();
             }
@@ -57,7 +57,7 @@ pub(super) fn disturbed(fault: Fault, record: &Record, truth: &Scenario, draw: &
             let turn = draw.uniform(0.6, 2.5);
             let (values, std) = (&mut columns[place].1, noise[place]);
             let size = draw.uniform(1.0, 3.0) * std;
-            values.iter_mut().enumerate().for_each(|(k, value)| *value += size * (turn * k as f64).sin());
+            values.iter_mut().enumerate().for_each(|(k, value)| *value += size * libm::sin(turn * k as f64));
         }
         Fault::NoisyInput => {
             let std = draw.uniform(0.2, 0.5) * rms(&input);

@@ -50,7 +50,8 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
             return;
         }
         // Since the filter was as the user knows it.
-        let since = |i: usize| which(i) * (assumed[i] / matter.origin.sensor_std.get(i).unwrap_or(&assumed[i])).powi(2);
+        let turned_since = |i: usize| assumed[i] / matter.origin.sensor_std.get(i).unwrap_or(&assumed[i]);
+        let since = |i: usize| which(i) * turned_since(i) * turned_since(i);
         let of = |i: usize| {
             let (name, factor) = (case.sensors[i].sensor.key(), since(i));
             let (word, factor) = if factor > 1.0 { ("small", factor) } else { ("large", 1.0 / factor) };
