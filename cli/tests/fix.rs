@@ -22,12 +22,12 @@ fn write(folder: &TempDir, name: &str, text: &str) {
 
 /// Two faults: a gain, and an R that is too small; beside a filter that is right but for the gain, with a longer table in one line.
 const WRONG: &str = "seed = 11\ndt = 0.01\nduration = 30.0\nforce = { white_noise = { std = 10.0 } }\n\
-    [plant]\nnatural_frequency = 6.0\ndamping_ratio = 0.04\ninput_gain = 1.5\n\
+    [plant]\nnatural_frequency = 6.0\ndamping_ratio = 0.04\ndisturbance_std = 1.0\ninput_gain = 1.5\n\
     [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.005\n[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.03\n\
-    [[filters]]\nname = \"first\"\nkind = \"ekf\"\nsensor_std = [0.0017, 0.01]\n\
+    [[filters]]\nname = \"first\"\nkind = \"ekf\"\nsensor_std = [0.0022, 0.0134]\n\
     initial_mean = { natural_frequency = 6.4, damping_ratio = 0.05 }\n\
     initial_std = { natural_frequency = 0.6, damping_ratio = 0.02 }\n\
-    process_std = { displacement = 1e-7, velocity = 1e-5, natural_frequency = 6e-5, damping_ratio = 4e-7 }\n";
+    process_std = { displacement = 1e-7, velocity = 0.01, natural_frequency = 6e-5, damping_ratio = 4e-7 }\n";
 
 /// The verdict of the only filter in a table, and the first remedy that is told.
 fn verdict(table: &str) -> &str {
@@ -88,7 +88,7 @@ fn a_record_is_found_from_where_the_repaired_scenario_is() {
 fn what_cannot_be_fixed_is_said_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     write(&folder, "wrong.toml", WRONG);
-    write(&folder, "right.toml", &WRONG.replace("input_gain = 1.5\n", "").replace("sensor_std = [0.0017, 0.01]\n", ""));
+    write(&folder, "right.toml", &WRONG.replace("input_gain = 1.5\n", "").replace("sensor_std = [0.0022, 0.0134]\n", ""));
     let (code, _, error) = run(&folder, &["right.toml", "--fix", "1", "--out", "fixed.toml"]);
     assert_eq!(code, Some(2), "{error}");
     assert!(error.contains("there is nothing to fix"), "{error}");

@@ -72,8 +72,9 @@ fn with(record: &Record, change: impl Fn(Quantity, usize, f64) -> f64) -> Record
 #[test]
 fn two_faults_have_one_remedy_and_its_verdict_is_kept() {
     for seed in 11..14 {
-        let mut scenario = Scenario { seed, ..tuned("input_gain = 1.5") };
-        scenario.filters[0].sensor_std = vec![0.005 / 3.0, 0.03 / 3.0];
+        let mut scenario = Scenario { seed, ..tuned("input_gain = 1.5\ndisturbance_std = 1.0") };
+        scenario.filters[0].sensor_std = vec![0.0022, 0.0134];
+        scenario.filters[0].process_std[Channel::VELOCITY] = 0.01;
         let record = record(&scenario);
         let (before, findings) = judged(&scenario, &record);
         assert!(!before.is_good(), "seed {seed}: {before:?}");
