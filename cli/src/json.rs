@@ -48,13 +48,7 @@ pub fn json(
 }
 
 /// One filter, or one smoother.
-fn filter(
-    summary: &Summary,
-    is_smoothed: bool,
-    evidence: Vec<String>,
-    causes: &[Finding],
-    run: &Run,
-) -> Document {
+fn filter(summary: &Summary, is_smoothed: bool, evidence: Vec<String>, causes: &[Finding], run: &Run) -> Document {
     let record = run.record();
     let verdict = summary.verdict.as_ref().map(|verdict| {
         Document::of_entries([("kind", text(verdict.kind.key())), ("sentence", Document::Text(verdict.to_string()))])

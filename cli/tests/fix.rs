@@ -88,7 +88,11 @@ fn a_record_is_found_from_where_the_repaired_scenario_is() {
 fn what_cannot_be_fixed_is_said_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     write(&folder, "wrong.toml", WRONG);
-    write(&folder, "right.toml", &WRONG.replace("input_gain = 1.5\n", "").replace("sensor_std = [0.0022, 0.0134]\n", ""));
+    write(
+        &folder,
+        "right.toml",
+        &WRONG.replace("input_gain = 1.5\n", "").replace("sensor_std = [0.0022, 0.0134]\n", ""),
+    );
     let (code, _, error) = run(&folder, &["right.toml", "--fix", "1", "--out", "fixed.toml"]);
     assert_eq!(code, Some(2), "{error}");
     assert!(error.contains("there is nothing to fix"), "{error}");

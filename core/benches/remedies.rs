@@ -178,7 +178,8 @@ fn print_row(title: &str, outcomes: &[&Outcome], with_causes: bool) {
     let grows = count(&|one| one.after.is_some_and(|(after, _)| after.worse() > GROWS * one.before.worse()));
     let before = count(&|one| one.before.are_within());
     let after = count(&|one| one.after.map_or(one.before, |(after, _)| after).are_within());
-    let right = |one: &Outcome| one.faults.iter().any(|fault| fault.causes().contains(one.causes.first().unwrap_or(&"")));
+    let right =
+        |one: &Outcome| one.faults.iter().any(|fault| fault.causes().contains(one.causes.first().unwrap_or(&"")));
     let named = bad.iter().filter(|one| one.faults.iter().any(|fault| !fault.causes().is_empty())).count();
     let mut text = format!(
         "{title:24} {:5} {good:5} {grows:6}  {before:4} → {after:<4} {:3} of {named}",

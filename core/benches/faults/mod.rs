@@ -72,7 +72,9 @@ impl Situation {
         let strength = if own_plant { 10.0 } else { draw.log_uniform(1.0, 20.0) };
         let force = match draw.0.uniform() {
             u if u < 0.5 || own_plant => Force::WhiteNoise { std: strength },
-            u if u < 0.8 => Force::Chirp { amplitude: 0.5 * strength, from: 0.3 * wn, to: 3.0 * wn, sweep: 0.3 * duration },
+            u if u < 0.8 => {
+                Force::Chirp { amplitude: 0.5 * strength, from: 0.3 * wn, to: 3.0 * wn, sweep: 0.3 * duration }
+            }
             _ => Force::ImpulseTrain { impulse: strength * 0.6 / wn, period: draw.uniform(6.0, 15.0) / wn },
         };
         let power = match force {
@@ -86,16 +88,13 @@ impl Situation {
         truth.plant.kind = PlantKind::SDOF;
         truth.plant.set(Channel::NATURAL_FREQUENCY, wn);
         truth.plant.set(Channel::DAMPING_RATIO, zeta);
-        let (x, v, a) =
-            ((Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1), (Quantity::ACCELERATION, 2));
+        let (x, v, a) = ((Quantity::DISPLACEMENT, 0), (Quantity::VELOCITY, 1), (Quantity::ACCELERATION, 2));
         let several = faults.contains(&Fault::Scale) || faults.contains(&Fault::Bias);
         let sets: &[&[(Quantity, i32)]] = &[&[x, v], &[x, a], &[x, v, a], &[x], &[v], &[a]];
         let set = draw.choice(if several { &sets[..3] } else { sets });
         let relative = draw.log_uniform(0.02, 0.1);
-        let noise = |(measures, rate): (Quantity, i32)| Sensor {
-            measures,
-            noise_std: relative * base.size * wn.powi(rate),
-        };
+        let noise =
+            |(measures, rate): (Quantity, i32)| Sensor { measures, noise_std: relative * base.size * wn.powi(rate) };
         truth.sensors = set.iter().map(|&one| noise(one)).collect();
         truth.plant.disturbance_std = draw.log_uniform(0.05, 0.2) * (power / dt).sqrt();
         let mut filter = Self::well_tuned(&truth, &mut draw, &base);

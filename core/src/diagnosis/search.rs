@@ -53,9 +53,16 @@ enum Stage {
     /// Causes of the filter as it is, or of what is left of it on a path.
     Causes(Option<usize>),
     /// A run of the path at a place without one of its causes.
-    Without { path: usize, step: usize, shorter: Path },
+    Without {
+        path: usize,
+        step: usize,
+        shorter: Path,
+    },
     /// The unknown force of a remedy with hindsight, before the search goes on or at its end.
-    Force { force: ForceInHindsight, is_last: bool },
+    Force {
+        force: ForceInHindsight,
+        is_last: bool,
+    },
     Done,
 }
 
@@ -231,7 +238,8 @@ impl Search {
     fn shorten(&mut self, path: usize, step: usize) {
         let whole = &self.paths[path];
         let can = |step: &usize| whole.len() > 1 && *step + 1 < whole.len();
-        let shorter = (step..).take_while(can).find_map(|step| Some((step, whole.without(step, &self.origin.scenario)?)));
+        let shorter =
+            (step..).take_while(can).find_map(|step| Some((step, whole.without(step, &self.origin.scenario)?)));
         match shorter {
             Some((step, shorter)) => {
                 self.run(&shorter, false);

@@ -29,7 +29,10 @@ impl Search {
         let least = well.or_else(|| best_of(&|_| true).map(|rank| FAR_BEHIND * rank));
         let limit = if well.is_some() { FILTERS_ENOUGH } else { FILTERS };
         let is_open = |path: &Path| {
-            !path.is_tried && path.len() < STEPS && !ends_well(path) && least.is_none_or(|least| self.rank(path) > least)
+            !path.is_tried
+                && path.len() < STEPS
+                && !ends_well(path)
+                && least.is_none_or(|least| self.rank(path) > least)
         };
         let open = || self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
         // A path with more causes is likelier, also where it begins with a wrong one: the best first causes go ahead.
