@@ -33,7 +33,7 @@ impl CommandLine {
 pub(crate) enum Command {
     /// Run a scenario to its end and print the results of each filter
     #[command(
-        after_help = "Examples:\n  kalmanscope-cli run scenario.toml --out estimates.csv --svg plots.svg\n  kalmanscope-cli run record.toml --holdout other.csv --json > results.json"
+        after_help = "Examples:\n  kalmanscope-cli run scenario.toml --out estimates.csv --svg plots.svg\n  kalmanscope-cli run record.toml --holdout other.csv --json > results.json\n  kalmanscope-cli run record.toml --fix 1 --out fixed.toml"
     )]
     Run(RunArgs),
     /// Run a scenario and write its results as one page for a browser or a printer
@@ -210,6 +210,10 @@ impl SourceArgs {
 pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) source: SourceArgs,
+    /// Write the scenario with remedy N of each filter that is not to be believed to the file of --out, in place of the estimates.
+    /// The table numbers the remedies
+    #[arg(long, value_name = "N", requires = "out", conflicts_with = "then", value_parser = clap::value_parser!(u8).range(1..))]
+    pub(crate) fix: Option<u8>,
     /// Write every estimate of every filter; `-`, here and in other outputs, for standard output: the table then goes to standard
     /// error
     #[arg(long, value_name = "ESTIMATES.csv")]

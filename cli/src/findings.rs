@@ -1,8 +1,8 @@
 //! The evidence for a verdict and the causes of it, in words.
 
-use kalmanscope_core::Diagnosis;
-use kalmanscope_core::diagnosis::{Evidence, Finding};
+use kalmanscope_core::diagnosis::{Evidence, Finding, Knob};
 use kalmanscope_core::sorting::sort_short_by;
+use kalmanscope_core::{Diagnosis, Scenario};
 
 use crate::number::{fixed, legible};
 
@@ -21,18 +21,24 @@ pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
     counting.iter().take(MOST.0).map(line).collect()
 }
 
-/// A cause in words.
+/// A cause in words, or several that are repaired one after the other.
 pub(crate) struct CauseInWords {
-    /// The cause, the gain in likelihood with the knob turned, and the verdict then.
+    /// The causes in order, the gain in likelihood with all knobs turned, and the verdict then.
     pub(crate) sentence: String,
     /// The lines to write into the scenario, or a hint where there is no setting to change.
     pub(crate) remedies: Vec<String>,
 }
 
-/// The likeliest causes, the first the likeliest.
-pub(crate) fn likeliest(causes: &[Finding]) -> impl Iterator<Item = CauseInWords> {
-    causes.iter().take(MOST.1).map(|finding| {
-        let suspect = &finding.suspect;
+/// The sentence that stands before causes none of which explains the verdict; none where the first one does.
+pub(crate) fn unexplained(causes: &[Finding]) -> Option<String> {
+    let best = causes.first().filter(|first| !first.explains())?;
+    let ends = best.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
+    Some(format!("none of these causes explains it: with the best remedy it is still {ends}"))
+}
+
+/// The likeliest causes, the first the likeliest, for a filter of a scenario.
+pub(crate) fn likeliest(causes: &[Finding], scenario: &Scenario) -> Vec<CauseInWords> {
+    let words = |(number, finding): (usize, &Finding)| {
         let mut told = Vec::new();
         if finding.gain.is_finite() {
             let sign = if finding.gain < 0.0 { "" } else { "+" };
@@ -40,15 +46,26 @@ pub(crate) fn likeliest(causes: &[Finding]) -> impl Iterator<Item = CauseInWords
         }
         told.extend(finding.after.as_ref().map(|verdict| format!("then {}", verdict.kind.name())));
         let told = if told.is_empty() { String::new() } else { format!(" ({})", told.join(", ")) };
-        let sentence = format!("{}: {}{told}", suspect.cause.name, suspect.sentence);
-        let mut remedies = Vec::new();
-        for knob in &suspect.knobs {
-            let place = if knob.filter().is_some() { "in its [[filters]]" } else { "at the top" };
-            remedies.push(format!("write {place}: {}", legible(&knob.rounded().toml_line())));
-        }
-        if suspect.knobs.is_empty() {
-            remedies.push(suspect.cause.hint.to_owned());
-        }
+        let each = finding.causes().map(|suspect| format!("{}: {}", suspect.cause.name, suspect.sentence));
+        let sentence = each.collect::<Vec<_>>().join("; and then ") + &told;
+        let remedies = if finding.knobs.is_empty() {
+            vec![finding.suspect.cause.hint.to_owned()]
+        } else {
+            let mut remedies = lines(&finding.knobs, scenario);
+            remedies.push(format!("or have it written: kalmanscope-cli run ... --fix {number} --out FIXED.toml"));
+            remedies
+        };
         CauseInWords { sentence, remedies }
-    })
+    };
+    (1..).zip(causes).take(MOST.1).map(words).collect()
+}
+
+/// The lines that turn some knobs.
+fn lines(knobs: &[Knob], scenario: &Scenario) -> Vec<String> {
+    let line = |(filter, line): (Option<String>, String)| {
+        let place = if filter.is_some() { "in its [[filters]]" } else { "at the top" };
+        format!("write {place}: {}", legible(&line))
+    };
+    // A trial has turned them: they can be turned.
+    Knob::toml_lines(knobs, scenario).unwrap_or_default().into_iter().map(line).collect()
 }

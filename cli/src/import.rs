@@ -133,7 +133,7 @@ fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String 
 
 /// The path of a record as a scenario in `out` names it: relative if both are in one folder, and none for a pipe, which cannot be
 /// read again.
-fn path_from(out: Option<&Path>, file: &Path) -> String {
+pub(crate) fn path_from(out: Option<&Path>, file: &Path) -> String {
     if !file.is_file() || is_standard_input(file) {
         return String::new();
     }

@@ -2,7 +2,7 @@
 
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::diagnostics::Final;
-use kalmanscope_core::{Document, DocumentError, Fit, Record, Summary};
+use kalmanscope_core::{Document, DocumentError, Fit, Summary};
 
 use crate::findings::{evidence, likeliest};
 use crate::free_run::FreeFit;
@@ -14,6 +14,7 @@ impl Results<'_> {
     /// ```text
     /// samples, start [s], dt [s], measured: [quantity]
     /// filters: [{ name, kind, smoothed, samples, verdict: { kind, sentence }, evidence: [sentence], causes: [{ sentence, remedies }],
+    ///             explained: whether the first cause leaves a good verdict,
     ///             estimates: [{ channel, unit, mean, std, error, rmse, share_inside, settled }],
     ///             mean_nis, mean_nees, log_likelihood, stopped: { sample, time, reason } }]
     /// free_runs: [{ record, filter, sensor, rms, percent, one_step_rms, one_step_percent }]
@@ -25,9 +26,9 @@ impl Results<'_> {
         let record = self.record;
         let filters = self.filters.iter().map(|one| {
             let evidence = one.diagnosis.as_ref().map_or_else(Vec::new, evidence);
-            filter(&one.summary, false, evidence, &one.causes, record)
+            filter(&one.summary, false, evidence, &one.causes, self)
         });
-        let smoothers = self.smoothers.iter().map(|summary| filter(summary, true, Vec::new(), &[], record));
+        let smoothers = self.smoothers.iter().map(|summary| filter(summary, true, Vec::new(), &[], self));
         let free_runs = self.free_runs.iter().flat_map(|runs| runs.fits.iter().map(|fit| free_run(&runs.name, fit)));
         Document::json_lines(&Document::of_entries([
             ("samples", count(record.len())),
@@ -46,12 +47,14 @@ fn filter(
     is_smoothed: bool,
     evidence: Vec<String>,
     causes: &[Finding],
-    record: &Record,
+    results: &Results<'_>,
 ) -> Document {
+    let Results { scenario, record, .. } = results;
     let verdict = summary.verdict.as_ref().map(|verdict| {
         Document::of_entries([("kind", text(verdict.kind.key())), ("sentence", Document::Text(verdict.to_string()))])
     });
-    let causes = likeliest(causes).map(|cause| {
+    let explained = if causes.is_empty() { Document::Null } else { Document::Flag(Finding::is_explained(causes)) };
+    let causes = likeliest(causes, scenario).into_iter().map(|cause| {
         Document::of_entries([("sentence", Document::Text(cause.sentence)), ("remedies", texts(cause.remedies))])
     });
     let stopped = summary.stop.map(|stop| {
@@ -69,6 +72,7 @@ fn filter(
         ("verdict", verdict.unwrap_or(Document::Null)),
         ("evidence", texts(evidence)),
         ("causes", Document::List(causes.collect())),
+        ("explained", explained),
         ("estimates", Document::List(summary.finals.iter().map(estimate).collect())),
         ("mean_nis", number(summary.nis.as_ref().map(|nis| nis.mean))),
         ("mean_nees", number(summary.nees.as_ref().map(|nees| nees.mean))),

@@ -4,6 +4,7 @@
 //! 3 a filter has a verdict that `--fail-on` names.
 
 mod args;
+mod fix;
 mod import;
 mod input;
 mod lesson;

@@ -49,17 +49,16 @@ pub fn report(
     origin(&mut page, run);
     let results = Results::of_run(run, analysis, causes.to_vec());
     let Results { scenario, record, filters, smoothers, .. } = results;
-    let mapping = scenario.record.as_ref();
     page.element("h2", "Filters");
     if filters.is_empty() {
         page.element("p", "There are no filters.");
     }
     for FilterResults { summary, diagnosis, causes, remarks: said, .. } in &filters {
-        filter::section(&mut page, summary, diagnosis.as_ref(), causes, (record, mapping));
+        filter::section(&mut page, summary, diagnosis.as_ref(), causes, (record, &scenario));
         page.list(remarks(said, record));
     }
     for summary in &smoothers {
-        filter::section(&mut page, summary, None, &[], (record, mapping));
+        filter::section(&mut page, summary, None, &[], (record, &scenario));
     }
     page.element("h2", "Figures");
     for picture in pages(run)? {

@@ -8,6 +8,7 @@ use kalmanscope_core::{Analysis, DocumentError, RecordError, Run, VerdictKind, W
 use thiserror::Error;
 
 use crate::args::RunArgs;
+use crate::fix::write_fixed;
 use crate::input::InputError;
 use crate::places::{Places, is_standard_output, places, print, say, write};
 use crate::prepared::Prepared;
@@ -41,13 +42,13 @@ pub(crate) enum Ending {
 
 /// Runs the scenario, writes what was asked for and prints the table. What could not be written is told on standard error.
 pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
-    let RunArgs { source, out, record_out, svg: picture, fail_on, json: as_json, quiet } = args;
+    let RunArgs { source, fix, out, record_out, svg: picture, fail_on, json: as_json, quiet } = args;
     let outputs: Places<'_> = [("--out", out), ("--record-out", record_out), ("--svg", picture)]
         .map(|(word, file)| places(word, file))
         .concat();
     let prepared = Prepared::new(source, &outputs, *quiet)?;
     // Only files need the whole history of every filter.
-    let with_history = out.is_some() || picture.is_some();
+    let with_history = (out.is_some() && fix.is_none()) || picture.is_some();
     let run = if with_history { prepared.run(*quiet)? } else { prepared.truth()? };
 
     let mut well = true;
@@ -59,11 +60,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
             report_error(&format_args!("{}: {error}", path.display()));
         }
     };
-    save(out, &|file| Ok(write_estimates(&run, file)?));
+    save(&out.clone().filter(|_| fix.is_none()), &|file| Ok(write_estimates(&run, file)?));
     save(record_out, &|file| write_record(&run, prepared.is_measured, file));
     save(picture, &|file| Ok(file.write_all(svg(&run)?.as_bytes())?));
 
     let results = if with_history { of_history(&prepared, &run) } else { in_turn(&prepared, &run, *quiet)? };
+    if let (Some(number), Some(out)) = (fix, out) {
+        write_fixed(&prepared, results.causes(), usize::from(*number), out)?;
+    }
     let results = if *as_json || *quiet {
         results
     } else {

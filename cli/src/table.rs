@@ -5,9 +5,9 @@ use std::fmt::{self, Write as _};
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::diagnostics::Final;
 use kalmanscope_core::import::Length;
-use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, Run, Summary};
+use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, Run, Scenario, Summary};
 
-use crate::findings::{evidence, likeliest};
+use crate::findings::{evidence, likeliest, unexplained};
 use crate::number::{deviation, fixed, plain, short, with_spread};
 use crate::other_units::rows;
 use crate::quality::quality;
@@ -65,7 +65,7 @@ fn write_table(text: &mut String, results: &Results<'_>) -> fmt::Result {
         }
         if let Some(filter) = filter {
             write_evidence(text, filter.diagnosis.as_ref())?;
-            write_causes(text, &filter.causes)?;
+            write_causes(text, &filter.causes, scenario)?;
         }
         for row in rows {
             write_row(text, row, &widths)?;
@@ -92,8 +92,9 @@ fn write_evidence(text: &mut String, diagnosis: Option<&Diagnosis>) -> fmt::Resu
     diagnosis.into_iter().flat_map(evidence).try_for_each(|line| writeln!(text, "    {line}"))
 }
 
-fn write_causes(text: &mut String, causes: &[Finding]) -> fmt::Result {
-    for (number, cause) in (1..).zip(likeliest(causes)) {
+fn write_causes(text: &mut String, causes: &[Finding], scenario: &Scenario) -> fmt::Result {
+    unexplained(causes).into_iter().try_for_each(|line| writeln!(text, "  {line}"))?;
+    for (number, cause) in (1..).zip(likeliest(causes, scenario)) {
         writeln!(text, "  cause {number}: {}", cause.sentence)?;
         cause.remedies.iter().try_for_each(|line| writeln!(text, "    {line}"))?;
     }
@@ -173,7 +174,7 @@ fn width(text: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::{Scenario, Wanted};
+    use kalmanscope_core::Wanted;
 
     use crate::{causes, run_scenario};
 

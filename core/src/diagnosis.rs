@@ -1,7 +1,7 @@
 //! Whether a filter is to be believed, on which evidence, and what to turn where it is not.
 //!
 //! ```text
-//! Diagnostics, Estimates, Record ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ Suspects ──trials──▶ Findings
+//! Diagnostics, Estimates, Record ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ Suspects ──trials, search──▶ Findings
 //! ```
 //!
 //! Each test ([`Test`]) is a file in `diagnosis/tests`, each cause ([`Cause`]) one in `diagnosis/cause`.
@@ -12,14 +12,19 @@ mod change;
 mod distributions;
 mod errors;
 mod evidence;
+mod finding;
 mod innovations;
 mod knob;
 mod lagged;
+mod law;
 mod level;
 mod live;
 mod one_pass;
 mod parts;
+mod path;
 mod periodogram;
+mod ranking;
+mod search;
 mod tests;
 mod trial;
 mod verdict;
@@ -31,18 +36,20 @@ use std::ops::Range;
 
 use crate::diagnostics::Depth;
 use crate::sorting::sort_short_by;
-use crate::{CramerRao, Diagnostics, Estimates, Record, RunError, Scenario};
+use crate::{CramerRao, Diagnostics, Estimates, FilterSettings, Record, RunError, Scenario};
 
 use case::Case;
 use cause::Matter;
 
 pub use cause::{CAUSES, Cause, Suspect};
 pub use evidence::{Evidence, Subject, Test};
+pub use finding::Finding;
 pub use knob::Knob;
 pub use live::LiveDiagnosis;
 pub use parts::PARTS;
+pub use search::Search;
 pub use tests::TESTS;
-pub use trial::{Finding, Trials};
+pub use trial::Trials;
 pub use verdict::Verdict;
 pub use verdict_kind::VerdictKind;
 
@@ -109,9 +116,23 @@ impl Diagnosis {
         estimates: &Estimates,
         record: &Record,
     ) -> Vec<Suspect> {
+        let Some(filter) = scenario.filters.get(place) else { return Vec::new() };
+        self.since(filter, scenario, place, diagnostics, estimates, record)
+    }
+
+    /// The same for a filter some of whose knobs have been turned since it was another one.
+    fn since(
+        &self,
+        origin: &FilterSettings,
+        scenario: &Scenario,
+        place: usize,
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+    ) -> Vec<Suspect> {
         let Some(filter) = scenario.filters.get(place).filter(|_| !estimates.is_empty()) else { return Vec::new() };
         let case = one_pass::case(diagnostics, estimates, record, None, self.samples.clone());
-        let matter = Matter { case: &case, evidence: &self.evidence, scenario, filter };
+        let matter = Matter { case: &case, evidence: &self.evidence, scenario, filter, origin };
         let mut suspects = Vec::new();
         for cause in CAUSES {
             (cause.suspects)(&matter, cause, &mut suspects);
@@ -134,5 +155,21 @@ impl Diagnosis {
     ) -> Result<Trials, RunError> {
         let suspects = self.suspects(scenario, place, diagnostics, estimates, record);
         Trials::new(scenario, place, estimates, record, suspects)
+    }
+
+    /// The search for remedies of the filter at `place` of a scenario, of one cause or of several. The other arguments are those of
+    /// [`Self::new`].
+    ///
+    /// # Errors
+    /// As [`Self::trials`].
+    pub fn search(
+        &self,
+        scenario: &Scenario,
+        place: usize,
+        diagnostics: &Diagnostics,
+        estimates: &Estimates,
+        record: &Record,
+    ) -> Result<Search, RunError> {
+        Ok(Search::new(self.trials(scenario, place, diagnostics, estimates, record)?))
     }
 }

@@ -1,7 +1,7 @@
 //! Trials of what may be wrong with filters that are not to be believed, beside the drawing.
 
 use kalmanscope_core::Verdict;
-use kalmanscope_core::diagnosis::{Finding, Trials};
+use kalmanscope_core::diagnosis::{Finding, Search};
 
 use super::Session;
 
@@ -20,7 +20,7 @@ pub struct Attempt {
     /// The picture's number and the samples that were done when they began.
     of: (u64, usize),
     /// None once they are done.
-    trials: Option<Trials>,
+    search: Option<Search>,
     progress: f64,
     before: Option<Verdict>,
     findings: Vec<Finding>,
@@ -36,7 +36,7 @@ impl Attempt {
 
     /// Whether trials are under way.
     pub fn is_under_way(&self) -> bool {
-        self.trials.is_some()
+        self.search.is_some()
     }
 
     /// The verdict on the filter as it is, over the samples that are tried; none before it is known.
@@ -44,28 +44,28 @@ impl Attempt {
         self.before.as_ref()
     }
 
-    /// The causes that were found, the likeliest first. While trials are under way for the first time, each keeps the place
-    /// at which it was found.
+    /// The remedies that were found, each of one cause or of several, the likeliest first. While the search is under way for the
+    /// first time, each keeps the place at which it was found.
     pub fn findings(&self) -> &[Finding] {
         &self.findings
     }
 
     /// Goes on while there is time. Results of trials before stay until all new ones are there.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
-        let Some(trials) = &mut self.trials else { return };
-        let is_done = trials.advance(while_time);
-        self.progress = trials.progress();
+        let Some(search) = &mut self.search else { return };
+        let is_done = search.advance(while_time);
+        self.progress = search.progress();
         if is_done || !self.is_complete {
-            self.before = trials.before().cloned();
+            self.before = search.before().cloned();
         }
         if is_done {
-            self.findings = trials.findings();
+            self.findings = search.findings();
         } else if !self.is_complete {
-            self.findings = in_places_of(&self.findings, trials.findings());
+            self.findings = in_places_of(&self.findings, search.findings());
         }
         if is_done {
             self.is_complete = true;
-            self.trials = None;
+            self.search = None;
         }
     }
 }
@@ -139,10 +139,10 @@ impl Session {
     fn begin_attempt(&self, filter: u32, place: usize, before: Option<Attempt>) -> Option<Attempt> {
         let run = self.run();
         let (diagnostics, estimates) = (&self.diagnostics()[place], &run.estimates()[place]);
-        let trials = self.diagnosis(place)?.trials(run.scenario(), place, diagnostics, estimates, run.record()).ok()?;
+        let search = self.diagnosis(place)?.search(run.scenario(), place, diagnostics, estimates, run.record()).ok()?;
         let of = (self.generation, run.done());
         let (findings, verdict, is_complete) =
             before.map_or((Vec::new(), None, false), |attempt| (attempt.findings, attempt.before, attempt.is_complete));
-        Some(Attempt { filter, of, trials: Some(trials), progress: 0.0, before: verdict, findings, is_complete })
+        Some(Attempt { filter, of, search: Some(search), progress: 0.0, before: verdict, findings, is_complete })
     }
 }

@@ -1,11 +1,10 @@
 //! The part of a report about one filter, or one smoother.
 
 use kalmanscope_core::diagnosis::Finding;
-use kalmanscope_core::import::Mapping;
-use kalmanscope_core::{Diagnosis, Record, Summary};
+use kalmanscope_core::{Diagnosis, Record, Scenario, Summary};
 
 use super::html::Html;
-use crate::findings::{evidence, likeliest};
+use crate::findings::{evidence, likeliest, unexplained};
 use crate::number::plain;
 use crate::other_units::rows;
 use crate::quality::quality;
@@ -23,7 +22,7 @@ pub(super) fn section(
     summary: &Summary,
     diagnosis: Option<&Diagnosis>,
     causes: &[Finding],
-    (record, mapping): (&Record, Option<&Mapping>),
+    (record, scenario): (&Record, &Scenario),
 ) {
     page.element("h3", &heading(&summary.name, summary.kind));
     match &summary.verdict {
@@ -32,11 +31,13 @@ pub(super) fn section(
         None => {}
     }
     page.list(diagnosis.into_iter().flat_map(evidence));
-    for (number, cause) in (1..).zip(likeliest(causes)) {
+    unexplained(causes).into_iter().for_each(|line| page.element("p", &line));
+    for (number, cause) in (1..).zip(likeliest(causes, scenario)) {
         page.element("h4", &format!("Cause {number}: {}", cause.sentence));
         page.list(cause.remedies);
     }
-    let rows: Vec<[String; COLUMNS]> = summary.finals.iter().flat_map(|last| rows(last, mapping)).collect();
+    let rows: Vec<[String; COLUMNS]> =
+        summary.finals.iter().flat_map(|last| rows(last, scenario.record.as_ref())).collect();
     // A column that is empty in every row is left out.
     let kept: Vec<usize> = (0..COLUMNS).filter(|&i| rows.iter().any(|row| !row[i].is_empty())).collect();
     let headings: Vec<&str> = kept.iter().map(|&i| HEADINGS[i]).collect();

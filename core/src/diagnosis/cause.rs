@@ -1,5 +1,6 @@
 //! Causes by name, each with its evidence and the knob that takes it away.
 
+mod changing_noise;
 mod collapsed_sample;
 mod felt_disturbance;
 mod initial_guess;
@@ -31,6 +32,7 @@ pub static CAUSES: &[&Cause] = &[
     &collapsed_sample::CAUSE,
     &no_excitation::CAUSE,
     &sensor_noise::CAUSE,
+    &changing_noise::CAUSE,
     &felt_disturbance::CAUSE,
     &process_noise::CAUSE,
     &input_delay::CAUSE,
@@ -64,7 +66,7 @@ pub struct Cause {
 pub struct Suspect {
     /// The cause.
     pub cause: &'static Cause,
-    /// The cause in words and numbers.
+    /// The cause in words and numbers; empty where it only takes back the knob of another one that is repaired before.
     pub sentence: String,
     /// The share of the evidence that it explains, from 0 to 1, estimated without a trial.
     pub weight: f64,
@@ -101,6 +103,8 @@ pub(crate) struct Matter<'a> {
     pub(crate) evidence: &'a [Evidence],
     pub(crate) scenario: &'a Scenario,
     pub(crate) filter: &'a FilterSettings,
+    /// The filter before the knobs of other causes were turned: sentences compare with it.
+    pub(crate) origin: &'a FilterSettings,
 }
 
 impl Matter<'_> {
@@ -137,6 +141,8 @@ impl Matter<'_> {
 impl Suspect {
     /// A suspect whose knobs fit `fitted` numbers to the record.
     pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, knobs: Vec<Knob>, sentence: String) -> Self {
+        // Numbers are tried as they are told and written.
+        let knobs = knobs.iter().map(Knob::rounded).collect();
         Self {
             cause,
             sentence,

@@ -42,11 +42,38 @@ impl Knob {
         format!("{inner} = {}", self.value)
     }
 
+    /// The whole lines that turn some knobs, each with the name of its filter if it is one of a filter's. A table with a number for
+    /// each channel is one line, so that it can take the place of that in a file.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn toml_lines(knobs: &[Self], scenario: &Scenario) -> Result<Vec<(Option<String>, String)>, ScenarioError> {
+        let mut file = Document::table(&Self::apply_all(knobs, scenario)?)?;
+        let mut lines: Vec<(Option<String>, String)> = Vec::new();
+        for knob in knobs {
+            let name = knob.filter();
+            let inner = name.map_or(knob.key.as_str(), |name| &knob.key["filters.".len() + name.len() + 1..]);
+            let outer = inner.split('.').next().unwrap_or(inner);
+            let table = match name {
+                None => Some(&mut file),
+                Some(name) => filter_named(&mut file, name),
+            };
+            // A setting that is back at its default has no line in the file.
+            let value = table.and_then(|table| table.get(outer)).filter(|value| outer == inner || value.is_table());
+            let line = value.map_or_else(|| knob.toml_line(), |value| format!("{outer} = {value}"));
+            let line = (name.map(str::to_owned), line);
+            if !lines.contains(&line) {
+                lines.push(line);
+            }
+        }
+        Ok(lines)
+    }
+
     /// The name of the filter whose setting it is, if it is one of a filter.
     pub fn filter(&self) -> Option<&str> {
         let rest = self.key.strip_prefix("filters.")?;
         // A setting has one key, or two where it has one for each channel; names may have dots.
-        let settings = ["initial_mean.", "initial_std.", "process_std."];
+        let settings = ["initial_mean.", "initial_std.", "process_std.", "adaptation."];
         let inner = settings.iter().find_map(|setting| rest.rfind(&format!(".{setting}")));
         Some(&rest[..inner.or_else(|| rest.rfind('.'))?])
     }
@@ -143,6 +170,15 @@ mod tests {
         let mut twice = scenario.clone();
         twice.filters[1].name = "EKF".to_owned();
         assert!(Knob::of_filter("EKF", "fading", 1.0).apply(&twice).is_err(), "which of the two?");
+        let lines = Knob::toml_lines(&knobs, &scenario).unwrap();
+        assert_eq!(lines.len(), 5);
+        assert_eq!((&lines[0].0, lines[0].1.as_str()), (&None, "hold = \"first\""));
+        // A file takes each line in place of its own, which is a table in one line.
+        let (name, line) = &lines[1];
+        assert_eq!(name.as_deref(), Some("UKF, no. 2"));
+        let line: toml::Table = toml::from_str(line).unwrap();
+        assert_eq!(line["process_std"]["velocity"].as_float(), Some(0.5));
+        assert!(line["process_std"].as_table().unwrap().len() >= 4, "{line}");
         for wrong in [Knob::of_filter("PF", "fading", 1.0), Knob::of_filter("EKF", "fadng", 1.0)] {
             assert!(matches!(wrong.apply(&scenario), Err(ScenarioError::Syntax(_))), "{wrong:?}");
         }

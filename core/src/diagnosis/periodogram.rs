@@ -79,6 +79,11 @@ impl Periodogram {
         self
     }
 
+    /// The samples of a window over this many samples; none where they are too few.
+    pub(crate) fn window_of(samples: usize) -> Option<usize> {
+        WelchWindows::length_for(samples)
+    }
+
     /// The number of windows: half the degrees of freedom of each power.
     pub(crate) fn windows(&self) -> usize {
         self.windows

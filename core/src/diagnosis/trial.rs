@@ -1,13 +1,14 @@
 //! Trials: the filter runs again with a knob turned, and what it then makes of the record tells whether that was the cause.
 //! No truth is needed.
 
+use std::sync::Arc;
+
 use super::Diagnosis;
 use super::cause::Suspect;
 use super::knob::Knob;
 use super::verdict::Verdict;
 use super::window::window;
-use crate::sorting::sort_short_by;
-use crate::{Diagnostics, Estimates, FilterKind, Pass, Record, RunError, Scenario, Scores};
+use crate::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
 
 /// Limits the samples of a trial, which are the last ones of the record.
 const WINDOW: usize = 10_000;
@@ -15,40 +16,18 @@ const WINDOW: usize = 10_000;
 /// Limits the samples of a trial between two checks of the time: half a millisecond of the slowest step.
 const CHUNK: usize = 100;
 
-/// Limits the gain in log likelihood, less what its numbers would gain by chance, below which no cause is named.
-const WORTH: f64 = 8.0;
-
-/// Limits a parameter whose sign is said from below, in standard deviations.
-const SIGNIFICANT: f64 = 4.0;
-
-/// A cause explains a record better than noise where its log likelihood is larger by this.
-const BEYOND: f64 = 20.0;
-
-/// Whether a suspect is noise that the filter takes to be too small or too large.
-fn is_noise(suspect: &Suspect) -> bool {
-    matches!(suspect.cause.key, "sensor_noise" | "process_noise" | "felt_disturbance")
-}
-
-/// A cause, and what its knob does to the filter.
-#[derive(Clone, Debug)]
-pub struct Finding {
-    /// The cause, its evidence and its knob.
-    pub suspect: Suspect,
-    /// The log likelihood that the knob gains over the window, less half the logarithm of the number of samples for each
-    /// number that is fitted (the Bayesian information criterion); NaN where it has not been tried.
-    ///
-    /// Source: Schwarz (1978), Estimating the dimension of a model, *The Annals of Statistics* 6.
-    pub gain: f64,
-    /// The verdict on the filter with the knob turned, over the window.
-    pub after: Option<Verdict>,
-}
+/// The usual number of suspects.
+const USUAL: usize = 30;
 
 /// The trials of all suspects of one filter, which can be cut into slices of time.
 pub struct Trials {
-    record: Record,
+    record: Arc<Record>,
     /// The scenario with that one filter, as it begins at the window's first sample.
     scenario: Scenario,
-    suspects: Vec<Suspect>,
+    /// The filter before any knob of a search was turned.
+    origin: FilterSettings,
+    /// None until the filter has run as it is, where its suspects follow from that run.
+    suspects: Option<Vec<Suspect>>,
     current: Option<(Pass, Estimates)>,
     /// The sample of the run's record at which the window begins.
     first: usize,
@@ -63,21 +42,28 @@ pub struct Trials {
 
 /// The result of one trial.
 #[derive(Clone, Debug)]
-struct Outcome {
-    log_likelihood: f64,
+pub(super) struct Outcome {
+    pub(super) log_likelihood: f64,
+    /// That of the filter with the knob turned, where the other one is that of a filter which begins anew.
+    pub(super) achieved: f64,
     /// The same with all covariances scaled by what makes the log likelihood largest.
-    scaled: f64,
+    pub(super) scaled: f64,
     /// The parameter whose sign decides what to say, at last, in standard deviations; NaN where there is none.
-    learnt: f64,
-    verdict: Option<Verdict>,
+    pub(super) learnt: f64,
+    pub(super) verdict: Option<Verdict>,
 }
 
 impl Outcome {
-    const NOTHING: Self =
-        Self { log_likelihood: f64::NEG_INFINITY, scaled: f64::NEG_INFINITY, learnt: f64::NAN, verdict: None };
+    const NOTHING: Self = Self {
+        log_likelihood: f64::NEG_INFINITY,
+        achieved: f64::NEG_INFINITY,
+        scaled: f64::NEG_INFINITY,
+        learnt: f64::NAN,
+        verdict: None,
+    };
 
     /// Whether the filter with the knob turned is to be believed.
-    fn is_good(&self) -> bool {
+    pub(super) fn is_good(&self) -> bool {
         self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
     }
 }
@@ -116,11 +102,33 @@ impl Trials {
         let mut scenario = Scenario { filters: vec![filter], ..scenario.clone() };
         scenario.dt = record.dt();
         let record = window(record, first..estimates.len().min(record.len()));
-        let (outcomes, before) = (Vec::new(), None);
-        let trials = Self { record, scenario, suspects, current: None, first, unturned: None, before, outcomes, own };
         // A scenario that cannot begin is an error now, not at the first trial.
-        Pass::new(&trials.scenario, 0, &trials.record)?;
-        Ok(trials)
+        Pass::new(&scenario, 0, &record)?;
+        let origin = scenario.filters[0].clone();
+        let trials = Self::over(Arc::new(record), scenario, origin, Some(suspects));
+        Ok(Self { first, own, ..trials })
+    }
+
+    /// The trials of the only filter of a scenario over a whole record. `origin` is that filter before the knobs of other causes
+    /// were turned. Without suspects, they are those that the filter's run speaks for.
+    pub(super) fn over(
+        record: Arc<Record>,
+        scenario: Scenario,
+        origin: FilterSettings,
+        suspects: Option<Vec<Suspect>>,
+    ) -> Self {
+        Self {
+            record,
+            scenario,
+            origin,
+            suspects,
+            current: None,
+            first: 0,
+            unturned: None,
+            before: None,
+            outcomes: Vec::new(),
+            own: None,
+        }
     }
 
     /// Goes on for as long as `while_time` says that there is time, which is asked after each little piece of work. Returns
@@ -146,13 +154,14 @@ impl Trials {
 
     /// Whether there is nothing left to try.
     pub fn is_done(&self) -> bool {
-        self.before.is_some() && self.outcomes.len() == self.suspects.len()
+        self.before.is_some() && self.suspects.as_ref().is_none_or(|all| self.outcomes.len() == all.len())
     }
 
     /// The share that is done, from 0 to 1.
     pub fn progress(&self) -> f64 {
         let done = usize::from(self.before.is_some()) + self.outcomes.len();
-        done as f64 / (1 + self.suspects.len()) as f64
+        let all = self.suspects.as_ref().map_or(USUAL, Vec::len);
+        (done as f64 / (1 + all) as f64).min(1.0)
     }
 
     /// The verdict on the filter over the window as it is; none before it is known.
@@ -160,63 +169,40 @@ impl Trials {
         self.before.as_ref()?.verdict.as_ref()
     }
 
-    /// The causes that have been found so far, each once: those whose knob makes the filter one to be believed come first,
-    /// then the likeliest.
-    pub fn findings(&self) -> Vec<Finding> {
-        let Some(before) = &self.before else { return Vec::new() };
-        let penalty = 0.5 * libm::log(self.record.len().max(2) as f64);
-        let tried = || self.suspects.iter().zip(&self.outcomes);
-        // A noise that is taken to be larger explains any misfit a little. Where another cause explains the record better than
-        // any noise does, were all noise left open, that one comes first.
-        let open = |suspect: &Suspect, outcome: &Outcome| {
-            outcome.scaled - before.log_likelihood - penalty * (suspect.fitted + 1.0)
-        };
-        let of_noise =
-            tried().filter(|(suspect, _)| is_noise(suspect)).map(|(suspect, outcome)| open(suspect, outcome));
-        let of_noise = of_noise.fold(before.scaled - before.log_likelihood - penalty, f64::max);
-        // Hysteresis fits more than a cubic part does, also where the spring hardens, which hysteresis does not.
-        let hardens = |softening: &Outcome| {
-            tried().any(|(suspect, outcome)| {
-                suspect.sign.is_some()
-                    && outcome.learnt > SIGNIFICANT
-                    && outcome.log_likelihood - before.log_likelihood - penalty * suspect.fitted > WORTH
-                    && (outcome.is_good() || !softening.is_good())
-            })
-        };
-        let mut all: Vec<(f64, Finding)> = Vec::new();
-        for (suspect, outcome) in tried().filter(|(suspect, outcome)| !(suspect.softens && hardens(outcome))) {
-            let mut gain = outcome.log_likelihood - before.log_likelihood - penalty * suspect.fitted;
-            if let Some(own) = self.own.filter(|_| suspect.cause.key == "collapsed_sample") {
-                gain = before.log_likelihood - own;
-            }
-            let is_worth = suspect.certain || gain > WORTH;
-            if !is_worth {
-                continue;
-            }
-            let open = open(suspect, outcome);
-            let is_beyond = !is_noise(suspect) && open > of_noise + BEYOND;
-            let rank = if is_beyond { gain.max(open) } else { gain };
-            let mut suspect = suspect.clone();
-            if let Some(sign) = suspect.sign.filter(|_| outcome.learnt.abs() > SIGNIFICANT) {
-                let sentence = if outcome.learnt > 0.0 { sign.positive } else { sign.negative };
-                suspect.sentence = sentence.to_owned();
-            }
-            let finding = Finding { suspect, gain, after: outcome.verdict.clone() };
-            match all.iter_mut().find(|(_, other)| other.suspect.cause.key == finding.suspect.cause.key) {
-                Some((other, _)) if *other >= rank => {}
-                Some(other) => *other = (rank, finding),
-                None => all.push((rank, finding)),
-            }
-        }
-        sort_short_by(&mut all, |(a, one), (b, other)| {
-            // What ends good stands before what is only likelier.
-            let key = |rank: f64, Finding { suspect, after, .. }: &Finding| {
-                let ends_good = after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
-                (suspect.certain, !suspect.silences, ends_good, rank, suspect.weight)
-            };
-            key(*b, other).partial_cmp(&key(*a, one)).unwrap_or(std::cmp::Ordering::Equal)
-        });
-        all.into_iter().map(|(_, finding)| finding).collect()
+    /// The result of the filter as it is.
+    pub(super) fn outcome_before(&self) -> Option<&Outcome> {
+        self.before.as_ref()
+    }
+
+    /// The suspects that have been tried, with their results.
+    pub(super) fn tried(&self) -> impl Iterator<Item = (&Suspect, &Outcome)> {
+        self.suspects.iter().flatten().zip(&self.outcomes)
+    }
+
+    /// The log likelihood of the filter itself, where another one stands in for it.
+    pub(super) fn own_likelihood(&self) -> Option<f64> {
+        self.own
+    }
+
+    /// The log likelihood that one number more must gain.
+    pub(super) fn price(&self) -> f64 {
+        0.5 * libm::log(self.record.len().max(2) as f64)
+    }
+
+    /// The record of the window.
+    pub(super) fn record(&self) -> &Arc<Record> {
+        &self.record
+    }
+
+    /// The scenario with the filter as it is.
+    pub(super) fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The suspect that is tried now; none while the filter runs as it is.
+    fn suspect(&self) -> Option<&Suspect> {
+        self.before.as_ref()?;
+        self.suspects.as_ref()?.get(self.outcomes.len())
     }
 
     /// The next trial at its first sample; none where its settings are not possible.
@@ -224,7 +210,7 @@ impl Trials {
         let scenario = match &self.before {
             None => self.scenario.clone(),
             Some(_) => {
-                let knobs = &self.suspects[self.outcomes.len()].knobs;
+                let knobs = &self.suspect()?.knobs;
                 if knobs.is_empty() {
                     return None;
                 }
@@ -240,13 +226,19 @@ impl Trials {
         let log_likelihood = if stopped { f64::NEG_INFINITY } else { diagnostics.log_likelihood() };
         let gains = self.before.as_ref().is_none_or(|before| log_likelihood > before.log_likelihood);
         let diagnosis = if gains { Diagnosis::new(&diagnostics, &estimates, &self.record, None) } else { None };
-        let anew = self.suspects.get(self.outcomes.len()).filter(|one| self.before.is_some() && one.begins_anew);
+        let achieved = log_likelihood;
+        let anew = self.suspect().filter(|one| one.begins_anew);
         let anew = anew.and_then(|suspect| self.begun_anew(suspect.samples.as_ref()?.start.checked_sub(self.first)?));
         let log_likelihood = anew.map_or(log_likelihood, |anew| anew.max(log_likelihood));
         let scaled = if stopped { f64::NEG_INFINITY } else { scaled_log_likelihood(&diagnostics) };
         let learnt = self.learnt(&estimates);
+        if self.suspects.is_none() {
+            let Self { scenario, origin, record, .. } = &*self;
+            let of = |diagnosis: &Diagnosis| diagnosis.since(origin, scenario, 0, &diagnostics, &estimates, record);
+            self.suspects = Some(diagnosis.as_ref().map_or_else(Vec::new, of));
+        }
         let verdict = diagnosis.and_then(|diagnosis| diagnosis.verdict);
-        let outcome = Outcome { log_likelihood, scaled, learnt, verdict };
+        let outcome = Outcome { log_likelihood, achieved, scaled, learnt, verdict };
         match &self.before {
             None => (self.before, self.unturned) = (Some(outcome), Some(estimates)),
             Some(_) => self.outcomes.push(outcome),
@@ -257,8 +249,7 @@ impl Trials {
 impl Trials {
     /// The parameter whose sign decides what is said of the current suspect, at last, in standard deviations.
     fn learnt(&self, estimates: &Estimates) -> f64 {
-        let suspect = self.suspects.get(self.outcomes.len()).filter(|_| self.before.is_some());
-        let place = suspect.and_then(|suspect| estimates.place(suspect.sign?.channel));
+        let place = self.suspect().and_then(|suspect| estimates.place(suspect.sign?.channel));
         match (place, estimates.len().checked_sub(1)) {
             (Some(place), Some(last)) => estimates.canonical_mean(last, place) / estimates.std(last, place),
             _ => f64::NAN,

@@ -31,6 +31,9 @@ pub(super) fn causes_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Esti
         ui.weak("They are tried as soon as the record is computed.");
         return;
     };
+    if !attempt.is_under_way() && !attempt.findings().is_empty() && !Finding::is_explained(attempt.findings()) {
+        ui.label("None of these explains it: with the best of them it is still not to be believed.");
+    }
     let (first, rest) = attempt.findings().split_at(attempt.findings().len().min(LIKELIEST));
     for finding in first {
         finding_ui(ui, context, (attempt, finding), estimates.name(), requests);
@@ -60,10 +63,12 @@ fn finding_ui(
     requests: &mut Vec<Request>,
 ) {
     let palette = context.palette;
-    let Finding { suspect, gain, after } = finding;
+    let Finding { suspect, then: _, knobs, gain, after } = finding;
     ui.horizontal_wrapped(|ui| {
-        let cause = RichText::new(sentence(suspect.cause.name)).family(theme::strong());
-        ui.label(cause).on_hover_text(suspect.cause.hint);
+        for (i, suspect) in finding.causes().enumerate() {
+            let name = if i == 0 { sentence(suspect.cause.name) } else { format!("and {}", suspect.cause.name) };
+            ui.label(RichText::new(name).family(theme::strong())).on_hover_text(suspect.cause.hint);
+        }
         if let (Some(before), Some(after)) = (attempt.before(), after) {
             ui.weak(format!("{} {} →", symbol(before.kind), before.kind.name()));
             let text = format!("{} {}", symbol(after.kind), after.kind.name());
@@ -71,10 +76,11 @@ fn finding_ui(
             ui.label(text).on_hover_text(format!("With the knob turned it is {after}"));
         }
     });
-    ui.add(Label::new(format!("{}.", sentence(&suspect.sentence))).wrap());
-    let knobs: Vec<Knob> = suspect.knobs.iter().map(Knob::rounded).collect();
+    for suspect in finding.causes() {
+        ui.add(Label::new(format!("{}.", sentence(&suspect.sentence))).wrap());
+    }
     if !knobs.is_empty() {
-        knob_ui(ui, context, (name, suspect.cause.name), &knobs, requests);
+        knob_ui(ui, context, (name, suspect.cause.name), knobs, requests);
     }
     let gain = if gain.is_finite() && *gain > 0.0 {
         format!(" The log likelihood gains {}.", significant(*gain, 3))

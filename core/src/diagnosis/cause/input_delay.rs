@@ -26,10 +26,13 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     }
     for shift in (-MOST..=MOST).filter(|&shift| shift != 0) {
         let delay = matter.filter.input_delay + shift;
-        let (count, word) = (shift.abs(), if shift < 0 { "late" } else { "early" });
+        // Since the filter was as the user knows it.
+        let since = delay - matter.origin.input_delay;
+        let (count, word) = (since.abs(), if since < 0 { "late" } else { "early" });
         let plural = if count == 1 { "" } else { "s" };
-        let sentence = format!("the recorded input is {count} sample{plural} {word}");
-        let weight = 2.0 * near / (1.0 + 2.0 * near) / f64::from(count).sqrt();
+        let sentence =
+            if count == 0 { String::new() } else { format!("the recorded input is {count} sample{plural} {word}") };
+        let weight = 2.0 * near / (1.0 + 2.0 * near) / f64::from(shift.abs()).sqrt();
         found.push(Suspect::new(cause, weight, 1.0, vec![matter.knob("input_delay", i64::from(delay))], sentence));
     }
 }

@@ -36,11 +36,14 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         });
         let agrees = (first > 0.0) == (factor > 1.0);
         let weight = if agrees { 2.0 * first.abs() / (1.0 + 2.0 * first.abs()) } else { 0.05 };
-        let (word, by) = if factor > 1.0 { ("small", factor) } else { ("large", 1.0 / factor) };
+        // Since the filter was as the user knows it.
+        let since = factor * motions().next().map_or(1.0, |channel| turned_since(matter, channel));
+        let (word, by) = if since > 1.0 { ("small", since) } else { ("large", 1.0 / since) };
         let sentence = format!(
             "Q of the motion is about {} times too {word}; the innovations are correlated by {first:.2} at lag 1",
             short(by * by)
         );
+        let sentence = if libm::log(by) < 0.1 { String::new() } else { sentence };
         found.push(Suspect::new(cause, weight, 1.0, knobs.collect(), sentence));
     }
 }
@@ -48,4 +51,11 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
 /// A process noise for a channel that has none: a thousandth of what is not known at first.
 fn smallest(matter: &Matter<'_>, channel: Channel) -> f64 {
     1e-3 * matter.filter.initial_std[channel]
+}
+
+/// The factor on the process noise of a channel since the filter was as the user knows it.
+fn turned_since(matter: &Matter<'_>, channel: Channel) -> f64 {
+    let of = |std: f64| if std > 0.0 { std } else { smallest(matter, channel) };
+    let factor = of(matter.filter.process_std[channel]) / of(matter.origin.process_std[channel]);
+    if factor > 0.0 && factor.is_finite() { factor } else { 1.0 }
 }

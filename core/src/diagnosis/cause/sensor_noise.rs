@@ -49,15 +49,19 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         if changed.is_empty() {
             return;
         }
-        let of = |&i: &usize| {
-            let (name, factor) = (case.sensors[i].sensor.key(), which(i));
+        // Since the filter was as the user knows it.
+        let turned_since = |i: usize| assumed[i] / matter.origin.sensor_std.get(i).unwrap_or(&assumed[i]);
+        let since = |i: usize| which(i) * turned_since(i) * turned_since(i);
+        let of = |i: usize| {
+            let (name, factor) = (case.sensors[i].sensor.key(), since(i));
             let (word, factor) = if factor > 1.0 { ("small", factor) } else { ("large", 1.0 / factor) };
             format!("R of the {name} is {} times too {word}", short(factor))
         };
-        let sentence = changed.iter().map(of).collect::<Vec<_>>().join(", ");
+        let told = (0..m).filter(|&i| far(since(i)));
+        let sentence = told.map(of).collect::<Vec<_>>().join(", ");
         let weight = changed.iter().map(|&i| far_by(case.sensors[i].level(&case.kept))).fold(0.0, f64::max);
         let knobs = vec![matter.knob("sensor_std", turned)];
-        let silences = changed.iter().any(|&i| which(i) > SILENCE);
+        let silences = (0..m).any(|i| since(i) > SILENCE);
         found.push(Suspect { silences, ..Suspect::new(cause, weight, changed.len() as f64, knobs, sentence) });
     };
     if m > 1 {

@@ -3,14 +3,17 @@
 use super::{Cause, Matter, Suspect};
 use crate::Channel;
 
+/// The change of a force over one period that costs one value a period: one that is free in each.
+const FREE: f64 = 0.3;
+
 /// The tried changes of the force over one period of the oscillator, relative to the force that moves the spring.
-const CHANGES: [f64; 2] = [0.03, 0.3];
+const CHANGES: [f64; 3] = [0.03, 0.3, 2.0];
 
 pub(super) static CAUSE: Cause = Cause {
     key: "unknown_force",
     name: "a force that is not recorded",
     hint: "Wind, a rotor, a load that comes and goes: a force that changes slowly pushes innovations to one side for a while. Let \
-           the filter estimate it as a random walk.",
+           the filter estimate it as a random walk; it takes up what damping and spring do too, so that ζ is known less.",
     suspects,
 };
 
@@ -26,6 +29,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     let weight = first / (1.0 + first);
     let key = Channel::UNKNOWN_FORCE.key();
     let period = std::f64::consts::TAU / frequency / case.record.dt();
+    let periods = case.len() as f64 / period;
     for change in CHANGES {
         let knobs = vec![
             matter.augmented(Channel::UNKNOWN_FORCE),
@@ -33,6 +37,8 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
             matter.knob(&format!("process_std.{key}"), change * force / period.sqrt()),
         ];
         let sentence = "a force acts that the record lacks, and changes slowly".to_owned();
-        found.push(Suspect::new(cause, weight, 2.0, knobs, sentence));
+        // A force that may change at will fits any record: its freedom has a price besides its two values.
+        let fitted = 2.0 + periods * change / FREE;
+        found.push(Suspect::new(cause, weight, fitted, knobs, sentence));
     }
 }

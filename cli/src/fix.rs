@@ -1,0 +1,62 @@
+//! The scenario with a remedy.
+
+use std::path::Path;
+
+use kalmanscope_core::Scenario;
+use kalmanscope_core::diagnosis::{Finding, Knob};
+
+use crate::import::path_from;
+use crate::input::InputError;
+use crate::places::{say, write_text};
+use crate::prepared::Prepared;
+use crate::record::named;
+
+/// Writes the scenario of a run with remedy `number` of each filter that is not to be believed, and says which. `causes` are
+/// those of the run.
+pub(crate) fn write_fixed<'a>(
+    prepared: &Prepared,
+    causes: impl Iterator<Item = &'a [Finding]>,
+    number: usize,
+    out: &Path,
+) -> Result<(), InputError> {
+    let bad = |reason: String| InputError::Laboratory { file: prepared.file.clone(), reason };
+    let mut fixed = prepared.scenario.clone();
+    let mut said = Vec::new();
+    for (place, causes) in causes.enumerate().filter(|(_, causes)| !causes.is_empty()) {
+        let name = &prepared.scenario.filters[place].name;
+        let Some(finding) = causes.get(number - 1) else {
+            let count = causes.len();
+            return Err(bad(format!("--fix {number}: {name} has remedies 1 to {count}")));
+        };
+        if finding.knobs.is_empty() {
+            let hint = finding.suspect.cause.hint;
+            return Err(bad(format!("--fix {number}: no setting of {name} takes this cause away. {hint}")));
+        }
+        turn(&mut fixed, place, &finding.knobs).map_err(|error| bad(format!("--fix {number}: {name}: {error}")))?;
+        let ends = finding.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
+        let names: Vec<&str> = finding.causes().map(|suspect| suspect.cause.name).collect();
+        said.push(format!("{name}: written without {}, then {ends}", names.join(" and then ")));
+    }
+    if said.is_empty() {
+        let reason = "there is nothing to fix: no filter has a verdict with a cause that was found";
+        return Err(bad(reason.to_owned()));
+    }
+    if let Some(mapping) = fixed.record.as_mut().filter(|mapping| !mapping.file.is_empty()) {
+        mapping.file = path_from(Some(out), &named(&prepared.file, mapping));
+    }
+    write_text(out, &fixed.to_toml().map_err(|error| bad(error.to_string()))?)?;
+    said.iter().for_each(|line| say(line));
+    Ok(())
+}
+
+/// Turns knobs of the filter at a place, whatever others are called.
+fn turn(scenario: &mut Scenario, place: usize, knobs: &[Knob]) -> Result<(), kalmanscope_core::ScenarioError> {
+    let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario.clone() };
+    let turned = Knob::apply_all(knobs, &alone)?;
+    scenario.hold = turned.hold;
+    if let Some(filter) = turned.filters.into_iter().next() {
+        let id = scenario.filters[place].id;
+        scenario.filters[place] = kalmanscope_core::FilterSettings { id, ..filter };
+    }
+    Ok(())
+}

@@ -1,0 +1,109 @@
+//! `run --fix`: the scenario with a remedy.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// Runs the command in a folder; returns its exit code and what it wrote.
+fn run(folder: &TempDir, args: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    let Output { status, stdout, stderr } = command.current_dir(folder.path()).arg("run").args(args).output().unwrap();
+    (status.code(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
+}
+
+fn read(folder: &TempDir, name: &str) -> String {
+    std::fs::read_to_string(folder.path().join(name)).unwrap()
+}
+
+fn write(folder: &TempDir, name: &str, text: &str) {
+    std::fs::write(folder.path().join(name), text).unwrap();
+}
+
+/// Two faults: a gain, and an R that is too small; beside a filter that is right but for the gain, with a longer table in one line.
+const WRONG: &str = "seed = 11\ndt = 0.01\nduration = 30.0\nforce = { white_noise = { std = 10.0 } }\n\
+    [plant]\nnatural_frequency = 6.0\ndamping_ratio = 0.04\ndisturbance_std = 1.0\ninput_gain = 1.5\n\
+    [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.005\n[[sensors]]\nmeasures = \"velocity\"\nnoise_std = 0.03\n\
+    [[filters]]\nname = \"first\"\nkind = \"ekf\"\nsensor_std = [0.0022, 0.0134]\n\
+    initial_mean = { natural_frequency = 6.4, damping_ratio = 0.05 }\n\
+    initial_std = { natural_frequency = 0.6, damping_ratio = 0.02 }\n\
+    process_std = { displacement = 1e-7, velocity = 0.01, natural_frequency = 6e-5, damping_ratio = 4e-7 }\n";
+
+/// The verdict of the only filter in a table, and the first remedy that is told.
+fn verdict(table: &str) -> &str {
+    let (_, rest) = table.split_once("\nfirst (EKF)\n").unwrap();
+    rest.lines().next().unwrap().trim().split(':').next().unwrap()
+}
+
+#[test]
+fn the_repaired_scenario_runs_and_has_the_promised_verdict() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder, "wrong.toml", WRONG);
+    let (code, before, _) = run(&folder, &["wrong.toml"]);
+    assert_eq!((code, verdict(&before)), (Some(0), "overconfident"), "{before}");
+    let cause = before.lines().find(|line| line.starts_with("  cause 1: ")).unwrap();
+    assert!(cause.contains("the gain of the input: ") && cause.contains("; and then R of a sensor: "), "{cause}");
+    assert!(before.contains("    or have it written: kalmanscope-cli run ... --fix 1 --out FIXED.toml\n"), "{before}");
+    assert!(!before.contains("none of these causes explains it"), "{before}");
+
+    let (code, same, said) = run(&folder, &["wrong.toml", "--fix", "1", "--out", "fixed.toml"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(verdict(&same), "overconfident");
+    let promised = said.trim_end().rsplit_once(", then ").unwrap().1;
+    assert!(said.starts_with("first: written without the gain of the input and then R of a sensor, then "), "{said}");
+    let (code, after, _) = run(&folder, &["fixed.toml"]);
+    assert_eq!((code, verdict(&after)), (Some(0), promised), "{after}");
+    assert!(promised.starts_with("consistent"), "{promised}");
+
+    // The lines that are printed do the same, each in place of its own.
+    let (mut by_hand, mut is_first) = (WRONG.to_owned(), false);
+    for line in before.lines() {
+        is_first = (is_first || line.starts_with("  cause 1: ")) && !line.starts_with("  cause 2: ");
+        let Some(setting) = line.strip_prefix("    write in its [[filters]]: ").filter(|_| is_first) else { continue };
+        let key = setting.split(" = ").next().unwrap();
+        let kept: Vec<&str> = by_hand.lines().filter(|old| !old.starts_with(&format!("{key} = "))).collect();
+        by_hand = format!("{}\n{setting}\n", kept.join("\n"));
+    }
+    write(&folder, "by-hand.toml", &by_hand);
+    let (code, after, error) = run(&folder, &["by-hand.toml"]);
+    assert_eq!((code, verdict(&after)), (Some(0), promised), "{by_hand}\n{error}");
+}
+
+#[test]
+fn a_record_is_found_from_where_the_repaired_scenario_is() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder, "wrong.toml", WRONG);
+    std::fs::create_dir(folder.path().join("other")).unwrap();
+    assert_eq!(run(&folder, &["wrong.toml", "--record-out", "record.csv", "--quiet"]).0, Some(0));
+    let mapped = format!("{WRONG}[record]\nfile = \"record.csv\"\n");
+    write(&folder, "measured.toml", &mapped);
+    let (code, _, said) = run(&folder, &["measured.toml", "--fix", "1", "--out", "other/fixed.toml", "--quiet"]);
+    assert_eq!(code, Some(0), "{said}");
+    let (code, after, error) = run(&folder, &["other/fixed.toml"]);
+    assert_eq!(code, Some(0), "{error}");
+    assert!(verdict(&after).starts_with("consistent"), "{after}");
+}
+
+#[test]
+fn what_cannot_be_fixed_is_said_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    write(&folder, "wrong.toml", WRONG);
+    write(
+        &folder,
+        "right.toml",
+        &WRONG.replace("input_gain = 1.5\n", "").replace("sensor_std = [0.0022, 0.0134]\n", ""),
+    );
+    let (code, _, error) = run(&folder, &["right.toml", "--fix", "1", "--out", "fixed.toml"]);
+    assert_eq!(code, Some(2), "{error}");
+    assert!(error.contains("there is nothing to fix"), "{error}");
+    let (code, _, error) = run(&folder, &["wrong.toml", "--fix", "99", "--out", "fixed.toml"]);
+    assert_eq!(code, Some(2), "{error}");
+    assert!(error.contains("--fix 99: first has remedies 1 to "), "{error}");
+    assert!(!folder.path().join("fixed.toml").exists());
+    let (code, _, error) = run(&folder, &["wrong.toml", "--fix", "1"]);
+    assert_eq!(code, Some(2), "{error}");
+    assert!(error.contains("--out"), "{error}");
+    let (_, before, _) = run(&folder, &["wrong.toml"]);
+    assert_eq!(read(&folder, "wrong.toml"), WRONG);
+    assert!(before.contains("cause 1"), "{before}");
+}

@@ -1,0 +1,204 @@
+//! What remedies do against faults that were drawn at random, alone and two at once.
+//!
+//! ```text
+//! cargo bench -p kalmanscope-core --bench remedies -- [FROM] [NUMBER]
+//! ```
+//!
+//! Prints for each situation, over NUMBER seeds from FROM on: the filters that were not to be believed, and of these how many the
+//! first remedy makes good, in how many it makes the worse parameter's error larger by more than a fifth, how many are within 3σ
+//! before and after it, and how often the first cause is right. Limits of causes and of the search may be set on seeds below
+//! 1,000,000 of the situations of the first part; those of the second part are only reported. Nothing knows the truth but the
+//! errors.
+
+mod faults;
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use kalmanscope_core::diagnosis::{Diagnosis, Finding, Knob};
+use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, VerdictKind};
+
+use faults::{FOR_LIMITS, Fault, Situation, UNTOUCHED, without_truth};
+
+/// The first seed that no limit was set on.
+const FIRST: u64 = 1_000_000;
+
+/// Seeds of each situation.
+const NUMBER: u64 = 12;
+
+/// Limits the error of a parameter that is believed, in standard deviations.
+const WITHIN: f64 = 3.0;
+
+/// Limits an error that a remedy may leave, relative to the one before.
+const GROWS: f64 = 1.2;
+
+fn main() {
+    let numbers: Vec<u64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
+    let first = numbers.first().copied().unwrap_or(FIRST);
+    let number = numbers.get(1).copied().unwrap_or(NUMBER);
+    let verbose = std::env::args().any(|word| word == "--verbose");
+    let parts: &[(&str, &[&[Fault]])] = &[("for limits", FOR_LIMITS), ("untouched", UNTOUCHED)];
+    let only = std::env::args().any(|word| word == "--limits");
+    let parts = if only { &parts[..1] } else { parts };
+    println!("first remedies, of filters that are not to be believed, seeds {first} to {}", first + number - 1);
+    let mut all = Vec::new();
+    for (name, situations) in parts {
+        println!("\n{name:24}   bad  good  grows  within 3σ   cause");
+        let jobs: Vec<(&[Fault], u64)> =
+            situations.iter().flat_map(|faults| (first..first + number).map(move |seed| (*faults, seed))).collect();
+        let outcomes = outcomes(&jobs, verbose);
+        for faults in *situations {
+            let own: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.faults == *faults).collect();
+            let title: Vec<String> = faults.iter().map(|fault| format!("{fault:?}")).collect();
+            print_row(&title.join(" + "), &own, true);
+        }
+        print_row("all of these", &outcomes.iter().collect::<Vec<_>>(), false);
+        all.extend(outcomes);
+    }
+    println!();
+    print_row("all", &all.iter().collect::<Vec<_>>(), false);
+}
+
+/// The outcomes of some situations, on two threads.
+fn outcomes(jobs: &[(&'static [Fault], u64)], verbose: bool) -> Vec<Outcome> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        while let Some(&(faults, seed)) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+            done.push(Outcome::of(faults, seed, verbose));
+        }
+        done
+    };
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..2).map(|_| scope.spawn(work)).collect();
+        threads.into_iter().flat_map(|thread| thread.join().expect("no thread panics")).collect()
+    })
+}
+
+/// The first remedy of one situation.
+struct Outcome {
+    faults: &'static [Fault],
+    is_bad: bool,
+    before: Errors,
+    /// None without a remedy.
+    after: Option<(Errors, bool)>,
+    /// The keys of the causes of the first remedy.
+    causes: Vec<&'static str>,
+}
+
+/// Root mean square errors of the natural frequency and the damping ratio over the last fifth.
+#[derive(Clone, Copy, Debug)]
+struct Errors {
+    /// Relative to the truth.
+    relative: [f64; 2],
+    /// In standard deviations.
+    in_std: [f64; 2],
+}
+
+impl Errors {
+    fn worse(self) -> f64 {
+        self.relative[0].max(self.relative[1])
+    }
+
+    fn are_within(self) -> bool {
+        self.in_std.iter().all(|error| *error <= WITHIN)
+    }
+}
+
+impl Outcome {
+    fn of(faults: &'static [Fault], seed: u64, verbose: bool) -> Self {
+        let Situation { told, record } = Situation::new(faults, seed).expect("the situation is valid");
+        let blind = without_truth(&record);
+        let (verdict, before, findings) = judged(&told, &record, &blind, true);
+        let is_bad = verdict.is_none_or(|kind| !kind.is_good());
+        let first = findings.first().filter(|_| is_bad);
+        let causes: Vec<_> = first.map_or(Vec::new(), |one| one.causes().map(|suspect| suspect.cause.key).collect());
+        let turned = first.filter(|one| !one.knobs.is_empty());
+        let turned = turned.map(|one| Knob::apply_all(&one.knobs, &told).expect("the trial did so"));
+        let after = turned.map(|turned| {
+            let (kind, errors, _) = judged(&turned, &record, &blind, false);
+            (errors, kind.is_some_and(VerdictKind::is_good))
+        });
+        if verbose {
+            let kind = verdict.map_or("none", VerdictKind::name);
+            println!("{seed} {faults:?} {} {kind} {before:.4?}", told.filters[0].name);
+            for one in findings.iter().take(3) {
+                let told: Vec<_> = one.causes().map(|suspect| suspect.sentence.as_str()).collect();
+                let after = one.after.as_ref().map_or("none", |verdict| verdict.kind.name());
+                println!("    {:+.0} {} -> {after}", one.gain, told.join("; "));
+            }
+            println!("    {after:.4?}");
+        }
+        Self { faults, is_bad, before, after, causes }
+    }
+}
+
+/// The verdict without the truth, the errors, and the remedies if they are asked for.
+fn judged(
+    told: &Scenario,
+    record: &Record,
+    blind: &std::sync::Arc<Record>,
+    search: bool,
+) -> (Option<VerdictKind>, Errors, Vec<Finding>) {
+    let mut run = Run::on_record(told, blind.clone()).expect("the scenario is valid");
+    run.finish();
+    let estimates = &run.estimates()[0];
+    let late = estimates.len() * 4 / 5..estimates.len();
+    let errors = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO].map(|channel| {
+        let (Some(truth), Some(place)) = (record.truth(channel), estimates.place(channel)) else {
+            return [f64::INFINITY; 2];
+        };
+        let stopped = estimates.stop().is_some();
+        let mean = |of: &dyn Fn(usize) -> f64| {
+            let sum = late.clone().map(|k| of(k) * of(k)).sum::<f64>();
+            if stopped { f64::INFINITY } else { (sum / late.len() as f64).sqrt() }
+        };
+        let error = |k: usize| estimates.canonical_mean(k, place) - truth[k];
+        [mean(&|k| error(k) / truth[k]), mean(&|k| error(k) / estimates.std(k, place))]
+    });
+    let errors = Errors { relative: errors.map(|error| error[0]), in_std: errors.map(|error| error[1]) };
+    let diagnostics = Diagnostics::new(estimates, blind);
+    let Some(diagnosis) = Diagnosis::new(&diagnostics, estimates, blind, None) else {
+        return (None, errors, Vec::new());
+    };
+    let mut findings = Vec::new();
+    if search && diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good()) {
+        let search = diagnosis.search(told, 0, &diagnostics, estimates, blind);
+        let mut search = search.expect("the scenario is valid");
+        while !search.advance(&mut || true) {}
+        findings = search.findings();
+    }
+    (diagnosis.verdict.map(|verdict| verdict.kind), errors, findings)
+}
+
+fn print_row(title: &str, outcomes: &[&Outcome], with_causes: bool) {
+    let bad: Vec<&&Outcome> = outcomes.iter().filter(|outcome| outcome.is_bad).collect();
+    let count = |is: &dyn Fn(&Outcome) -> bool| bad.iter().filter(|outcome| is(outcome)).count();
+    let good = count(&|one| one.after.is_some_and(|(_, good)| good));
+    let grows = count(&|one| one.after.is_some_and(|(after, _)| after.worse() > GROWS * one.before.worse()));
+    let before = count(&|one| one.before.are_within());
+    let after = count(&|one| one.after.map_or(one.before, |(after, _)| after).are_within());
+    let right =
+        |one: &Outcome| one.faults.iter().any(|fault| fault.causes().contains(one.causes.first().unwrap_or(&"")));
+    let named = bad.iter().filter(|one| one.faults.iter().any(|fault| !fault.causes().is_empty())).count();
+    let mut text = format!(
+        "{title:24} {:5} {good:5} {grows:6}  {before:4} → {after:<4} {:3} of {named}",
+        bad.len(),
+        count(&right)
+    );
+    if with_causes {
+        let mut first: BTreeMap<String, usize> = BTreeMap::new();
+        for outcome in &bad {
+            let words = if outcome.causes.is_empty() { "none".to_owned() } else { outcome.causes.join("+") };
+            *first.entry(words).or_default() += 1;
+        }
+        let mut first: Vec<_> = first.into_iter().collect();
+        first.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        let cells: Vec<String> = first.into_iter().map(|(cause, count)| format!("{cause} {count}")).collect();
+        text += &format!("   {}", cells.join(", "));
+    } else {
+        let share = |count: usize| 100.0 * count as f64 / bad.len().max(1) as f64;
+        text += &format!("   good {:.0} %, grows {:.0} %, within 3σ {:.0} %", share(good), share(grows), share(after));
+    }
+    println!("{text}");
+}

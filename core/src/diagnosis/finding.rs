@@ -1,0 +1,70 @@
+//! A remedy: causes that are repaired one after the other, and the filter then.
+
+use super::cause::Suspect;
+use super::knob::Knob;
+use super::verdict::Verdict;
+use super::verdict_kind::VerdictKind;
+
+/// A cause, or several one after the other, and what turning their knobs does to the filter.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The cause, its evidence and its knobs.
+    pub suspect: Suspect,
+    /// The causes of what is left once the first one is repaired, in the order in which they are.
+    pub then: Vec<Suspect>,
+    /// The knobs of all causes together, the last of each key.
+    pub knobs: Vec<Knob>,
+    /// The log likelihood that the knobs gain over the window, less half the logarithm of the number of samples for each
+    /// number that is fitted (the Bayesian information criterion); NaN where it has not been tried.
+    ///
+    /// Source: Schwarz (1978), Estimating the dimension of a model, *The Annals of Statistics* 6.
+    pub gain: f64,
+    /// The verdict on the filter with the knobs turned, over the window.
+    pub after: Option<Verdict>,
+}
+
+impl Finding {
+    /// The causes in the order in which they are repaired.
+    pub fn causes(&self) -> impl Iterator<Item = &Suspect> {
+        std::iter::once(&self.suspect).chain(&self.then)
+    }
+
+    /// The same, to be told otherwise.
+    pub(super) fn causes_mut(&mut self) -> impl Iterator<Item = &mut Suspect> {
+        std::iter::once(&mut self.suspect).chain(&mut self.then)
+    }
+
+    /// Whether nothing is left to explain: the filter with the knobs turned is to be believed, or is but for a parameter that
+    /// the record does not tell; or the cause is certain and has no knob.
+    pub fn explains(&self) -> bool {
+        let of_nothing = self.suspect.certain && self.knobs.is_empty();
+        of_nothing || self.after.as_ref().is_some_and(|verdict| rests(verdict.kind) > 0)
+    }
+
+    /// Whether the first of some findings, the likeliest first, explains the verdict: otherwise none of them does.
+    pub fn is_explained(findings: &[Self]) -> bool {
+        findings.first().is_some_and(Self::explains)
+    }
+
+    /// The order in which findings are told, before their likelihood counts: a cause that is certain, one that ends well, one
+    /// that is certain and has no remedy, any other, and last one that silences a sensor.
+    pub(super) fn precedence(&self) -> u8 {
+        let ends = self.after.as_ref().map_or(0, |verdict| rests(verdict.kind));
+        match &self.suspect {
+            suspect if suspect.certain && !self.knobs.is_empty() => 5,
+            suspect if suspect.silences => 0,
+            _ if ends > 0 => 2 + ends,
+            suspect if suspect.certain => 2,
+            _ => 1,
+        }
+    }
+}
+
+/// 2 for a verdict that is good, 1 for one that says no more than that the record does not tell a parameter, 0 otherwise.
+fn rests(kind: VerdictKind) -> u8 {
+    match kind {
+        kind if kind.is_good() => 2,
+        VerdictKind::NotIdentifiable => 1,
+        _ => 0,
+    }
+}
