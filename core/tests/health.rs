@@ -27,7 +27,7 @@ fn config(cases: u32) -> ProptestConfig {
 fn a_million_steps_of_random_scenarios_are_valid_or_stop_with_a_reason() {
     let steps = Cell::new(0);
     let any_bytes = proptest::collection::vec(any::<u8>(), 400);
-    let result = TestRunner::new(config(4400)).run(&any_bytes, |bytes| {
+    let result = TestRunner::new(config(4900)).run(&any_bytes, |bytes| {
         let (scenario, gap) = scenario_of(&bytes);
         prop_assert_eq!(scenario.validate(), Ok(()));
         let done = check_scenario(&scenario, gap);

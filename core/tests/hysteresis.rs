@@ -1,5 +1,4 @@
 //! Bouc-Wen hysteresis of exponent 1: the benchmark of Noël and Schoukens (2016), identified from its record.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 #[path = "common/run.rs"]
 mod run;

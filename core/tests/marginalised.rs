@@ -1,5 +1,4 @@
 //! The Rao-Blackwellised particle filter: its parameters do not impoverish.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 #[path = "common/run.rs"]
 mod run;
@@ -15,6 +14,10 @@ const DAMPING_RATIO: Channel = Channel::DAMPING_RATIO;
 
 /// The number of records.
 const SEEDS: u64 = 10;
+
+/// Limits the root mean square of ten normal errors over their σ: chance exceeds it in one of a hundred cases. A PF of 300
+/// particles has 1.6 to 2.5 here.
+const LARGEST: f64 = 1.52;
 
 /// 20 s of an oscillator under white noise, and filters of these kinds and numbers of particles.
 fn scenario(seed: u64, sensors: &[(Quantity, f64)], filters: &[(FilterKind, usize)]) -> Scenario {
@@ -46,14 +49,14 @@ fn scenario(seed: u64, sensors: &[(Quantity, f64)], filters: &[(FilterKind, usiz
 fn deviations_are_those_of_the_bound_and_errors_too() {
     let x = (Quantity::DISPLACEMENT, 0.01);
     let sets: [&[(Quantity, f64)]; 2] = [&[x], &[x, (Quantity::VELOCITY, 0.06)]];
-    let kinds = [(FilterKind::RBPF, 200), (FilterKind::RBPF, 400), (FilterKind::EKF, 2), (FilterKind::PF, 300)];
+    let kinds = [(FilterKind::RBPF, 200), (FilterKind::EKF, 2)];
     for sensors in sets {
-        let mut ratios = [[0.0; 2]; 4];
-        let mut squares = [[0.0; 2]; 4];
+        let mut ratios = [[0.0; 2]; 2];
+        let mut squares = [[0.0; 2]; 2];
         for seed in 801..801 + SEEDS {
             let scenario = scenario(seed, sensors, &kinds);
             let run = finished(&scenario);
-            let mut bound = CramerRao::new(&scenario, 2, scenario.dt).unwrap();
+            let mut bound = CramerRao::new(&scenario, 1, scenario.dt).unwrap();
             bound.follow(run.record());
             for (place, estimates) in run.estimates().iter().enumerate() {
                 assert_eq!(estimates.stop(), None);
@@ -70,12 +73,9 @@ fn deviations_are_those_of_the_bound_and_errors_too() {
         for ((kind, ratios), errors) in kinds.iter().zip(&ratios).zip(&errors) {
             println!("{} sensors, {kind:?}: σ over bound {ratios:.2?}, error over bound {errors:.2?}", sensors.len());
         }
-        for place in 0..2 {
-            for i in 0..2 {
-                assert!((0.8..1.2).contains(&ratios[place][i]), "{:?}: σ over bound {:?}", kinds[place], ratios[place]);
-                let limit = 1.2 * errors[2][i].max(1.0);
-                assert!(errors[place][i] < limit, "{:?}: {:?}, EKF {:?}", kinds[place], errors[place], errors[2]);
-            }
+        for i in 0..2 {
+            assert!((0.8..1.2).contains(&ratios[0][i]), "σ over bound {:?}", ratios[0]);
+            assert!(errors[0][i] < LARGEST, "error over bound {:?}, EKF {:?}", errors[0], errors[1]);
         }
     }
 }

@@ -142,7 +142,7 @@ impl Suspect {
     /// A suspect whose knobs fit `fitted` numbers to the record.
     pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, knobs: Vec<Knob>, sentence: String) -> Self {
         // Numbers are tried as they are told and written.
-        let knobs = knobs.iter().map(Knob::rounded).collect();
+        let knobs = knobs.into_iter().map(|knob| knob.rounded()).collect();
         Self {
             cause,
             sentence,

@@ -78,7 +78,7 @@ pub(crate) fn change_point(squares: &[f64]) -> Option<Change> {
 ///
 /// Source: Csörgő and Horváth (1997), *Limit Theorems in Change-Point Analysis*, equation 1.3.26 with one parameter.
 fn supremum_p(x: f64) -> f64 {
-    if !(x > 1.0) {
+    if x.is_nan() || x <= 1.0 {
         return 1.0;
     }
     let (h, l) = MARGINS;

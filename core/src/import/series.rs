@@ -120,8 +120,9 @@ impl SeriesReader {
                 remarks.push(format!("`{name}` {reason}; it is left out"));
                 continue;
             }
+            // A time without its value is no row.
             let (own, values): (Vec<f64>, Vec<f64>) = if series.has_times {
-                (values.iter().step_by(2).copied().collect(), values.iter().skip(1).step_by(2).copied().collect())
+                values.chunks_exact(2).map(|pair| (pair[0], pair[1])).unzip()
             } else {
                 (Vec::new(), values.clone())
             };

@@ -45,7 +45,7 @@ fn next(header: &[String]) -> Option<Series> {
         _ => "acceleration",
     };
     let name = format!("{channel}{name}");
-    let unit = unit.map(|unit| unit.to_ascii_lowercase());
+    let unit = unit.map(str::to_ascii_lowercase);
     Some(Series { name, unit, dt, count: Some(count), width: field_width(line), ..Series::default() })
 }
 

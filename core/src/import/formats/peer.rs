@@ -22,7 +22,7 @@ fn size(line: &str) -> Option<(usize, f64)> {
         }
         None => return None,
     };
-    (count >= 1.0 && count < 1e9 && dt > 0.0).then_some((count as usize, dt))
+    ((1.0..1e9).contains(&count) && dt > 0.0).then_some((count as usize, dt))
 }
 
 fn next(header: &[String]) -> Option<Series> {
@@ -30,7 +30,7 @@ fn next(header: &[String]) -> Option<Series> {
     let kind = header.iter().rev().find(|line| line.to_ascii_uppercase().contains("UNITS OF"));
     let unit = kind.and_then(|line| text_after(line, "units of", &[',', ';', ':', ')']));
     // G is what others write as g.
-    let unit = unit.map(|unit| unit.to_ascii_lowercase());
+    let unit = unit.map(str::to_ascii_lowercase);
     let words = kind.map(|line| line.to_ascii_lowercase()).unwrap_or_default();
     let name = ["velocity", "displacement"].into_iter().find(|word| words.contains(word)).unwrap_or("acceleration");
     Some(Series { name: name.to_owned(), unit, dt, count: Some(count), ..Series::default() })

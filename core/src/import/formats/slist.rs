@@ -18,7 +18,8 @@ fn next(header: &[String]) -> Option<Series> {
     let count = parts.next()?.strip_suffix("samples")?.trim().parse().ok()?;
     let rate: f64 = parts.next()?.strip_suffix("sps")?.trim().parse().ok()?;
     let (start, _) = clock(parts.next()?)?;
-    let unit = parts.nth(2).filter(|unit| !unit.is_empty()).map(str::to_owned);
+    // The services write units in capitals.
+    let unit = parts.nth(2).filter(|unit| !unit.is_empty()).map(str::to_lowercase);
     Some(Series { name, unit, start, dt: 1.0 / rate, count: Some(count), ..Series::default() })
 }
 
@@ -40,7 +41,7 @@ mod tests {
         assert_eq!(table.columns[1].values, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert_eq!(table.columns[2].values[2..5], [-0.0015, 7.0, 8.0]);
         assert!(table.columns[2].values[0].is_nan() && table.columns[2].values[5].is_nan());
-        assert_eq!((table.columns[0].values[1], table.columns[1].unit.as_deref()), (0.02, Some("M/S")));
+        assert_eq!((table.columns[0].values[1], table.columns[1].unit.as_deref()), (0.02, Some("m/s")));
     }
 
     #[test]
