@@ -103,6 +103,24 @@ fn scaled_plane_ui<R>(
     inner
 }
 
+/// Limits the distance of points from the middle of a plot, in its widths and heights: positions on screen are numbers of single
+/// precision, whose squares overflow.
+const FARTHEST: f64 = 1e6;
+
+/// Limits points in the first frame, before a plot has bounds.
+const FARTHEST_AT_FIRST: f64 = 1e12;
+
+/// A point, or one in its direction that is far outside the plot, where it can be drawn.
+pub(crate) fn drawable(plot: &PlotUi<'_>, point: [f64; 2]) -> [f64; 2] {
+    let bounds = plot.plot_bounds();
+    std::array::from_fn(|axis| {
+        let (low, high) = (bounds.min()[axis], bounds.max()[axis]);
+        let (middle, most) = (0.5 * low + 0.5 * high, FARTHEST * (high - low));
+        let (middle, most) = if most > 0.0 && most.is_finite() { (middle, most) } else { (0.0, FARTHEST_AT_FIRST) };
+        point[axis].clamp(middle - most, middle + most)
+    })
+}
+
 /// The number of shades of a path.
 const SHADES: usize = 6;
 
@@ -113,7 +131,8 @@ pub(crate) fn aged_path(plot: &mut PlotUi<'_>, path: &[[f64; 2]], color: Color32
         let part = path.get(shade * length..path.len().min((shade + 1) * length + 1)).unwrap_or_default();
         if part.len() > 1 {
             let color = color.gamma_multiply(1.0 - shade as f32 / (SHADES as f32 + 0.8));
-            plot.line(Line::new("path", part.to_vec()).color(color).width(width).allow_hover(false));
+            let part: Vec<[f64; 2]> = part.iter().map(|point| drawable(plot, *point)).collect();
+            plot.line(Line::new("path", part).color(color).width(width).allow_hover(false));
         }
     }
 }

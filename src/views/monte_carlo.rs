@@ -95,6 +95,10 @@ fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_ol
     let has_histogram = curves.parameter.is_some();
     let is_below = has_histogram && !is_wide;
     let rows = count + f32::from(u8::from(is_below));
+    // No run has come to an end yet.
+    if rows == 0.0 {
+        return;
+    }
     let axes = AXIS * (1.0 + f32::from(u8::from(is_below)));
     let scrolls = Medium::of(ui.ctx()) == Medium::Screen;
     let least = if scrolls { LEAST } else { 1.0 };

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, RichText, Ui};
 use egui_plot::{Line, MarkerShape, Points, Text};
 use kalmanscope_core::{Channel, Estimates};
 
-use crate::plot::plane::{aged_path, around, plane_ui};
+use crate::plot::plane::{aged_path, around, drawable, plane_ui};
 use crate::request::Request;
 use crate::view::{Proportions, View, ViewContext};
 
@@ -69,7 +69,8 @@ impl View for ParameterPlane {
         let mut labelled = false;
         plane_ui(ui, "parameter plane", [&label(x), &label(y)], palette, range, |plot| {
             for (path, ellipse, color) in paths {
-                let now = path.first().copied();
+                let now = path.first().map(|now| drawable(plot, *now));
+                let ellipse: Points2 = ellipse.into_iter().map(|point| drawable(plot, point)).collect();
                 aged_path(plot, &path, color, 1.4);
                 if visible.bands {
                     if let Some(top) = ellipse.iter().max_by(|a, b| a[1].total_cmp(&b[1])).filter(|_| !labelled) {
@@ -83,7 +84,7 @@ impl View for ParameterPlane {
                     plot.points(Points::new("now", vec![now]).color(color).radius(4.0).allow_hover(false));
                 }
             }
-            if let Some(truth) = truth {
+            if let Some(truth) = truth.map(|truth| drawable(plot, truth)) {
                 let text = Text::new("truth's name", truth.into(), RichText::new("  truth").size(11.5));
                 plot.text(text.color(palette.truth).anchor(Align2::LEFT_BOTTOM).allow_hover(false));
                 let cross = Points::new("truth", vec![truth]).shape(MarkerShape::Plus).color(palette.truth).radius(8.0);

@@ -4,7 +4,7 @@ use egui::Ui;
 use egui_plot::Points;
 use kalmanscope_core::Channel;
 
-use crate::plot::plane::{aged_path, around, plane_ui};
+use crate::plot::plane::{aged_path, around, drawable, plane_ui};
 use crate::request::Request;
 use crate::view::{Proportions, View, ViewContext};
 
@@ -64,7 +64,7 @@ impl View for Phase {
         let range = reach(Channel::DISPLACEMENT).zip(reach(Channel::VELOCITY)).map(|(x, y)| [x, y]);
         plane_ui(ui, "phase portrait", ["displacement x [m]", "velocity v [m/s]"], palette, range, |plot| {
             for (path, color, width) in paths {
-                let now = path.first().copied();
+                let now = path.first().map(|now| drawable(plot, *now));
                 aged_path(plot, &path, color, width);
                 if let Some(now) = now {
                     plot.points(Points::new("now", vec![now]).color(color).radius(2.0 + width).allow_hover(false));

@@ -8,9 +8,10 @@ use std::sync::Mutex;
 
 use crate::clock::{Elapsed, Moment};
 
-/// Limits the processor time of one stage, without optimisation \[ms\]: of one that a screen cannot interrupt, such as a frame,
-/// and of one that is divided on a screen, such as a run.
-const FREEZE: [f64; 2] = [1000.0, 5000.0];
+/// Limits the processor time of one stage, in an explorer without optimisation, which takes at least twice as long as a release
+/// \[ms\]: of one that a screen cannot interrupt, such as a frame, and of one that is divided on a screen, such as a run or the
+/// search for remedies.
+const FREEZE: [f64; 2] = [2000.0, 20_000.0];
 
 /// The stages that a screen divides into slices of time.
 const DIVIDED: [&str; 8] = [

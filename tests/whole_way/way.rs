@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_cli::{causes, free_runs, report, run_scenario, svg, table, write_estimates};
+use kalmanscope_cli::{Results, causes, report, run_scenario, svg, table, write_estimates};
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{Analysis, Record, Run, Scenario, Wanted};
 
@@ -109,10 +109,11 @@ fn results(run: &Run, findings: &mut Findings) {
     if let Some(text) = findings.stage("table", || table(run, &analysis, &causes, &[])) {
         legible("table", &text, findings);
     }
-    if let Some(text) = findings.stage("free runs", || free_runs(run, run.record(), "its own record")) {
+    let records = [("its own record", run.record())];
+    let free_runs = || Results::of_run(run, &analysis, Vec::new()).with_free_runs(run, &records).free_runs();
+    if let Some(text) = findings.stage("free runs", free_runs) {
         legible("free runs", &text, findings);
     }
-    let records = [("its own record", run.record())];
     if let Some(page) = findings.stage("report", || report("case", run, &analysis, &causes, &records)) {
         match page {
             Ok(page) => {

@@ -28,6 +28,9 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let (off, of_errors) = errors(case);
     let is_error = off > OFF && CALM.contains(&level);
     let (statistic, what) = if is_error { (off, of_errors) } else { (level, of_innovations) };
+    if !statistic.is_finite() {
+        return;
+    }
     let sentence = format!("between {from} s and {to} s {what}; it has recovered");
     let one = Evidence::new(test, Subject::All, case).certain(VerdictKind::Recovered, 1.0, sentence);
     found.push(Evidence { statistic, samples, ..one });
