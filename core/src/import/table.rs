@@ -99,6 +99,8 @@ pub(super) fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
 pub(super) struct Lines {
     /// The first row of each block, and its line.
     blocks: Vec<(usize, usize)>,
+    /// The line of the last row that has one.
+    last: usize,
 }
 
 impl Lines {
@@ -106,11 +108,13 @@ impl Lines {
         if self.blocks.last().is_none_or(|&(first, start)| start + (row - first) != line) {
             self.blocks.push((row, line));
         }
+        self.last = line;
     }
 
     fn of(&self, row: usize) -> usize {
         let block = self.blocks.partition_point(|&(first, _)| first <= row).checked_sub(1);
-        block.map_or(0, |block| self.blocks[block].1 + (row - self.blocks[block].0))
+        // Series that are joined have more rows than lines.
+        block.map_or(0, |block| (self.blocks[block].1 + (row - self.blocks[block].0)).min(self.last))
     }
 }
 
@@ -126,5 +130,6 @@ mod tests {
         }
         assert_eq!(lines.blocks.len(), 3);
         assert_eq!((0..6).map(|row| lines.of(row)).collect::<Vec<_>>(), [2, 3, 4, 7, 8, 20]);
+        assert_eq!(lines.of(100), 20);
     }
 }
