@@ -99,7 +99,9 @@ impl SeriesReader {
 
     /// The series as columns, at the times of the first one.
     pub(super) fn finish(self, name: &str, dialect: Dialect, lines: usize) -> Result<Table, ImportError> {
-        let Self { all, loose, lines: known, .. } = self;
+        let Self { all, loose, rows: read, lines: mut known, .. } = self;
+        // Series that go on with each other have more rows than lines.
+        known.end(read);
         let mut remarks = Vec::new();
         let mut columns: Vec<Column> = Vec::new();
         let mut times: Option<Vec<f64>> = None;

@@ -99,8 +99,8 @@ pub(super) fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
 pub(super) struct Lines {
     /// The first row of each block, and its line.
     blocks: Vec<(usize, usize)>,
-    /// The line of the last row that has one.
-    last: usize,
+    /// The line of all rows behind the last one that has a line, if there are any.
+    last: Option<usize>,
 }
 
 impl Lines {
@@ -108,13 +108,17 @@ impl Lines {
         if self.blocks.last().is_none_or(|&(first, start)| start + (row - first) != line) {
             self.blocks.push((row, line));
         }
-        self.last = line;
+    }
+
+    /// Gives all rows from the one at `rows` on the line of the row before it.
+    pub(super) fn end(&mut self, rows: usize) {
+        self.last = rows.checked_sub(1).map(|row| self.of(row));
     }
 
     fn of(&self, row: usize) -> usize {
         let block = self.blocks.partition_point(|&(first, _)| first <= row).checked_sub(1);
-        // Series that are joined have more rows than lines.
-        block.map_or(0, |block| (self.blocks[block].1 + (row - self.blocks[block].0)).min(self.last))
+        let line = block.map_or(0, |block| self.blocks[block].1 + (row - self.blocks[block].0));
+        self.last.map_or(line, |last| line.min(last))
     }
 }
 
@@ -130,6 +134,8 @@ mod tests {
         }
         assert_eq!(lines.blocks.len(), 3);
         assert_eq!((0..6).map(|row| lines.of(row)).collect::<Vec<_>>(), [2, 3, 4, 7, 8, 20]);
-        assert_eq!(lines.of(100), 20);
+        assert_eq!(lines.of(100), 20 + 95);
+        lines.end(6);
+        assert_eq!((lines.of(5), lines.of(100)), (20, 20));
     }
 }
