@@ -35,7 +35,7 @@ pub(crate) fn write_fixed<'a>(
         turn(&mut fixed, place, &finding.knobs).map_err(|error| bad(format!("--fix {number}: {name}: {error}")))?;
         let ends = finding.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
         let names: Vec<&str> = finding.causes().map(|suspect| suspect.cause.name).collect();
-        said.push(format!("{name}: written without {}, then {ends}", names.join(" and then ")));
+        said.push(format!("{name}: the remedy against {} is written, then {ends}", names.join(" and then ")));
     }
     if said.is_empty() {
         let reason = "there is nothing to fix: no filter has a verdict with a cause that was found";

@@ -20,7 +20,6 @@ mod in_turn;
 mod json;
 mod markup;
 mod number;
-mod other_units;
 #[cfg(feature = "plots")]
 pub mod output;
 #[cfg(feature = "plots")]
@@ -30,6 +29,7 @@ mod remarks;
 #[cfg(feature = "plots")]
 mod report;
 mod results;
+mod rows;
 mod table;
 mod timing;
 

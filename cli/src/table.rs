@@ -3,16 +3,14 @@
 use std::fmt::{self, Write as _};
 
 use kalmanscope_core::diagnosis::Finding;
-use kalmanscope_core::diagnostics::Final;
-use kalmanscope_core::import::Length;
 use kalmanscope_core::{Analysis, Channel, Diagnosis, FilterKind, Run, Scenario, Summary};
 
 use crate::findings::{evidence, likeliest, unexplained};
-use crate::number::{deviation, fixed, plain, short, with_spread};
-use crate::other_units::rows;
+use crate::number::{plain, short};
 use crate::quality::quality;
 use crate::remarks::remarks;
 use crate::results::{FilterResults, Results};
+use crate::rows::{COLUMNS, rows};
 
 /// The results of each filter as a table ([`Results::table`]). `causes` are those of [`crate::causes()`], one list per filter, and
 /// `step_times` \[ns\] those of [`crate::step_times`]; empty lists leave them out.
@@ -124,32 +122,8 @@ pub(crate) fn heading(name: &str, kind: FilterKind) -> String {
     }
 }
 
-/// Symbol, name, value, 2σ, unit, error, error in standard deviations, root mean square errors of the whole record and
-/// of its last third, share inside ±2σ, settling time.
-pub(crate) const COLUMNS: usize = 11;
-
 /// The text before each column.
 const LABELS: [&str; COLUMNS] = ["", "", "", "±", "", "error", "", "RMSE", "last third", "inside", "settled"];
-
-/// One channel's last estimate and its score, as text, column by column.
-pub(crate) fn row(last: &Final, length: Length) -> [String; COLUMNS] {
-    let &Final { channel, mean, std, score } = last;
-    let (value, spread) = with_spread(mean, std);
-    let scored = score.map(|score| {
-        let in_stds = if std > 0.0 { format!("({}σ)", fixed(score.error.abs() / std, 1)) } else { String::new() };
-        let settled = match score.settled {
-            _ if std == 0.0 || !channel.is_parameter() => String::new(),
-            Some(time) => format!("{} s", plain((time * 1e3).round() / 1e3)),
-            None => "never".to_owned(),
-        };
-        let inside = if std > 0.0 { format!("{} %", fixed(100.0 * score.share_inside, 1)) } else { String::new() };
-        [deviation(score.error, std), in_stds, short(score.rmse), short(score.rmse_last_third), inside, settled]
-    });
-    let [error, in_stds, rmse, last_third, inside, settled] = scored.unwrap_or_default();
-    let [symbol, name, unit] =
-        [channel.symbol(), channel.name(), length.in_place_of(channel.unit())].map(str::to_owned);
-    [symbol, name, value, spread, unit, error, in_stds, rmse, last_third, inside, settled]
-}
 
 /// Aligns numbers to the right of their column and words to the left; leaves out columns that are empty in every row.
 fn write_row(text: &mut String, row: &[String; COLUMNS], widths: &[usize; COLUMNS]) -> fmt::Result {

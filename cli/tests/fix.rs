@@ -50,7 +50,10 @@ fn the_repaired_scenario_runs_and_has_the_promised_verdict() {
     assert_eq!(code, Some(0), "{said}");
     assert_eq!(verdict(&same), "overconfident");
     let promised = said.trim_end().rsplit_once(", then ").unwrap().1;
-    assert!(said.starts_with("first: written without the gain of the input and then R of a sensor, then "), "{said}");
+    assert!(
+        said.starts_with("first: the remedy against the gain of the input and then R of a sensor is written, then "),
+        "{said}"
+    );
     let (code, after, _) = run(&folder, &["fixed.toml"]);
     assert_eq!((code, verdict(&after)), (Some(0), promised), "{after}");
     assert!(promised.starts_with("consistent"), "{promised}");

@@ -6,9 +6,9 @@ use kalmanscope_core::{Diagnosis, Record, Scenario, Summary};
 use super::html::Html;
 use crate::findings::{evidence, likeliest, unexplained};
 use crate::number::plain;
-use crate::other_units::rows;
 use crate::quality::quality;
-use crate::table::{COLUMNS, heading};
+use crate::rows::{COLUMNS, rows};
+use crate::table::heading;
 
 /// The headings of [`rows`].
 const HEADINGS: [&str; COLUMNS] =

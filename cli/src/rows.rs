@@ -1,10 +1,15 @@
-//! Estimates in the units that a user wants besides those of the filters: frequencies in Hz, gains for the column as it was recorded.
+//! The rows of the table of estimates, also in the units that a user wants besides those of the filters: frequencies in Hz, gains for
+//! the column as it was recorded.
 
 use kalmanscope_core::Channel;
 use kalmanscope_core::diagnostics::Final;
 use kalmanscope_core::import::{Dimension, Length, Mapping, unit};
 
-use crate::table::{COLUMNS, row};
+use crate::number::{deviation, fixed, plain, short, with_spread};
+
+/// Symbol, name, value, 2σ, unit, error, error in standard deviations, root mean square errors of the whole record and
+/// of its last third, share inside ±2σ, settling time.
+pub(crate) const COLUMNS: usize = 11;
 
 /// The rows of a channel: its own, and the same in another unit where there is one.
 pub(crate) fn rows(last: &Final, mapping: Option<&Mapping>) -> Vec<[String; COLUMNS]> {
@@ -12,6 +17,26 @@ pub(crate) fn rows(last: &Final, mapping: Option<&Mapping>) -> Vec<[String; COLU
     let mut rows = vec![row(last, length)];
     rows.extend(hertz(last, length).or_else(|| gain(last, length, mapping?)));
     rows
+}
+
+/// One channel's last estimate and its score, as text, column by column.
+fn row(last: &Final, length: Length) -> [String; COLUMNS] {
+    let &Final { channel, mean, std, score } = last;
+    let (value, spread) = with_spread(mean, std);
+    let scored = score.map(|score| {
+        let in_stds = if std > 0.0 { format!("({}σ)", fixed(score.error.abs() / std, 1)) } else { String::new() };
+        let settled = match score.settled {
+            _ if std == 0.0 || !channel.is_parameter() => String::new(),
+            Some(time) => format!("{} s", plain((time * 1e3).round() / 1e3)),
+            None => "never".to_owned(),
+        };
+        let inside = if std > 0.0 { format!("{} %", fixed(100.0 * score.share_inside, 1)) } else { String::new() };
+        [deviation(score.error, std), in_stds, short(score.rmse), short(score.rmse_last_third), inside, settled]
+    });
+    let [error, in_stds, rmse, last_third, inside, settled] = scored.unwrap_or_default();
+    let [symbol, name, unit] =
+        [channel.symbol(), channel.name(), length.in_place_of(channel.unit())].map(str::to_owned);
+    [symbol, name, value, spread, unit, error, in_stds, rmse, last_third, inside, settled]
 }
 
 /// A frequency in Hz.
