@@ -29,7 +29,7 @@ pub(crate) struct CauseInWords {
     pub(crate) remedies: Vec<String>,
 }
 
-/// The sentence that stands before causes none of which explains the verdict; none where the first one does.
+/// The sentence before causes that do not explain the verdict. `None` if the first one explains it.
 pub(crate) fn unexplained(causes: &[Finding]) -> Option<String> {
     let best = causes.first().filter(|first| !first.explains())?;
     let ends = best.after.as_ref().map_or("no better", |verdict| verdict.kind.name());

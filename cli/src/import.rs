@@ -95,7 +95,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
     let progress = Progress::wait(false, "finding start values");
     let suggestion = suggest(&scenario, &imported.record);
     drop(progress);
-    // What `run` would refuse is not written.
+    // Nothing is written that `run` would refuse.
     let unsound = |error| InputError::StartValues { file: file.clone(), error };
     suggestion.scenario.validate().map_err(unsound)?;
     let toml = suggestion.scenario.to_toml().map_err(|error| InputError::Scenario { file: file.clone(), error })?;

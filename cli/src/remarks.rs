@@ -4,7 +4,7 @@ use kalmanscope_core::{Record, Remark, Trouble};
 
 use crate::number::plain;
 
-/// What a filter has survived or done, each with its time.
+/// Troubles that a filter has survived and changes that it has made, each with its time.
 pub(crate) fn remarks(remarks: &[Remark], record: &Record) -> Vec<String> {
     let line = |remark: &Remark| {
         let [from, to] = [remark.sample, remark.last].map(|number| plain(record.time_of(number)));

@@ -1,4 +1,4 @@
-//! What is told of each filter of a run.
+//! The results of each filter of a run.
 
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::import::Length;

@@ -21,7 +21,7 @@ pub fn step_times(scenario: &Scenario, run: &Run) -> Result<Vec<Option<f64>>, Ru
     step_times_of(scenario, run.record(), &ends)
 }
 
-/// The same for filters that have done so many samples of a record.
+/// The same for filters that have done this many samples of a record.
 ///
 /// # Errors
 /// Those of [`step_times`].

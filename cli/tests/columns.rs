@@ -1,4 +1,4 @@
-//! What `import` and `run` make of columns: meanings, numbers for missing readings, units, formats.
+//! Columns in `import` and `run`: meanings, numbers for missing readings, units, formats.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::path::{Path, PathBuf};

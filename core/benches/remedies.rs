@@ -1,4 +1,4 @@
-//! What remedies do against faults that were drawn at random, alone and two at once.
+//! Remedies against faults that are drawn at random, alone and two at once.
 //!
 //! ```text
 //! cargo bench -p kalmanscope-core --bench remedies -- [FROM] [NUMBER]

@@ -32,7 +32,7 @@ const OF_COVARIANCE: f64 = 12.0;
 /// Limits the time for one sample of an ensemble, which nothing divides; a browser is three to four times slower \[ns\].
 const LONGEST: f64 = 0.25e9;
 
-/// Limits the members of an ensemble of so many components that moves by so many steps a sample.
+/// Limits the members of an ensemble, by its number of components and its steps a sample.
 pub(crate) fn largest_ensemble(components: usize, substeps: usize) -> usize {
     let n = components.max(1) as f64;
     (LONGEST / (OF_COMPONENT * n * substeps.max(1) as f64 + OF_COVARIANCE * n * n)) as usize

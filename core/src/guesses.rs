@@ -31,7 +31,7 @@ struct Member {
 /// The outermost guesses are e^±2 times the initial mean: 0.14 and 7.4 times.
 const REACH: f64 = 2.0;
 
-/// The measured samples between two looks at who is far behind.
+/// The measured samples between two checks for filters that are far behind.
 const LOOK: usize = 500;
 
 /// Limits the log likelihood that a guess may be behind.

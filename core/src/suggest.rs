@@ -100,7 +100,7 @@ impl Suggestion {
                 continue;
             };
             let (_, std) = moments(measured);
-            // What fills a gap has no noise of its own.
+            // A filled reading has no noise of its own.
             let column = record.sensors().iter().position(|quantity| *quantity == sensor.measures);
             let there = lost.zip(column).map_or(1.0, |(lost, column)| lost.there(column, record.len()));
             let noise = rounded((noise / libm::sqrt(there)).max(1e-6 * std));

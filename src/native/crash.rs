@@ -53,7 +53,7 @@ impl Crash {
         }
     }
 
-    /// The note at a path; none where there is none.
+    /// The note at a path, if there is one.
     ///
     /// # Errors
     /// The reason in words where it cannot be read.

@@ -131,7 +131,7 @@ impl Memory {
         let mut file = self.keeper.kept().file();
         match (choice, session) {
             (Choice::Restore, Some(session)) => file.set_string(KEY, session),
-            // That which was saved last.
+            // The state that was saved last.
             (Choice::Restore, None) => {}
             (Choice::StartAnew, _) => file.remove_string(KEY),
         }

@@ -46,7 +46,7 @@ pub(super) fn errands(ctx: &Context) -> Rc<dyn Elsewhere> {
 }
 
 impl Errands {
-    /// Begins work on a thread; none where the system gives no thread. The work returns false where it cannot be done.
+    /// Begins work on a thread. `None` if the system gives no thread. The work returns false if it cannot be done.
     fn begin<T: Send + 'static>(
         &self,
         name: &str,

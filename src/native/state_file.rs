@@ -103,7 +103,7 @@ fn of_copy(mishap: &str) -> String {
     format!("The saved state {mishap}. The copy before it is taken.")
 }
 
-/// The entries of a file, checked; none where there is no file.
+/// The entries of a file, checked. `None` if there is no file.
 ///
 /// # Errors
 /// The reason in words where it is not whole.

@@ -28,7 +28,7 @@ impl Dice {
         self.below(n) == 0
     }
 
-    /// One of these, of which there is at least one.
+    /// One of these. There must be at least one.
     pub(crate) fn pick<T: Clone>(&mut self, of: &[T]) -> T {
         of[self.below(of.len())].clone()
     }

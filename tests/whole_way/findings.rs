@@ -62,9 +62,9 @@ pub(crate) fn stage_of(case: &str) -> &'static str {
 /// Something wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Finding {
-    /// What was done.
+    /// The step of the case.
     pub(crate) stage: &'static str,
-    /// What went wrong. It is the same for cases that go wrong in the same way.
+    /// The fault in words. Cases that go wrong in the same way have the same words.
     pub(crate) what: String,
     /// More about this case.
     pub(crate) detail: String,

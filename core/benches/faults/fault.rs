@@ -59,7 +59,7 @@ use Fault::{
 };
 
 impl Fault {
-    /// The keys of the causes that name it; none where no cause does.
+    /// The keys of the causes that name it, if there are any.
     pub(crate) fn causes(self) -> &'static [&'static str] {
         match self {
             Gain => &["input_gain"],

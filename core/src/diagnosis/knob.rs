@@ -119,7 +119,7 @@ fn rounded(value: &Value) -> Value {
     }
 }
 
-/// The filter with a name; none where several have it.
+/// The filter with a name. `None` if several have it.
 fn filter_named<'a>(file: &'a mut Table, name: &str) -> Option<&'a mut Table> {
     let filters = file.get_mut("filters")?.as_array_mut()?;
     let tables = filters.iter_mut().filter_map(Value::as_table_mut);

@@ -39,7 +39,7 @@ pub(super) struct ForceInHindsight {
 }
 
 impl ForceInHindsight {
-    /// The smoother of the only filter of a scenario; none where it estimates no unknown force.
+    /// The smoother of the only filter of a scenario. `None` if the filter estimates no unknown force.
     pub(super) fn new(scenario: &Scenario, record: &Record) -> Option<Self> {
         let filter = scenario.filters.first()?;
         filter.augment.contains(&Channel::UNKNOWN_FORCE).then_some(())?;
@@ -63,7 +63,7 @@ impl ForceInHindsight {
         }
     }
 
-    /// The law in words; none where there is none.
+    /// The law in words, if there is one.
     pub(super) fn law(&self, dt: f64) -> Option<Law> {
         let of = |channel| self.estimates.place(channel).map(|place| self.estimates.canonical_means(place));
         let force = of(Channel::UNKNOWN_FORCE)?;

@@ -93,7 +93,7 @@ impl Path {
         keys
     }
 
-    /// The remedy in order; none where there is nothing to tell.
+    /// The remedy in order. `None` if there is nothing to tell.
     pub(super) fn finding(&self) -> Option<Finding> {
         let mut knobs: Vec<Knob> = Vec::new();
         for knob in self.steps.iter().flat_map(|step| &step.suspect.knobs) {

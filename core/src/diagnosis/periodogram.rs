@@ -79,7 +79,7 @@ impl Periodogram {
         self
     }
 
-    /// The samples of a window over this many samples; none where they are too few.
+    /// The samples of a window over this many samples. `None` if there are too few.
     pub(crate) fn window_of(samples: usize) -> Option<usize> {
         WelchWindows::length_for(samples)
     }

@@ -93,7 +93,7 @@ impl Trials {
 
 /// The order of two findings with their ranks, the later one first.
 pub(super) fn compare(one: (&Finding, f64), other: (&Finding, f64)) -> std::cmp::Ordering {
-    // What ends good stands before what is only likelier.
+    // A remedy that ends good stands before one that is only likelier.
     let key = |(finding, rank): (&Finding, f64)| (finding.precedence(), rank, finding.suspect.weight);
     key(one).partial_cmp(&key(other)).unwrap_or(std::cmp::Ordering::Equal)
 }

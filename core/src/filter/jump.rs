@@ -86,7 +86,7 @@ impl Jump {
         }
     }
 
-    /// What this prediction adds to the diagonal of P⁻; nothing unless a change was found at the sample before.
+    /// The variances that this prediction adds to the diagonal of P⁻. `None` unless a change was found at the sample before.
     pub(crate) fn widening(&mut self) -> Option<impl Iterator<Item = f64>> {
         self.has_widened = std::mem::take(&mut self.is_due);
         let factor = self.factor;

@@ -38,7 +38,7 @@ pub struct Marginalised {
     own: Correction,
 }
 
-/// The effect of a measurement on one particle, of which the moments of all are made.
+/// The effect of a measurement on one particle. The moments of all particles are made from these.
 struct Told {
     mean: Vector,
     innovation: Vector,
@@ -290,7 +290,7 @@ fn of_parameters(model: &Model, cov: &Matrix) -> Matrix {
     own
 }
 
-/// What a regression on the parameters does not explain of a covariance.
+/// The part of a covariance that a regression on the parameters does not explain.
 fn unexplained(model: &Model, cov: &Matrix, regression: &Matrix, own: &Matrix) -> Matrix {
     let mut rest = of_the_rest(model, &(cov - regression * own * regression.transpose()));
     for i in 0..rest.nrows() {

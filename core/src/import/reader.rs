@@ -44,7 +44,7 @@ pub struct Reader {
     text: String,
 }
 
-/// What has been read.
+/// The parts that have been read.
 #[derive(Debug)]
 enum Body {
     Rows(RowsReader),

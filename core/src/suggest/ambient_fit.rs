@@ -6,7 +6,7 @@ use super::response::{free_response, is_within, order};
 use super::spectra::{Gaps, LONG, Spectra};
 use crate::{Quantity, Record};
 
-/// What the spectrum of a sensor tells about an oscillator under a white force.
+/// An oscillator under a white force, as the spectrum of a sensor shows it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AmbientFit {
     /// ωₙ \[rad/s\]

@@ -58,7 +58,7 @@ impl Climb {
             self.has_moved = !is_first;
             return;
         }
-        // What became better one way need not be tried the other way.
+        // If one direction improves the likelihood, the other one is not tried.
         if self.is_down || self.has_moved {
             self.size += 1;
             if self.size == self.best.len() {

@@ -2,7 +2,7 @@
 
 use crate::{FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
 
-/// The samples of which the free run is taken.
+/// The samples that the free run covers.
 const FREE: usize = 16_384;
 
 /// The samples of a trial between two looks at the clock.
@@ -60,7 +60,7 @@ pub(super) fn follow_freely(
     }))
 }
 
-/// The free run of the first filter's final model, before its first piece; none where the filter has stopped.
+/// The free run of the first filter's final model, before its first piece. `None` if the filter has stopped.
 fn begin_freely(run: &Run) -> Option<Running> {
     let (scenario, record) = (run.scenario(), run.record());
     let estimates = run.estimates().first().filter(|estimates| estimates.stop().is_none())?;

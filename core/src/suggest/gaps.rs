@@ -18,7 +18,7 @@ const KNOWN: f64 = 0.5;
 pub(super) struct Lost(Vec<Vec<usize>>);
 
 impl Lost {
-    /// Those of a record that can be filled; none where nothing is lost, or too much.
+    /// The gaps of a record that can be filled. `None` if nothing is lost, or too much.
     pub(super) fn of(record: &Record) -> Option<Self> {
         let columns = (0..record.sensors().len()).map(|sensor| record.measured(sensor));
         let lost = columns.map(|column| {

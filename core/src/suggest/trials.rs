@@ -30,7 +30,7 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 pub struct Suggest {
     suggestion: Suggestion,
     record: Record,
-    /// What is lost of the record.
+    /// The lost readings of the record.
     gaps: Option<Gaps>,
     stage: Stage,
     trial: Option<Run>,
