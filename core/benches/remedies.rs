@@ -5,8 +5,9 @@
 //! ```
 //!
 //! Prints for each situation, over NUMBER seeds from FROM on: the filters that were not to be believed, and of these how many the
-//! first remedy makes good, in how many it makes the worse parameter's error larger by more than a fifth, how many are within 3σ
-//! before and after it, and how often the first cause is right. Limits of causes and of the search may be set on seeds below
+//! first remedy makes good, in how many it makes the worse parameter's error larger by more than a fifth (and in how many a filter
+//! without the fault has such an error, as chance will have it), how many are within 3σ before and after it, and how often the
+//! first cause is right. Limits of causes and of the search may be set on seeds below
 //! 1,000,000 of the situations of the first part; those of the second part are only reported. Nothing knows the truth but the
 //! errors.
 
@@ -18,7 +19,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use kalmanscope_core::diagnosis::{Diagnosis, Finding, Knob};
 use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, VerdictKind};
 
-use faults::{FOR_LIMITS, Fault, Situation, UNTOUCHED, without_truth};
+use faults::{FOR_LIMITS, FRESH, Fault, Situation, UNTOUCHED, without_truth};
 
 /// The first seed that no limit was set on.
 const FIRST: u64 = 1_000_000;
@@ -37,13 +38,13 @@ fn main() {
     let first = numbers.first().copied().unwrap_or(FIRST);
     let number = numbers.get(1).copied().unwrap_or(NUMBER);
     let verbose = std::env::args().any(|word| word == "--verbose");
-    let parts: &[(&str, &[&[Fault]])] = &[("for limits", FOR_LIMITS), ("untouched", UNTOUCHED)];
+    let parts: &[(&str, &[&[Fault]])] = &[("for limits", FOR_LIMITS), ("untouched", UNTOUCHED), ("fresh", FRESH)];
     let only = std::env::args().any(|word| word == "--limits");
     let parts = if only { &parts[..1] } else { parts };
     println!("first remedies, of filters that are not to be believed, seeds {first} to {}", first + number - 1);
     let mut all = Vec::new();
     for (name, situations) in parts {
-        println!("\n{name:24}   bad  good  grows  within 3σ   cause");
+        println!("\n{name:24}   bad  good  grows (perfect)  within 3σ   cause");
         let jobs: Vec<(&[Fault], u64)> =
             situations.iter().flat_map(|faults| (first..first + number).map(move |seed| (*faults, seed))).collect();
         let outcomes = outcomes(&jobs, verbose);
@@ -82,6 +83,8 @@ struct Outcome {
     before: Errors,
     /// None without a remedy.
     after: Option<(Errors, bool)>,
+    /// Those of a filter that is well tuned for the same oscillator and noise without the faults.
+    perfect: Errors,
     /// The keys of the causes of the first remedy.
     causes: Vec<&'static str>,
 }
@@ -119,6 +122,8 @@ impl Outcome {
             let (kind, errors, _) = judged(&turned, &record, &blind, false);
             (errors, kind.is_some_and(VerdictKind::is_good))
         });
+        let sound = Situation::without_faults(faults, seed).expect("the situation is valid");
+        let (_, perfect, _) = judged(&sound.told, &sound.record, &without_truth(&sound.record), false);
         if verbose {
             let kind = verdict.map_or("none", VerdictKind::name);
             println!("{seed} {faults:?} {} {kind} {before:.4?}", told.filters[0].name);
@@ -129,7 +134,7 @@ impl Outcome {
             }
             println!("    {after:.4?}");
         }
-        Self { faults, is_bad, before, after, causes }
+        Self { faults, is_bad, before, after, perfect, causes }
     }
 }
 
@@ -176,13 +181,14 @@ fn print_row(title: &str, outcomes: &[&Outcome], with_causes: bool) {
     let count = |is: &dyn Fn(&Outcome) -> bool| bad.iter().filter(|outcome| is(outcome)).count();
     let good = count(&|one| one.after.is_some_and(|(_, good)| good));
     let grows = count(&|one| one.after.is_some_and(|(after, _)| after.worse() > GROWS * one.before.worse()));
+    let perfect = count(&|one| one.perfect.worse() > GROWS * one.before.worse());
     let before = count(&|one| one.before.are_within());
     let after = count(&|one| one.after.map_or(one.before, |(after, _)| after).are_within());
     let right =
         |one: &Outcome| one.faults.iter().any(|fault| fault.causes().contains(one.causes.first().unwrap_or(&"")));
     let named = bad.iter().filter(|one| one.faults.iter().any(|fault| !fault.causes().is_empty())).count();
     let mut text = format!(
-        "{title:24} {:5} {good:5} {grows:6}  {before:4} → {after:<4} {:3} of {named}",
+        "{title:24} {:5} {good:5} {grows:6} {perfect:9}  {before:4} → {after:<4} {:3} of {named}",
         bad.len(),
         count(&right)
     );
@@ -198,7 +204,13 @@ fn print_row(title: &str, outcomes: &[&Outcome], with_causes: bool) {
         text += &format!("   {}", cells.join(", "));
     } else {
         let share = |count: usize| 100.0 * count as f64 / bad.len().max(1) as f64;
-        text += &format!("   good {:.0} %, grows {:.0} %, within 3σ {:.0} %", share(good), share(grows), share(after));
+        text += &format!(
+            "   good {:.0} %, grows {:.0} % ({:.0} %), within 3σ {:.0} %",
+            share(good),
+            share(grows),
+            share(perfect),
+            share(after)
+        );
     }
     println!("{text}");
 }

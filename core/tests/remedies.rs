@@ -42,7 +42,17 @@ fn judged(scenario: &Scenario, record: &Record) -> (VerdictKind, Vec<Finding>) {
         assert!(search.progress() >= last, "{last} and then {}", search.progress());
         last = search.progress();
     }
-    (kind, search.findings())
+    let findings = search.findings();
+    for (place, one) in findings.iter().enumerate() {
+        let fewer = |other: &Finding| {
+            let has = |key: &&str| keys(one).contains(key);
+            !other.suspect.begins_anew && keys(other).len() < keys(one).len() && keys(other).iter().all(has)
+        };
+        let enough = |other: &&Finding| fewer(other) && other.gain >= one.gain && other.explains() >= one.explains();
+        let needless = findings.iter().find(enough).map(keys);
+        assert!(needless.is_none(), "remedy {place} has more causes than {needless:?}: {}", told(&findings));
+    }
+    (kind, findings)
 }
 
 fn keys(finding: &Finding) -> Vec<&'static str> {
@@ -99,6 +109,65 @@ fn one_fault_has_a_remedy_of_one_cause() {
         let scenario = Scenario { seed: 5, ..tuned(plant) };
         let findings = judged(&scenario, &record(&scenario)).1;
         assert_eq!(keys(&findings[0]), [key]);
+    }
+}
+
+#[test]
+fn a_gain_beside_a_small_r_is_repaired_with_it_also_where_nothing_disturbs() {
+    for seed in 21..24 {
+        let mut scenario = Scenario { seed, ..tuned("input_gain = 1.5") };
+        scenario.filters[0].sensor_std = vec![0.005 / 3.0, 0.01];
+        let findings = judged(&scenario, &record(&scenario)).1;
+        assert_eq!(keys(&findings[0]), ["input_gain", "sensor_noise"], "seed {seed}: {}", told(&findings));
+    }
+}
+
+#[test]
+fn a_frequency_that_drifts_leaves_the_damping_ratio_alone() {
+    for seed in 31..34 {
+        let mut scenario = Scenario { seed, ..tuned("") };
+        let drift = signal::Ramp { from: 6.0, to: 5.3, start: 0.0, end: 30.0 };
+        scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Ramp(drift));
+        let findings = judged(&scenario, &record(&scenario)).1;
+        let drift = findings.iter().find(|one| one.suspect.cause.key == "slow_drift").unwrap();
+        let knobs: Vec<&str> = drift.knobs.iter().map(|knob| knob.key.as_str()).collect();
+        assert!(knobs.len() == 1 && knobs[0].ends_with("process_std.natural_frequency"), "seed {seed}: {knobs:?}");
+        assert!(
+            drift.suspect.sentence.starts_with("natural frequency drifts, by about "),
+            "{}",
+            drift.suspect.sentence
+        );
+    }
+}
+
+#[test]
+fn a_sweep_that_comes_late_is_no_wave() {
+    for seed in 41..44 {
+        let mut scenario = Scenario { seed, ..tuned("input_delay = 3") };
+        scenario.force = kalmanscope_core::Force::Chirp { amplitude: 8.0, from: 2.0, to: 18.0, sweep: 9.0 };
+        let findings = judged(&scenario, &record(&scenario)).1;
+        assert_eq!(keys(&findings[0]), ["input_delay"], "seed {seed}: {}", told(&findings));
+    }
+}
+
+#[test]
+fn an_input_that_stops_is_named_and_nothing_is_turned_for_it() {
+    for seed in 51..54 {
+        let scenario = Scenario { seed, ..tuned("") };
+        let whole = record(&scenario);
+        let mut values = whole.input().to_vec();
+        values[2200..].fill(0.0);
+        let columns =
+            whole.sensors().iter().enumerate().map(|(place, &quantity)| (quantity, whole.measured(place).to_vec()));
+        let input = Input { kind: whole.input_kind(), hold: whole.hold(), values };
+        let stopped = Record::new(whole.dt(), input, columns.collect()).unwrap();
+        let first = &judged(&scenario, &stopped).1[0];
+        assert_eq!((keys(first), first.knobs.len()), (vec!["still_input"], 0), "seed {seed}");
+        assert!(
+            first.suspect.sentence.starts_with("the input stands still from 22 s on, where "),
+            "{}",
+            first.suspect.sentence
+        );
     }
 }
 

@@ -73,7 +73,8 @@ impl Fault {
             Hardening => &["spring"],
             Sine | Friction | Drag => &["unknown_force"],
             NoisierLater | NoiseSwings => &["changing_noise"],
-            Clipped | Coloured | Hum | Scale | DeadInput => &[],
+            DeadInput => &["still_input"],
+            Clipped | Coloured | Hum | Scale => &[],
         }
     }
 }
@@ -120,4 +121,20 @@ pub(crate) const UNTOUCHED: &[&[Fault]] = &[
     &[Drift, LargeR],
     &[Sine, Gain],
     &[Friction, Gain],
+];
+
+/// Situations that were written down after the last limit had been set.
+pub(crate) const FRESH: &[&[Fault]] = &[
+    &[Bias, Hardening],
+    &[Bias, LargeR],
+    &[Offset, SmallR],
+    &[Offset, Gain],
+    &[Swing, Gain],
+    &[Swing, SmallQ],
+    &[Step, Bias],
+    &[Step, LargeR],
+    &[Delay, SmallQ],
+    &[Delay, Outliers],
+    &[Hardening, SmallR],
+    &[NoisierLater, Gain],
 ];

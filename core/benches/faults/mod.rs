@@ -12,7 +12,7 @@ use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Force, PlantKind, Quantity, Record, Run, RunError, Scenario, Sensor, Signal,
 };
 
-pub(crate) use fault::{FOR_LIMITS, Fault, UNTOUCHED};
+pub(crate) use fault::{FOR_LIMITS, FRESH, Fault, UNTOUCHED};
 
 /// A record and a filter that would be well tuned without the faults.
 pub(crate) struct Situation {
@@ -61,6 +61,19 @@ impl Situation {
     /// # Errors
     /// [`RunError`] where the scenario is impossible.
     pub(crate) fn new(faults: &[Fault], seed: u64) -> Result<Self, RunError> {
+        Self::drawn(faults, seed, faults)
+    }
+
+    /// The same oscillator, force and noise without the faults: what a perfect remedy can reach.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario is impossible.
+    pub(crate) fn without_faults(faults: &[Fault], seed: u64) -> Result<Self, RunError> {
+        Self::drawn(faults, seed, &[])
+    }
+
+    /// The situation that is drawn for some faults, with those that act.
+    fn drawn(faults: &[Fault], seed: u64, acting: &[Fault]) -> Result<Self, RunError> {
         let mut draw = Draw(Normal::from_seed(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0xfa17));
         let own_plant = faults.iter().any(|fault| matches!(fault, Fault::Friction | Fault::Drag));
         // Friction and drag have sizes that go with these.
@@ -98,14 +111,14 @@ impl Situation {
         truth.sensors = set.iter().map(|&one| noise(one)).collect();
         truth.plant.disturbance_std = draw.log_uniform(0.05, 0.2) * (power / dt).sqrt();
         let mut filter = Self::well_tuned(&truth, &mut draw, &base);
-        faults.iter().for_each(|&fault| disturb(fault, &mut truth, &mut filter, &mut draw, &base));
+        acting.iter().for_each(|&fault| disturb(fault, &mut truth, &mut filter, &mut draw, &base));
         let mut told = truth.clone();
         told.set_plant(PlantKind::SDOF);
         told.filters = vec![filter];
         let mut run = Run::new(&truth)?;
         run.finish();
         let mut record = run.record().clone();
-        for &fault in faults {
+        for &fault in acting {
             record = record::disturbed(fault, &record, &truth, &mut draw);
         }
         Ok(Self { told, record: Arc::new(record) })

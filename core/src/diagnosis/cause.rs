@@ -15,6 +15,7 @@ mod sensor_bias;
 mod sensor_noise;
 mod slow_drift;
 mod spring;
+mod still_input;
 mod sudden_change;
 mod unknown_force;
 mod wind_up;
@@ -39,6 +40,7 @@ pub static CAUSES: &[&Cause] = &[
     &input_hold::CAUSE,
     &input_gain::CAUSE,
     &input_offset::CAUSE,
+    &still_input::CAUSE,
     &unknown_force::CAUSE,
     &sensor_bias::CAUSE,
     &spring::CAUSE,
@@ -85,6 +87,8 @@ pub struct Suspect {
     pub(crate) sign: Option<Sign>,
     /// Whether a spring that is found to harden rules it out.
     pub(crate) softens: bool,
+    /// Whether it is a fault of the record that no setting mends: it stands before every other cause.
+    pub(crate) of_record: bool,
     /// Whether it silences a sensor instead of explaining it: it stands behind every other cause.
     pub(crate) silences: bool,
 }
@@ -154,6 +158,7 @@ impl Suspect {
             samples: None,
             sign: None,
             softens: false,
+            of_record: false,
             silences: false,
         }
     }

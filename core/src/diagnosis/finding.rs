@@ -46,11 +46,12 @@ impl Finding {
         findings.first().is_some_and(Self::explains)
     }
 
-    /// The order in which findings are told, before their likelihood counts: a cause that is certain, one that ends well, one
+    /// The order in which findings are told, before their likelihood counts: a fault of the record, a cause that is certain, one that ends well, one
     /// that is certain and has no remedy, any other, and last one that silences a sensor.
     pub(super) fn precedence(&self) -> u8 {
         let ends = self.after.as_ref().map_or(0, |verdict| rests(verdict.kind));
         match &self.suspect {
+            suspect if suspect.of_record => 6,
             suspect if suspect.certain && !self.knobs.is_empty() => 5,
             suspect if suspect.silences => 0,
             _ if ends > 0 => 2 + ends,

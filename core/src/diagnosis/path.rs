@@ -49,8 +49,9 @@ impl Path {
         self.steps.iter().map(|step| step.suspect.fitted).sum()
     }
 
-    /// The same with one cause more. One of the same kind before it, all of whose knobs are turned again, is left out.
-    pub(super) fn then(&self, next: &Ranked) -> Option<Self> {
+    /// The same with one cause more. One of the same kind before it, all of whose knobs are turned again, is left out, and so is
+    /// the price of its numbers, each of which costs `price`.
+    pub(super) fn then(&self, next: &Ranked, price: f64) -> Option<Self> {
         let Ranked { finding, rank, achieved } = next;
         let suspect = finding.suspect.clone();
         let scenario = Knob::apply_all(&suspect.knobs, &self.scenario).ok()?;
@@ -61,8 +62,10 @@ impl Path {
             step.suspect.cause.key == suspect.cause.key && step.suspect.knobs.iter().all(again)
         };
         let mut steps: Vec<Step> = self.steps.iter().filter(|step| !is_again(step)).cloned().collect();
+        let again = self.fitted() - steps.iter().map(|step| step.suspect.fitted).sum::<f64>();
+        let paid = self.gain + price * again;
         steps.push(Step { suspect, added });
-        let (rank, gain) = (self.gain + rank, self.gain + achieved);
+        let (rank, gain) = (paid + rank, paid + achieved);
         Some(Self { steps, scenario, rank, gain, after: finding.after.clone(), is_tried: false })
     }
 
@@ -91,6 +94,16 @@ impl Path {
         let mut keys: Vec<_> = self.steps.iter().map(|step| step.suspect.cause.key).collect();
         keys.sort_unstable();
         keys
+    }
+
+    /// Whether it has some of another one's causes alone, explains as much and ends as well: the others are needless.
+    pub(super) fn is_enough_for(&self, other: &Self) -> bool {
+        let (causes, all) = (self.causes(), other.causes());
+        let precedence = |path: &Self| path.finding().map(|finding| finding.precedence());
+        causes.len() < all.len()
+            && causes.iter().all(|key| all.contains(key))
+            && self.gain >= other.gain
+            && precedence(self) >= precedence(other)
     }
 
     /// The remedy in order. `None` if there is nothing to tell.

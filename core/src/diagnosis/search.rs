@@ -121,23 +121,28 @@ impl Search {
             return self.trials.findings();
         }
         let price = |key: &str, rank: f64| if key == UNKNOWN_FORCE { self.priced(rank) } else { rank };
-        let alone = self.alone.iter().map(|one| &one.finding).zip(self.alone.iter().map(|one| one.rank));
-        let alone = alone.map(|(one, rank)| (one.clone(), price(one.suspect.cause.key, rank)));
-        let mut all: Vec<(Finding, f64)> = alone.collect();
+        let alone = self.alone.iter().map(|Ranked { finding, rank, achieved }| {
+            (finding.clone(), price(finding.suspect.cause.key, *rank), *achieved)
+        });
+        let mut all: Vec<(Finding, f64, f64)> = alone.collect();
         for path in self.paths.iter().filter(|path| path.len() > 1 || path.is_tried) {
+            if self.paths.iter().any(|fewer| fewer.is_enough_for(path)) {
+                continue;
+            }
             let Some(finding) = path.finding() else { continue };
             let (key, path_rank) = (finding.suspect.cause.key, self.rank(path));
-            match all.iter_mut().find(|(other, _)| other.suspect.cause.key == key) {
-                Some((other, rank)) if compare((&finding, path_rank), (other, *rank)).is_gt() => {
-                    (*other, *rank) = (finding, path_rank);
+            match all.iter_mut().find(|(other, ..)| other.suspect.cause.key == key) {
+                // Among those that begin alike, what they gain counts, not what a filter with any noise would gain.
+                Some((other, rank, gain)) if compare((&finding, path.gain), (other, *gain)).is_gt() => {
+                    (*other, *rank, *gain) = (finding, rank.max(path_rank), path.gain);
                 }
                 Some(_) => {}
-                None => all.push((finding, path_rank)),
+                None => all.push((finding, path_rank, path.gain)),
             }
         }
-        sort_short_by(&mut all, |(a, a_rank), (b, b_rank)| compare((b, *b_rank), (a, *a_rank)));
+        sort_short_by(&mut all, |(a, a_rank, _), (b, b_rank, _)| compare((b, *b_rank), (a, *a_rank)));
         let mut told: Vec<Vec<&str>> = Vec::new();
-        let mut findings: Vec<Finding> = all.into_iter().map(|(finding, _)| finding).collect();
+        let mut findings: Vec<Finding> = all.into_iter().map(|(finding, ..)| finding).collect();
         findings.retain(|finding| {
             let mut keys: Vec<&str> = finding.causes().map(|suspect| suspect.cause.key).collect();
             keys.sort_unstable();
@@ -159,12 +164,13 @@ impl Search {
             Stage::Causes(on) => {
                 let ranked = self.trials.ranked();
                 let base = on.map_or(&self.origin, |place| &self.paths[place]);
-                let pays = |one: &&Ranked| {
+                let then = |one: &Ranked| {
                     let suspect = &one.finding.suspect;
-                    let gains = one.achieved > WORTH || suspect.certain && one.achieved.is_finite();
-                    gains && !suspect.knobs.is_empty() && !suspect.silences
+                    let path = base.then(one, self.trials.price())?;
+                    let pays = path.gain - base.gain > WORTH || suspect.certain && path.gain.is_finite();
+                    (pays && !suspect.knobs.is_empty() && !suspect.silences).then_some(path)
                 };
-                let next: Vec<Path> = ranked.iter().filter(pays).filter_map(|one| base.then(one)).collect();
+                let next: Vec<Path> = ranked.iter().filter_map(then).collect();
                 for path in next {
                     let causes = path.causes();
                     let is_known = |other: &Path| other.causes() == causes && other.gain >= path.gain;

@@ -40,7 +40,10 @@ impl Search {
             self.paths.iter().filter(|path| path.len() == 1).map(|path| self.rank(path)).collect();
         sort_short_by(&mut firsts, |a, b| b.total_cmp(a));
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
-        let is_first = |path: &Path| path.len() == 1 && self.rank(path) >= least_first;
+        // The order goes by what a filter with any noise would gain; the one that itself gains most is among them too.
+        let most =
+            self.paths.iter().filter(|path| path.len() == 1).map(|path| path.gain).fold(f64::NEG_INFINITY, f64::max);
+        let is_first = |path: &Path| path.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
         let order = |path: &Path| (is_first(path), self.rank(path));
         let better = |a: &Path, b: &Path| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal);
         let best = open().max_by(|(_, a), (_, b)| better(a, b)).map(|(place, _)| place);
