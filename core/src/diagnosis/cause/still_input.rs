@@ -36,8 +36,9 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     };
     let there = level(std::slice::from_ref(&part));
     let elsewhere = level(&[case.samples.start..part.start, part.end..case.samples.end]);
-    // A sum without any reading is no number, and no evidence.
-    if !(there > RISE * elsewhere.max(1.0)) {
+    // Where there is no reading, the level is no number, and no evidence.
+    let rises = there > RISE * elsewhere.max(1.0);
+    if !rises {
         return;
     }
     let time = |sample: usize| short(case.record.time(sample));
