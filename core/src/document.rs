@@ -71,6 +71,16 @@ impl Document {
         let Self::Table(entries) = self else { return None };
         entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)
     }
+
+    /// The values of a table or a list, in order; none where this is neither.
+    pub fn children(&self) -> impl Iterator<Item = &Self> {
+        let (entries, values): (&[_], &[_]) = match self {
+            Self::Table(entries) => (entries, &[]),
+            Self::List(values) => (&[], values),
+            _ => (&[], &[]),
+        };
+        entries.iter().map(|(_, value)| value).chain(values)
+    }
 }
 
 impl From<&str> for Document {

@@ -7,6 +7,7 @@ use serde::ser::SerializeMap as _;
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::catalogue::expected_channels;
+use crate::equation::{Equation, EquationSettings};
 use crate::model::{InputKind, Model};
 use crate::signal::Step;
 use crate::{Channel, PlantKind, Signal};
@@ -129,7 +130,15 @@ impl Serialize for Plant {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self { kind, initial, disturbance_std, input_delay, signals: _ } = self;
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("kind", kind)?;
+        match kind.own_equation().map(Equation::settings) {
+            None => map.serialize_entry("kind", kind)?,
+            Some(EquationSettings { equation, parameters }) => {
+                map.serialize_entry("equation", equation)?;
+                if !parameters.is_empty() {
+                    map.serialize_entry("parameters", parameters)?;
+                }
+            }
+        }
         let unused = Self::default();
         let rest = self.signals().filter(|(c, signal)| unused.parameter(*c) != Some(*signal)).map(|(c, _)| c);
         let mut written: Vec<Channel> = self.parameters().collect();
@@ -160,15 +169,33 @@ impl<'de> Deserialize<'de> for Plant {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Plant, A::Error> {
+                let own = |settings: &EquationSettings| PlantKind::of_equation(settings).map_err(de::Error::custom);
                 let mut plant = Plant::default();
+                let mut equation: Option<EquationSettings> = None;
                 while let Some(key) = map.next_key()? {
                     match key {
                         Key::Kind => plant.kind = map.next_value()?,
+                        // The channels of an equation are known from here on.
+                        Key::Equation => {
+                            let parameters = equation.take().map_or_else(Default::default, |one| one.parameters);
+                            let text: String = map.next_value()?;
+                            plant.kind = own(equation.insert(EquationSettings { equation: text, parameters }))?;
+                        }
+                        Key::Parameters => {
+                            let known = equation.get_or_insert_with(|| EquationSettings::new(""));
+                            known.parameters = map.next_value()?;
+                            if !known.equation.is_empty() {
+                                plant.kind = own(known)?;
+                            }
+                        }
                         Key::Initial => plant.initial = map.next_value()?,
                         Key::InputDelay => plant.input_delay = map.next_value()?,
                         Key::DisturbanceStd => plant.disturbance_std = map.next_value()?,
                         Key::Parameter(channel) => plant.set(channel, map.next_value::<Signal>()?),
                     }
+                }
+                if equation.is_some_and(|one| one.equation.is_empty()) {
+                    return Err(de::Error::custom("`parameters` belong to an `equation`, which is missing"));
                 }
                 Ok(plant)
             }
@@ -181,6 +208,8 @@ impl<'de> Deserialize<'de> for Plant {
 /// A key of the truth's table. An unknown key fails here, as a key, so that the message names its line.
 enum Key {
     Kind,
+    Equation,
+    Parameters,
     Initial,
     DisturbanceStd,
     InputDelay,
@@ -192,13 +221,15 @@ impl<'de> Deserialize<'de> for Key {
         let key = String::deserialize(deserializer)?;
         match key.as_str() {
             "kind" => Ok(Self::Kind),
+            "equation" => Ok(Self::Equation),
+            "parameters" => Ok(Self::Parameters),
             "initial" => Ok(Self::Initial),
             "input_delay" => Ok(Self::InputDelay),
             "disturbance_std" => Ok(Self::DisturbanceStd),
             other => match Channel::from_key(other).filter(|channel| channel.is_parameter()) {
                 Some(channel) => Ok(Self::Parameter(channel)),
                 None => Err(de::Error::custom(format!(
-                    "unknown field `{other}`, expected `kind`, `initial`, `disturbance_std`, `input_delay` or {}",
+                    "unknown field `{other}`, expected `kind`, `equation`, `parameters`, `initial`, `disturbance_std`, `input_delay` or {}",
                     expected_channels(Channel::is_parameter)
                 ))),
             },

@@ -3,7 +3,7 @@
 mod write;
 
 use super::{Scenario, ScenarioError, Sensor};
-use crate::{Document, Quantity};
+use crate::{Document, PlantKind, Quantity};
 
 impl Scenario {
     /// Reads a scenario file and checks it.
@@ -21,6 +21,7 @@ impl Scenario {
     /// Those of [`Self::from_toml`].
     pub fn from_toml_with_remarks(text: &str) -> Result<(Self, Vec<String>), ScenarioError> {
         let document = Document::from_toml(text)?;
+        know_equations(&document);
         let mut scenario: Self = document.read().map_err(|error| error.in_toml(text))?;
         if document.get("sensors").is_none() {
             scenario.take_sensors_of_record();
@@ -46,4 +47,17 @@ impl Scenario {
     pub fn to_toml(&self) -> Result<String, ScenarioError> {
         write::text(self)
     }
+}
+
+/// Reads the equations of a document, so that their parameters are known wherever they stand in the file. One that is none is
+/// said where it is read.
+fn know_equations(document: &Document) {
+    if document.get("equation").is_some() {
+        let entry = |key: &str| document.get(key).map(|value| (key.to_owned(), value.clone()));
+        let alone = Document::of_entries(entry("equation").into_iter().chain(entry("parameters")));
+        if let Ok(settings) = alone.read() {
+            let _known = PlantKind::of_equation(&settings);
+        }
+    }
+    document.children().for_each(know_equations);
 }

@@ -1,0 +1,296 @@
+//! Operations as they are noted: each common part once, constants computed, and derivatives.
+
+use std::collections::HashMap;
+
+use super::function::Function;
+use super::list::List;
+
+/// The place of a number in a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) struct Node(u32);
+
+impl Node {
+    /// The place in the list.
+    pub(super) fn place(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// One operation on earlier numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Operation {
+    /// The bits of a constant.
+    Constant(u64),
+    Input(u32),
+    Add(Node, Node),
+    Subtract(Node, Node),
+    Multiply(Node, Node),
+    Divide(Node, Node),
+    Negative(Node),
+    Call(Function, Node),
+    /// A power with the bits of its exponent.
+    Power(Node, u64),
+}
+
+/// Limits the operations of a list, and so the time and the memory that an equation can take.
+const LENGTH: usize = 4000;
+
+/// A list in the making.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Builder {
+    operations: Vec<Operation>,
+    /// The inputs on which each number depends, one bit each.
+    needs: Vec<u64>,
+    known: HashMap<Operation, Node>,
+    derivatives: HashMap<(Node, u32), Node>,
+    /// Numbers with zero in place of some inputs.
+    without: HashMap<(Node, u64), Node>,
+}
+
+impl Builder {
+    /// Whether more was asked for than a list can hold; the numbers are then no longer right.
+    pub(super) fn is_too_long(&self) -> bool {
+        self.operations.len() > LENGTH
+    }
+
+    fn push(&mut self, operation: Operation) -> Node {
+        if let Some(&node) = self.known.get(&operation) {
+            return node;
+        }
+        if self.is_too_long() {
+            return Node(0);
+        }
+        let node = Node(self.operations.len() as u32);
+        let needs = match operation {
+            Operation::Constant(_) => 0,
+            Operation::Input(input) => 1 << input,
+            Operation::Add(a, b) | Operation::Subtract(a, b) | Operation::Multiply(a, b) | Operation::Divide(a, b) => {
+                self.needs(a) | self.needs(b)
+            }
+            Operation::Negative(a) | Operation::Call(_, a) | Operation::Power(a, _) => self.needs(a),
+        };
+        self.operations.push(operation);
+        self.needs.push(needs);
+        self.known.insert(operation, node);
+        node
+    }
+
+    /// The inputs on which a number depends, one bit each.
+    pub(super) fn needs(&self, node: Node) -> u64 {
+        self.needs[node.place()]
+    }
+
+    /// The value of a number that is constant.
+    pub(super) fn value(&self, node: Node) -> Option<f64> {
+        match self.operations[node.place()] {
+            Operation::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    pub(super) fn constant(&mut self, value: f64) -> Node {
+        self.push(Operation::Constant(value.to_bits()))
+    }
+
+    /// An input by its number, which is below 64.
+    pub(super) fn input(&mut self, input: usize) -> Node {
+        self.push(Operation::Input(input as u32))
+    }
+
+    pub(super) fn add(&mut self, a: Node, b: Node) -> Node {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a + b),
+            (Some(0.0), _) => b,
+            (_, Some(0.0)) => a,
+            _ => self.push(Operation::Add(a, b)),
+        }
+    }
+
+    pub(super) fn subtract(&mut self, a: Node, b: Node) -> Node {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a - b),
+            (Some(0.0), _) => self.negative(b),
+            (_, Some(0.0)) => a,
+            _ => self.push(Operation::Subtract(a, b)),
+        }
+    }
+
+    pub(super) fn multiply(&mut self, a: Node, b: Node) -> Node {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a * b),
+            (Some(0.0), _) | (_, Some(0.0)) => self.constant(0.0),
+            (Some(1.0), _) => b,
+            (_, Some(1.0)) => a,
+            _ => self.push(Operation::Multiply(a, b)),
+        }
+    }
+
+    pub(super) fn divide(&mut self, a: Node, b: Node) -> Node {
+        match (self.value(a), self.value(b)) {
+            (Some(a), Some(b)) => self.constant(a / b),
+            (Some(0.0), _) => a,
+            (_, Some(1.0)) => a,
+            _ if a == b => self.constant(1.0),
+            _ => self.push(Operation::Divide(a, b)),
+        }
+    }
+
+    pub(super) fn negative(&mut self, a: Node) -> Node {
+        match (self.value(a), self.operations[a.place()]) {
+            (Some(value), _) => self.constant(-value),
+            (_, Operation::Negative(inner)) => inner,
+            (_, Operation::Subtract(x, y)) => self.push(Operation::Subtract(y, x)),
+            _ => self.push(Operation::Negative(a)),
+        }
+    }
+
+    pub(super) fn call(&mut self, function: Function, a: Node) -> Node {
+        match self.value(a) {
+            Some(value) => self.constant(function.of(value)),
+            None => self.push(Operation::Call(function, a)),
+        }
+    }
+
+    /// A power; small whole ones are products.
+    pub(super) fn power(&mut self, a: Node, exponent: f64) -> Node {
+        let is_product = exponent.fract() == 0.0 && (1.0..=super::parse::LARGEST_PRODUCT).contains(&exponent);
+        match (self.value(a), exponent) {
+            (Some(value), _) => self.constant(libm::pow(value, exponent)),
+            (_, 0.0) => self.constant(1.0),
+            _ if is_product => (1..exponent as usize).fold(a, |product, _| self.multiply(product, a)),
+            _ if exponent < 0.0 => {
+                let (one, inverse) = (self.constant(1.0), self.power(a, -exponent));
+                self.divide(one, inverse)
+            }
+            _ => self.push(Operation::Power(a, exponent.to_bits())),
+        }
+    }
+
+    /// The derivative of a number by an input. That of a sign is zero, also where it jumps.
+    pub(super) fn derivative(&mut self, node: Node, by: usize) -> Node {
+        if self.needs(node) & (1 << by) == 0 {
+            return self.constant(0.0);
+        }
+        let key = (node, by as u32);
+        if let Some(&known) = self.derivatives.get(&key) {
+            return known;
+        }
+        let derivative = match self.operations[node.place()] {
+            Operation::Constant(_) => self.constant(0.0),
+            Operation::Input(_) => self.constant(1.0),
+            Operation::Add(a, b) => {
+                let (a, b) = (self.derivative(a, by), self.derivative(b, by));
+                self.add(a, b)
+            }
+            Operation::Subtract(a, b) => {
+                let (a, b) = (self.derivative(a, by), self.derivative(b, by));
+                self.subtract(a, b)
+            }
+            Operation::Multiply(a, b) => {
+                let (da, db) = (self.derivative(a, by), self.derivative(b, by));
+                let (left, right) = (self.multiply(da, b), self.multiply(a, db));
+                self.add(left, right)
+            }
+            Operation::Divide(a, b) => {
+                let (da, db) = (self.derivative(a, by), self.derivative(b, by));
+                let change = self.multiply(node, db);
+                let above = self.subtract(da, change);
+                self.divide(above, b)
+            }
+            Operation::Negative(a) => {
+                let a = self.derivative(a, by);
+                self.negative(a)
+            }
+            Operation::Call(function, a) => {
+                let (slope, a) = (self.slope(function, a, node), self.derivative(a, by));
+                self.multiply(slope, a)
+            }
+            Operation::Power(a, exponent) => {
+                let exponent = f64::from_bits(exponent);
+                let (inner, factor) = (self.derivative(a, by), self.constant(exponent));
+                let lower = self.power(a, exponent - 1.0);
+                let slope = self.multiply(factor, lower);
+                self.multiply(slope, inner)
+            }
+        };
+        self.derivatives.insert(key, derivative);
+        derivative
+    }
+
+    /// The derivative of a function at `a`, where it has the value `node`.
+    fn slope(&mut self, function: Function, a: Node, node: Node) -> Node {
+        let one = self.constant(1.0);
+        match function {
+            Function::Sin => self.call(Function::Cos, a),
+            Function::Cos => {
+                let sin = self.call(Function::Sin, a);
+                self.negative(sin)
+            }
+            Function::Tan => {
+                let square = self.multiply(node, node);
+                self.add(one, square)
+            }
+            Function::Exp => node,
+            Function::Log => self.divide(one, a),
+            Function::Sqrt => {
+                let half = self.constant(0.5);
+                self.divide(half, node)
+            }
+            Function::Abs => self.call(Function::Sign, a),
+            Function::Sign => self.constant(0.0),
+            Function::Tanh => {
+                let square = self.multiply(node, node);
+                self.subtract(one, square)
+            }
+        }
+    }
+
+    /// The number with zero in place of some inputs, one bit each.
+    pub(super) fn without(&mut self, node: Node, inputs: u64) -> Node {
+        if self.needs(node) & inputs == 0 {
+            return node;
+        }
+        if let Some(&known) = self.without.get(&(node, inputs)) {
+            return known;
+        }
+        let without = match self.operations[node.place()] {
+            Operation::Constant(_) => node,
+            Operation::Input(_) => self.constant(0.0),
+            Operation::Add(a, b) => {
+                let (a, b) = (self.without(a, inputs), self.without(b, inputs));
+                self.add(a, b)
+            }
+            Operation::Subtract(a, b) => {
+                let (a, b) = (self.without(a, inputs), self.without(b, inputs));
+                self.subtract(a, b)
+            }
+            Operation::Multiply(a, b) => {
+                let (a, b) = (self.without(a, inputs), self.without(b, inputs));
+                self.multiply(a, b)
+            }
+            Operation::Divide(a, b) => {
+                let (a, b) = (self.without(a, inputs), self.without(b, inputs));
+                self.divide(a, b)
+            }
+            Operation::Negative(a) => {
+                let a = self.without(a, inputs);
+                self.negative(a)
+            }
+            Operation::Call(function, a) => {
+                let a = self.without(a, inputs);
+                self.call(function, a)
+            }
+            Operation::Power(a, exponent) => {
+                let a = self.without(a, inputs);
+                self.power(a, f64::from_bits(exponent))
+            }
+        };
+        self.without.insert((node, inputs), without);
+        without
+    }
+
+    /// The list that computes some numbers, or nothing where they need more registers than there are.
+    pub(super) fn list(&self, inputs: usize, outputs: &[(usize, Node)]) -> Option<List> {
+        List::new(&self.operations, inputs, outputs)
+    }
+}

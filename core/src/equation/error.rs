@@ -1,0 +1,37 @@
+//! What is wrong with an equation, and where.
+
+/// An equation that cannot be a plant.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what}{}", self.pointed())]
+pub struct EquationError {
+    /// The fault, and what is allowed.
+    pub what: String,
+    /// The character at which it stands, counted from 0, and the equation; none where it is about the whole.
+    pub place: Option<(usize, String)>,
+}
+
+impl EquationError {
+    pub(super) fn new(what: impl Into<String>) -> Self {
+        Self { what: what.into(), place: None }
+    }
+
+    pub(super) fn at(place: usize, what: impl Into<String>) -> Self {
+        Self { what: what.into(), place: Some((place, String::new())) }
+    }
+
+    /// The same with the equation in which it stands.
+    pub(super) fn within(mut self, text: &str) -> Self {
+        if let Some((_, whole)) = &mut self.place {
+            text.clone_into(whole);
+        }
+        self
+    }
+
+    /// The equation with a mark before the character.
+    fn pointed(&self) -> String {
+        let Some((place, text)) = &self.place else { return String::new() };
+        let before: String = text.chars().take(*place).collect();
+        let after: String = text.chars().skip(*place).collect();
+        format!(", at character {} (▶): {before}▶{after}", place + 1)
+    }
+}

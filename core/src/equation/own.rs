@@ -1,0 +1,155 @@
+//! The plant of an equation.
+
+use super::error::EquationError;
+use super::list::List;
+use super::settings::{EquationSettings, ParameterSettings};
+use super::solve::{Component, Solved, solve};
+use super::word::{key, symbol};
+use crate::channel::{ChannelInfo, Role, Usual};
+use crate::plant::{Plant, PlantInfo, Spring};
+use crate::{Channel, PlantKind};
+
+/// Words that stand in a plant's table and so are no parameters.
+const RESERVED: [&str; 6] = ["kind", "initial", "disturbance_std", "input_delay", "equation", "parameters"];
+
+/// Limits numbers of parameters, so that products of a few of them stay finite.
+const LARGEST: f64 = 1e30;
+
+/// The plant of an equation that a user typed.
+#[derive(Debug)]
+pub struct Equation {
+    info: PlantInfo,
+    settings: EquationSettings,
+    rates: List,
+    jacobian: List,
+}
+
+impl Equation {
+    /// The plant of an equation. Its data stay for as long as the program runs.
+    pub(super) fn new(settings: &EquationSettings) -> Result<Self, EquationError> {
+        let Solved { components, rates, jacobian, is_linear, .. } = solve(&settings.equation)?;
+        let known: Vec<(String, &ParameterSettings)> =
+            settings.parameters.iter().map(|(name, one)| (key(name), one)).collect();
+        for (name, _) in &known {
+            let is_it =
+                |one: &Component| matches!(one, Component::Internal(key) | Component::Parameter(key) if key == name);
+            if !components.iter().any(is_it) {
+                return Err(EquationError::new(format!("the equation has no parameter `{name}`")));
+            }
+        }
+        let channels = components.iter().map(|one| channel(one, &known)).collect::<Result<Vec<_>, _>>()?;
+        let text: &'static str = settings.equation.clone().leak();
+        let info = PlantInfo {
+            key: text,
+            name: "equation of your own",
+            equation: text,
+            reference: "",
+            channels: channels.leak(),
+            is_linear,
+            spring: Spring::Linear,
+        };
+        Ok(Self { info, settings: settings.clone(), rates, jacobian })
+    }
+
+    /// The equation as a scenario has it.
+    pub fn settings(&self) -> &EquationSettings {
+        &self.settings
+    }
+
+    /// The numbers of operations for the rates, and for their derivatives.
+    pub fn operations(&self) -> [usize; 2] {
+        [self.rates.len(), self.jacobian.len()]
+    }
+}
+
+impl Plant for Equation {
+    fn info(&self) -> &PlantInfo {
+        &self.info
+    }
+
+    fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
+        self.rates.run(state, force, rate);
+    }
+
+    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
+        // The force enters additively.
+        self.jacobian.run(state, 0.0, jacobian);
+    }
+}
+
+/// The channel of a component: one that built-in plants have, or a new one.
+fn channel(component: &Component, known: &[(String, &ParameterSettings)]) -> Result<Channel, EquationError> {
+    let (name, is_parameter) = match component {
+        Component::Displacement(mass) => return Ok(Channel::displacement(*mass)),
+        Component::Velocity(mass) => return Ok(Channel::velocity(*mass)),
+        Component::Internal(name) => (name, false),
+        Component::Parameter(name) => (name, true),
+    };
+    let settings = known.iter().find(|(key, _)| key == name).map(|(_, settings)| *settings);
+    let as_key = match name.as_str() {
+        "omega_n" => "natural_frequency",
+        "zeta" => "damping_ratio",
+        other => other,
+    };
+    if RESERVED.contains(&as_key) {
+        return Err(EquationError::new(format!("`{name}` cannot be a name: a plant has a setting that is called so")));
+    }
+    let of_plants = || PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
+    if let Some(channel) = of_plants().find(|channel| channel.key() == as_key) {
+        if channel.is_parameter() != is_parameter {
+            return Err(EquationError::new(format!("`{name}` means the {} already", channel.name())));
+        }
+        if settings.is_some() {
+            let what = format!("`{name}` is the {} of all plants, and has its numbers from there", channel.name());
+            return Err(EquationError::new(what));
+        }
+        return Ok(channel);
+    }
+    if crate::augment::all().any(|channel| channel.key() == as_key) {
+        return Err(EquationError::new(format!("`{name}` cannot be a name: an augmentation is called so")));
+    }
+    let usual = ParameterSettings::default();
+    Ok(Channel::new(Box::leak(Box::new(info(name, is_parameter, settings.unwrap_or(&usual))?))))
+}
+
+/// The data of a channel that no built-in plant has.
+fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<ChannelInfo, EquationError> {
+    let mean = settings.guess.unwrap_or(if is_parameter { 1.0 } else { 0.0 });
+    let size = if mean == 0.0 { 1.0 } else { mean.abs() };
+    let std = settings.std.unwrap_or(0.5 * size);
+    let sign = settings.sign.into();
+    let low = if sign == crate::channel::Sign::Any { -5.0 * size } else { 0.0 };
+    let [low, high] = settings.range.unwrap_or([low, 5.0 * size]);
+    let numbers = [mean, std, low, high];
+    if !numbers.iter().all(|number| number.abs() <= LARGEST) || std < 0.0 || low >= high {
+        return Err(EquationError::new(format!(
+            "the numbers of `{name}` are impossible: a guess and a range from below to above are finite, std is at least 0"
+        )));
+    }
+    let shown: &'static str = symbol(name).leak();
+    let texts = |text: String| -> &'static [&'static str] { vec![&*text.leak()].leak() };
+    let unsafe_text = |text: &str| text.chars().any(char::is_control) || text.chars().count() > 40;
+    if settings.name.as_deref().is_some_and(unsafe_text) || unsafe_text(&settings.unit) {
+        return Err(EquationError::new(format!(
+            "the name and the unit of `{name}` have at most 40 characters, none of control"
+        )));
+    }
+    let decimals = (2.0 - libm::floor(libm::log10(size))).clamp(0.0, 8.0);
+    Ok(ChannelInfo {
+        keys: texts(name.to_owned()),
+        names: texts(settings.name.clone().unwrap_or_else(|| shown.to_owned())),
+        symbols: vec![shown].leak(),
+        unit: settings.unit.clone().leak(),
+        role: if is_parameter { Role::Parameter(sign) } else { Role::Motion },
+        rate: None,
+        mirrored: false,
+        usual: Usual {
+            mean,
+            std,
+            process: if is_parameter { 1e-5 * size } else { 1e-4 * size },
+            truth: if is_parameter { vec![mean].leak() } else { &[] },
+            slider: (low, high),
+            decimals: decimals as usize,
+        },
+    })
+}

@@ -1,0 +1,86 @@
+//! An equation as a scenario has it: its text, and what is known of its parameters.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::channel::Sign;
+
+/// An equation of motion and its parameters.
+///
+/// ```
+/// # use kalmanscope_core::Scenario;
+/// let scenario = Scenario::from_toml(
+///     "plant = { equation = \"x'' + c x' + k x = f\", k = 30.0, parameters = { k = { unit = \"1/s²\", guess = 36.0 } } }",
+/// );
+/// assert_eq!(scenario?.plant.kind.equation(), "x'' + c x' + k x = f");
+/// # Ok::<(), kalmanscope_core::ScenarioError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, expecting = "a table")]
+pub struct EquationSettings {
+    /// The equation; several are apart by `;`.
+    pub equation: String,
+    /// What is known of its parameters and internal states, by their names; all others have the usual numbers.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, ParameterSettings>,
+}
+
+/// A parameter of an equation, or an internal state.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, expecting = "a table")]
+pub struct ParameterSettings {
+    /// The name in running text; the symbol if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// The unit, empty for a pure number.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+    /// The usual guess: 1 for a parameter, 0 for an internal state if left out. The truth's usual value is the same.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub guess: Option<f64>,
+    /// The standard deviation of a guess; half of it, or 1 for a guess of 0, if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub std: Option<f64>,
+    /// Limits of a slider; from 0 or from minus to plus five guesses if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// The allowed sign.
+    #[serde(skip_serializing_if = "is_any")]
+    pub sign: AllowedSign,
+}
+
+/// The allowed sign of a parameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AllowedSign {
+    /// Any number.
+    #[default]
+    Any,
+    /// At least zero.
+    NotNegative,
+    /// Above zero.
+    Positive,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
+fn is_any(sign: &AllowedSign) -> bool {
+    *sign == AllowedSign::Any
+}
+
+impl From<AllowedSign> for Sign {
+    fn from(sign: AllowedSign) -> Self {
+        match sign {
+            AllowedSign::Any => Self::Any,
+            AllowedSign::NotNegative => Self::NotNegative,
+            AllowedSign::Positive => Self::Positive,
+        }
+    }
+}
+
+impl EquationSettings {
+    /// An equation whose parameters have the usual numbers.
+    pub fn new(equation: impl Into<String>) -> Self {
+        Self { equation: equation.into(), parameters: BTreeMap::new() }
+    }
+}

@@ -1,0 +1,185 @@
+//! The words and signs of an equation.
+
+use super::error::EquationError;
+use super::word::{dotted, greek, key, subscript, superscript};
+
+/// Limits the characters of an equation.
+const LENGTH: usize = 1000;
+
+/// A word or a sign.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Token {
+    /// A number.
+    Number(f64),
+    /// A name by its key, and the number of its primes or dots.
+    Name(String, usize),
+    /// Superscripts: a power.
+    Power(u32),
+    /// One of `+ - * / ^ ( ) = ;`.
+    Sign(char),
+    /// The end.
+    End,
+}
+
+/// A token and the character at which it begins.
+pub(super) type Placed = (usize, Token);
+
+/// The tokens of a text, with an end.
+pub(super) fn tokens(text: &str) -> Result<Vec<Placed>, EquationError> {
+    let characters: Vec<char> = text.chars().collect();
+    if characters.len() > LENGTH {
+        return Err(EquationError::new(format!(
+            "an equation has at most {LENGTH} characters, not {}",
+            characters.len()
+        )));
+    }
+    let mut reader = Reader { characters, place: 0 };
+    let mut all = Vec::new();
+    loop {
+        reader.skip(char::is_whitespace);
+        let place = reader.place;
+        let token = reader.token()?;
+        let is_end = token == Token::End;
+        all.push((place, token));
+        if is_end {
+            return Ok(all);
+        }
+    }
+}
+
+struct Reader {
+    characters: Vec<char>,
+    place: usize,
+}
+
+impl Reader {
+    fn peek(&self) -> Option<char> {
+        self.characters.get(self.place).copied()
+    }
+
+    /// Takes characters as long as they are of a kind.
+    fn skip(&mut self, is: impl Fn(char) -> bool) -> usize {
+        let begin = self.place;
+        while self.peek().is_some_and(&is) {
+            self.place += 1;
+        }
+        self.place - begin
+    }
+
+    fn since(&self, begin: usize) -> String {
+        self.characters[begin..self.place].iter().collect()
+    }
+
+    fn token(&mut self) -> Result<Token, EquationError> {
+        let Some(c) = self.peek() else { return Ok(Token::End) };
+        if c.is_ascii_digit() || c == '.' {
+            return self.number();
+        }
+        if c.is_ascii_alphabetic() || greek(c).is_some() || dotted(c).is_some() {
+            return Ok(self.name(c));
+        }
+        if superscript(c).is_some() {
+            return Ok(self.power());
+        }
+        self.place += 1;
+        Ok(Token::Sign(match c {
+            '+' | '/' | '^' | '(' | ')' | '=' | ';' => c,
+            '-' | '−' | '–' => '-',
+            '*' | '·' | '⋅' | '×' => '*',
+            _ => {
+                let allowed = "allowed are names, numbers, + - * / ^ ( ) = ; and superscripts";
+                return Err(EquationError::at(self.place - 1, format!("`{c}` is not allowed: {allowed}")));
+            }
+        }))
+    }
+
+    fn number(&mut self) -> Result<Token, EquationError> {
+        let begin = self.place;
+        self.skip(|c| c.is_ascii_digit() || c == '.');
+        // `2e` may be followed by a name, as in `2 e`: an exponent has digits.
+        let exponent = self.place;
+        if matches!(self.peek(), Some('e' | 'E')) {
+            self.place += 1;
+            if matches!(self.peek(), Some('+' | '-')) {
+                self.place += 1;
+            }
+            if self.skip(|c| c.is_ascii_digit()) == 0 {
+                self.place = exponent;
+            }
+        }
+        let text = self.since(begin);
+        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+        number.map(Token::Number).ok_or_else(|| EquationError::at(begin, format!("`{text}` is no number")))
+    }
+
+    fn power(&mut self) -> Token {
+        let mut power: u32 = 0;
+        while let Some(digit) = self.peek().and_then(superscript) {
+            power = power.saturating_mul(10).saturating_add(digit);
+            self.place += 1;
+        }
+        Token::Power(power)
+    }
+
+    /// A name: Latin letters together, or one Greek letter, with digits and subscripts; then its primes or dots.
+    fn name(&mut self, first: char) -> Token {
+        let begin = self.place;
+        self.place += 1;
+        let (mut letters, mut dots) = match dotted(first) {
+            Some((letter, dots)) => (letter.to_string(), dots),
+            None => (first.to_string(), 0),
+        };
+        if first.is_ascii_alphabetic() {
+            self.skip(|c| c.is_ascii_alphanumeric() || c == '_');
+            letters = self.since(begin);
+        }
+        let more = self.place;
+        self.skip(|c| subscript(c).is_some());
+        letters += &self.since(more);
+        if !first.is_ascii_alphabetic() {
+            let more = self.place;
+            let is_indexed = self.peek() == Some('_');
+            self.skip(|c| c.is_ascii_digit() || is_indexed && (c == '_' || c.is_ascii_alphanumeric()));
+            letters += &self.since(more);
+        }
+        while let Some(more) = match self.peek() {
+            Some('\'' | '′' | '’' | '\u{0307}') => Some(1),
+            Some('"' | '″' | '\u{0308}') => Some(2),
+            _ => None,
+        } {
+            dots += more;
+            self.place += 1;
+        }
+        Token::Name(key(&letters), dots)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_numbers_and_signs_are_told_apart() {
+        let of = |text: &str| tokens(text).map(|all| all.into_iter().map(|(_, token)| token).collect::<Vec<_>>());
+        let name = |key: &str, primes| Token::Name(key.to_owned(), primes);
+        assert_eq!(
+            of("2ζωₙ²ẋ − 1.5e-3·x1''"),
+            Ok(vec![
+                Token::Number(2.0),
+                name("zeta", 0),
+                name("omega_n", 0),
+                Token::Power(2),
+                name("x", 1),
+                Token::Sign('-'),
+                Token::Number(1.5e-3),
+                Token::Sign('*'),
+                name("x1", 2),
+                Token::End
+            ])
+        );
+        assert_eq!(of("ω_n x\u{0308}"), Ok(vec![name("omega_n", 0), name("x", 2), Token::End]));
+        assert_eq!(of("x $ 2").map_err(|error| error.place), Err(Some((2, String::new()))));
+        assert_eq!(of("1.2.3").map_err(|error| error.place), Err(Some((0, String::new()))));
+        assert!(of(&"x".repeat(2000)).is_err());
+    }
+}

@@ -1,0 +1,170 @@
+//! Names in equations: as they are typed, and as keys.
+
+/// Greek letters and their names.
+const GREEK: [(char, &str); 24] = [
+    ('α', "alpha"),
+    ('β', "beta"),
+    ('γ', "gamma"),
+    ('δ', "delta"),
+    ('ε', "epsilon"),
+    ('ζ', "zeta"),
+    ('η', "eta"),
+    ('θ', "theta"),
+    ('ι', "iota"),
+    ('κ', "kappa"),
+    ('λ', "lambda"),
+    ('μ', "mu"),
+    ('ν', "nu"),
+    ('ξ', "xi"),
+    ('ο', "omicron"),
+    ('π', "pi"),
+    ('ρ', "rho"),
+    ('σ', "sigma"),
+    ('τ', "tau"),
+    ('υ', "upsilon"),
+    ('φ', "phi"),
+    ('χ', "chi"),
+    ('ψ', "psi"),
+    ('ω', "omega"),
+];
+
+/// Capital Greek letters that are no Latin ones.
+const CAPITAL: [(char, &str); 10] = [
+    ('Γ', "Gamma"),
+    ('Δ', "Delta"),
+    ('Θ', "Theta"),
+    ('Λ', "Lambda"),
+    ('Ξ', "Xi"),
+    ('Π', "Pi"),
+    ('Σ', "Sigma"),
+    ('Φ', "Phi"),
+    ('Ψ', "Psi"),
+    ('Ω', "Omega"),
+];
+
+/// The name of a Greek letter.
+pub(super) fn greek(letter: char) -> Option<&'static str> {
+    // The micro sign is often typed for μ.
+    let letter = if letter == 'µ' { 'μ' } else { letter };
+    GREEK.iter().chain(&CAPITAL).find(|(greek, _)| *greek == letter).map(|(_, name)| *name)
+}
+
+/// The letter or digit that a subscript stands for.
+pub(super) fn subscript(c: char) -> Option<char> {
+    Some(match c {
+        '₀'..='₉' => char::from(b'0' + u8::try_from(u32::from(c) - u32::from('₀')).ok()?),
+        'ₐ' => 'a',
+        'ₑ' => 'e',
+        'ₕ' => 'h',
+        'ᵢ' => 'i',
+        'ⱼ' => 'j',
+        'ₖ' => 'k',
+        'ₗ' => 'l',
+        'ₘ' => 'm',
+        'ₙ' => 'n',
+        'ₒ' => 'o',
+        'ₚ' => 'p',
+        'ᵣ' => 'r',
+        'ₛ' => 's',
+        'ₜ' => 't',
+        'ᵤ' => 'u',
+        'ᵥ' => 'v',
+        'ₓ' => 'x',
+        _ => return None,
+    })
+}
+
+/// The digit that a superscript stands for.
+pub(super) fn superscript(c: char) -> Option<u32> {
+    match c {
+        '⁰' => Some(0),
+        '¹' => Some(1),
+        '²' => Some(2),
+        '³' => Some(3),
+        '⁴'..='⁹' => Some(u32::from(c) - u32::from('⁴') + 4),
+        _ => None,
+    }
+}
+
+/// The letter below the dots of a character that has some, and their number.
+pub(super) fn dotted(c: char) -> Option<(char, usize)> {
+    match c {
+        'ẋ' => Some(('x', 1)),
+        'ẍ' => Some(('x', 2)),
+        'ż' => Some(('z', 1)),
+        'ẏ' => Some(('y', 1)),
+        'ÿ' => Some(('y', 2)),
+        'ṗ' => Some(('p', 1)),
+        'ṙ' => Some(('r', 1)),
+        'ṡ' => Some(('s', 1)),
+        'ẇ' => Some(('w', 1)),
+        _ => None,
+    }
+}
+
+/// The key of a name: `ωₙ` and `omega_n` are one.
+pub(super) fn key(typed: &str) -> String {
+    let mut key = String::new();
+    let mut is_below = false;
+    for c in typed.chars() {
+        match (greek(c), subscript(c)) {
+            (Some(name), _) => key.push_str(name),
+            (_, Some(below)) => {
+                if !is_below && below.is_ascii_alphabetic() {
+                    key.push('_');
+                }
+                key.push(below);
+            }
+            _ => key.push(c),
+        }
+        is_below = subscript(c).is_some();
+    }
+    match key.as_str() {
+        "wn" | "w_n" | "omegan" => "omega_n".to_owned(),
+        _ => key,
+    }
+}
+
+/// The symbol of a key: `omega_n` is shown as `ωₙ`.
+pub(super) fn symbol(key: &str) -> String {
+    let (letter, below) = match key.split_once('_') {
+        Some((letter, below)) => (letter, below.to_owned()),
+        None => {
+            let letter = key.trim_end_matches(|c: char| c.is_ascii_digit());
+            (letter, key[letter.len()..].to_owned())
+        }
+    };
+    let letter = GREEK.iter().chain(&CAPITAL).find(|(_, name)| *name == letter);
+    let first = letter.map_or_else(
+        || key[..key.len() - below.len()].trim_end_matches('_').to_owned(),
+        |(greek, _)| greek.to_string(),
+    );
+    let small = |c: char| ('\u{2080}'..='\u{209c}').chain('ᵢ'..='ᵥ').find(|&small| subscript(small) == Some(c));
+    match below.chars().map(small).collect::<Option<String>>() {
+        Some(below) => first + &below,
+        None => format!("{first}_{below}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_has_one_key_however_it_is_typed() {
+        for (typed, as_key, shown) in [
+            ("ωₙ", "omega_n", "ωₙ"),
+            ("wn", "omega_n", "ωₙ"),
+            ("omega_n", "omega_n", "ωₙ"),
+            ("ζ", "zeta", "ζ"),
+            ("µ", "mu", "μ"),
+            ("x₁", "x1", "x₁"),
+            ("c12", "c12", "c₁₂"),
+            ("k_b", "k_b", "k_b"),
+            ("damping", "damping", "damping"),
+        ] {
+            assert_eq!((key(typed).as_str(), symbol(as_key).as_str()), (as_key, shown), "{typed}");
+        }
+        assert_eq!("²³⁹".chars().map(superscript).collect::<Vec<_>>(), [Some(2), Some(3), Some(9)]);
+    }
+}

@@ -1,0 +1,278 @@
+//! Equations that a user types are plants like any other.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+use kalmanscope_core::equation::EquationSettings;
+use kalmanscope_core::{Channel, FilterKind, PlantKind, Run, Scenario};
+
+fn plant(text: &str) -> PlantKind {
+    PlantKind::of_equation(&EquationSettings::new(text)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn refused(text: &str) -> String {
+    PlantKind::of_equation(&EquationSettings::new(text))
+        .map(|kind| format!("{kind:?} is a plant"))
+        .unwrap_err()
+        .to_string()
+}
+
+/// Built-in plants, typed; with the names of their parameters in the order of the built-in state.
+const TYPED: [(PlantKind, &str, &[&str]); 5] = [
+    (PlantKind::SDOF, "ẍ + 2ζωₙẋ + ωₙ²x = f", &["natural_frequency", "damping_ratio"]),
+    (PlantKind::DUFFING, "x'' + 2 zeta wn x' + wn^2 x + μ x³ = f", &["natural_frequency", "damping_ratio", "mu"]),
+    (
+        PlantKind::BOUC_WEN,
+        "x'' + 2 ζ ωₙ x' + α ωₙ² x + (1 - α) ωₙ² z = f; z' = x' - β abs(x') abs(z) z - γ x' z²",
+        &["z", "natural_frequency", "damping_ratio", "alpha", "beta", "gamma"],
+    ),
+    (
+        PlantKind::BOUC_WEN_1,
+        "x'' + 2 ζ ωₙ x' + α ωₙ² x + (1 - α) ωₙ² z = f; z' = x' - β abs(x') z - γ x' abs(z)",
+        &["z", "natural_frequency", "damping_ratio", "alpha", "beta", "gamma"],
+    ),
+    (
+        PlantKind::SHEAR_2,
+        "x1'' + κ₁ x1 + c x1' - κ₂ (x2 - x1) - c (x2' - x1') = f; x2'' + κ₂ (x2 - x1) + c (x2' - x1') = f",
+        &["kappa1", "kappa2", "c"],
+    ),
+];
+
+#[test]
+fn rates_and_derivatives_of_built_in_plants_are_the_same_when_typed() {
+    for (built_in, text, names) in TYPED {
+        let typed = plant(text);
+        assert_eq!((typed.motion(), typed.masses()), (built_in.motion(), built_in.masses()), "{text}");
+        assert_eq!(typed.info().is_linear, built_in.info().is_linear, "{text}");
+        let (n, motion) = (built_in.channels().len(), built_in.motion());
+        // The places of the built-in components in the typed state.
+        let masses = 2 * built_in.masses();
+        let places: Vec<usize> = (0..masses)
+            .chain(names.iter().map(|name| typed.channels().iter().position(|channel| channel.key() == *name).unwrap()))
+            .collect();
+        let mut seed = 7_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as f64 / f64::from(1_u32 << 31) * 4.0 - 2.0
+        };
+        for _ in 0..200 {
+            let state: Vec<f64> = (0..n).map(|_| random()).collect();
+            let mut own = vec![0.0; n];
+            places.iter().enumerate().for_each(|(i, &place)| own[place] = state[i]);
+            let force = random();
+            let (mut expected, mut rate) = (vec![0.0; motion], vec![0.0; motion]);
+            built_in.plant().motion_rate(&state, force, &mut expected);
+            typed.plant().motion_rate(&own, force, &mut rate);
+            let (mut a, mut b) = (vec![0.0; motion * n], vec![0.0; motion * n]);
+            built_in.plant().motion_jacobian(&state, &mut a);
+            typed.plant().motion_jacobian(&own, &mut b);
+            for i in 0..motion {
+                let close = |x: f64, y: f64| (x - y).abs() <= 1e-12 * (1.0 + x.abs());
+                assert!(close(expected[i], rate[places[i]]), "{text}: rate {i}: {expected:?} {rate:?}");
+                for j in 0..n {
+                    let typed = b[places[i] * n + places[j]];
+                    assert!(close(a[i * n + j], typed), "{text}: ∂{i}/∂{j}: {} {typed}", a[i * n + j]);
+                }
+            }
+        }
+    }
+}
+
+/// The same scenario with a built-in plant and with it typed.
+fn duffing(plant: &str, cubic: &str) -> Scenario {
+    Scenario::from_toml(&format!(
+        "dt = 0.01\nduration = 12.0\nseed = 4\nforce = {{ white_noise = {{ std = 10.0 }} }}\n[plant]\n{plant}\nnatural_frequency = 6.0\n\
+         damping_ratio = 0.05\n{cubic} = 200.0\n[[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.005\n[[sensors]]\nmeasures = \
+         \"acceleration\"\nnoise_std = 0.1\n[[filters]]\nkind = \"ekf\"\n[filters.initial_mean]\n{cubic} = 100.0\n[filters.initial_std]\n\
+         {cubic} = 200.0\n[filters.process_std]\n{cubic} = 0.01\n"
+    ))
+    .unwrap()
+}
+
+#[test]
+fn filters_of_a_typed_plant_are_those_of_the_built_in_one() {
+    let built_in = duffing("kind = \"duffing\"", "cubic_stiffness");
+    let typed = duffing("equation = \"x'' + 2 ζ ωₙ x' + ωₙ² x + μ x³ = f\"", "mu");
+    assert_eq!(typed.filters[0].initial_mean[Channel::from_key("mu").unwrap()], 100.0);
+    for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::CKF, FilterKind::IEKF, FilterKind::SR_UKF] {
+        let of = |scenario: &Scenario| {
+            let mut scenario = scenario.clone();
+            scenario.filters.truncate(1);
+            scenario.filters[0].kind = kind;
+            let mut run = Run::new(&scenario).unwrap();
+            run.finish();
+            let estimates = run.estimates()[0].clone();
+            assert!(estimates.stop().is_none());
+            estimates
+        };
+        let (expected, found) = (of(&built_in), of(&typed));
+        for k in 0..expected.len() {
+            for i in 0..5 {
+                let (a, b, std) = (expected.mean(k)[i], found.mean(k)[i], expected.std(k, i));
+                assert!((a - b).abs() < 1e-9 * (a.abs() + std), "{kind:?} sample {k}, component {i}: {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_scenario_with_an_equation_can_be_written_and_read() {
+    let text = "filters = [{ kind = \"ekf\", initial_mean = { c = 0.3 }, plant = { equation = \"x'' + c x' + k x = f\" } }]\n\
+                [plant]\nc = 0.2\nk = 30.0\nfriction = 0.1\nparameters = { friction = { unit = \"m/s²\", guess = 0.05, sign = \
+                \"not_negative\", range = [0.0, 1.0] } }\nequation = \"x'' + c x' + k x + friction tanh(x'/0.01) = f\"\n";
+    let scenario = Scenario::from_toml(text).unwrap();
+    let friction = scenario.plant.kind.channels()[4];
+    assert_eq!((friction.key(), friction.unit(), friction.usual().mean), ("friction", "m/s²", 0.05));
+    assert!(friction.is_positive());
+    assert_eq!(Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap(), scenario);
+    let json = kalmanscope_core::Document::json(&scenario).unwrap();
+    assert_eq!(kalmanscope_core::Document::read_json::<Scenario>(&json).unwrap(), scenario);
+    // The one whose parameter has other numbers is another plant.
+    let other = Scenario::from_toml(&text.replace("0.05", "0.06")).unwrap();
+    assert_ne!(other.plant.kind, scenario.plant.kind);
+}
+
+#[test]
+fn a_fault_is_said_with_its_character_and_what_is_allowed() {
+    for (text, said) in [
+        (
+            "x' + x = f",
+            "`x'` is a velocity, and no equation has the acceleration `x''`, at character 1 (▶): ▶x' + x = f",
+        ),
+        ("x'' + y'' = f", "masses are x, or x1 to x10: `y''` is none, at character 7 (▶): x'' + ▶y'' = f"),
+        ("x2'' + x2 = f", "`x2` lacks the masses before it, at character 1 (▶): ▶x2'' + x2 = f"),
+        ("x'' + z = f; z' = x'; x'' = 0", "there are 3 equations for 2 components that move, at character 1 (▶)"),
+        ("x1'' + x2'' = f; x2'' = x1", "this equation has the highest derivatives of two components"),
+        ("x''^2 = f", "the highest derivative stands in a product or a function of itself"),
+        (
+            "m x'' + k x = f",
+            "f is the force over mass, and its factor is a number: write `m f` beside `m x''`, or divide by m",
+        ),
+        ("x'' + k x = f; z' = 1; z' = 2", "there are 3 equations for 2 components that move"),
+        ("x'' + x''' = f", "`x` has at most two primes"),
+        ("x'' + initial x = f", "`initial` cannot be a name"),
+        ("x'' + input_gain x = f", "`input_gain` cannot be a name: an augmentation is called so"),
+        ("x'' + velocity x = f", "`velocity` means the velocity already"),
+        ("x'' + a x = sin(f'; 2)", "f is the force over mass"),
+    ] {
+        let error = refused(text);
+        assert!(error.starts_with(said) || text.contains("f'") && error.contains("expected"), "{text}: {error}");
+    }
+    let of_scenario = Scenario::from_toml("[plant]\nequation = \"x'' + c x' + = f\"").unwrap_err().to_string();
+    assert!(of_scenario.contains("is expected here, at character 14 (▶): x'' + c x' + ▶= f"), "{of_scenario}");
+    let unknown =
+        Scenario::from_toml("[plant]\nequation = \"x'' + c x' = f\"\nparameters = { d = {} }").unwrap_err().to_string();
+    assert!(unknown.contains("the equation has no parameter `d`"), "{unknown}");
+}
+
+#[test]
+fn products_with_a_mass_are_solved_for_the_acceleration() {
+    let kind = plant("m x'' + c x' + k x = m f");
+    let keys: Vec<&str> = kind.channels().iter().map(|channel| channel.key()).collect();
+    assert_eq!(keys, ["displacement", "velocity", "m", "c", "k"]);
+    let mut rate = [0.0; 2];
+    kind.plant().motion_rate(&[0.5, -1.0, 2.0, 3.0, 8.0], 0.25, &mut rate);
+    assert_eq!(rate, [-1.0, 0.25 - (3.0 * -1.0 + 8.0 * 0.5) / 2.0]);
+}
+
+#[test]
+fn derivatives_of_all_functions_are_their_differences() {
+    let text = "x'' + c sin(x) + cos(2 x') tan(x/3) + exp(-x²) + log(4 + x) + sqrt(4 + x') + abs(x) + sign(x') + tanh(x/0.3) + (4 + \
+                x)^1.5 + (4 + x)^-2 + x^3 / (1 + x'²) = f";
+    let kind = plant(text);
+    let rate = |state: &[f64]| {
+        let mut rate = [0.0; 2];
+        kind.plant().motion_rate(state, 0.0, &mut rate);
+        rate[1]
+    };
+    for state in [[0.4, -0.7, 1.3], [-1.1, 0.2, 0.5], [2.3, 1.9, -0.8]] {
+        let mut jacobian = [0.0; 6];
+        kind.plant().motion_jacobian(&state, &mut jacobian);
+        for j in 0..3 {
+            let at = |by: f64| {
+                let mut moved = state;
+                moved[j] += by;
+                rate(&moved)
+            };
+            let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
+            assert!(
+                (jacobian[3 + j] - difference).abs() < 1e-7 * (1.0 + difference.abs()),
+                "{j}: {} {difference}",
+                jacobian[3 + j]
+            );
+        }
+    }
+    assert_eq!(&plant("x'' + x = f").own_equation().unwrap().operations(), &[1, 2]);
+}
+
+/// Many texts at random: each is a plant or is refused with a sentence, and none takes long or panics.
+#[test]
+fn no_text_is_too_much() {
+    let pieces = [
+        "x",
+        "x''",
+        "x'",
+        "x1''",
+        "z'",
+        "z",
+        "ζ",
+        "ωₙ",
+        "f",
+        "(",
+        ")",
+        "+",
+        "-",
+        "*",
+        "/",
+        "^",
+        "²",
+        "=",
+        ";",
+        "2",
+        "0",
+        "1e308",
+        ".5",
+        "sin",
+        "abs(",
+        "log(",
+        " ",
+        "ẍ",
+        "𝛼",
+        "'",
+        "\"",
+        "_",
+        "π",
+        "e",
+        "x2''",
+        "c1",
+        "¹⁰⁰⁰",
+        "\u{308}",
+    ];
+    let mut seed = 99_u64;
+    let mut random = |below: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as usize % below
+    };
+    let mut plants = 0;
+    for _ in 0..20_000 {
+        let mut text: String = (0..random(14)).map(|_| pieces[random(pieces.len())]).collect();
+        if random(2) == 0 {
+            text = format!("x'' + {text} = f");
+        }
+        match PlantKind::of_equation(&EquationSettings::new(text.clone())) {
+            Ok(kind) => {
+                plants += 1;
+                let (n, motion) = (kind.channels().len(), kind.motion());
+                kind.plant().motion_rate(&vec![0.3; n], 1.0, &mut vec![0.0; motion]);
+                kind.plant().motion_jacobian(&vec![0.3; n], &mut vec![0.0; motion * n]);
+            }
+            Err(error) => assert!(!error.what.is_empty() && error.to_string().chars().count() < 400, "{text}: {error}"),
+        }
+    }
+    assert!(plants > 100, "{plants}");
+    // Powers of powers, and sums of many parts.
+    let tower = format!("x'' + {}x{} = f", "(".repeat(38), "+c)^7".repeat(38));
+    assert!(refused(&tower).contains("too long") || plant(&tower).channels().len() == 3);
+    let wide = format!("x'' {} = f", "+ sin(x c)".repeat(90));
+    assert_eq!(plant(&wide).channels().len(), 3);
+    let many = format!("x'' {} = f", (0..60).map(|i| format!("+ c{i} x")).collect::<String>());
+    assert!(refused(&many).contains("at most 32 components"));
+}
