@@ -36,15 +36,15 @@ enum Stage {
     Filter {
         run: CellRun,
         nth: usize,
-        pass: Option<Box<FilterPass>>,
+        pass: Option<FilterPass>,
     },
     Done,
 }
 
 /// The run of a filter: of all estimates where a measure needs them, or of sums.
 enum FilterPass {
-    History(HistoryPass),
-    Sums(ScoredPass),
+    History(Box<HistoryPass>),
+    Sums(Box<ScoredPass>),
 }
 
 impl CellWork {
@@ -111,7 +111,7 @@ impl CellWork {
     }
 
     /// Goes on with the plan's `nth` filter.
-    fn filter(&mut self, run: CellRun, nth: usize, pass: Option<Box<FilterPass>>) -> Stage {
+    fn filter(&mut self, run: CellRun, nth: usize, pass: Option<FilterPass>) -> Stage {
         let Some(&place) = self.runner.ensemble().plan().filters.get(nth) else { return Stage::Done };
         let first = || if self.runner.needs_history() { self.history(&run, place) } else { self.sums(&run, place) };
         let Ok(mut pass) = pass.map_or_else(first, Ok) else {
@@ -126,7 +126,7 @@ impl CellWork {
             return Stage::Filter { run, nth, pass: Some(pass) };
         }
         let CellRun { scenario, record } = &run;
-        let next = match *pass {
+        let next = match pass {
             FilterPass::History(pass) => {
                 let scores = pass.measures(scenario, place, record, &self.runner.ensemble().plan().measures);
                 self.runner.fill_scores(nth, &scores, &mut self.row);
@@ -147,13 +147,13 @@ impl CellWork {
         Stage::Filter { run, nth: if next.is_some() { nth } else { nth + 1 }, pass: next }
     }
 
-    fn history(&self, CellRun { scenario, record }: &CellRun, place: usize) -> Result<Box<FilterPass>, RunError> {
-        Ok(Box::new(FilterPass::History(HistoryPass::new(scenario, place, record)?)))
+    fn history(&self, CellRun { scenario, record }: &CellRun, place: usize) -> Result<FilterPass, RunError> {
+        Ok(FilterPass::History(Box::new(HistoryPass::new(scenario, place, record)?)))
     }
 
-    fn sums(&self, CellRun { scenario, record }: &CellRun, place: usize) -> Result<Box<FilterPass>, RunError> {
+    fn sums(&self, CellRun { scenario, record }: &CellRun, place: usize) -> Result<FilterPass, RunError> {
         let trace = self.runner.ensemble().trace();
-        Ok(Box::new(FilterPass::Sums(ScoredPass::new(scenario, place, record, trace.samples())?)))
+        Ok(FilterPass::Sums(Box::new(ScoredPass::new(scenario, place, record, trace.samples())?)))
     }
 }
 

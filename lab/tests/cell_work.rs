@@ -1,4 +1,5 @@
 //! One cell in slices of time.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::sync::Arc;
 

@@ -83,7 +83,9 @@ impl Scenario {
     /// The end of a sentence about an address that is not found: the filters that there are, where it is the filter that is not
     /// found. Empty otherwise.
     pub fn filters_instead_of(&self, address: &str) -> String {
-        if !(address.starts_with(BY_ID) || address.starts_with(BY_NAME)) || self.filters_at(address).is_some() {
+        // A filter alone, without a key, is found too.
+        let is_found = [address, &format!("{address}.")].into_iter().any(|address| self.filters_at(address).is_some());
+        if !(address.starts_with(BY_ID) || address.starts_with(BY_NAME)) || is_found {
             return String::new();
         }
         self.filters_in_words()
@@ -153,6 +155,7 @@ mod tests {
         assert_eq!(scenario.filters_instead_of("filters.KF.fading"), "; its filters are `EKF` and `UKF`");
         assert_eq!(scenario.filters_instead_of("filters#7.fading"), "; its filters are `EKF` and `UKF`");
         assert_eq!(scenario.filters_instead_of("filters.EKF.fadng"), "");
+        assert_eq!(scenario.filters_instead_of("filters.EKF"), "");
         assert_eq!(scenario.filters_instead_of("plant.mass"), "");
     }
 }
