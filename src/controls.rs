@@ -35,7 +35,7 @@ pub fn controls_ui(
     palette: &Palette,
     lit: Vec<String>,
 ) -> (bool, Vec<Asked>) {
-    lit::light(ui, lit);
+    lit::light(ui, lit, scenario);
     let before = scenario.clone();
     let mut asked = Vec::new();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {

@@ -148,6 +148,9 @@ impl Laboratory {
                 if !self.survey.as_ref().is_some_and(|survey| survey.is_of(run.scenario(), &source, &choice)) {
                     self.begin(run, source, &choice);
                 }
+                for survey in [&mut self.survey, &mut self.before].into_iter().flatten() {
+                    survey.call_filters(run.scenario());
+                }
                 self.choice = Some(choice);
                 self.work(ctx);
             }

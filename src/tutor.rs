@@ -28,28 +28,37 @@ pub struct Tutor {
     step: usize,
     changed: bool,
     answer: Option<Answer>,
+    /// The addresses of the settings that the step is about, by ids as far as filters of these names have been there.
+    lit: Vec<String>,
 }
 
 impl Tutor {
     /// The beginning of a lesson at a place in the menu.
     pub(crate) fn of_menu(lesson: Lesson, place: usize) -> Self {
-        Self { lesson, place: Some(place), step: 0, changed: false, answer: None }
+        Self { lesson, place: Some(place), step: 0, changed: false, answer: None, lit: Vec::new() }
     }
 
     /// The beginning of a lesson from a file.
     pub(crate) fn of_file(lesson: Lesson) -> Self {
-        Self { lesson, place: None, step: 0, changed: false, answer: None }
+        Self { lesson, place: None, step: 0, changed: false, answer: None, lit: Vec::new() }
     }
 
     /// A lesson of the menu at its bookmark; `None` if the lesson has no such step.
     pub(crate) fn at_bookmark(lesson: Lesson, place: usize, bookmark: &Bookmark) -> Option<Self> {
         let Bookmark { lesson: _, step, changed, answer } = *bookmark;
-        (step < lesson.steps.len()).then_some(Self { lesson, place: Some(place), step, changed, answer })
+        (step < lesson.steps.len()).then_some(Self {
+            lesson,
+            place: Some(place),
+            step,
+            changed,
+            answer,
+            lit: Vec::new(),
+        })
     }
 
     /// The bookmark, if the lesson is one of the menu.
     pub(crate) fn bookmark(&self) -> Option<Bookmark> {
-        let Self { lesson, place, step, changed, answer } = self;
+        let Self { lesson, place, step, changed, answer, lit: _ } = self;
         place.map(|_| Bookmark { lesson: lesson.title.clone(), step: *step, changed: *changed, answer: *answer })
     }
 
@@ -101,9 +110,18 @@ impl Tutor {
         }
     }
 
-    /// The settings that the step is about, by their paths in a scenario.
-    pub(crate) fn lit(&self) -> Vec<String> {
-        self.current().and_then(|step| step.change.as_ref()).map_or(vec![], |change| change.adjustment.paths())
+    /// The addresses of the settings that the step is about. Lessons know filters by their names, of which the user may give them
+    /// others: those that are found are kept by their ids.
+    pub(crate) fn lit(&mut self, scenario: &Scenario) -> Vec<String> {
+        if self.lit.is_empty()
+            && let Some(change) = self.current().and_then(|step| step.change.as_ref())
+        {
+            self.lit = change.adjustment.paths();
+        }
+        for path in &mut self.lit {
+            *path = scenario.address_by_id(path);
+        }
+        self.lit.clone()
     }
 
     /// Shows the channels and bands of the step, and the verdicts if it speaks of them.
@@ -134,6 +152,7 @@ impl Tutor {
     pub fn go_to(&mut self, step: usize, session: &mut Session) -> Result<(), LessonError> {
         self.step = step.min(self.lesson.steps.len().saturating_sub(1));
         self.changed = false;
+        self.lit.clear();
         self.answer = None;
         let scenario = match self.step.checked_sub(1) {
             Some(before) => self.lesson.scenario_at(before)?,

@@ -96,14 +96,14 @@ pub(crate) struct SweepArgs {
     /// Score this filter only; may be given for several
     #[arg(long, value_name = "NAME")]
     pub(crate) filter: Vec<String>,
-    /// Filter this record instead of simulated ones
+    /// Filter this record instead of simulated ones; `-` for standard input
     #[arg(long, value_name = "RECORD.csv")]
     pub(crate) record: Option<PathBuf>,
     /// The meaning of the record's columns, as `[record]` in a scenario has it
     #[arg(long, value_name = "MAP.toml", requires = "record")]
     pub(crate) map: Option<PathBuf>,
     /// The table to write, a .csv or a .parquet file. What is done stands in a file of this name with .part behind it: the same
-    /// command goes on from there
+    /// command goes on from there. `-` for rows of CSV on standard output, which begin anew each time
     #[arg(long, value_name = "TABLE")]
     pub(crate) out: PathBuf,
     /// Write one of several shards only, such as 3/8: one behind the other they are the whole table

@@ -3,30 +3,50 @@
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario};
 
+use crate::in_turn::{Told, Work};
+
 /// The remedies of each filter's verdict, each of one cause or of several, the likeliest first: none where a filter is consistent,
 /// or there is no verdict. Each is confirmed by running the filter again with its knobs turned, over 10,000 samples at most.
 pub fn causes(run: &Run, analysis: &Analysis) -> Vec<Vec<Finding>> {
-    let of = |(place, (estimates, diagnostics))| {
-        causes_of(run.scenario(), place, analysis.diagnosis(place), diagnostics, estimates, run.record())
+    causes_telling(run, analysis, &mut |_| {})
+}
+
+/// The same; `tell` is called after each piece of work.
+pub fn causes_telling(run: &Run, analysis: &Analysis, tell: &mut dyn FnMut(Told<'_>)) -> Vec<Vec<Finding>> {
+    let of = |(place, (estimates, diagnostics)): (usize, (&Estimates, &Diagnostics))| {
+        let of = (analysis.diagnosis(place), diagnostics, estimates, run.record());
+        let mut tell = |share: f64| tell(Told { place, name: estimates.name(), work: Work::Causes, share });
+        causes_of(run.scenario(), place, of, &mut tell)
     };
     run.estimates().iter().zip(analysis.diagnostics()).enumerate().map(of).collect()
 }
 
-/// The remedies of the verdict on the filter at `place` of a scenario.
+/// The pieces of a search, of about a millisecond, between two reports of its progress.
+const PIECES: usize = 50;
+
+/// The remedies of the verdict on the filter at `place` of a scenario. `tell` is called with the share of the search that is done.
 pub(crate) fn causes_of(
     scenario: &Scenario,
     place: usize,
-    diagnosis: Option<&Diagnosis>,
-    diagnostics: &Diagnostics,
-    estimates: &Estimates,
-    record: &Record,
+    (diagnosis, diagnostics, estimates, record): (Option<&Diagnosis>, &Diagnostics, &Estimates, &Record),
+    tell: &mut dyn FnMut(f64),
 ) -> Vec<Finding> {
     let has_causes = |diagnosis: &&Diagnosis| diagnosis.verdict.as_ref().is_some_and(|verdict| !verdict.kind.is_good());
     let diagnosis = diagnosis.filter(has_causes);
     // A run that has begun can begin again.
     let search = diagnosis.and_then(|one| one.search(scenario, place, diagnostics, estimates, record).ok());
-    search.map_or_else(Vec::new, |mut search| {
-        while !search.advance(&mut || true) {}
-        search.findings()
-    })
+    let Some(mut search) = search else { return Vec::new() };
+    let (mut pieces, mut furthest) = (0, 0.0);
+    loop {
+        // A search that finds more to try is less far than it was.
+        furthest = search.progress().max(furthest);
+        tell(furthest);
+        let mut while_time = || {
+            pieces += 1;
+            pieces % PIECES != 0
+        };
+        if search.advance(&mut while_time) {
+            return search.findings();
+        }
+    }
 }

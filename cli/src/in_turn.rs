@@ -13,8 +13,29 @@ use crate::results::{FilterResults, Results, over_bound};
 /// The samples after which the diagnostics follow and matrices are dropped: a few megabytes.
 const CHUNK: usize = 10_000;
 
-/// The place and the name of a filter at work, and how many samples it has done.
-pub type Told<'a> = (usize, &'a str, usize);
+/// The progress of the results of a filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told<'a> {
+    /// The filter's place in the scenario.
+    pub place: usize,
+    /// Its name.
+    pub name: &'a str,
+    /// The work that is under way.
+    pub work: Work,
+    /// The share of it that is done, from 0 to 1.
+    pub share: f64,
+}
+
+/// The work on the results of a filter, in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Work {
+    /// The filter itself.
+    Filter,
+    /// The search for the causes of its verdict.
+    Causes,
+    /// Its Cramér-Rao bound.
+    Bound,
+}
 
 impl<'a> Results<'a> {
     /// The results of a scenario's filters over the record of a finished run without filters, with the free runs of their final
@@ -65,18 +86,20 @@ fn one(
         pass.follow(record, pass.done() + CHUNK, &mut history);
         diagnostics.follow(&history, record);
         history.drop_matrices();
-        tell((place, &name, pass.done()));
+        tell(Told { place, name: &name, work: Work::Filter, share: pass.done() as f64 / record.len() as f64 });
     }
     let diagnosis = Diagnosis::new(&diagnostics, &history, record, None);
     let summary = Summary::of(&diagnostics, diagnosis.as_ref(), &history, record);
-    let causes = causes_of(scenario, place, diagnosis.as_ref(), &diagnostics, &history, record);
+    let mut tell_causes = |share: f64| tell(Told { place, name: &name, work: Work::Causes, share });
+    let of = (diagnosis.as_ref(), &diagnostics, &history, record);
+    let causes = causes_of(scenario, place, of, &mut tell_causes);
     drop(diagnostics);
     for (runs, (_, other)) in results.free_runs.iter_mut().zip(records) {
         runs.fits.extend(fits_of(scenario, place, &history, other, std::ptr::eq(record, *other)));
-        tell((place, &name, record.len()));
     }
-    let over_bound =
-        bound_for(scenario, place, record, bounds).map_or_else(Vec::new, |bound| over_bound(&history, bound));
+    let mut tell_bound = |share: f64| tell(Told { place, name: &name, work: Work::Bound, share });
+    let bound = bound_for(scenario, place, record, bounds, &mut tell_bound);
+    let over_bound = bound.map_or_else(Vec::new, |bound| over_bound(&history, bound));
     Ok(FilterResults { summary, diagnosis, causes, over_bound, remarks: history.remarks().to_vec(), step_time: None })
 }
 
@@ -87,11 +110,15 @@ fn bound_for<'b>(
     place: usize,
     record: &Record,
     bounds: &'b mut Vec<LastBound>,
+    tell: &mut dyn FnMut(f64),
 ) -> Option<&'b CramerRao> {
     if !bounds.iter().any(|(_, bound)| bound.is_for(scenario, place)) {
         bounds.clear();
         let mut bound = CramerRao::new(scenario, place, record.dt())?;
-        bound.follow(record);
+        for end in (0..record.len()).step_by(CHUNK) {
+            tell(end as f64 / record.len() as f64);
+            bound.follow_to((end + CHUNK).min(record.len()), record);
+        }
         bounds.push((place, bound));
     }
     bounds.last().map(|(_, bound)| bound)
@@ -143,9 +170,13 @@ mod tests {
         let mut alone = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
         alone.finish();
         let mut told = Vec::new();
-        let mut tell = |(place, name, done): Told<'_>| told.push((place, name.to_owned(), done));
+        let mut tell = |Told { place, work, share, .. }: Told<'_>| told.push((place, work, share));
         let without = Results::in_turn(&scenario, &alone, &records(&alone, &other, own), &mut tell).unwrap();
-        assert!(told.is_sorted_by_key(|(place, _, _)| *place));
+        assert!(told.is_sorted(), "{told:?}");
+        let is_told = |work: Work| told.iter().any(|(_, other, _)| *other == work);
+        let is_bad = without.filters.iter().any(|one| !one.causes.is_empty());
+        assert!(!is_bad || is_told(Work::Causes), "{told:?}");
+        assert!(scenario.filters.is_empty() || (is_told(Work::Filter) && is_told(Work::Bound)), "{told:?}");
         assert_eq!((with.any_stopped(), without.verdicts().count()), (without.any_stopped(), scenario.filters.len()));
         [with, without].map(|results| (results.table() + &results.free_runs(), results.json().unwrap()))
     }

@@ -37,10 +37,10 @@ use std::sync::Arc;
 
 use kalmanscope_core::{Record, Run, RunError, Scenario};
 
-pub use causes::causes;
+pub use causes::{causes, causes_telling};
 pub use estimates_csv::{harmless, write_estimates};
 #[cfg(feature = "program")]
-pub use in_turn::{Told, last_estimates};
+pub use in_turn::{Told, Work, last_estimates};
 pub use markup::escaped;
 #[cfg(feature = "plots")]
 pub use plot::{PlotError, plot_svg, svg};

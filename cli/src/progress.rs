@@ -3,11 +3,15 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use kalmanscope_cli::{Told, Work};
 
 /// Limits the time of work that shows no progress.
 const PATIENCE: Duration = Duration::from_millis(400);
 /// The time between two pictures of a bar, and between two checks of the clock.
 const TICK: Duration = Duration::from_millis(200);
+
+/// The pieces of a bar for the results of one filter.
+const OF_FILTER: usize = 1000;
 
 /// The progress of some work, shown once it has taken a while, and cleared at its end.
 pub(crate) struct Progress {
@@ -34,6 +38,21 @@ impl Progress {
         if bar.message() != what {
             bar.set_message(what.to_owned());
         }
+    }
+
+    /// The progress of the results of some filters.
+    pub(crate) fn of_results(filters: usize, quiet: bool) -> Self {
+        Self::new(filters * OF_FILTER, quiet)
+    }
+
+    /// Shows how far the results of the filters are.
+    pub(crate) fn tell_results(&mut self, Told { place, name, work, share }: Told<'_>) {
+        let (begin, pieces, what) = match work {
+            Work::Filter => (0, 400, name.to_owned()),
+            Work::Causes => (400, 500, format!("{name}: causes of its verdict")),
+            Work::Bound => (900, 100, format!("{name}: Cramér-Rao bound")),
+        };
+        self.tell(place * OF_FILTER + begin + (share * f64::from(pieces)) as usize, &what);
     }
 
     /// Shows that work of unknown length is going on.

@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use kalmanscope_cli::{PlotError, Results, Told, causes, svg, write_estimates};
+use kalmanscope_cli::{PlotError, Results, Told, causes_telling, svg, write_estimates};
+use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::{Analysis, DocumentError, RecordError, Run, VerdictKind, Wanted};
 use thiserror::Error;
 
@@ -64,7 +65,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     save(record_out, &|file| write_record(&run, prepared.is_measured, file));
     save(picture, &|file| Ok(file.write_all(svg(&run)?.as_bytes())?));
 
-    let results = if with_history { of_history(&prepared, &run) } else { in_turn(&prepared, &run, *quiet)? };
+    let results = if with_history { of_history(&prepared, &run, *quiet) } else { in_turn(&prepared, &run, *quiet)? };
     if let (Some(number), Some(out)) = (fix, out) {
         write_fixed(&prepared, results.causes(), usize::from(*number), out)?;
     }
@@ -97,17 +98,26 @@ pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
 }
 
 /// The results of a run with the history of every filter.
-fn of_history<'a>(prepared: &Prepared, run: &'a Run) -> Results<'a> {
+fn of_history<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Results<'a> {
+    let (analysis, causes) = judged(run, quiet);
+    Results::of_run(run, &analysis, causes).with_free_runs(run, &prepared.for_free_runs(run))
+}
+
+/// The analysis of a run with bounds, and the causes of what is wrong with each filter.
+pub(crate) fn judged(run: &Run, quiet: bool) -> (Analysis, Vec<Vec<Finding>>) {
+    let progress = Progress::wait(quiet, "diagnostics and Cramér-Rao bounds");
     let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
-    Results::of_run(run, &analysis, causes(run, &analysis)).with_free_runs(run, &prepared.for_free_runs(run))
+    drop(progress);
+    let mut progress = Progress::of_results(run.estimates().len(), quiet);
+    let causes = causes_telling(run, &analysis, &mut |told| progress.tell_results(told));
+    (analysis, causes)
 }
 
 /// The same results without a history, over the record of a run without filters.
 fn in_turn<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Result<Results<'a>, InputError> {
     let Prepared { scenario, .. } = prepared;
-    let samples = run.record().len();
-    let mut progress = Progress::new(samples * scenario.filters.len(), quiet);
-    let mut tell = |(place, name, done): Told<'_>| progress.tell(place * samples + done, name);
+    let mut progress = Progress::of_results(scenario.filters.len(), quiet);
+    let mut tell = |told: Told<'_>| progress.tell_results(told);
     let results = Results::in_turn(scenario, run, &prepared.for_free_runs(run), &mut tell);
     results.map_err(|error| prepared.bad_run(error))
 }

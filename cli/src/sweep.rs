@@ -14,11 +14,11 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use kalmanscope_core::import::{Hash, hash};
 use kalmanscope_core::{Record, Scenario, Source};
-use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, Plan, Runner, Spacing, channels};
+use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, Plan, Runner, Slice, Spacing, channels};
 
 use crate::args::{Shard, SweepArgs};
 use crate::input::InputError;
-use crate::places::places;
+use crate::places::{is_standard_output, places, write};
 use crate::prepared::scenario_and_record;
 
 use part::Part;
@@ -27,21 +27,60 @@ use table::Format;
 /// Limits the threads.
 const MOST_THREADS: usize = 256;
 
-/// Runs all cells of a shard and writes their table. Goes on where an earlier call of the same sweep was ended.
+/// Runs all cells of a shard and writes their table: as a file, in which it goes on where an earlier call of the same sweep was
+/// ended, or row by row on standard output.
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
-    let SweepArgs { scenario: file, out, shard, threads, .. } = args;
-    let no_table = || bad(file, &format!("--out {}: the table must be a .csv or a .parquet file", out.display()));
-    let format = Format::of(out).ok_or_else(no_table)?;
+    let SweepArgs { scenario: file, out, shard, .. } = args;
+    let is_stream = is_standard_output(out);
+    let format = if is_stream { Some(Format::Csv) } else { Format::of(out) };
+    let no_table = || {
+        let reason =
+            "the table must be a .csv or a .parquet file, beside which what is done is kept to go on from there, or -";
+        bad(file, &format!("--out {}: {reason}", out.display()))
+    };
+    let format = format.ok_or_else(no_table)?;
     let (runner, record) = runner(args)?;
-    let runner = Arc::new(runner);
     let ensemble = runner.ensemble();
     let cells = cells(ensemble.cells(), *shard);
     let fingerprint = fingerprint(args, ensemble, &record);
+    let runner = Arc::new(runner);
+    if is_stream {
+        return stream(args, &runner, cells);
+    }
+    let ensemble = runner.ensemble();
     let (mut part, done) = Part::open(out, &fingerprint, ensemble, cells.len())?;
+    run_cells(args, &runner, cells, done, &mut |slice| part.append(ensemble, slice))?;
+    part.finish(out, format, ensemble).map_err(|error| unwritten(out, &error))
+}
+
+/// Writes the table on standard output, row by row.
+fn stream(args: &SweepArgs, runner: &Arc<Runner>, cells: Range<usize>) -> Result<(), InputError> {
+    let ensemble = runner.ensemble();
+    let mut run = Ok(());
+    let written: io::Result<()> = write(&args.out, |table| {
+        writeln!(table, "{}", part::heading(ensemble))?;
+        run = run_cells(args, runner, cells, 0, &mut |slice| {
+            part::write_rows(table, ensemble, slice)?;
+            table.flush()
+        });
+        Ok(())
+    });
+    run.and(written.map_err(|error| unwritten(&args.out, &error)))
+}
+
+/// Runs the cells but for those that are done, and appends their rows in the order of the cells.
+fn run_cells(
+    args: &SweepArgs,
+    runner: &Arc<Runner>,
+    cells: Range<usize>,
+    done: usize,
+    append: &mut dyn FnMut(&Slice) -> io::Result<()>,
+) -> Result<(), InputError> {
+    let SweepArgs { scenario: file, out, threads, .. } = args;
     let crew = Crew::new((*threads).min(MOST_THREADS).min(cells.len().max(1))).map_err(|error| bad(file, &error))?;
     let bar = bar(cells.len(), done);
     let order: Vec<usize> = (cells.start + done..cells.end).collect();
-    let work = crew.start(&runner, order, || {});
+    let work = crew.start(runner, order, || {});
     // Rows come in any order and are written in that of the cells.
     let mut waiting = BTreeMap::new();
     let mut next = cells.start + done;
@@ -50,14 +89,14 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
         waiting.insert(slice.cells[0], slice);
         while let Some(slice) = waiting.remove(&next) {
             next += slice.cells.len();
-            part.append(ensemble, &slice).map_err(|error| unwritten(out, &error))?;
+            append(&slice).map_err(|error| unwritten(out, &error))?;
         }
     }
     if next != cells.end {
-        return Err(bad(out, &"a thread ended before its work was done"));
+        return Err(bad(file, &"a thread ended before its work was done"));
     }
     bar.finish_and_clear();
-    part.finish(out, format, ensemble).map_err(|error| unwritten(out, &error))
+    Ok(())
 }
 
 /// The error for a table that cannot be written.
@@ -112,7 +151,7 @@ fn filters(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, String> 
     }
     let place = |name: &String| {
         let place = scenario.filters.iter().position(|filter| filter.name == *name);
-        place.ok_or_else(|| format!("the scenario has no filter `{name}`"))
+        place.ok_or_else(|| format!("the scenario has no filter `{name}`{}", scenario.filters_in_words()))
     };
     names.iter().map(place).collect()
 }

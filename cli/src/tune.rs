@@ -21,7 +21,9 @@ pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
         None => 0,
         Some(name) => {
             let place = scenario.filters.iter().position(|filter| filter.name == *name);
-            place.ok_or_else(|| bad(file, format!("the scenario has no filter `{name}`")))?
+            place.ok_or_else(|| {
+                bad(file, format!("the scenario has no filter `{name}`{}", scenario.filters_in_words()))
+            })?
         }
     };
     let axes = turn.iter().map(|text| axis(text, &scenario).map_err(|reason| bad(file, reason)));

@@ -158,3 +158,81 @@ fn wrong_arguments_are_refused_in_a_sentence() {
         assert!(text.contains(message), "{text}");
     }
 }
+
+/// Runs a command with a text as its standard input. Returns its success, its standard output and its standard error.
+fn fed(mut command: Command, text: &[u8]) -> (bool, String, String) {
+    use std::io::Write as _;
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // A command that refuses its arguments reads nothing.
+    let _ = child.stdin.take().unwrap().write_all(text);
+    let output = child.wait_with_output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.success(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn a_dash_is_standard_output_and_the_table_is_that_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scenario(&folder, SCENARIO);
+    let whole = table(&path, &folder.path().join("a.csv"), &GRID);
+    let names = || {
+        let entries = std::fs::read_dir(folder.path()).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = names();
+    for out in ["-", "/dev/stdout"] {
+        let (is_well, text, error) = fed(sweep(Path::new("-"), Path::new(out), &GRID), SCENARIO.as_bytes());
+        assert!(is_well && error.is_empty(), "{error}");
+        assert_eq!(text, whole);
+    }
+    let shards = ["1/2", "2/2"].map(|shard| {
+        let (is_well, text, error) = fed(sweep(&path, Path::new("-"), &[&GRID[..], &["--shard", shard]].concat()), b"");
+        assert!(is_well, "{error}");
+        text
+    });
+    let heading = whole.lines().next().unwrap();
+    assert_eq!(shards[0].clone() + shards[1].strip_prefix(heading).unwrap().trim_start(), whole);
+    assert_eq!(names(), before, "no part is left");
+}
+
+#[test]
+fn a_record_comes_from_standard_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scenario(&folder, SCENARIO);
+    let record = folder.path().join("record.csv");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    assert!(run.arg("run").arg(&path).arg("--quiet").arg("--record-out").arg(&record).status().unwrap().success());
+    let grid = ["--vary", "filters.*.process_std=0.1:10:3:log", "--score", "nis"];
+    let of_file = [&grid[..], &["--record", record.to_str().unwrap()]].concat();
+    let expected = table(&path, &folder.path().join("a.csv"), &of_file);
+    let piped = [&grid[..], &["--record", "-"]].concat();
+    let bytes = std::fs::read(&record).unwrap();
+    let (is_well, text, error) = fed(sweep(&path, Path::new("-"), &piped), &bytes);
+    assert!(is_well, "{error}");
+    assert_eq!(text, expected);
+    let (is_well, _, error) = fed(sweep(Path::new("-"), Path::new("-"), &piped), &bytes);
+    assert!(!is_well && error.contains("standard input is named twice"), "{error}");
+}
+
+#[test]
+fn what_is_no_table_and_unknown_filters_are_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = scenario(&folder, SCENARIO);
+    for (out, arguments, sentence) in [
+        (
+            "table.txt",
+            &GRID[..],
+            "must be a .csv or a .parquet file, beside which what is done is kept to go on from there",
+        ),
+        ("-", &["--vary", "filters.KF.fading=1:1.1:2"], "`filters.KF.fading` to vary; its filters are `EKF` and `UKF`"),
+        ("-", &["--seeds", "2", "--filter", "KF"], "no filter `KF`; its filters are `EKF` and `UKF`"),
+        ("-", &["--vary", "filters.EKF.fading=1:1.1:2", "--vary", "filters#1.fading=1:1.2:2"], "`filters#1.fading`"),
+    ] {
+        let out = if out == "-" { PathBuf::from(out) } else { folder.path().join(out) };
+        let (is_well, text, error) = fed(sweep(&path, &out, arguments), b"");
+        assert!(!is_well && text.is_empty() && error.contains(sentence), "{error}");
+        assert_eq!(error.lines().count(), 1, "{error}");
+    }
+}

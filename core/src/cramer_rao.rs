@@ -75,7 +75,7 @@ impl CramerRao {
     }
 
     /// [`Self::follow`] up to sample `end` of those that are kept. Returns whether everything before it is done.
-    pub(crate) fn follow_to(&mut self, end: usize, record: &Record) -> bool {
+    pub fn follow_to(&mut self, end: usize, record: &Record) -> bool {
         let Self { settings: _, channels, recursion, std, forgotten, stopped } = self;
         let gone = (record.forgotten() - *forgotten) * channels.len();
         std.drain(..gone.min(std.len()));

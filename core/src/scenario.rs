@@ -1,5 +1,6 @@
 //! The settings of a run.
 
+pub(crate) mod address;
 mod color;
 mod filter;
 mod identity;

@@ -2,6 +2,7 @@
 
 mod look;
 mod outcome;
+mod scored_pass;
 
 use crate::diagnostics::Total;
 use crate::diagnostics::accuracy::{TrackedChannel, sign_of};
@@ -15,6 +16,7 @@ pub use look::Look;
 #[doc(hidden)]
 pub use outcome::ChannelSums;
 pub use outcome::Outcome;
+pub use scored_pass::ScoredPass;
 
 /// Running sums over the samples of one filter, in constant memory, for maps of thousands of runs. The numbers are
 /// bit-identical to those of [`Diagnostics`](crate::Diagnostics).

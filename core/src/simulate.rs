@@ -1,6 +1,7 @@
 //! The simulation of the truth: the plant's response and the sensors' measurements.
 
 mod inputs;
+mod refinement;
 pub(crate) mod response;
 
 use thiserror::Error;
@@ -10,7 +11,7 @@ use crate::random::{Normal, Purpose};
 use crate::{Channel, Quantity, Record, Scenario, Signal};
 
 use inputs::Inputs;
-use response::Response;
+use response::{HALVED, Response};
 
 /// The reason why a truth cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -51,10 +52,23 @@ pub struct Simulator {
     /// The signals of the components that do not move.
     signals: Vec<Signal>,
     readings: Vec<Option<Reading>>,
-    /// The measurements of one sample.
+    /// The measurements of the next sample, and the state at it.
     measured: Vec<f64>,
+    state: Vec<f64>,
     response: Response,
+    /// The load after the next sample, where the response to it is under way.
+    load: Option<Load>,
     stop: Option<TruthStop>,
+}
+
+/// The load from one sample to the next.
+struct Load {
+    /// The input of the sample, in its unit.
+    recorded: f64,
+    /// The recorded forces over mass at its beginning and at its end \[m/s²\].
+    forces: [f64; 2],
+    /// The unrecorded one \[m/s²\].
+    disturbance: f64,
 }
 
 impl Simulator {
@@ -75,9 +89,11 @@ impl Simulator {
             signals: model.channels()[model.motion()..].iter().map(signal).collect(),
             readings: scenario.sensors.iter().map(|s| model.reading(s.measures)).collect(),
             measured: Vec::with_capacity(scenario.sensors.len()),
+            state: Vec::with_capacity(model.channels().len()),
             response: Response::new(model.channels().iter().map(initial)),
             model,
             scenario: scenario.clone(),
+            load: None,
             stop: None,
         }
     }
@@ -94,41 +110,61 @@ impl Simulator {
         self.stop
     }
 
-    /// The number of times that steps have been halved so far, which tells the time that the truth takes.
-    pub(crate) fn halved(&self) -> u64 {
-        self.response.halved()
-    }
-
     /// Appends the next sample to `record`. Returns whether there was one: an unstable plant, such as one with a
     /// softening spring, can diverge beyond the largest number. [`Self::stop`] then has the reason.
     pub fn step(&mut self, record: &mut Record) -> bool {
-        if self.stop.is_some() {
-            return false;
-        }
-        let sample = record.forgotten() + record.len();
-        if let Err(reason) = self.try_step(record) {
-            let complete = record.forgotten() + record.len();
-            self.stop = Some(TruthStop { sample: complete, reason });
-        }
-        record.forgotten() + record.len() > sample
+        let before = place_of_next(record);
+        while !self.advance(record, u64::MAX) {}
+        place_of_next(record) > before
     }
 
-    fn try_step(&mut self, record: &mut Record) -> Result<(), TruthError> {
+    /// Appends samples until `record` has `samples`, counted from the run's beginning, but stops after about a millisecond where
+    /// the plant is hard to follow, also amid a sample. Returns whether the truth goes on as far as that.
+    pub fn advance_some(&mut self, record: &mut Record, samples: usize) -> bool {
+        let end = self.response.halved() + HALVED;
+        while place_of_next(record) < samples && self.response.halved() < end {
+            self.advance(record, end - self.response.halved());
+            if self.stop.is_some() {
+                return place_of_next(record) >= samples;
+            }
+        }
+        true
+    }
+
+    /// Goes on with the next sample, and halves steps at most `most` times. Appends it to `record` once the response to its load
+    /// is known. Returns whether the sample is done, or the truth has stopped.
+    fn advance(&mut self, record: &mut Record, most: u64) -> bool {
+        if self.stop.is_some() {
+            return true;
+        }
+        self.try_advance(record, most).unwrap_or_else(|reason| {
+            self.stop = Some(TruthStop { sample: place_of_next(record), reason });
+            true
+        })
+    }
+
+    fn try_advance(&mut self, record: &mut Record, most: u64) -> Result<bool, TruthError> {
+        let load = match self.load.take() {
+            Some(load) => load,
+            None => self.sample(place_of_next(record))?,
+        };
+        let Load { recorded, forces, disturbance } = load;
+        let is_done = self.response.advance(&self.model, forces, disturbance, self.scenario.dt, most);
+        if is_done == Ok(false) {
+            self.load = Some(load);
+        } else {
+            record.push(recorded, self.measured.iter().copied(), self.state.iter().copied());
+        }
+        is_done
+    }
+
+    /// Takes the measurements of sample `k`, and says what acts from there on.
+    fn sample(&mut self, k: usize) -> Result<Load, TruthError> {
         let Self {
-            scenario,
-            inputs,
-            disturbance_noise,
-            sensor_noise,
-            model,
-            signals,
-            readings,
-            measured,
-            response,
-            stop: _,
+            scenario, inputs, disturbance_noise, sensor_noise, model, signals, readings, measured, state, ..
         } = self;
-        let dt = scenario.dt;
-        let k = record.forgotten() + record.len();
-        let t = k as f64 * dt;
+        let response = &mut self.response;
+        let t = k as f64 * scenario.dt;
         for (place, signal) in signals.iter().enumerate() {
             response.set(model.motion() + place, signal.at(t));
         }
@@ -140,7 +176,8 @@ impl Simulator {
         let recorded = inputs.at(k);
         let mut acting = |k: usize| scenario.input.force(inputs.delayed(k, scenario.plant.input_delay));
         let (force, next) = (acting(k), acting(k + 1));
-        let state = response.state();
+        state.clear();
+        state.extend_from_slice(response.state());
         if let Some(place) = state.iter().position(|x| !x.is_finite()) {
             return Err(TruthError::Channel(model.channels()[place]));
         }
@@ -156,12 +193,48 @@ impl Simulator {
             }
             measured.push(value);
         }
-        record.push(recorded, measured.iter().copied(), state.iter().copied());
         inputs.forget_before((k + 1).saturating_sub(scenario.plant.input_delay.max(0) as usize));
         let end = match scenario.hold {
             Hold::Zero => force,
             Hold::First => next,
         };
-        response.advance(model, [force, end], disturbance, dt)
+        Ok(Load { recorded, forces: [force, end], disturbance })
+    }
+}
+
+/// The number of the next sample of a record, counted from the run's beginning.
+fn place_of_next(record: &Record) -> usize {
+    record.forgotten() + record.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plant whose steps are halved thousands of times for each sample.
+    const HARD: &str = include_str!("../../tests/hostile/hard-truth.toml");
+
+    #[test]
+    fn a_piece_of_a_hard_truth_halves_few_steps_and_the_record_is_that_of_whole_samples() {
+        const SAMPLES: usize = 6;
+        let scenario = Scenario::from_toml(HARD).unwrap();
+        let mut whole = Simulator::new(&scenario);
+        let mut expected = whole.empty_record();
+        (0..SAMPLES).for_each(|_| assert!(whole.step(&mut expected)));
+        assert!(whole.response.halved() > 1000 * SAMPLES as u64, "the steps of a sample are halved often");
+        let mut simulator = Simulator::new(&scenario);
+        let mut record = simulator.empty_record();
+        let mut pieces = 0;
+        while record.len() < SAMPLES {
+            let before = simulator.response.halved();
+            assert!(simulator.advance_some(&mut record, SAMPLES));
+            assert!(simulator.response.halved() - before <= HALVED);
+            pieces += 1;
+        }
+        assert!(pieces as u64 >= whole.response.halved() / HALVED, "{pieces}");
+        for sensor in 0..record.sensors().len() {
+            assert_eq!(record.measured(sensor), expected.measured(sensor));
+        }
+        assert_eq!(record.truth(Channel::DISPLACEMENT), expected.truth(Channel::DISPLACEMENT));
     }
 }

@@ -15,10 +15,6 @@ pub enum Source {
     Measured(Arc<Record>),
 }
 
-/// Limits the times that the steps of a truth are halved between two checks of the time; the sample at which it is reached may
-/// take as long again: about ten milliseconds.
-const HALVED: u64 = 1000;
-
 /// A record in simulation, or a given one.
 pub(crate) enum Recording {
     /// The simulated part that is kept.
@@ -97,16 +93,10 @@ impl Recording {
         true
     }
 
-    /// The same, but stops after some milliseconds where the plant is hard to follow.
+    /// The same, but stops after about a millisecond where the plant is hard to follow, also amid a sample.
     pub(crate) fn advance_some(&mut self, samples: usize) -> bool {
         let Self::Simulated { simulator, record } = self else { return self.len() >= samples };
-        let begin = simulator.halved();
-        while record.forgotten() + record.len() < samples && simulator.halved() - begin < HALVED {
-            if !simulator.step(record) {
-                return false;
-            }
-        }
-        true
+        simulator.advance_some(record, samples)
     }
 
     /// Forgets the first samples that are still kept. Returns false for a given record, which cannot be forgotten.

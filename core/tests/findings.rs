@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kalmanscope_core::diagnosis::VerdictKind::{
     self, Collapsed, Consistent, Overconfident, Recovered, Underconfident, WoundUp,
 };
-use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Verdict};
+use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Knob, Verdict};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Quantity, Record, Run, Scenario};
 
@@ -232,7 +232,18 @@ fn the_cause_of_a_felt_disturbance_is_named_and_its_knob_helps() {
     let findings = trials.findings();
     assert_eq!(findings[0].suspect.cause.key, "felt_disturbance", "{findings:?}");
     assert_eq!(findings[0].after.as_ref().unwrap().kind, Consistent);
-    assert!(findings[0].suspect.knobs[0].toml_line().starts_with("sensor_std = [0.01, 2.06"), "{findings:?}");
+    // A white force tells what the accelerometer reads of it, which a larger R forgets: it is the better remedy.
+    assert_eq!(findings[0].knobs[0].toml_line(), "augment = [\"white_force\"]", "{findings:?}");
+    let likelihood = |scenario: &Scenario| {
+        let run = finished(scenario);
+        Diagnostics::new(&run.estimates()[0], run.record()).log_likelihood()
+    };
+    let mut inflated = scenario.clone();
+    inflated.filters[0].sensor_std[1] = 2.06;
+    let turned = Knob::apply_all(&findings[0].knobs, &scenario).unwrap();
+    assert_eq!(turned.filters[0].sensor_std, scenario.filters[0].sensor_std);
+    let [with_force, with_noise] = [&turned, &inflated].map(likelihood);
+    assert!(with_force > with_noise + 100.0, "{with_force} with a white force, {with_noise} with a larger R");
 }
 
 #[test]

@@ -81,10 +81,11 @@ impl Ensemble {
         let mut settings: Vec<Setting> = Vec::new();
         for axis in &plan.axes {
             axis.check()?;
-            if settings.iter().any(|setting| setting.key() == axis.key) {
+            let setting = Setting::new(&scenario, &axis.key)?;
+            if settings.iter().any(|other| other.is_same_as(&setting)) {
                 return Err(EnsembleError::Repeated(axis.key.clone()));
             }
-            settings.push(Setting::new(&scenario, &axis.key)?);
+            settings.push(setting);
         }
         let cells = plan.axes.iter().map(|axis| axis.count as f64).product::<f64>();
         if cells > MAX_CELLS as f64 {
@@ -109,6 +110,15 @@ impl Ensemble {
         let read = Document::read_json(text).map_err(|error: DocumentError| EnsembleError::Syntax(error.to_string()));
         let (scenario, plan) = read?;
         Self::new(scenario, plan)
+    }
+
+    /// Calls the filters as those with their ids in another scenario: no number depends on a name.
+    pub fn call_filters(&mut self, scenario: &Scenario) {
+        for filter in &mut self.scenario.filters {
+            if let Some(other) = scenario.filters.iter().find(|other| other.id == filter.id) {
+                filter.name.clone_from(&other.name);
+            }
+        }
     }
 
     /// The scenario that the cells are made from.

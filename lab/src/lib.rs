@@ -19,6 +19,7 @@
 //! ```
 
 mod axis;
+mod cell_work;
 #[cfg(feature = "threads")]
 mod crew;
 mod ensemble;
@@ -34,6 +35,7 @@ mod trace;
 pub mod tune;
 
 pub use axis::{Axis, AxisError, MAX_COUNT, Spacing};
+pub use cell_work::CellWork;
 #[cfg(feature = "threads")]
 pub use crew::{Crew, Work};
 pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, Plan, channels};

@@ -12,7 +12,7 @@ use crate::Measure;
 /// Any measures of the filter at `place` of a scenario over a record.
 ///
 /// # Errors
-/// As [`of_history`].
+/// [`RunError`] where the scenario is impossible, lacks the filter, or does not fit the record.
 pub(crate) fn any(
     scenario: &Scenario,
     place: usize,
@@ -30,32 +30,68 @@ pub(crate) fn any(
 ///
 /// # Errors
 /// [`RunError`] where the scenario is impossible, lacks the filter, or does not fit the record.
-pub(crate) fn of_history(
-    scenario: &Scenario,
-    place: usize,
-    record: &Record,
-    measures: &[Measure],
-) -> Result<Vec<f64>, RunError> {
-    let mut estimates = Pass::history(scenario, place)?;
-    let mut scores = Scores::new(&estimates, record);
-    let mut both = Both(&mut estimates, scores.against(record));
-    Pass::new(scenario, place, record)?.follow(record, record.len(), &mut both);
-    let outcome = scores.outcome();
-    let number = |measure: &Measure| match *measure {
-        Measure::Verdict => verdict(&estimates, record),
-        Measure::FreeRun(quantity) => {
-            let Some(last) = estimates.len().checked_sub(1) else { return f64::NAN };
-            let model = Identified::at(scenario, &scenario.filters[place], &estimates, last);
-            model.run(record, 0..record.len()).fit(record, quantity).map_or(f64::NAN, |fit| fit.rms)
-        }
-        Measure::OneStep(quantity) => {
-            let sensor = record.sensors().iter().position(|sensor| *sensor == quantity);
-            let fit = sensor.and_then(|sensor| one_step(&estimates, record, sensor, 0..record.len()));
-            fit.map_or(f64::NAN, |fit| fit.rms)
-        }
-        other => of_sum(other, &outcome, estimates.channels(), record),
-    };
-    Ok(measures.iter().map(number).collect())
+fn of_history(scenario: &Scenario, place: usize, record: &Record, measures: &[Measure]) -> Result<Vec<f64>, RunError> {
+    let mut pass = HistoryPass::new(scenario, place, record)?;
+    pass.advance(record, record.len());
+    Ok(pass.measures(scenario, place, record, measures))
+}
+
+/// A filter's run over a record of which all estimates remain, as far as it has come.
+pub(crate) struct HistoryPass {
+    pass: Pass,
+    estimates: Estimates,
+    scores: Scores,
+}
+
+impl HistoryPass {
+    /// The filter at `place` of a scenario before the first sample of a record.
+    ///
+    /// # Errors
+    /// [`RunError`] where the scenario is impossible, lacks the filter, or does not fit the record.
+    pub(crate) fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
+        let estimates = Pass::history(scenario, place)?;
+        let scores = Scores::new(&estimates, record);
+        Ok(Self { pass: Pass::new(scenario, place, record)?, estimates, scores })
+    }
+
+    /// The number of samples done.
+    pub(crate) fn done(&self) -> usize {
+        self.pass.done()
+    }
+
+    /// Goes on until `samples` samples are done, or to the end of the record. Returns whether the end is reached.
+    pub(crate) fn advance(&mut self, record: &Record, samples: usize) -> bool {
+        let Self { pass, estimates, scores } = self;
+        pass.follow(record, samples, &mut Both(estimates, scores.against(record)));
+        pass.done() >= record.len()
+    }
+
+    /// The measures of the whole run; NaN where one is not known.
+    pub(crate) fn measures(
+        &self,
+        scenario: &Scenario,
+        place: usize,
+        record: &Record,
+        measures: &[Measure],
+    ) -> Vec<f64> {
+        let Self { estimates, scores, .. } = self;
+        let outcome = scores.outcome();
+        let number = |measure: &Measure| match *measure {
+            Measure::Verdict => verdict(estimates, record),
+            Measure::FreeRun(quantity) => {
+                let Some(last) = estimates.len().checked_sub(1) else { return f64::NAN };
+                let model = Identified::at(scenario, &scenario.filters[place], estimates, last);
+                model.run(record, 0..record.len()).fit(record, quantity).map_or(f64::NAN, |fit| fit.rms)
+            }
+            Measure::OneStep(quantity) => {
+                let sensor = record.sensors().iter().position(|sensor| *sensor == quantity);
+                let fit = sensor.and_then(|sensor| one_step(estimates, record, sensor, 0..record.len()));
+                fit.map_or(f64::NAN, |fit| fit.rms)
+            }
+            other => of_sum(other, &outcome, estimates.channels(), record),
+        };
+        measures.iter().map(number).collect()
+    }
 }
 
 /// A history and the scores, of one pass.

@@ -103,7 +103,7 @@ impl Runner {
         let width = self.ensemble.width();
         let mut rows = vec![f64::NAN; runs.len() * width];
         let plan = self.ensemble.plan();
-        let (trace, score) = (self.ensemble.trace(), plan.measures.len());
+        let trace = self.ensemble.trace();
         for (nth, (&place, outcomes)) in plan.filters.iter().zip(outcomes).enumerate() {
             for (at, (row, run)) in rows.chunks_mut(width).zip(runs).enumerate() {
                 let Some(run) = run else { continue };
@@ -111,7 +111,7 @@ impl Runner {
                 if let Some(outcome) = outcomes.get(at).and_then(Option::as_ref) {
                     self.fill(nth, run, outcome, row);
                 } else if let Ok(scores) = outcome::any(scenario, place, record, &plan.measures) {
-                    row[nth * score..(nth + 1) * score].copy_from_slice(&scores);
+                    self.fill_scores(nth, &scores, row);
                     // To look at nothing needs no second run.
                     if !trace.samples().is_empty()
                         && let Ok(outcome) = Outcome::at(scenario, place, record, trace.samples())
@@ -137,10 +137,10 @@ impl Runner {
     }
 
     /// Writes what the outcome of the plan's `nth` filter says into the row of a run.
-    fn fill(&self, nth: usize, CellRun { scenario, record }: &CellRun, outcome: &Outcome, row: &mut [f64]) {
+    pub(crate) fn fill(&self, nth: usize, CellRun { scenario, record }: &CellRun, outcome: &Outcome, row: &mut [f64]) {
         let Plan { filters, measures, .. } = self.ensemble.plan();
         let scores = outcome::of_sums(scenario, filters[nth], record, measures, outcome);
-        row[nth * measures.len()..][..measures.len()].copy_from_slice(&scores);
+        self.fill_scores(nth, &scores, row);
         self.ensemble.trace().fill(nth, &outcome.looks, row);
     }
 
@@ -152,27 +152,44 @@ impl Runner {
 
     /// The record of a cell with this scenario, which is possible.
     fn record(&self, cell: usize, scenario: &Scenario) -> Arc<Record> {
+        self.record_at_hand(cell, scenario).unwrap_or_else(|| self.keep(cell, simulate(scenario)))
+    }
+
+    /// The same, unless it is yet to be simulated.
+    pub(crate) fn record_at_hand(&self, cell: usize, scenario: &Scenario) -> Option<Arc<Record>> {
         let factor = self.input_factor(scenario);
         if let Source::Measured(record) = &self.source
             && factor == 1.0
         {
-            return Arc::clone(record);
+            return Some(Arc::clone(record));
         }
         let number = self.ensemble.record_of(cell);
-        let records = || self.records.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, record)) = records().iter().find(|(other, _)| *other == number) {
-            return Arc::clone(record);
+        let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = records.iter().find(|(other, _)| *other == number).map(|(_, record)| Arc::clone(record));
+        drop(records);
+        match &self.source {
+            Source::Measured(record) => {
+                kept.or_else(|| Some(self.keep(cell, Record::clone(record).with_input_times(factor))))
+            }
+            Source::Simulated => kept,
         }
-        let record = Arc::new(match &self.source {
-            Source::Measured(record) => Record::clone(record).with_input_times(factor),
-            Source::Simulated => simulate(scenario),
-        });
-        let mut records = records();
+    }
+
+    /// Keeps the record of a cell for the next ones.
+    pub(crate) fn keep(&self, cell: usize, record: Record) -> Arc<Record> {
+        let record = Arc::new(record);
+        let mut records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
         if records.len() >= KEPT {
             records.remove(0);
         }
-        records.push((number, Arc::clone(&record)));
+        records.push((self.ensemble.record_of(cell), Arc::clone(&record)));
         record
+    }
+
+    /// Writes what the history of the plan's `nth` filter says into the row of a run.
+    pub(crate) fn fill_scores(&self, nth: usize, scores: &[f64], row: &mut [f64]) {
+        let width = self.ensemble.plan().measures.len();
+        row[nth * width..][..width].copy_from_slice(scores);
     }
 }
 

@@ -11,7 +11,7 @@ use member::Member;
 /// A number of a scenario that an axis can vary, or a factor on several of them.
 ///
 /// Keys are those of lessons: `filters.EKF.initial_mean.natural_frequency`, `sensors.velocity.noise_std`, `seed`. A
-/// filter is found by its name; `*` stands for all of them. A whole table of standard deviations, such as
+/// filter is found by its name, or by its id as in `filters#1.fading`; `*` stands for all of them. A whole table of standard deviations, such as
 /// `filters.EKF.process_std` or `filters.EKF.sensor_std`, stands for a factor on each of its numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
@@ -21,8 +21,13 @@ pub struct Setting {
 
 /// The reason why a key names no setting.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("the scenario has no number `{0}` to vary")]
-pub struct UnknownSetting(pub String);
+#[error("the scenario has no number `{key}` to vary{filters}")]
+pub struct UnknownSetting {
+    /// The key.
+    pub key: String,
+    /// The end of the sentence: the filters that there are, where the key is of none of them.
+    filters: String,
+}
 
 #[derive(Clone, Debug, PartialEq)]
 enum Place {
@@ -55,8 +60,14 @@ impl Setting {
     /// # Errors
     /// [`UnknownSetting`] where the scenario has no such number.
     pub fn new(scenario: &Scenario, key: &str) -> Result<Self, UnknownSetting> {
-        let place = key::place(scenario, key).ok_or_else(|| UnknownSetting(key.to_owned()))?;
+        let place = key::place(scenario, key)
+            .ok_or_else(|| UnknownSetting { key: key.to_owned(), filters: scenario.filters_instead_of(key) })?;
         Ok(Self { key: key.to_owned(), place })
+    }
+
+    /// Whether another setting is of the same numbers, whatever its key is.
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        self.place == other.place
     }
 
     /// The key.
@@ -244,6 +255,16 @@ mod tests {
     }
 
     #[test]
+    fn a_setting_by_id_is_found_whatever_the_filter_is_called() {
+        let mut scenario = Scenario::default();
+        (scenario.filters[0].name, scenario.filters[1].name) = ("UKF".to_owned(), "EKF".to_owned());
+        let setting = Setting::new(&scenario, "filters#2.process_std.velocity").unwrap();
+        setting.set(&mut scenario, 0.25);
+        assert_eq!(scenario.filters[1].process_std[Channel::VELOCITY], 0.25);
+        assert_eq!(setting.channel(), Some(Channel::VELOCITY));
+    }
+
+    #[test]
     fn names_with_dots_are_found() {
         let mut scenario = Scenario::default();
         scenario.filters[1].name = "EKF.2".to_owned();
@@ -266,7 +287,9 @@ mod tests {
             "filters.EKF.initial_mean.cubic_stiffness",
             "sensors.acceleration.noise_std",
         ] {
-            assert_eq!(Setting::new(&Scenario::default(), key), Err(UnknownSetting(key.to_owned())));
+            let unknown = Setting::new(&Scenario::default(), key).unwrap_err();
+            let instead = if key.starts_with("filters.KF.") { "; its filters are `EKF` and `UKF`" } else { "" };
+            assert_eq!(unknown.to_string(), format!("the scenario has no number `{key}` to vary{instead}"));
         }
     }
 }

@@ -88,7 +88,7 @@ impl Adjustment {
         let mut file = written(&scenario)?;
         for (path, value) in set {
             if !path::set(&mut file, path, value) {
-                return Err(LessonError::UnknownPath(path.clone()));
+                return Err(LessonError::unknown_path(path, &scenario));
             }
         }
         read(&file)
@@ -111,7 +111,7 @@ fn add_filter(file: &mut Table, filter: &Table) -> Result<(), LessonError> {
     let mut filter = filter.clone();
     let name = filter.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
     let Some(Value::Array(filters)) = file.get_mut("filters") else {
-        return Err(LessonError::UnknownPath("filters".to_owned()));
+        return Err(LessonError::UnknownPath { path: "filters".to_owned(), filters: String::new() });
     };
     let called = |name: &str| filters.iter().find(|other| other.get("name").and_then(Value::as_str) == Some(name));
     if name.is_empty() || called(&name).is_some() {
@@ -208,7 +208,10 @@ mod tests {
     fn errors_have_the_name_of_what_is_missing() {
         for (text, message) in [
             ("set = { \"filters.EKF.fadng\" = 1 }", "the scenario has no setting `filters.EKF.fadng`"),
-            ("set = { \"filters.KF.fading\" = 1 }", "the scenario has no setting `filters.KF.fading`"),
+            (
+                "set = { \"filters.KF.fading\" = 1 }",
+                "the scenario has no setting `filters.KF.fading`; its filters are `EKF` and `UKF`",
+            ),
             ("remove_filters = [\"KF\"]", "the scenario has no filter `KF`"),
             ("remove_sensors = [\"acceleration\"]", "the scenario has no sensor for acceleration"),
             ("add_filters = [{ like = \"KF\", name = \"A\" }]", "the scenario has no filter `KF`"),

@@ -49,11 +49,11 @@ impl Axis {
     }
 
     /// Sets a value in the table of a scenario.
-    fn set(&self, file: &mut Table, value: f64) -> Result<(), LessonError> {
+    fn set(&self, file: &mut Table, value: f64, scenario: &Scenario) -> Result<(), LessonError> {
         // A seed is a whole number; other settings take one too.
         let value = if value.fract() == 0.0 { Value::Integer(value as i64) } else { Value::Float(value) };
         let is_set = path::set(file, &self.key, &value);
-        is_set.then_some(()).ok_or_else(|| LessonError::UnknownPath(self.key.clone()))
+        is_set.then_some(()).ok_or_else(|| LessonError::unknown_path(&self.key, scenario))
     }
 }
 
@@ -68,7 +68,7 @@ pub(crate) fn cells(scenario: &Scenario, axes: &[Axis]) -> Result<Vec<Scenario>,
         for file in &files {
             for &value in &axis.values {
                 let mut file = file.clone();
-                axis.set(&mut file, value)?;
+                axis.set(&mut file, value, scenario)?;
                 finer.push(file);
             }
         }
@@ -126,7 +126,10 @@ mod tests {
             let axes = [Axis::parse(text).unwrap()];
             check_corners(&Scenario::default(), &axes).unwrap_err().to_string()
         };
-        assert_eq!(error("filters.KF.fading=1:2:2"), "the scenario has no setting `filters.KF.fading`");
+        assert_eq!(
+            error("filters.KF.fading=1:2:2"),
+            "the scenario has no setting `filters.KF.fading`; its filters are `EKF` and `UKF`"
+        );
         assert!(error("filters.EKF.fading=0.5:2:9").contains("filters[0].fading"));
     }
 }

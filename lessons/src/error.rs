@@ -1,6 +1,6 @@
 //! Errors of lessons.
 
-use kalmanscope_core::{DocumentError, Quantity, RunError, ScenarioError};
+use kalmanscope_core::{DocumentError, Quantity, RunError, Scenario, ScenarioError};
 use thiserror::Error;
 
 /// The reason why a lesson cannot be used.
@@ -13,8 +13,13 @@ pub enum LessonError {
     #[error("there is no built-in scenario `{0}`")]
     UnknownScenario(String),
     /// A change sets something that the scenario lacks.
-    #[error("the scenario has no setting `{0}`")]
-    UnknownPath(String),
+    #[error("the scenario has no setting `{path}`{filters}")]
+    UnknownPath {
+        /// The setting's path.
+        path: String,
+        /// The end of the sentence: the filters that there are, where the path is of none of them.
+        filters: String,
+    },
     /// A change or a check names a filter that the scenario lacks.
     #[error("the scenario has no filter `{0}`")]
     UnknownFilter(String),
@@ -75,6 +80,11 @@ impl From<DocumentError> for LessonError {
 }
 
 impl LessonError {
+    /// The error for a path that a scenario lacks.
+    pub(crate) fn unknown_path(path: &str, scenario: &Scenario) -> Self {
+        Self::UnknownPath { path: path.to_owned(), filters: scenario.filters_instead_of(path) }
+    }
+
     /// The error with its step, counted from 0.
     pub(crate) fn in_step(self, step: usize) -> Self {
         Self::Step { number: step + 1, error: Box::new(self) }

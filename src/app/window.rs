@@ -14,7 +14,6 @@ use crate::reading::{self, Reading};
 use crate::request::Request;
 use crate::theme::{self, Palette};
 use crate::transport::Extent;
-use crate::tutor::Tutor;
 use crate::view::ViewContext;
 
 /// The drawers of a narrow window.
@@ -121,7 +120,7 @@ impl App {
         (drawer, history): (Option<f32>, (bool, bool)),
     ) {
         let Self { session, tutor, requests, width, drawers, .. } = self;
-        let lit = tutor.as_ref().map_or(vec![], Tutor::lit);
+        let lit = tutor.as_mut().map_or(vec![], |tutor| tutor.lit(session.scenario()));
         let contents = |ui: &mut Ui, requests: &mut Vec<Request>| {
             let mut scenario = session.scenario().clone();
             let (changed, asked) = controls_ui(ui, &mut scenario, session.library(), palette, lit);

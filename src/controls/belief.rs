@@ -5,7 +5,7 @@ use kalmanscope_core::import::Length;
 use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Sensor};
 
 use super::lit::lit;
-use super::number::{field, std_field, tell_hertz};
+use super::number::{Named, field, std_field, tell_hertz};
 
 /// Width of the column of symbols \[points\].
 const SYMBOL_WIDTH: f32 = 22.0;
@@ -46,25 +46,27 @@ pub(super) fn belief_ui(
             let uncertain = !known.contains(&channel);
             ui.label(channel.symbol()).on_hover_text(channel.name());
             let title = |what: &str| format!("{name} {what} of {}", channel.name());
-            let path = |table: &str| format!("filters.{name}.{table}.{}", channel.key());
+            let path = |table: &str| format!("filters#{id}.{table}.{}", channel.key());
             let scale = scale(channel);
             let mean = &mut initial_mean[channel];
+            let (text, key) = (title("initial guess"), path("initial_mean"));
+            let name = Named { text: &text, key: &key };
             cell(ui, true, &mut |ui| {
-                lit(ui, &path("initial_mean"), |ui| {
-                    field(ui, mean, f64::NEG_INFINITY, scale, &title("initial guess"), "Mean of the initial belief");
-                });
+                lit(ui, &key, |ui| field(ui, mean, f64::NEG_INFINITY, scale, name, "Mean of the initial belief"));
             });
             let std = &mut initial_std[channel];
+            let (text, key) = (title("initial std"), path("initial_std"));
+            let name = Named { text: &text, key: &key };
             cell(ui, uncertain, &mut |ui| {
-                lit(ui, &path("initial_std"), |ui| {
-                    std_field(ui, std, 0.0, 10.0 * scale, &title("initial std"), "How sure the filter is of its guess");
+                lit(ui, &key, |ui| {
+                    std_field(ui, std, 0.0, 10.0 * scale, name, "How sure the filter is of its guess");
                 });
             });
             let process = &mut process_std[channel];
+            let (text, key) = (title("process std"), path("process_std"));
+            let name = Named { text: &text, key: &key };
             cell(ui, uncertain, &mut |ui| {
-                lit(ui, &path("process_std"), |ui| {
-                    std_field(ui, process, 0.0, scale, &title("process std"), "0: the model is exact");
-                });
+                lit(ui, &key, |ui| std_field(ui, process, 0.0, scale, name, "0: the model is exact"));
             });
             let unit = unit_ui(ui, length.in_place_of(channel.unit()));
             tell_hertz(unit, *mean, channel.unit(), "The guess is");
@@ -78,9 +80,12 @@ pub(super) fn belief_ui(
                 ui.label(RichText::new("√R").small().weak()).on_hover_text("What the filter takes the noise to be");
             });
             let title = format!("{name} sensor std of {}", quantity.key());
+            let (path, key) =
+                (format!("filters#{id}.sensor_std.{place}"), format!("filters#{id}.sensor_std.{}", quantity.key()));
+            let title = Named { text: &title, key: &key };
             cell(ui, true, &mut |ui| {
-                lit(ui, &format!("filters.{name}.sensor_std.{place}"), |ui| {
-                    std_field(ui, std, 1e-9, 10.0, &title, "Standard deviation that the filter ascribes to the sensor");
+                lit(ui, &path, |ui| {
+                    std_field(ui, std, 1e-9, 10.0, title, "Standard deviation that the filter ascribes to the sensor");
                 });
             });
             unit_ui(ui, length.in_place_of(quantity.unit()));

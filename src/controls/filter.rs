@@ -8,7 +8,7 @@ use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
 use super::belief::belief_ui;
 use super::color::{color_ui, free_color};
 use super::lit::lit;
-use super::number::{Number, REMARK};
+use super::number::{Named, Number, REMARK};
 use super::options::options_ui;
 use crate::text::significant;
 use crate::theme::{self, Palette};
@@ -31,7 +31,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             if open {
                 ui.label(name);
             } else {
-                lit(ui, &format!("filters.{}", filter.name), |ui| ui.label(name));
+                lit(ui, &format!("filters#{}", filter.id), |ui| ui.label(name));
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| kind_ui(ui, filter, place, &others));
         })
@@ -58,7 +58,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
                 duplicate = small(ui, "Duplicate", several < MOST_FILTERS);
                 remove = small(ui, "Remove", true);
             });
-            lit(ui, &format!("filters.{}.name", filter.name), |ui| rename_ui(ui, filter, &others));
+            lit(ui, &filter.address("name"), |ui| rename_ui(ui, filter, &others));
             ui.add_space(6.0);
         });
     if duplicate {
@@ -128,16 +128,17 @@ fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[Str
 
 fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
     let name = format!("{} fading factor", filter.name);
+    let address = filter.address("fading");
     let fading = Number {
         label: "λ fading factor",
-        name: &name,
+        name: Named { text: &name, key: &address },
         unit: "",
         range: (1.0, 1.05),
         least: 1.0,
         logarithmic: false,
         hint: "Multiplies the predicted covariance at every step: 1 forgets nothing, more forgets faster",
     };
-    lit(ui, &format!("filters.{}.fading", filter.name), |ui| fading.show(ui, &mut filter.fading));
+    lit(ui, &address, |ui| fading.show(ui, &mut filter.fading));
     let memory = if filter.fading > 1.0 {
         let samples = std::f64::consts::LN_2 / filter.fading.ln();
         format!("half-life {} s, {} samples", significant(samples * dt, 3), significant(samples, 3))
@@ -152,29 +153,30 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
     jump_ui(ui, filter);
     ui.add_enabled_ui(filter.kind != FilterKind::KF, |ui| {
         let name = format!("{} parameter decay", filter.name);
+        let address = filter.address("eta");
         let decay = Number {
             label: "η decay",
-            name: &name,
+            name: Named { text: &name, key: &address },
             unit: "1/s",
             range: (0.0, 0.1),
             least: 0.0,
             logarithmic: false,
             hint: "Rate at which the filter's model lets the parameters decay; 0 keeps them constant",
         };
-        lit(ui, &format!("filters.{}.eta", filter.name), |ui| decay.show(ui, &mut filter.eta));
+        lit(ui, &address, |ui| decay.show(ui, &mut filter.eta));
     });
 }
 
 /// Whether the filter widens P once where its innovations grow at once. A KF that knows its parameters has none to widen.
 fn jump_ui(ui: &mut Ui, filter: &mut FilterSettings) {
-    let FilterSettings { name, kind, augment, jump, .. } = filter;
+    let FilterSettings { id, name, kind, augment, jump, .. } = filter;
     let knows_all = *kind == FilterKind::KF && augment.is_empty();
     *jump &= !knows_all;
     let text = "jump at a sudden change";
     let hint = "Where the innovations grow at once, widen P once by its initial covariance and learn anew; before and after, \
                 forget nothing. A remark says when";
     ui.add_enabled_ui(!knows_all, |ui| {
-        lit(ui, &format!("filters.{name}.jump"), |ui| {
+        lit(ui, &format!("filters#{id}.jump"), |ui| {
             let response = ui.add(Checkbox::new(jump, text)).on_hover_text(hint);
             response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("{name}: {text}")));
         });

@@ -44,7 +44,7 @@ pub(super) fn force_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let number = |ui: &mut Ui, label: &str, unit, range, least, value: &mut f64| {
         let name = format!("Force, {label}");
         let hint = "The filters are told the force exactly";
-        Number { label, name: &name, unit, range, least, logarithmic: false, hint }.show(ui, value);
+        Number { label, name: (&name).into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
     };
     let any = f64::NEG_INFINITY;
     match force {

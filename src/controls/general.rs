@@ -17,7 +17,7 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let hint = "Length of the record, up to a day; a long one is shown live only, and its beginning is forgotten";
     let length = Number {
         label: "duration",
-        name: "Duration",
+        name: "Duration".into(),
         unit: "s",
         range: (5.0, 120.0),
         least: 1.0,
@@ -36,7 +36,7 @@ pub(super) fn general_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let hint = "Time between samples";
     let sampling = Number {
         label: "Δt sampling",
-        name: "Sampling time",
+        name: "Sampling time".into(),
         unit: "s",
         range: (0.002, 0.1),
         least: 0.002,

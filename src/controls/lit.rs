@@ -1,17 +1,28 @@
 //! Lights the settings that a lesson's step is about.
 
 use egui::{Color32, CornerRadius, Id, Shape, Stroke, StrokeKind, Ui};
+use kalmanscope_core::Scenario;
 
-/// Lights these settings from now on. Each is a path in a scenario, such as `filters.EKF.fading`; `*` stands for any.
-pub(super) fn light(ui: &Ui, paths: Vec<String>) {
-    ui.data_mut(|data| data.insert_temp(id(), paths));
+/// The lit settings of a frame.
+#[derive(Clone)]
+struct Lit {
+    paths: Vec<String>,
+    /// The scenario whose settings they are, for its filters' names.
+    scenario: std::sync::Arc<Scenario>,
+}
+
+/// Lights these settings of a scenario from now on. Each is a path, such as `filters#1.fading`; `*` stands for any.
+pub(super) fn light(ui: &Ui, paths: Vec<String>, scenario: &Scenario) {
+    if paths.is_empty() {
+        return ui.data_mut(|data| data.remove::<Lit>(id()));
+    }
+    let lit = Lit { paths, scenario: std::sync::Arc::new(scenario.clone()) };
+    ui.data_mut(|data| data.insert_temp(id(), lit));
 }
 
 /// Shows controls, on a lit ground if the setting under this path, a part of it or a table that it is in is lit.
 pub(super) fn lit<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui) -> R) -> R {
-    if !is_lit(ui, path) {
-        return add_contents(ui);
-    }
+    let Some(lit) = lit_by(ui, path) else { return add_contents(ui) };
     let ground = ui.painter().add(Shape::Noop);
     let shown = ui.scope(add_contents);
     let rect = shown.response.rect.expand2(egui::vec2(4.0, 1.0));
@@ -23,17 +34,19 @@ pub(super) fn lit<R>(ui: &mut Ui, path: &str, add_contents: impl FnOnce(&mut Ui)
         let [(x0, y0), (x1, y1)] = [rect.min, rect.max].map(|corner| (f64::from(corner.x), f64::from(corner.y)));
         node.set_role(egui::accesskit::Role::Group);
         node.set_bounds(egui::accesskit::Rect { x0, y0, x1, y1 });
-        node.set_label(format!("The step is about {path}"));
+        node.set_label(format!("The step is about {}", lit.scenario.address_by_name(path)));
     });
     shown.inner
 }
 
-fn is_lit(ui: &Ui, path: &str) -> bool {
-    ui.data(|data| data.get_temp::<Vec<String>>(id())).is_some_and(|lit| lit.iter().any(|lit| concerns(lit, path)))
+/// The lit settings, if one of them concerns a path.
+fn lit_by(ui: &Ui, path: &str) -> Option<Lit> {
+    ui.data(|data| data.get_temp::<Lit>(id())).filter(|lit| lit.paths.iter().any(|lit| concerns(lit, path)))
 }
 
 /// Whether one of two paths leads to the other, or both are the same.
 fn concerns(lit: &str, path: &str) -> bool {
+    let [lit, path] = [lit, path].map(|path| path.replacen("filters#", "filters.#", 1));
     lit.split('.').zip(path.split('.')).all(|(a, b)| a == b || a == "*")
 }
 
@@ -52,13 +65,13 @@ mod tests {
     #[test]
     fn a_path_concerns_itself_and_what_it_is_in_and_contains() {
         for (lit, path, expected) in [
-            ("filters.EKF.fading", "filters.EKF.fading", true),
-            ("filters.EKF.fading", "filters.EKF.eta", false),
-            ("filters.EKF.fading", "filters.UKF.fading", false),
-            ("filters.*.fading", "filters.UKF.fading", true),
-            ("filters.EKF.process_std", "filters.EKF.process_std.velocity", true),
-            ("filters.EKF.process_std.velocity", "filters.EKF", true),
-            ("filters.EKF.process_std.velocity", "filters.EKF.process_std.displacement", false),
+            ("filters#1.fading", "filters#1.fading", true),
+            ("filters#1.fading", "filters#1.eta", false),
+            ("filters#1.fading", "filters#2.fading", false),
+            ("filters.*.fading", "filters#2.fading", true),
+            ("filters#1.process_std", "filters#1.process_std.velocity", true),
+            ("filters#1.process_std.velocity", "filters#1", true),
+            ("filters#1.process_std.velocity", "filters#1.process_std.displacement", false),
             ("dt", "duration", false),
             ("force", "force", true),
         ] {

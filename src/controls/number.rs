@@ -18,13 +18,34 @@ const UNIT_WIDTH: f32 = 36.0;
 /// Decades of the sliders of standard deviations.
 const DECADES: f64 = 5.0;
 
+/// The accessible name of a number, and the key under which its beginning is remembered.
+#[derive(Clone, Copy, Debug)]
+pub struct Named<'a> {
+    /// The name, unique on screen.
+    pub text: &'a str,
+    /// The key: the setting's address where the name has that of a filter, which may change.
+    pub key: &'a str,
+}
+
+impl<'a> From<&'a str> for Named<'a> {
+    fn from(text: &'a str) -> Self {
+        Self { text, key: text }
+    }
+}
+
+impl<'a> From<&'a String> for Named<'a> {
+    fn from(text: &'a String) -> Self {
+        Self::from(text.as_str())
+    }
+}
+
 /// A number's name, unit and limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Number<'a> {
     /// The name on screen.
     pub label: &'a str,
-    /// The accessible name, unique on screen.
-    pub name: &'a str,
+    /// The accessible name.
+    pub name: Named<'a>,
     /// The unit, empty for a pure number.
     pub unit: &'a str,
     /// The limits of the slider.
@@ -41,7 +62,8 @@ impl Number<'_> {
     /// Shows the number in a row.
     pub fn show(&self, ui: &mut Ui, value: &mut f64) {
         let Self { label, name, unit, range: (low, high), least, logarithmic, hint } = *self;
-        let initial = initial(ui, name, *value);
+        let Named { text, key } = name;
+        let initial = initial(ui, key, *value);
         ui.horizontal(|ui| {
             fixed_width(ui, LABEL_WIDTH, |ui| {
                 let changed = *value != initial;
@@ -62,24 +84,24 @@ impl Number<'_> {
                 .show_value(false)
                 .ui(ui);
             let slider = hover_text(slider, &|| format!("{hint}\nDouble click: back to {}", significant(initial, 5)));
-            announce(&slider, name);
-            remember(ui.ctx(), name, slider.rect);
+            announce(&slider, text);
+            remember(ui.ctx(), text, slider.rect);
             reset(&slider, value, initial);
             let size = Vec2::new(FIELD_WIDTH, ui.spacing().interact_size.y);
             let field = hover_text(ui.add_sized(size, drag_value(value, low, high)), &|| usage(initial));
-            announce(&field, &format!("{name}, value"));
+            announce(&field, &format!("{text}, value"));
             scroll(ui, &field, value, step(*value, low, high));
             reset(&field, value, initial);
             let label = ui.weak(unit);
             tell_hertz(label, *value, unit, "That is");
         });
-        limit(ui, value, least, f64::INFINITY, name, unit);
+        limit(ui, value, least, f64::INFINITY, key, unit);
     }
 }
 
 /// Keeps a value within limits, and says so for a moment where it was not.
-pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, name: &str, unit: &str) {
-    let id = Id::unique(("limited", name));
+pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, key: &str, unit: &str) {
+    let id = Id::unique(("limited", key));
     let now = ui.input(|input| input.time);
     // Not `clamp`, which keeps NaN and panics where the limits are crossed.
     let limited = value.max(least).min(most);
@@ -103,13 +125,21 @@ pub(super) fn limit(ui: &mut Ui, value: &mut f64, least: f64, most: f64, name: &
 const SAID: f64 = 4.0;
 
 /// A compact number in a table: a field to drag, scroll or type in.
-pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) -> Response {
-    let initial = initial(ui, name, *value);
+pub fn field<'a>(
+    ui: &mut Ui,
+    value: &mut f64,
+    least: f64,
+    scale: f64,
+    name: impl Into<Named<'a>>,
+    hint: &str,
+) -> Response {
+    let Named { text, key } = name.into();
+    let initial = initial(ui, key, *value);
     let size = Vec2::new(ui.available_width(), ui.spacing().interact_size.y);
     let field = ui.add_sized(size, drag_value(value, 0.0, scale));
     let field = hover_text(field, &|| format!("{hint}\n{}", usage(initial)));
-    announce(&field, name);
-    remember(ui.ctx(), name, field.rect);
+    announce(&field, text);
+    remember(ui.ctx(), text, field.rect);
     scroll(ui, &field, value, step(*value, 0.0, scale));
     reset(&field, value, initial);
     *value = value.max(least);
@@ -117,7 +147,7 @@ pub fn field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, h
 }
 
 /// A [`field`] for a standard deviation. It is also a logarithmic slider up to `scale`, and marks the position on it.
-pub fn std_field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: &str, hint: &str) {
+pub fn std_field(ui: &mut Ui, value: &mut f64, least: f64, scale: f64, name: Named<'_>, hint: &str) {
     let rect = field(ui, value, least, scale, name, hint).rect;
     let share = 1.0 + (*value / scale).log10() / DECADES;
     if share > 0.0 {
@@ -142,10 +172,10 @@ pub fn begin_anew(ctx: &egui::Context) {
 }
 
 /// The number's value when it was first shown after [`begin_anew`].
-fn initial(ui: &Ui, name: &str, value: f64) -> f64 {
+fn initial(ui: &Ui, key: &str, value: f64) -> f64 {
     ui.data_mut(|data| {
         let beginning: u64 = data.get_temp(Id::unique("numbers' beginning")).unwrap_or_default();
-        *data.get_temp_mut_or_insert_with(Id::unique(("initial", beginning, name)), || value)
+        *data.get_temp_mut_or_insert_with(Id::unique(("initial", beginning, key)), || value)
     })
 }
 

@@ -18,10 +18,10 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
         guesses_ui(ui, filter, filter.plant.unwrap_or(truth));
         if [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::RBPF].contains(&filter.kind) {
-            lit(ui, &format!("filters.{}.propagation", filter.name), |ui| propagation_ui(ui, filter));
+            lit(ui, &filter.address("propagation"), |ui| propagation_ui(ui, filter));
         }
         let FilterSettings {
-            name, kind, log_parameters, substeps, iterations, ensemble_size, adaptation, smoother, guesses, ..
+            id, name, kind, log_parameters, substeps, iterations, ensemble_size, adaptation, smoother, guesses, ..
         } = filter;
         let hint = "Divide each prediction into so many steps: for plants that are not linear, and few samples a period";
         whole_ui(ui, "steps a sample", &format!("{name} steps a sample"), substeps, (1, 20), hint);
@@ -32,7 +32,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         if kind.is_sampled() {
             let hint = "More are more exact, and slower";
             let label = if kind.info().has_own_likelihood { "particles" } else { "members" };
-            lit(ui, &format!("filters.{name}.ensemble_size"), |ui| {
+            lit(ui, &format!("filters#{id}.ensemble_size"), |ui| {
                 whole_ui(ui, label, &format!("{name} {label}"), ensemble_size, (2, MOST_MEMBERS), hint);
             });
         }
@@ -46,9 +46,9 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
         if !kind.is_sampled() && *guesses == 1 {
             let hint = "In the whole record also show, dashed, what is known of each instant in the light of all that came \
                         after it: Rauch, Tung and Striebel (1965)";
-            lit(ui, &format!("filters.{name}.smoother"), |ui| check(ui, smoother, "hindsight", hint));
+            lit(ui, &format!("filters#{id}.smoother"), |ui| check(ui, smoother, "hindsight", hint));
         }
-        lit(ui, &format!("filters.{name}.adaptation.sensor_noise"), |ui| {
+        lit(ui, &format!("filters#{id}.adaptation.sensor_noise"), |ui| {
             check(ui, &mut adaptation.sensor_noise, "learn R from the innovations", "Akhlaghi, Zhou and Huang (2017)");
         });
         check(ui, &mut adaptation.process_noise, "learn Q from the innovations", "Akhlaghi, Zhou and Huang (2017)");
@@ -63,10 +63,10 @@ fn guesses_ui(ui: &mut Ui, filter: &mut FilterSettings, plant: PlantKind) {
         filter.guesses = 1;
         return;
     }
-    let FilterSettings { name, guesses, .. } = filter;
+    let FilterSettings { id, name, guesses, .. } = filter;
     let hint = "Filters side by side from so many guesses of ωₙ, from 0.14 to 7.4 times the initial mean; the likeliest so far \
                 is shown";
-    lit(ui, &format!("filters.{name}.guesses"), |ui| {
+    lit(ui, &format!("filters#{id}.guesses"), |ui| {
         whole_ui(ui, "guesses of ωₙ", &format!("{name} guesses"), guesses, (1, MOST_GUESSES), hint);
     });
 }

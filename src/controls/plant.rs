@@ -20,8 +20,8 @@ pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
     }
     augmentation_ui(ui, plant);
     let Plant { initial, disturbance_std, .. } = plant;
-    let number = |ui: &mut Ui, label, name, unit, range, least, hint, value: &mut f64| {
-        Number { label, name, unit, range, least, logarithmic: false, hint }.show(ui, value);
+    let number = |ui: &mut Ui, label, name: &str, unit, range, least, hint, value: &mut f64| {
+        Number { label, name: name.into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
     };
     let any = f64::NEG_INFINITY;
     let at_start = "At the start of the record";

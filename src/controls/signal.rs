@@ -39,12 +39,13 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
     let value = |ui: &mut Ui, label: &str, value: &mut f64| {
         let name = format!("{name}, {label}");
         let hint = "True value, which no filter is told";
-        Number { label, name: &name, unit, range, least, logarithmic: false, hint }.show(ui, value);
+        Number { label, name: (&name).into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
     };
     let time = |ui: &mut Ui, label: &str, value: &mut f64, least: f64| {
         let name = format!("{name}, {label}");
         let hint = "Time after the start of the record";
-        Number { label, name: &name, unit: "s", range: (least, 60.0), least, logarithmic: false, hint }.show(ui, value);
+        Number { label, name: (&name).into(), unit: "s", range: (least, 60.0), least, logarithmic: false, hint }
+            .show(ui, value);
     };
     match signal {
         Signal::Constant(constant) => value(ui, "value", constant),
@@ -67,8 +68,16 @@ pub(super) fn signal_ui(ui: &mut Ui, parameter: &Parameter<'_>, signal: &mut Sig
             let name = format!("{name}, amplitude");
             let hint = "Largest distance from the mean";
             let shown = (0.0, if room.is_finite() { room } else { range.1 - range.0 });
-            Number { label: "amplitude", name: &name, unit, range: shown, least: 0.0, logarithmic: false, hint }
-                .show(ui, amplitude);
+            Number {
+                label: "amplitude",
+                name: (&name).into(),
+                unit,
+                range: shown,
+                least: 0.0,
+                logarithmic: false,
+                hint,
+            }
+            .show(ui, amplitude);
             *amplitude = amplitude.min(room);
             time(ui, "period", period, 0.1);
         }

@@ -51,10 +51,11 @@ impl Choice {
         let filter = if exists(self.filter) { self.filter } else { scenario.filters.first()?.id };
         let second = self.second.filter(|second| *second != filter && exists(*second));
         let part = part_of(scenario, &[Some(filter), second].into_iter().flatten().collect::<Vec<_>>());
+        // A filter that is renamed stays the one that is meant.
+        let axes = self.axes.each_ref().map(|axis| Axis { key: part.address_by_id(&axis.key), ..axis.clone() });
         let is_free =
             |key: &str| !is_measured || Setting::new(&part, key).is_ok_and(|setting| setting.suits_given_record());
-        let kept =
-            self.axes.each_ref().map(|axis| Some(axis).filter(|a| is_possible(&part, &a.key) && is_free(&a.key)));
+        let kept = axes.each_ref().map(|axis| Some(axis).filter(|a| is_possible(&part, &a.key) && is_free(&a.key)));
         let count = self.axes[0].count;
         let axes = match kept {
             [Some(x), Some(y)] if !collide(&x.key, &y.key) => [x.clone(), y.clone()],
@@ -85,9 +86,9 @@ impl Choice {
             }
             Setting::new(&part, &axis.key).map_err(|error| error.to_string())?;
         }
-        let [x, y] = &self.axes;
-        if collide(&x.key, &y.key) {
-            return Err(format!("both axes of the map set `{}`", x.key));
+        let [x, y] = self.axes.each_ref().map(|axis| part.address_by_id(&axis.key));
+        if collide(&x, &y) {
+            return Err(format!("both axes of the map set `{}`", part.address_by_name(&x)));
         }
         Ok(())
     }
@@ -104,6 +105,13 @@ pub(crate) fn part_of(scenario: &Scenario, filters: &[u32]) -> Scenario {
     let mut filters: Vec<_> = filters.iter().filter_map(filter).collect();
     filters.iter_mut().for_each(|filter| filter.color = None);
     Scenario { filters, ..scenario.clone() }
+}
+
+/// Whether two scenarios are the same but for the names of their filters, on which no number depends.
+pub(crate) fn is_same_but_for_names(a: &Scenario, b: &Scenario) -> bool {
+    let mut a = a.clone();
+    a.filters.iter_mut().zip(&b.filters).for_each(|(one, other)| one.name.clone_from(&other.name));
+    a == *b
 }
 
 /// The axes that are kept, and usual ones in place of the others.

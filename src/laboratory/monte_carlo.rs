@@ -17,7 +17,7 @@ use kalmanscope_core::{Channel, Run, Scenario, Source};
 use kalmanscope_lab::{Ensemble, MonteCarlo, Slice};
 use serde::{Deserialize, Serialize};
 
-use super::choice::part_of;
+use super::choice::{is_same_but_for_names, part_of};
 use super::engine::{Engine, Precision, Task, Work};
 use super::state::WorkState;
 
@@ -110,7 +110,7 @@ impl SeedRuns {
 
     /// Whether these are runs of a scenario, whatever its own seed.
     fn is_of(&self, scenario: &Scenario, filters: &[u32]) -> bool {
-        self.filters == filters && *self.scenario() == bare(scenario, filters)
+        self.filters == filters && is_same_but_for_names(self.scenario(), &bare(scenario, filters))
     }
 
     /// Goes on with what the same runs with fewer seeds have found.
@@ -224,6 +224,9 @@ impl Seeds {
                 Ok(next) => self.begin(next),
                 Err(problem) => return self.forget(format!("There are no statistics: {problem}.")),
             }
+        }
+        for runs in [&mut self.runs, &mut self.before].into_iter().flatten() {
+            runs.ensemble.call_filters(scenario);
         }
         match engine.filter(|_| !self.state.is_stopped()) {
             Some(engine) => self.work(engine, ctx),

@@ -46,12 +46,25 @@ pub(crate) fn is_possible(scenario: &Scenario, key: &str) -> bool {
 /// Whether two axes would set the same number: the same key, or a number and the factor on its table.
 pub(crate) fn collide(a: &str, b: &str) -> bool {
     let is_in = |a: &str, b: &str| a.strip_prefix(b).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    // A setting of all filters is one of each.
+    let (a, b) = match (of_filter(a), of_filter(b)) {
+        (Some((one, a)), Some((other, b))) if one == other || one == "*" || other == "*" => (a, b),
+        _ => (a, b),
+    };
     is_in(a, b) || is_in(b, a)
+}
+
+/// The filter of an address and the key behind it: `*`, or the filter's id.
+fn of_filter(key: &str) -> Option<(&str, &str)> {
+    key.strip_prefix("filters#")
+        .or_else(|| key.strip_prefix("filters.").filter(|key| key.starts_with("*.")))?
+        .split_once('.')
 }
 
 /// The name of a setting, short enough for an axis.
 pub(crate) fn name(key: &str) -> String {
-    let parts: Vec<&str> = key.split('.').collect();
+    let spelled = key.replacen("filters#", "filters.", 1);
+    let parts: Vec<&str> = spelled.split('.').collect();
     let symbol = |key: &str| Channel::from_key(key).map_or(key.to_owned(), |channel| channel.symbol().to_owned());
     let sensor = |key: &str| Quantity::from_key(key).map_or(key.to_owned(), |quantity| quantity.symbol().to_owned());
     match parts[..] {
@@ -107,6 +120,10 @@ mod tests {
     fn a_factor_and_a_number_of_its_table_collide() {
         assert!(collide("filters.*.process_std", "filters.*.process_std.velocity"));
         assert!(collide("seed", "seed"));
+        assert!(collide("filters.*.process_std", "filters#2.process_std.velocity"));
+        assert!(collide("filters#2.process_std", "filters#2.process_std"));
+        assert!(!collide("filters#2.process_std", "filters#1.process_std"));
+        assert_eq!(name("filters#2.process_std.velocity"), name("filters.*.process_std.velocity"));
         assert!(!collide("filters.*.process_std.velocity", "filters.*.process_std.velocity_2"));
     }
 

@@ -1,13 +1,15 @@
 //! Runs ensembles in the frames themselves, a slice of each, where there are no threads.
 
+use std::sync::Arc;
+
 use egui::Context;
-use kalmanscope_lab::{EnsembleError, Runner};
+use kalmanscope_lab::{CellWork, EnsembleError, Runner};
 use web_time::Duration;
 
 use super::engine::{Computer, Engine, Rows, Task, Work};
 use crate::session::Budget;
 
-/// Runs as many cells in each frame as a budget allows, at least one.
+/// Runs cells in each frame for as long as a budget allows; a cell that takes longer goes on in the next frame.
 pub struct Slices(pub Budget);
 
 impl Slices {
@@ -17,8 +19,9 @@ impl Slices {
 
 impl Engine for Slices {
     fn start(&self, task: Task<'_>, ctx: &Context) -> Result<Box<dyn Work>, EnsembleError> {
-        let runner = Runner::new(task.ensemble.clone(), task.source.clone())?;
-        Ok(Box::new(SlicedWork { runner, order: task.order, next: 0, budget: self.0, ctx: ctx.clone() }))
+        let runner = Arc::new(Runner::new(task.ensemble.clone(), task.source.clone())?);
+        let (order, ctx) = (task.order, ctx.clone());
+        Ok(Box::new(SlicedWork { runner, order, next: 0, cell: None, budget: self.0, ctx }))
     }
 
     fn usual_count(&self) -> usize {
@@ -27,9 +30,12 @@ impl Engine for Slices {
 }
 
 struct SlicedWork {
-    runner: Runner,
+    runner: Arc<Runner>,
     order: Vec<usize>,
+    /// The place of the next cell in the order.
     next: usize,
+    /// The next cell, where it is under way.
+    cell: Option<CellWork>,
     budget: Budget,
     ctx: Context,
 }
@@ -40,7 +46,12 @@ impl Work for SlicedWork {
         let mut while_time = self.budget.slice();
         let mut numbers = Vec::new();
         while let Some(&cell) = self.order.get(self.next) {
-            numbers.extend(self.runner.rows(&[cell]));
+            let mut work = self.cell.take().unwrap_or_else(|| CellWork::new(Arc::clone(&self.runner), cell));
+            if !work.advance(&mut while_time) {
+                self.cell = Some(work);
+                break;
+            }
+            numbers.extend(work.finish());
             self.next += 1;
             if !while_time() {
                 break;

@@ -5,7 +5,7 @@ use kalmanscope_core::scenario::Values;
 use kalmanscope_core::{FilterSettings, Scenario, Source};
 use kalmanscope_lab::{Axis, Ensemble, Measure, Plan, Setting, Sheet};
 
-use super::choice::{Choice, part_of};
+use super::choice::{Choice, is_same_but_for_names, part_of};
 use super::engine::{Computer, Engine, Precision, Task, Work};
 use super::measures;
 use crate::session::is_same;
@@ -139,8 +139,13 @@ impl Survey {
                 self.ensemble.settings().iter().for_each(|setting| setting.set(&mut moved, setting.get(base)));
                 moved
             };
-            moved(&part) == moved(base)
+            is_same_but_for_names(&moved(&part), &moved(base))
         }
+    }
+
+    /// Calls the filters as a scenario does.
+    pub(super) fn call_filters(&mut self, scenario: &Scenario) {
+        self.ensemble.call_filters(scenario);
     }
 
     /// Whether a source is another one only since an axis varies the record that is given. The scenario says which it is.

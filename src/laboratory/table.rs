@@ -12,7 +12,7 @@ impl Survey {
         let [only, ..] = &ensemble.scenario().filters[..] else { return String::new() };
         let key = |key: &str| match (self.filters().len(), key.strip_prefix("filters.*.")) {
             (1, Some(rest)) => format!("filters.{}.{rest}", only.name),
-            _ => key.to_owned(),
+            _ => ensemble.scenario().address_by_name(key),
         };
         let keys = ensemble.plan().axes.iter().map(|axis| key(&axis.key));
         let names: Vec<String> = keys.chain(ensemble.columns()).map(|name| quoted(&name)).collect();

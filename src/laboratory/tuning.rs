@@ -12,7 +12,7 @@ use kalmanscope_core::{FilterSettings, Run, Scenario, Source};
 use kalmanscope_lab::simulate;
 use kalmanscope_lab::tune::{Try, Tuned, Tuner};
 
-use super::choice::part_of;
+use super::choice::{is_same_but_for_names, part_of};
 use super::survey::Survey;
 use crate::session::{Budget, Session};
 use on_map::{best_of_map, path_on_map};
@@ -41,18 +41,19 @@ impl TuneResult {
     /// The scenario with the best values; none where it has other settings than the search began with.
     pub fn applied(&self, scenario: &Scenario) -> Option<Scenario> {
         let best = self.tuned.scenario.filters.first()?;
-        if part_of(scenario, &[self.choice.filter]) != self.of || self.is_applied(scenario) {
+        let part = part_of(scenario, &[self.choice.filter]);
+        if !is_same_but_for_names(&part, &self.of) || self.is_applied(scenario) {
             return None;
         }
         let mut scenario = scenario.clone();
         let filter = scenario.filters.iter_mut().find(|filter| filter.id == self.choice.filter)?;
-        *filter = FilterSettings { color: filter.color, ..best.clone() };
+        *filter = FilterSettings { color: filter.color, name: std::mem::take(&mut filter.name), ..best.clone() };
         scenario.validate().ok().map(|()| scenario)
     }
 
     /// Whether a scenario has the best values.
     pub fn is_applied(&self, scenario: &Scenario) -> bool {
-        part_of(scenario, &[self.choice.filter]) == self.tuned.scenario
+        is_same_but_for_names(&part_of(scenario, &[self.choice.filter]), &self.tuned.scenario)
     }
 }
 
@@ -157,7 +158,7 @@ impl Tuning {
     /// Goes on for as long as a slice of a frame allows. A search of settings that have changed since ends.
     pub(super) fn follow(&mut self, scenario: &Scenario, budget: Budget, ctx: &Context) {
         let Some(search) = &mut self.search else { return };
-        if part_of(scenario, &[search.choice.filter]) != search.of {
+        if !is_same_but_for_names(&part_of(scenario, &[search.choice.filter]), &search.of) {
             self.search = None;
             self.problem = Some("The settings have changed: the search has stopped.".to_owned());
             return;

@@ -39,6 +39,11 @@ impl Attempt {
         self.search.is_some()
     }
 
+    /// The number of the picture whose filter is tried.
+    pub(crate) fn picture(&self) -> u64 {
+        self.of.0
+    }
+
     /// The verdict on the filter as it is, over the samples that are tried; none before it is known.
     pub fn before(&self) -> Option<&Verdict> {
         self.before.as_ref()

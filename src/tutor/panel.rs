@@ -45,7 +45,7 @@ impl Tutor {
     }
 
     fn text_ui(&self, ui: &mut Ui, palette: &Palette, requests: &mut Vec<Request>) {
-        let Self { lesson, place: _, step, changed, answer } = self;
+        let Self { lesson, place: _, step, changed, answer, lit: _ } = self;
         let Some(current) = self.current() else { return };
         let is_short = ui.clip_rect().height() < SHORT;
         if *step == 0 && !is_short {

@@ -2,6 +2,7 @@
 
 mod causes;
 mod evidence;
+mod rows;
 
 use egui::{Label, RichText, ScrollArea, TextStyle, Ui};
 use kalmanscope_core::Estimates;
@@ -89,7 +90,7 @@ fn filter_ui(
     });
     steady_ui(ui, "causes", is_held, |ui| {
         if !is_good {
-            causes::causes_ui(ui, context, estimates, requests);
+            causes::causes_ui(ui, context, estimates, is_held, requests);
         }
     });
     evidence::evidence_ui(ui, &diagnosis.evidence, color, palette);

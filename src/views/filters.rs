@@ -5,7 +5,7 @@ use kalmanscope_core::sorting::sort_short_by_key;
 use kalmanscope_core::{Channel, FilterSettings, InputKind, Scenario};
 
 use crate::controls::color::color_of;
-use crate::controls::number::field;
+use crate::controls::number::{Named, field};
 use crate::request::Request;
 use crate::theme::{self, Palette};
 use crate::view::{View, ViewContext};
@@ -166,7 +166,8 @@ fn row_ui(ui: &mut Ui, row: &Row, filters: &mut [FilterSettings], palette: &Pale
                     ui.visuals_mut().widgets.inactive.weak_bg_fill = tint;
                     ui.visuals_mut().widgets.inactive.bg_fill = tint;
                 }
-                field(ui, value, row.least, row.scale, &name, &row.name)
+                let key = format!("filters#{id}: {}", row.name);
+                field(ui, value, row.least, row.scale, Named { text: &name, key: &key }, &row.name)
             });
             if let Some(dragged) = cell.inner.dnd_release_payload::<Dragged>().filter(|dragged| dragged.row == row.name)
             {

@@ -121,3 +121,52 @@ fn nothing_moves_under_the_pointer_when_a_cause_is_repaired() {
         assert!((again.top() - button.top()).abs() < 1.0, "the first knob was at {button} and is at {again}");
     }
 }
+
+/// The buttons of causes on screen: their labels and the heights at which they are.
+fn knobs_of_ekf(screen: &Screen) -> Vec<(String, f32)> {
+    let knobs = screen.query_all_by_label_contains("Turn the knob of EKF");
+    knobs.map(|node| (node.accesskit_node().label().unwrap_or_default(), node.rect().top())).collect()
+}
+
+#[test]
+fn causes_keep_their_places_under_the_pointer_while_others_are_tried() {
+    let mut screen = mistuned();
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Diagnosis]);
+    screen.run_steps(3);
+    let mut scenario = scenario(&screen).clone();
+    // Two faults: remedies of one cause grow to those of several while they are searched for.
+    scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 14.0;
+    scenario.filters[0].initial_std[Channel::NATURAL_FREQUENCY] = 0.3;
+    screen.state_mut().session_mut().set_budget(Budget::Pieces(8));
+    screen.state_mut().session_mut().set_scenario(scenario);
+    let mut seen: Vec<(String, f32)> = Vec::new();
+    let (mut frames, mut is_done) = (0, false);
+    while !is_done && frames < 20_000 {
+        screen.step();
+        frames += 1;
+        let session = screen.state().session();
+        is_done = !session.behind() && !session.is_trying() && frames > 5;
+        let now = knobs_of_ekf(&screen);
+        if seen.is_empty() && !now.is_empty() {
+            let button = screen.get_by_label(&now[0].0).rect();
+            screen.hover_at(button.center());
+            seen = now;
+            continue;
+        }
+        for (label, top) in &seen {
+            let again = now.iter().find(|(other, _)| other == label);
+            assert_eq!(again.map(|(_, top)| *top), Some(*top), "{label} has moved or is gone in frame {frames}");
+        }
+        seen.extend(
+            now.into_iter().filter(|(label, _)| seen.iter().all(|(other, _)| other != label)).collect::<Vec<_>>(),
+        );
+    }
+    assert!(is_done, "the search ends");
+    assert!(seen.len() > 1, "{seen:?}");
+    screen.run_steps(5);
+    assert_eq!(knobs_of_ekf(&screen), seen, "at the end too");
+    // Their order comes once the hand has gone.
+    screen.remove_cursor();
+    screen.run_steps(150);
+    screen.get_by_label("Causes: what cures stands first, then the likeliest");
+}

@@ -5,7 +5,7 @@ use egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase};
 use super::*;
 
 /// Clicks twice on a control in quick succession.
-fn double_click(screen: &mut Screen, label: &str) {
+pub(super) fn double_click(screen: &mut Screen, label: &str) {
     let at = screen.get_by_label(label).rect().center();
     screen.hover_at(at);
     // Long enough after any earlier click.

@@ -82,3 +82,32 @@ fn removing_a_filter_changes_nothing_about_the_others() {
     assert!(after.iter().all(|(id, numbers)| before[id] == *numbers), "{before:?}, then {after:?}");
     assert_eq!(session.smoothed().iter().map(kalmanscope_core::Estimates::id).collect::<Vec<_>>(), [2]);
 }
+
+/// Gives a filter another name by its field.
+pub(super) fn rename(screen: &mut Screen, before: &str, more: &str) {
+    let label = format!("Name of {before}");
+    screen.get_by_label(&label).focus();
+    screen.run_steps(2);
+    screen.get_by_label(&label).type_text(more);
+    screen.run_steps(4);
+}
+
+#[test]
+fn a_renamed_filter_stays_hidden_and_open_and_knows_where_its_numbers_began() {
+    let mut screen = workbench();
+    click(&mut screen, "Show UKF");
+    let color = |screen: &Screen| screen.state().session().run().estimates()[1].color();
+    let (before, colored) = (scenario(&screen).filters[1].clone(), color(&screen));
+    set(&mut screen, "UKF fading factor", 1.03);
+    set(&mut screen, "UKF process std of velocity", 0.7);
+    rename(&mut screen, "UKF", " of mine");
+    let name = scenario(&screen).filters[1].name.clone();
+    assert_ne!(name, "UKF");
+    assert_eq!(shown(&screen), names(&[("EKF", true), (&name, false)]));
+    assert_eq!(color(&screen), colored);
+    // Its section is open, and a double click takes a number back to where it began.
+    super::habits::double_click(&mut screen, &format!("{name} fading factor, value"));
+    assert_eq!(scenario(&screen).filters[1].fading, before.fading);
+    super::habits::double_click(&mut screen, &format!("{name} process std of velocity"));
+    assert_eq!(scenario(&screen).filters[1].process_std, before.process_std);
+}

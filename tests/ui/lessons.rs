@@ -233,8 +233,12 @@ fn the_setting_that_a_step_changes_is_lit() {
     click(&mut screen, "λ = 1.005");
     let row = screen.get_by_label("The step is about filters.EKF.fading").rect();
     assert!(row.contains(screen.get_by_label("EKF fading factor, value").rect().center()));
+    // The filter is meant, whatever it is called.
+    super::identity::rename(&mut screen, "EKF", " 7");
+    let name = scenario(&screen).filters[0].name.clone();
+    assert!(name != "EKF" && lit(&screen, &format!("filters.{name}.fading")), "{name}");
     click(&mut screen, "Leave the lesson");
-    assert!(!lit(&screen, "filters.EKF.fading"));
+    assert!(!lit(&screen, &format!("filters.{name}.fading")));
 }
 
 /// Where a step claims a verdict, the verdict is on screen.

@@ -84,3 +84,27 @@ fn a_link_and_a_saved_session_carry_the_ticks_and_the_goal() {
     *screen.state_mut().layout_mut() = Layout::of(Arrangement::Teach);
     assert_eq!(screen.state().picture().laboratory, Choices::default());
 }
+
+#[test]
+fn a_search_and_its_result_survive_a_new_name() {
+    let mut screen = tune(DESKTOP, Theme::Light);
+    let call = |screen: &mut Screen, name: &str| {
+        let mut renamed = scenario(screen).clone();
+        name.clone_into(&mut renamed.filters[0].name);
+        screen.state_mut().session_mut().set_scenario(renamed);
+        screen.run_steps(4);
+    };
+    screen.state_mut().session_mut().set_budget(Budget::Pieces(4));
+    screen.get_by_label("Tune").click();
+    screen.run_steps(4);
+    assert!(screen.query_by_label("Stop tuning").is_some(), "the search goes on");
+    call(&mut screen, "first");
+    assert!(screen.query_by_label("Stop tuning").is_some(), "the search goes on");
+    screen.state_mut().session_mut().set_budget(Budget::Unlimited);
+    screen.run_steps(4);
+    call(&mut screen, "second");
+    screen.get_by_label("Use these values").click();
+    screen.run_steps(4);
+    assert_eq!(scenario(&screen).filters[0].name, "second");
+    assert!(screen.query_by_label("These values are in use.").is_some());
+}

@@ -1,7 +1,7 @@
 //! The rows of a sweep that are done, in a file that outlives the program.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, BufRead as _, BufReader, BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Read as _, Seek as _, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use kalmanscope_cli::{harmless, output};
@@ -32,9 +32,7 @@ impl Part {
     ) -> Result<(Self, usize), InputError> {
         let unwritten = |error| unwritten(out, &error);
         let path = beside(out, ".part");
-        let names = names(ensemble);
-        let names: Vec<_> = names.iter().map(|name| harmless(name)).collect();
-        let header = format!("{FIRST}{fingerprint}\n{}\n", names.join(","));
+        let header = format!("{FIRST}{fingerprint}\n{}\n", heading(ensemble));
         let columns = ensemble.plan().axes.len() + ensemble.width();
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
         let mut file = file.map_err(unwritten)?;
@@ -64,12 +62,7 @@ impl Part {
 
     /// Appends the rows of some cells.
     pub(super) fn append(&mut self, ensemble: &Ensemble, slice: &Slice) -> io::Result<()> {
-        let width = ensemble.width();
-        for (at, &cell) in slice.cells.iter().enumerate() {
-            let row = &slice.rows[at * width..(at + 1) * width];
-            let numbers: Vec<String> = ensemble.values(cell).iter().chain(row).map(f64::to_string).collect();
-            writeln!(self.file, "{}", numbers.join(","))?;
-        }
+        write_rows(&mut self.file, ensemble, slice)?;
         self.file.flush()
     }
 
@@ -86,6 +79,23 @@ impl Part {
         })?;
         fs::remove_file(&path)
     }
+}
+
+/// The line of the columns' names.
+pub(super) fn heading(ensemble: &Ensemble) -> String {
+    let names = names(ensemble);
+    names.iter().map(|name| harmless(name)).collect::<Vec<_>>().join(",")
+}
+
+/// Writes the rows of some cells.
+pub(super) fn write_rows(file: &mut dyn Write, ensemble: &Ensemble, slice: &Slice) -> io::Result<()> {
+    let width = ensemble.width();
+    for (at, &cell) in slice.cells.iter().enumerate() {
+        let row = &slice.rows[at * width..(at + 1) * width];
+        let numbers: Vec<String> = ensemble.values(cell).iter().chain(row).map(f64::to_string).collect();
+        writeln!(file, "{}", numbers.join(","))?;
+    }
+    Ok(())
 }
 
 /// Whether a file begins as the part of some sweep does.

@@ -121,7 +121,7 @@ impl Matter<'_> {
 
     /// A knob of this filter.
     pub(crate) fn knob(&self, key: &str, value: impl Into<toml::Value>) -> Knob {
-        Knob::of_filter(&self.filter.name, key, value)
+        Knob::of_filter(self.filter.id, key, value)
     }
 
     /// The knob that gives the filter one augmentation more.

@@ -2,6 +2,7 @@
 
 use toml::{Table, Value};
 
+use crate::scenario::address;
 use crate::{Document, Scenario, ScenarioError};
 
 /// An edit of a scenario: a key and its new value.
@@ -10,15 +11,16 @@ use crate::{Document, Scenario, ScenarioError};
 /// use kalmanscope_core::Scenario;
 /// use kalmanscope_core::diagnosis::Knob;
 /// # fn main() -> Result<(), kalmanscope_core::ScenarioError> {
-/// let knob = Knob::of_filter("EKF", "fading", 1.02);
-/// assert_eq!((knob.key.as_str(), knob.toml_line().as_str()), ("filters.EKF.fading", "fading = 1.02"));
-/// assert_eq!(knob.apply(&Scenario::default())?.filters[0].fading, 1.02);
+/// let scenario = Scenario::default();
+/// let knob = Knob::of_filter(scenario.filters[0].id, "fading", 1.02);
+/// assert_eq!((knob.key.as_str(), knob.toml_line().as_str()), ("filters#1.fading", "fading = 1.02"));
+/// assert_eq!(knob.apply(&scenario)?.filters[0].fading, 1.02);
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Knob {
-    /// The setting's path, as in `filters.EKF.process_std.velocity` or `hold`.
+    /// The setting's address, as in `filters#1.process_std.velocity` or `hold`: that of a filter is by the filter's id.
     pub key: String,
     /// Its new value.
     pub value: Value,
@@ -30,16 +32,15 @@ impl Knob {
         Self { key: key.to_owned(), value: value.into() }
     }
 
-    /// A setting of the filter with a name.
-    pub fn of_filter(name: &str, key: &str, value: impl Into<Value>) -> Self {
-        Self { key: format!("filters.{name}.{key}"), value: value.into() }
+    /// A setting of the filter with an id.
+    pub fn of_filter(id: u32, key: &str, value: impl Into<Value>) -> Self {
+        Self { key: address::of_filter(id, key), value: value.into() }
     }
 
     /// The line to write into a scenario file: into the table of the filter whose setting it is ([`Self::filter`]), or at
     /// the top.
     pub fn toml_line(&self) -> String {
-        let inner = self.filter().map_or(self.key.as_str(), |name| &self.key["filters.".len() + name.len() + 1..]);
-        format!("{inner} = {}", self.value)
+        format!("{} = {}", self.inner(), self.value)
     }
 
     /// The whole lines that turn some knobs, each with the name of its filter if it is one of a filter's. A table with a number for
@@ -51,17 +52,14 @@ impl Knob {
         let mut file = Document::table(&Self::apply_all(knobs, scenario)?)?;
         let mut lines: Vec<(Option<String>, String)> = Vec::new();
         for knob in knobs {
-            let name = knob.filter();
-            let inner = name.map_or(knob.key.as_str(), |name| &knob.key["filters.".len() + name.len() + 1..]);
+            let inner = knob.inner();
             let outer = inner.split('.').next().unwrap_or(inner);
-            let table = match name {
-                None => Some(&mut file),
-                Some(name) => filter_named(&mut file, name),
-            };
+            let name = knob.place(scenario).and_then(|place| Some(scenario.filters.get(place)?.name.clone()));
             // A setting that is back at its default has no line in the file.
-            let value = table.and_then(|table| table.get(outer)).filter(|value| outer == inner || value.is_table());
+            let value = knob.table(&mut file, scenario).and_then(|table| table.get(outer));
+            let value = value.filter(|value| outer == inner || value.is_table());
             let line = value.map_or_else(|| knob.toml_line(), |value| format!("{outer} = {value}"));
-            let line = (name.map(str::to_owned), line);
+            let line = (name, line);
             if !lines.contains(&line) {
                 lines.push(line);
             }
@@ -69,13 +67,27 @@ impl Knob {
         Ok(lines)
     }
 
-    /// The name of the filter whose setting it is, if it is one of a filter.
-    pub fn filter(&self) -> Option<&str> {
-        let rest = self.key.strip_prefix("filters.")?;
-        // A setting has one key, or two where it has one for each channel; names may have dots.
-        let settings = ["initial_mean.", "initial_std.", "process_std.", "adaptation."];
-        let inner = settings.iter().find_map(|setting| rest.rfind(&format!(".{setting}")));
-        Some(&rest[..inner.or_else(|| rest.rfind('.'))?])
+    /// The id of the filter whose setting it is, if it is one of a filter.
+    pub fn filter(&self) -> Option<u32> {
+        address::split_id(&self.key).map(|(id, _)| id)
+    }
+
+    /// The key within the table of the filter, or of the scenario.
+    fn inner(&self) -> &str {
+        address::split_id(&self.key).map_or(&self.key, |(_, key)| key)
+    }
+
+    /// The place of the filter in a scenario.
+    fn place(&self, scenario: &Scenario) -> Option<usize> {
+        self.filter().and_then(|_| scenario.filters_at(&self.key))?.0.first().copied()
+    }
+
+    /// The table in a scenario's file in which the setting is. `None` if the scenario has no such filter.
+    fn table<'a>(&self, file: &'a mut Table, scenario: &Scenario) -> Option<&'a mut Table> {
+        if self.filter().is_none() {
+            return Some(file);
+        }
+        file.get_mut("filters")?.as_array_mut()?.get_mut(self.place(scenario)?)?.as_table_mut()
     }
 
     /// The knob with numbers of four significant digits, as people read and write them.
@@ -99,12 +111,11 @@ impl Knob {
     pub fn apply_all(knobs: &[Self], scenario: &Scenario) -> Result<Scenario, ScenarioError> {
         let mut file = Document::table(scenario)?;
         for knob in knobs {
-            let unknown = || ScenarioError::Syntax(format!("the scenario has no setting `{}`", knob.key));
-            let (table, key) = match knob.filter() {
-                None => (Some(&mut file), knob.key.as_str()),
-                Some(name) => (filter_named(&mut file, name), &knob.key["filters.".len() + name.len() + 1..]),
+            let unknown = || {
+                let instead = scenario.filters_instead_of(&knob.key);
+                ScenarioError::Syntax(format!("the scenario has no setting `{}`{instead}", knob.key))
             };
-            set(table.ok_or_else(unknown)?, key, &knob.value);
+            set(knob.table(&mut file, scenario).ok_or_else(unknown)?, knob.inner(), &knob.value);
         }
         let text = toml::to_string(&file).map_err(|error| ScenarioError::Syntax(error.to_string()))?;
         Scenario::from_toml(&text)
@@ -117,15 +128,6 @@ fn rounded(value: &Value) -> Value {
         Value::Array(values) => Value::Array(values.iter().map(rounded).collect()),
         other => other.clone(),
     }
-}
-
-/// The filter with a name. `None` if several have it.
-fn filter_named<'a>(file: &'a mut Table, name: &str) -> Option<&'a mut Table> {
-    let filters = file.get_mut("filters")?.as_array_mut()?;
-    let tables = filters.iter_mut().filter_map(Value::as_table_mut);
-    let mut called = tables.filter(|table| table.get("name").and_then(Value::as_str) == Some(name));
-    let first = called.next()?;
-    called.next().is_none().then_some(first)
 }
 
 /// Sets a key, or an inner key after a dot. The scenario's reader refuses what it does not know.
@@ -151,12 +153,13 @@ mod tests {
     fn knobs_are_turned_by_their_keys() {
         let mut scenario = Scenario::default();
         scenario.filters[1].name = "UKF, no. 2".to_owned();
+        let [ekf, ukf] = [scenario.filters[0].id, scenario.filters[1].id];
         let knobs = [
             Knob::new("hold", "first"),
-            Knob::of_filter("UKF, no. 2", "process_std.velocity", 0.5),
-            Knob::of_filter("UKF, no. 2", "sensor_std", vec![0.1, 0.2]),
-            Knob::of_filter("EKF", "plant", "duffing"),
-            Knob::of_filter("EKF", "augment", vec!["input_gain"]),
+            Knob::of_filter(ukf, "process_std.velocity", 0.5),
+            Knob::of_filter(ukf, "sensor_std", vec![0.1, 0.2]),
+            Knob::of_filter(ekf, "plant", "duffing"),
+            Knob::of_filter(ekf, "augment", vec!["input_gain"]),
         ];
         let turned = Knob::apply_all(&knobs, &scenario).unwrap();
         assert_eq!((turned.hold, turned.filters[0].plant), (Hold::First, Some(PlantKind::DUFFING)));
@@ -164,12 +167,16 @@ mod tests {
         assert_eq!(turned.filters[1].process_std[Channel::VELOCITY], 0.5);
         assert_eq!(turned.filters[1].sensor_std, [0.1, 0.2]);
         assert_eq!(knobs[1].toml_line(), "process_std.velocity = 0.5");
-        assert_eq!((knobs[2].toml_line().as_str(), knobs[2].filter()), ("sensor_std = [0.1, 0.2]", Some("UKF, no. 2")));
-        let rounded = Knob::of_filter("EKF", "sensor_std", vec![0.012_345_678, 1.005]).rounded();
+        assert_eq!((knobs[2].toml_line().as_str(), knobs[2].filter()), ("sensor_std = [0.1, 0.2]", Some(ukf)));
+        let rounded = Knob::of_filter(ekf, "sensor_std", vec![0.012_345_678, 1.005]).rounded();
         assert_eq!(rounded.toml_line(), "sensor_std = [0.01235, 1.005]");
-        let mut twice = scenario.clone();
-        twice.filters[1].name = "EKF".to_owned();
-        assert!(Knob::of_filter("EKF", "fading", 1.0).apply(&twice).is_err(), "which of the two?");
+        // A filter is found whatever it is called by now.
+        let mut renamed = scenario.clone();
+        (renamed.filters[0].name, renamed.filters[1].name) = ("UKF, no. 2".to_owned(), "EKF".to_owned());
+        let turned = Knob::of_filter(ekf, "fading", 1.5).apply(&renamed).unwrap();
+        assert_eq!((turned.filters[0].fading, turned.filters[1].fading), (1.5, scenario.filters[1].fading));
+        renamed.filters[1].id = ekf;
+        assert!(Knob::of_filter(ekf, "fading", 1.0).apply(&renamed).is_err(), "which of the two?");
         let lines = Knob::toml_lines(&knobs, &scenario).unwrap();
         assert_eq!(lines.len(), 5);
         assert_eq!((&lines[0].0, lines[0].1.as_str()), (&None, "hold = \"first\""));
@@ -179,7 +186,7 @@ mod tests {
         let line: toml::Table = toml::from_str(line).unwrap();
         assert_eq!(line["process_std"]["velocity"].as_float(), Some(0.5));
         assert!(line["process_std"].as_table().unwrap().len() >= 4, "{line}");
-        for wrong in [Knob::of_filter("PF", "fading", 1.0), Knob::of_filter("EKF", "fadng", 1.0)] {
+        for wrong in [Knob::of_filter(9, "fading", 1.0), Knob::of_filter(ekf, "fadng", 1.0)] {
             assert!(matches!(wrong.apply(&scenario), Err(ScenarioError::Syntax(_))), "{wrong:?}");
         }
     }

@@ -4,9 +4,11 @@ use std::ops::Range;
 
 use super::Identified;
 use super::course::Course;
+use super::running::CHUNK;
 use crate::Record;
 use crate::linalg::{Matrix, Vector};
 use crate::model::Reading;
+use crate::simulate::response::HALVED;
 
 /// The readings from which the motion at the beginning is fitted.
 const BEGINNING: usize = 50;
@@ -24,10 +26,30 @@ pub(super) struct Beginning {
     pub(super) motion: Vec<f64>,
     /// The number of readings.
     rows: usize,
-    error: Vector,
+    /// The error with that motion, once it is known.
+    error: Option<Vector>,
     /// The changes of the error with each component of the motion, as far as this iteration has come.
     columns: Vec<Vector>,
     iterations: usize,
+    /// The motion whose error is computed.
+    trial: Trial,
+}
+
+/// A motion at the first sample whose error is computed, as far as it has come.
+struct Trial {
+    motion: Vec<f64>,
+    course: Course,
+    /// The number of samples that are done.
+    done: usize,
+    /// Whether the readings at the next sample are yet to be compared.
+    is_new: bool,
+    errors: Vec<f64>,
+}
+
+impl Trial {
+    fn new(identified: &Identified, motion: Vec<f64>) -> Self {
+        Self { course: Course::new(identified, &motion), motion, done: 0, is_new: true, errors: Vec::new() }
+    }
 }
 
 impl Beginning {
@@ -43,70 +65,104 @@ impl Beginning {
         let motion = vec![0.0; identified.model.motion()];
         let there = |sensor: usize| part.clone().filter(move |&k| has(record, readings, k, sensor)).count();
         let rows = (0..readings.len()).map(there).sum();
-        let mut fit = Self { part, scales, motion, rows, error: Vector::zeros(0), columns: Vec::new(), iterations: 0 };
-        fit.error = fit.error_of(&fit.motion, identified, record, readings);
-        fit
+        let trial = Trial::new(identified, motion.clone());
+        Self { part, scales, motion, rows, error: None, columns: Vec::new(), iterations: 0, trial }
     }
 
     /// Makes a piece of an iteration. Returns whether the fit is done.
     pub(super) fn advance(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
         // Without readings there is nothing to fit.
-        if self.error.is_empty() || self.motion.is_empty() {
+        if self.rows == 0 || self.motion.is_empty() {
             return true;
         }
-        let error_of = |motion: &[f64]| self.error_of(motion, identified, record, readings);
-        let place = self.columns.len();
-        if place < self.motion.len() {
-            let step = 1e-6 * (1e-3 + self.motion[place].abs());
-            let mut moved = self.motion.clone();
-            moved[place] += step;
-            let column = (&self.error - error_of(&moved)) / step;
-            self.columns.push(column);
+        if !self.piece(identified, record, readings) {
             return false;
         }
-        let jacobian = Matrix::from_columns(&self.columns);
+        let Some(motion) = self.conclude() else { return true };
+        self.trial = Trial::new(identified, motion);
+        false
+    }
+
+    /// Takes in the error of the trial. Returns the next motion to try, and none where the fit is done.
+    fn conclude(&mut self) -> Option<Vec<f64>> {
+        let after = Vector::from_vec(std::mem::take(&mut self.trial.errors));
+        match self.error.take() {
+            None => self.error = Some(after),
+            Some(error) if self.columns.len() < self.motion.len() => {
+                self.columns.push((&error - after) / self.step());
+                self.error = Some(error);
+            }
+            Some(error) => {
+                // A motion that runs away has no error that is a number.
+                if after.norm_squared().is_nan() || after.norm_squared() >= error.norm_squared() {
+                    return None;
+                }
+                let is_settled = after.norm_squared() > (1.0 - 1e-9) * error.norm_squared();
+                self.motion = std::mem::take(&mut self.trial.motion);
+                self.error = Some(after);
+                self.columns.clear();
+                self.iterations += 1;
+                if is_settled || self.iterations >= ITERATIONS {
+                    return None;
+                }
+            }
+        }
+        let mut motion = self.motion.clone();
+        match motion.get_mut(self.columns.len()) {
+            Some(component) => *component += self.step(),
+            None => {
+                let change = self.change()?;
+                motion.iter_mut().zip(change.iter()).for_each(|(value, change)| *value += change);
+            }
+        }
+        Some(motion)
+    }
+
+    /// The difference over which the next column is taken.
+    fn step(&self) -> f64 {
+        1e-6 * (1e-3 + self.motion.get(self.columns.len()).map_or(0.0, |value| value.abs()))
+    }
+
+    /// The change of the motion that makes the error least, as far as the readings show it.
+    fn change(&self) -> Option<Vector> {
+        let (jacobian, error) = (Matrix::from_columns(&self.columns), self.error.as_ref()?);
         // The decomposition has no answer to numbers that are not finite, or whose squares are not.
-        if !jacobian.norm_squared().is_finite() || !self.error.norm_squared().is_finite() {
-            return true;
+        if !jacobian.norm_squared().is_finite() || !error.norm_squared().is_finite() {
+            return None;
         }
         // Directions that the readings do not show stay as they are.
         let svd = jacobian.svd(true, true);
         let least = 1e-9 * svd.singular_values.max();
-        let Ok(change) = svd.solve(&self.error, least.max(f64::MIN_POSITIVE)) else { return true };
-        let moved: Vec<f64> = self.motion.iter().zip(change.iter()).map(|(value, change)| value + change).collect();
-        let after = error_of(&moved);
-        // A motion that runs away has no error that is a number.
-        if after.norm_squared().is_nan() || after.norm_squared() >= self.error.norm_squared() {
-            return true;
-        }
-        let is_settled = after.norm_squared() > (1.0 - 1e-9) * self.error.norm_squared();
-        (self.motion, self.error) = (moved, after);
-        self.columns.clear();
-        self.iterations += 1;
-        is_settled || self.iterations >= ITERATIONS
+        svd.solve(error, least.max(f64::MIN_POSITIVE)).ok()
     }
 
-    /// The errors of all readings with a motion at the first sample, relative to the readings' size.
-    fn error_of(
-        &self,
-        motion: &[f64],
-        identified: &Identified,
-        record: &Record,
-        readings: &[Option<Reading>],
-    ) -> Vector {
-        let mut errors = Vec::with_capacity(self.rows);
-        let mut course = Course::new(identified, motion);
-        for k in self.part.clone() {
-            let Some(state) = course.state() else { break };
-            for (sensor, reading) in readings.iter().enumerate().filter(|(sensor, _)| has(record, readings, k, *sensor))
-            {
-                let error = record.measured(sensor)[k] - identified.read(reading.as_ref(), state, record, k);
-                errors.push(if error.is_nan() { 0.0 } else { error / self.scales[sensor] });
+    /// The errors of the trial's next readings, relative to the readings' size. Returns whether they are complete.
+    fn piece(&mut self, identified: &Identified, record: &Record, readings: &[Option<Reading>]) -> bool {
+        let Self { part, scales, rows, trial: Trial { course, done, is_new, errors, .. }, .. } = self;
+        let samples = (*done + CHUNK).min(part.len());
+        let end = course.halved() + HALVED;
+        while *done < samples && course.halved() < end {
+            let k = part.start + *done;
+            let Some(state) = course.state() else {
+                *done = part.len();
+                break;
+            };
+            if *is_new {
+                for (sensor, reading) in
+                    readings.iter().enumerate().filter(|(sensor, _)| has(record, readings, k, *sensor))
+                {
+                    let error = record.measured(sensor)[k] - identified.read(reading.as_ref(), state, record, k);
+                    errors.push(if error.is_nan() { 0.0 } else { error / scales[sensor] });
+                }
             }
-            course.advance(identified, record, k);
+            *is_new = course.advance(identified, record, k, end - course.halved());
+            *done += usize::from(*is_new);
         }
-        errors.resize(self.rows, 0.0);
-        Vector::from_vec(errors)
+        let is_complete = *done >= part.len();
+        if is_complete {
+            errors.resize(*rows, 0.0);
+        }
+        is_complete
     }
 }
 

@@ -32,14 +32,16 @@ impl Course {
         self.response.halved()
     }
 
-    /// Moves on from sample `k` to the next.
-    pub(super) fn advance(&mut self, identified: &Identified, record: &Record, k: usize) {
+    /// Moves on from sample `k` to the next, and halves steps at most `most` times. Returns whether it is there; otherwise the next
+    /// call goes on.
+    pub(super) fn advance(&mut self, identified: &Identified, record: &Record, k: usize, most: u64) -> bool {
         let force = |k: usize| record.delayed_force(k, identified.input_delay);
         let end = match record.hold() {
             Hold::Zero => k,
             Hold::First => k + 1,
         };
-        let moved = self.response.advance(&identified.model, [force(k), force(end)], 0.0, record.dt());
+        let moved = self.response.advance(&identified.model, [force(k), force(end)], 0.0, record.dt(), most);
         self.goes_on = moved.is_ok();
+        moved != Ok(false)
     }
 }

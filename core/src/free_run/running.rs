@@ -7,12 +7,10 @@ use super::course::Course;
 use super::{FreeRun, Identified, fit};
 use crate::Record;
 use crate::model::Reading;
+use crate::simulate::response::HALVED;
 
 /// The samples between two looks at the clock: at most about a millisecond.
-const CHUNK: usize = 64;
-
-/// Limits the times that steps are halved in a piece: some milliseconds.
-const HALVED: u64 = 1000;
+pub(super) const CHUNK: usize = 64;
 
 /// A free run under way. The record is the same in all calls; the result does not depend on how the work is divided.
 pub struct Running {
@@ -58,22 +56,21 @@ impl Running {
     /// The next samples.
     fn piece(&mut self, record: &Record) {
         let Self { identified, part, readings, course: Some(course), predicted, done, .. } = self else { return };
-        let end = (*done + CHUNK).min(part.len());
-        let begin = course.halved();
-        for k in part.start + *done..part.start + end {
-            if course.halved() - begin > HALVED {
-                return;
-            }
+        let samples = (*done + CHUNK).min(part.len());
+        let end = course.halved() + HALVED;
+        while *done < samples && course.halved() < end {
+            let k = part.start + *done;
             let Some(state) = course.state() else {
                 // The model has run away: no prediction follows.
                 *done = part.len();
                 return;
             };
-            for (column, reading) in predicted.iter_mut().zip(readings.iter()) {
+            for (column, reading) in
+                predicted.iter_mut().zip(readings.iter()).filter(|(column, _)| column.len() == *done)
+            {
                 column.push(identified.read(reading.as_ref(), state, record, k));
             }
-            course.advance(identified, record, k);
-            *done += 1;
+            *done += usize::from(course.advance(identified, record, k, end - course.halved()));
         }
     }
 
@@ -93,5 +90,37 @@ impl Running {
             fit(&measured[fitted..], &predicted[sensor][fitted..])
         });
         FreeRun { fits: fits.collect(), fitted, predicted, part }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::Simulator;
+    use crate::{Pass, Scenario};
+
+    #[test]
+    fn the_fit_of_a_beginning_that_is_hard_to_follow_is_divided() {
+        let text = include_str!("../../../tests/hostile/hard-truth.toml").replace("plant = \"sdof\"\n", "");
+        let scenario = Scenario { duration: 2.0, ..Scenario::from_toml(&text.replace("\"kf\"", "\"ekf\"")).unwrap() };
+        let mut simulator = Simulator::new(&scenario);
+        let mut record = simulator.empty_record();
+        (0..20).for_each(|_| assert!(simulator.step(&mut record)));
+        let mut estimates = Pass::history(&scenario, 0).unwrap();
+        Pass::new(&scenario, 0, &record).unwrap().follow(&record, 1, &mut estimates);
+        let mut model = Identified::at(&scenario, &scenario.filters[0], &estimates, 0);
+        for (place, channel) in estimates.channels().iter().enumerate() {
+            model.values[place] = record.truth(*channel).unwrap()[0];
+        }
+        let mut running = model.running(&record, 0..record.len());
+        let mut pieces = 0;
+        while running.course.is_none() {
+            assert!(!running.advance(&record, &mut || false));
+            pieces += 1;
+        }
+        // Each error of ten samples halves steps ten thousand times.
+        assert!(pieces > 50, "{pieces}");
+        while !running.advance(&record, &mut || false) {}
+        assert_eq!(running.finish(&record), model.run(&record, 0..record.len()));
     }
 }

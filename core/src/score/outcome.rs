@@ -1,8 +1,8 @@
 //! The result of a filter's run over a record, as plain numbers.
 
-use super::{ChannelScore, Look, Scores};
+use super::{ChannelScore, Look, ScoredPass};
 use crate::diagnostics::{Tally, Total};
-use crate::{Channel, Pass, Record, RunError, Scenario, Stop};
+use crate::{Channel, Record, RunError, Scenario, Stop};
 
 /// The result of one filter's run over one record.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Outcome {
     pub log_likelihood: f64,
     /// Where and why the filter stopped, if it did.
     pub stop: Option<Stop>,
-    /// Whether the filter has stopped or lost the truth ([`Scores::diverged`]).
+    /// Whether the filter has stopped or lost the truth ([`Scores::diverged`](super::Scores::diverged)).
     pub diverged: bool,
     /// The accuracy of each channel whose truth is known, in the filter's order.
     pub channels: Vec<(Channel, ChannelScore)>,
@@ -46,7 +46,7 @@ impl Outcome {
     /// ```
     ///
     /// # Errors
-    /// Those of [`Pass::new`].
+    /// Those of [`Pass::new`](crate::Pass::new).
     pub fn of(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
         Self::at(scenario, place, record, &[])
     }
@@ -54,20 +54,11 @@ impl Outcome {
     /// [`Self::of`], with a look at the filter at each of these samples, which are in order.
     ///
     /// # Errors
-    /// Those of [`Pass::new`].
+    /// Those of [`Pass::new`](crate::Pass::new).
     pub fn at(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
-        let mut pass = Pass::new(scenario, place, record)?;
-        let mut scores = Scores::new(&Pass::history(scenario, place)?, record);
-        let mut looks = Vec::new();
-        for &sample in samples {
-            pass.follow(record, sample + 1, &mut scores.against(record));
-            if scores.len() != sample + 1 {
-                break;
-            }
-            looks.push(scores.look());
-        }
-        pass.follow(record, usize::MAX, &mut scores.against(record));
-        Ok(Self { looks, ..scores.outcome() })
+        let mut pass = ScoredPass::new(scenario, place, record, samples)?;
+        pass.advance(record, usize::MAX);
+        Ok(pass.outcome())
     }
 }
 

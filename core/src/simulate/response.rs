@@ -1,20 +1,13 @@
 //! A plant in motion.
 
 use super::TruthError;
-use crate::integrate::{exponential_integrals, runge_kutta};
+use super::refinement::{Motion, Refinement};
+use crate::integrate::exponential_integrals;
 use crate::linalg::{Matrix, Vector};
 use crate::model::Model;
 
-/// Limits the difference between a Runge-Kutta step and two steps of half its length, relative to the largest value of
-/// each component so far. After extrapolation the error is a hundredth of that, and below 1e-9 of the signal after a
-/// minute.
-const ACCURACY: f64 = 3e-12;
-
-/// A plant whose integration fails has diverged if it is this many times as far as ever before.
-const RUNAWAY: f64 = 100.0;
-
-/// Limits the steps into which one sample is halved.
-const MAX_STEPS: u32 = 4096;
+/// Limits the times that steps are halved in a piece of work: about a millisecond.
+pub(crate) const HALVED: u64 = 400;
 
 /// The state of a plant, as it moves.
 pub(crate) struct Response {
@@ -25,6 +18,8 @@ pub(crate) struct Response {
     exact: Option<(Vec<f64>, Exact)>,
     /// Memory for the rates of the motion, and for its change over a step.
     work: [Vector; 2],
+    /// The step of a plant that is not linear, where it is under way.
+    step: Option<Refinement>,
     /// The number of times that steps have been halved.
     halved: u64,
 }
@@ -40,7 +35,7 @@ impl Response {
     pub(crate) fn new(initial: impl Iterator<Item = f64>) -> Self {
         let state = Vector::from_iterator(initial.size_hint().0, initial);
         let empty = || Vector::zeros(0);
-        Self { size: Vector::zeros(state.len()), state, exact: None, work: [empty(), empty()], halved: 0 }
+        Self { size: Vector::zeros(state.len()), state, exact: None, work: [empty(), empty()], step: None, halved: 0 }
     }
 
     /// The state.
@@ -48,7 +43,7 @@ impl Response {
         self.state.as_slice()
     }
 
-    /// The number of times that steps have been halved so far: up to [`MAX_STEPS`] for one sample, which then takes about ten
+    /// The number of times that steps have been halved so far: up to thousands for one sample, which then takes about ten
     /// milliseconds.
     pub(crate) fn halved(&self) -> u64 {
         self.halved
@@ -60,24 +55,36 @@ impl Response {
     }
 
     /// Moves on by a step of `dt` \[s\]. The recorded force over mass goes linearly from the first to the second of
-    /// `forces`, an unrecorded one is held \[m/s²\].
+    /// `forces`, an unrecorded one is held \[m/s²\]. Halves steps at most `most` times, and returns whether the step is done;
+    /// otherwise the next call, with the same arguments, goes on with it, and the state stays as it is until then.
     pub(crate) fn advance(
         &mut self,
         model: &Model,
         forces: [f64; 2],
         disturbance: f64,
         dt: f64,
-    ) -> Result<(), TruthError> {
-        let Self { state, size, exact, work: [rate, change], halved } = self;
+        most: u64,
+    ) -> Result<bool, TruthError> {
+        let Self { state, size, exact, work: [rate, change], step, halved } = self;
         let [begin, end] = forces;
         if !model.is_linear() {
-            *size = size.sup(&state.abs());
-            let motion = Motion { model, forces, disturbance };
-            let mut left = MAX_STEPS;
-            let moved = motion.advance(state, dt, size, &mut left);
-            *halved += u64::from(MAX_STEPS - left);
-            *state = moved?;
-            return Ok(());
+            let motion = Motion { model, forces, disturbance, dt };
+            let mut under_way = match step.take() {
+                Some(under_way) => under_way,
+                None => {
+                    *size = size.sup(&state.abs());
+                    Refinement::new(&motion, state)
+                }
+            };
+            let before = under_way.halved();
+            let is_done = under_way.advance(&motion, size, most);
+            *halved += under_way.halved() - before;
+            if is_done? {
+                *state = under_way.into_state();
+                return Ok(true);
+            }
+            *step = Some(under_way);
+            return Ok(false);
         }
         let motion = model.motion();
         let constant = &state.as_slice()[motion..];
@@ -100,7 +107,7 @@ impl Response {
         for i in 0..motion {
             state[i] += change[i];
         }
-        Ok(())
+        Ok(true)
     }
 }
 
@@ -110,69 +117,5 @@ impl Exact {
         let a = model.jacobian(state.as_slice(), 0.0).view((0, 0), (motion, motion)).into_owned();
         let integrals = exponential_integrals(&a, dt);
         Self { constant: integrals.constant, slope: integrals.slope }
-    }
-}
-
-/// A plant under a load over one sample.
-struct Motion<'a> {
-    model: &'a Model,
-    forces: [f64; 2],
-    disturbance: f64,
-}
-
-impl Motion<'_> {
-    /// The state after `dt` \[s\], by Runge-Kutta steps that are refined where needed, such as around kinks of the
-    /// rate. `halvings` is the number of times that a step may be halved.
-    fn advance(&self, state: &Vector, dt: f64, size: &Vector, halvings: &mut u32) -> Result<Vector, TruthError> {
-        let coarse = self.step(state, 0.0, 1.0, dt);
-        self.refined(state, coarse, (0.0, 1.0), dt, size, halvings).map_err(|reached| {
-            // A diverging plant does so within ever shorter times, which no number of halvings resolves.
-            let far = (0..size.len()).find(|&i| size[i] > 0.0 && reached[i].abs() > RUNAWAY * size[i]);
-            far.map_or(TruthError::StepTooLong, |i| TruthError::Channel(self.model.channels()[i]))
-        })
-    }
-
-    /// One Runge-Kutta step over a share of the sample.
-    fn step(&self, state: &Vector, from: f64, share: f64, dt: f64) -> Vector {
-        let [begin, end] = self.forces;
-        runge_kutta(state, share * dt, |s, y| {
-            let force = if begin == end { begin } else { begin + (end - begin) * (from + share * s) };
-            let acting = self.model.acting_force(y.as_slice(), force) + self.disturbance;
-            self.model.rate_under(y.as_slice(), acting)
-        })
-    }
-
-    /// The result of one step `coarse`, halved until the difference is small enough, then extrapolated.
-    ///
-    /// # Errors
-    /// The state at which the limit of halvings was reached.
-    ///
-    /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.4.
-    fn refined(
-        &self,
-        state: &Vector,
-        coarse: Vector,
-        (from, share): (f64, f64),
-        dt: f64,
-        size: &Vector,
-        halvings: &mut u32,
-    ) -> Result<Vector, Vector> {
-        let half = 0.5 * share;
-        let middle = self.step(state, from, half, dt);
-        let fine = self.step(&middle, from + half, half, dt);
-        let difference = &fine - coarse;
-        let close = |i: usize| difference[i].abs() <= ACCURACY * size[i].max(fine[i].abs());
-        if (0..fine.len()).all(close) {
-            return Ok(fine + difference / 15.0);
-        }
-        if fine.iter().any(|x| !x.is_finite()) {
-            // The plant diverges; the next sample reports it.
-            return Ok(fine);
-        }
-        let Some(rest) = halvings.checked_sub(1) else { return Err(state.clone()) };
-        *halvings = rest;
-        let middle = self.refined(state, middle, (from, half), dt, size, halvings)?;
-        let rest = self.step(&middle, from + half, half, dt);
-        self.refined(&middle, rest, (from + half, half), dt, size, halvings)
     }
 }

@@ -22,24 +22,14 @@ pub(super) fn place(scenario: &Scenario, key: &str) -> Option<Place> {
             scenario.plant.parameters().find(|c| *c == channel).map(Place::Parameter)?
         }
         ["sensors", sensor, "noise_std"] => Place::Noise(sensor_place(scenario, sensor)?),
-        ["filters", .., _] if keys.len() >= 3 => filters(scenario, key)?,
-        _ => return None,
+        _ => filters(scenario, key)?,
     })
 }
 
-/// A name may have dots in it: the longest name of a filter that the key begins with is meant.
-fn filters(scenario: &Scenario, key: &str) -> Option<Place> {
-    let key = key.strip_prefix("filters.")?;
-    let names = scenario.filters.iter().map(|filter| filter.name.as_str());
-    let called = |name: &&str| key.strip_prefix(*name).is_some_and(|rest| rest.starts_with('.'));
-    let name = names.chain(["*"]).filter(called).max_by_key(|name| name.len())?;
-    let rest: Vec<&str> = key[name.len() + 1..].split('.').collect();
-    let all = scenario.filters.iter().enumerate();
-    let places: Vec<usize> = all.filter(|(_, f)| name == "*" || f.name == name).map(|(place, _)| place).collect();
-    // Only the star means several.
-    if name != "*" && places.len() > 1 {
-        return None;
-    }
+/// A setting of one filter, or of all.
+fn filters(scenario: &Scenario, address: &str) -> Option<Place> {
+    let (places, key) = scenario.filters_at(address)?;
+    let rest: Vec<&str> = key.split('.').collect();
     let factor = |table| Member::Factor(table, places.iter().map(|&place| scenario.filters[place].clone()).collect());
     let channel = |key: &str| {
         let channel = Channel::from_key(key)?;

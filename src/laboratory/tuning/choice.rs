@@ -67,7 +67,13 @@ impl TuneChoice {
             return Self::usual(scenario, None);
         }
         let part = part_of(scenario, &[self.filter]);
-        let axes = self.axes.iter().filter(|axis| is_possible(&part, &axis.key)).cloned().collect();
+        // The filter is the only one: its own settings are those of all, whatever it is called.
+        let of_all = |axis: &Axis| {
+            let key =
+                part.filters_at(&axis.key).map_or_else(|| axis.key.clone(), |(_, key)| format!("filters.*.{key}"));
+            Axis { key, ..axis.clone() }
+        };
+        let axes = self.axes.iter().map(of_all).filter(|axis| is_possible(&part, &axis.key)).collect();
         let is_measured = |goal: &Goal| match goal {
             Goal::FreeRun(sensor) => scenario.sensors.iter().any(|other| other.measures == *sensor),
             Goal::Likelihood | Goal::Consistency => true,

@@ -4,6 +4,7 @@ use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
 use kalmanscope_core::Estimates;
 use kalmanscope_core::diagnosis::{Finding, Knob};
 
+use super::rows;
 use crate::request::Request;
 use crate::session::Attempt;
 use crate::text::{sentence, significant};
@@ -17,24 +18,28 @@ const LIKELIEST: usize = 3;
 /// The most settings whose values a button shows.
 const SHOWN: usize = 2;
 
-/// The causes that were found so far, and the progress of the trials.
-pub(super) fn causes_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Estimates, requests: &mut Vec<Request>) {
-    let session = context.session;
+/// The causes that were found so far, and the progress of the trials. While the hand is on them their rows stay as they are.
+pub(super) fn causes_ui(
+    ui: &mut Ui,
+    context: &ViewContext<'_>,
+    estimates: &Estimates,
+    is_held: bool,
+    requests: &mut Vec<Request>,
+) {
     ui.add_space(4.0);
-    let order = if session.attempt(estimates.id()).is_some_and(Attempt::is_under_way) {
-        "Causes, as they are found"
-    } else {
-        "Causes: what cures stands first, then the likeliest"
-    };
-    ui.label(RichText::new(order).small().weak());
-    let Some(attempt) = session.attempt(estimates.id()) else {
+    let Some(attempt) = context.session.attempt(estimates.id()) else {
+        heading_ui(ui, SORTED);
         ui.weak("They are tried as soon as the record is computed.");
         return;
     };
-    if !attempt.is_under_way() && !attempt.findings().is_empty() && !Finding::is_explained(attempt.findings()) {
-        ui.label("None of these explains it: with the best of them it is still not to be believed.");
-    }
-    let (first, rest) = attempt.findings().split_at(attempt.findings().len().min(LIKELIEST));
+    let rows = rows::on_screen(ui, attempt, is_held);
+    let heading = match (attempt.is_under_way(), rows::is_in_order(&rows, attempt)) {
+        (true, _) => "Causes, as they are found",
+        (false, true) => SORTED,
+        (false, false) => "Causes, as they were found: in order once the pointer leaves",
+    };
+    heading_ui(ui, heading);
+    let (first, rest) = rows.split_at(rows.len().min(LIKELIEST));
     for finding in first {
         finding_ui(ui, context, (attempt, finding), estimates.name(), requests);
     }
@@ -52,7 +57,18 @@ pub(super) fn causes_ui(ui: &mut Ui, context: &ViewContext<'_>, estimates: &Esti
         bar.ctx.accesskit_node_builder(bar.id, |node| node.set_label(format!("Trials of {}", estimates.name())));
     } else if attempt.findings().is_empty() {
         ui.weak("None of the causes that are known makes the record likelier.");
+    } else if !Finding::is_explained(attempt.findings()) {
+        // Below the rows, so that they stay where they are.
+        ui.label("None of these explains it: with the best of them it is still not to be believed.");
     }
+}
+
+/// The heading of causes in their order.
+const SORTED: &str = "Causes: what cures stands first, then the likeliest";
+
+/// A heading of one line, whatever its words.
+fn heading_ui(ui: &mut Ui, text: &str) {
+    ui.add(Label::new(RichText::new(text).small().weak()).truncate());
 }
 
 fn finding_ui(

@@ -8,7 +8,8 @@ use crate::diagnosis::words::short;
 pub(super) static CAUSE: Cause = Cause {
     key: "felt_disturbance",
     name: "a disturbance felt by an accelerometer",
-    hint: "An accelerometer reads the disturbance itself, so that its R is its own noise² and the disturbance² besides.",
+    hint: "An accelerometer reads the disturbance itself, so that its R is its own noise² and the disturbance² besides; or the \
+           filter knows it as a white force, which moves the plant and is read.",
     suspects,
 };
 
@@ -34,5 +35,14 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     let weight = matter.effect_of(|one| of(one.subject));
     let sentence =
         format!("Q stands for a disturbance of {} m/s², which the accelerometer feels too", short(disturbance));
-    found.push(Suspect::new(cause, weight, 0.0, vec![matter.knob("sensor_std", turned)], sentence));
+    found.push(Suspect::new(cause, weight, 0.0, vec![matter.knob("sensor_std", turned)], sentence.clone()));
+    // A white force of the same size tells what the accelerometer reads of it, which a larger R forgets.
+    if !filter.augment.contains(&Channel::WHITE_FORCE) {
+        let knobs = vec![
+            matter.augmented(Channel::WHITE_FORCE),
+            matter.knob(&format!("process_std.{}", Channel::WHITE_FORCE.key()), disturbance),
+            matter.knob(&format!("process_std.{}", Channel::VELOCITY.key()), 0.0),
+        ];
+        found.push(Suspect::new(cause, weight, 0.0, knobs, sentence));
+    }
 }
