@@ -2,6 +2,7 @@
 
 mod belief;
 pub(crate) mod color;
+mod equation;
 mod filter;
 mod force;
 mod general;

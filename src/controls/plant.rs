@@ -4,6 +4,7 @@ use egui::{Button, ComboBox, Ui};
 use kalmanscope_core::channel::{Role, Sign};
 use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, augment};
 
+use super::equation;
 use super::lit::lit;
 use super::number::Number;
 use super::signal::{Parameter, signal_ui};
@@ -40,11 +41,16 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario) {
             for other in PlantKind::ALL {
                 ui.selectable_value(&mut kind, other, other.name());
             }
+            let is_own = kind.own_equation().is_some();
+            if ui.selectable_label(is_own, equation::NAME).clicked() && !is_own {
+                kind = equation::first().unwrap_or(kind);
+            }
         });
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Kind of plant"));
     if kind != scenario.plant.kind {
         scenario.set_plant(kind);
     }
+    equation::equation_ui(ui, scenario);
     ui.add_space(4.0);
 }
 

@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::error::EquationError;
+use super::solve::{Component, solve};
+use super::word::key;
 use crate::channel::Sign;
 
 /// An equation of motion and its parameters.
@@ -82,5 +85,20 @@ impl EquationSettings {
     /// An equation whose parameters have the usual numbers.
     pub fn new(equation: impl Into<String>) -> Self {
         Self { equation: equation.into(), parameters: BTreeMap::new() }
+    }
+
+    /// The same without the numbers of parameters that the equation has not, if it is one.
+    ///
+    /// # Errors
+    /// [`EquationError`] where it is none.
+    pub fn checked(&self) -> Result<Self, EquationError> {
+        let components = solve(&self.equation)?.components;
+        let has = |name: &str| {
+            let is_it = |one: &Component| matches!(one, Component::Internal(own) | Component::Parameter(own) if *own == key(name));
+            components.iter().any(is_it)
+        };
+        let parameters =
+            self.parameters.iter().filter(|(name, _)| has(name)).map(|(name, one)| (name.clone(), one.clone()));
+        Ok(Self { equation: self.equation.clone(), parameters: parameters.collect() })
     }
 }
