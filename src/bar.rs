@@ -1,7 +1,7 @@
 //! The bar at the top: views, lessons and the transport.
 
 use egui::{Button, RichText, Ui};
-use kalmanscope_lessons::BUILT_IN;
+use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS};
 
 use crate::export_menu;
 use crate::layout::Layout;
@@ -105,12 +105,8 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &m
             }
             ui.separator();
         }
-        for entry in BUILT_IN {
-            if ui.button(entry.title).on_hover_text(entry.description()).clicked() {
-                requests.push(Request::Open(*entry));
-                ui.close();
-            }
-        }
+        entries_ui(ui, BUILT_IN, requests);
+        ui.menu_button("Equations of one's own", |ui| entries_ui(ui, EQUATIONS, requests));
         ui.separator();
         if ui.button("Copy as TOML").on_hover_text("For the command line, or to keep").clicked() {
             if let Ok(toml) = session.scenario().to_toml() {
@@ -120,6 +116,15 @@ fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &m
         }
     });
     probe::remember(ui.ctx(), "Scenario", button.rect);
+}
+
+fn entries_ui(ui: &mut Ui, entries: &[BuiltIn], requests: &mut Vec<Request>) {
+    for entry in entries {
+        if ui.button(entry.title).on_hover_text(entry.description()).clicked() {
+            requests.push(Request::Open(*entry));
+            ui.close();
+        }
+    }
 }
 
 fn views_menu_ui(ui: &mut Ui, layout: &Layout, requests: &mut Vec<Request>) {

@@ -13,17 +13,18 @@ pub struct BuiltIn {
 }
 
 macro_rules! built_in {
-    ($($title:literal: $file:literal),* $(,)?) => {
+    ($folder:literal, $($title:literal: $file:literal),* $(,)?) => {
         &[$(BuiltIn {
             title: $title,
             file: $file,
-            toml: include_str!(concat!("../assets/scenarios/", $file, ".toml")),
+            toml: include_str!(concat!("../assets/", $folder, "/", $file, ".toml")),
         }),*]
     };
 }
 
 /// Every built-in scenario, in the menu's order.
 pub const BUILT_IN: &[BuiltIn] = built_in![
+    "scenarios",
     "With and without forgetting": "forgetting",
     "Sudden stiffness loss": "stiffness-loss",
     "Constant parameters": "constant",
@@ -45,13 +46,30 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "R wrong by ten": "r-wrong-by-ten",
 ];
 
+/// Scenarios whose plant is an equation, in the menu's order.
+pub const EQUATIONS: &[BuiltIn] = built_in![
+    "equations",
+    "Pendulum": "pendulum",
+    "Van der Pol": "van-der-pol",
+    "Dry friction": "dry-friction",
+    "Quadratic damping": "quadratic-damping",
+    "Vibration absorber": "absorber",
+    "Mathieu": "mathieu",
+    "Helmholtz": "helmholtz",
+    "RLC circuit": "rlc-circuit",
+    "Rotor": "rotor",
+    "Bridge pier": "bridge-pier",
+    "Cart between two springs": "cart",
+    "Seismometer": "seismometer",
+];
+
 impl BuiltIn {
     /// The scenario that a new user sees first: it tells a story within seconds.
     pub const FIRST: Self = BUILT_IN[0];
 
     /// The scenario with this file name.
     pub fn named(file: &str) -> Option<&'static Self> {
-        BUILT_IN.iter().find(|scenario| scenario.file == file)
+        BUILT_IN.iter().chain(EQUATIONS).find(|scenario| scenario.file == file)
     }
 
     /// A sentence on what the scenario shows: the file's first comment.
@@ -79,18 +97,20 @@ mod tests {
 
     #[test]
     fn each_file_is_in_the_list() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenarios");
-        let name = |file: std::io::Result<std::fs::DirEntry>| file.unwrap().file_name().into_string().unwrap();
-        let mut files: Vec<String> = std::fs::read_dir(folder).unwrap().map(name).collect();
-        files.sort();
-        let mut built_in: Vec<String> = BUILT_IN.iter().map(|scenario| format!("{}.toml", scenario.file)).collect();
-        built_in.sort();
-        assert_eq!(files, built_in);
+        for (folder, list) in [("scenarios", BUILT_IN), ("equations", EQUATIONS)] {
+            let folder = format!("{}/assets/{folder}", env!("CARGO_MANIFEST_DIR"));
+            let name = |file: std::io::Result<std::fs::DirEntry>| file.unwrap().file_name().into_string().unwrap();
+            let mut files: Vec<String> = std::fs::read_dir(folder).unwrap().map(name).collect();
+            files.sort();
+            let mut built_in: Vec<String> = list.iter().map(|scenario| format!("{}.toml", scenario.file)).collect();
+            built_in.sort();
+            assert_eq!(files, built_in);
+        }
     }
 
     #[test]
     fn each_built_in_scenario_can_be_read_and_has_a_description() {
-        for built_in in BUILT_IN {
+        for built_in in BUILT_IN.iter().chain(EQUATIONS) {
             assert!(built_in.scenario().is_ok(), "{}: {:?}", built_in.title, built_in.scenario());
             assert!(built_in.description().len() > 20, "{}: {}", built_in.title, built_in.description());
         }

@@ -35,7 +35,7 @@ mod value;
 mod verify;
 
 pub use adjustment::{Adjustment, Change};
-pub use built_in::{BUILT_IN, BuiltIn};
+pub use built_in::{BUILT_IN, BuiltIn, EQUATIONS};
 pub use cells::Cells;
 pub use check::{Check, Times};
 pub use claim::Claim;

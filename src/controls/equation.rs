@@ -22,18 +22,22 @@ pub(super) fn first() -> Option<PlantKind> {
 /// below while it is typed.
 pub(super) fn equation_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let Some(settings) = scenario.plant.kind.own_equation().map(|own| own.settings()) else { return };
-    let id = Id::new("equation of the plant");
+    let id = Id::unique("equation of the plant");
     let draft: Option<String> = ui.data(|data| data.get_temp(id));
-    let mut text = draft.clone().unwrap_or_else(|| settings.equation.clone());
+    let mut text = draft.unwrap_or_else(|| settings.equation.clone());
     let field = ui.add(
         TextEdit::multiline(&mut text).desired_width(f32::INFINITY).desired_rows(2).char_limit(LENGTH).return_key(None),
     );
     ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("Equation of motion"));
     let is_done = field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-    match field.has_focus() || field.changed() {
-        true => ui.data_mut(|data| data.insert_temp(id, text.clone())),
-        false => ui.data_mut(|data| data.remove_temp::<String>(id)),
-    }
+    let is_typed = field.has_focus() || field.changed();
+    ui.data_mut(|data| {
+        if is_typed {
+            data.insert_temp(id, text.clone());
+        } else {
+            data.remove_temp::<String>(id);
+        }
+    });
     let typed = EquationSettings { equation: text.trim().to_owned(), parameters: settings.parameters.clone() };
     if typed.equation == settings.equation {
         hint_ui(ui);

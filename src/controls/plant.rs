@@ -38,12 +38,12 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario) {
     let mut kind = scenario.plant.kind;
     let combo =
         ComboBox::from_id_salt("plant").selected_text(kind.name()).width(ui.available_width()).show_ui(ui, |ui| {
-            for other in PlantKind::ALL {
-                ui.selectable_value(&mut kind, other, other.name());
-            }
             let is_own = kind.own_equation().is_some();
             if ui.selectable_label(is_own, equation::NAME).clicked() && !is_own {
                 kind = equation::first().unwrap_or(kind);
+            }
+            for other in PlantKind::ALL {
+                ui.selectable_value(&mut kind, other, other.name());
             }
         });
     ui.ctx().accesskit_node_builder(combo.response.id, |node| node.set_label("Kind of plant"));

@@ -281,7 +281,7 @@ fn play_at_the_end_begins_again() {
 
 #[test]
 fn records_that_come_along_are_opened_without_a_file() {
-    for entry in kalmanscope_lessons::BUILT_IN {
+    for entry in kalmanscope_lessons::BUILT_IN.iter().chain(kalmanscope_lessons::EQUATIONS) {
         let scenario = entry.scenario().unwrap();
         let session = Session::new(scenario.clone()).unwrap();
         assert_eq!((session.is_measured(), session.problem()), (scenario.record.is_some(), None), "{}", entry.title);

@@ -5,7 +5,7 @@
 //! https://HOST/FOLDER/?scenario=NAME
 //! ```
 
-use kalmanscope_lessons::{BUILT_IN, BuiltIn, LESSONS};
+use kalmanscope_lessons::{BUILT_IN, BuiltIn, EQUATIONS, LESSONS};
 use thiserror::Error;
 
 use super::{LinkError, MARK, Picture};
@@ -94,7 +94,7 @@ pub fn page(address: &str) -> &str {
 pub fn scenario(name: &str) -> Result<BuiltIn, AddressError> {
     let unknown = || AddressError::Scenario {
         name: shortened(name),
-        known: BUILT_IN.iter().map(|scenario| scenario.file).collect(),
+        known: BUILT_IN.iter().chain(EQUATIONS).map(|scenario| scenario.file).collect(),
     };
     BuiltIn::named(name).copied().ok_or_else(unknown)
 }

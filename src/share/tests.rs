@@ -2,7 +2,7 @@
 
 use kalmanscope_core::Quantity;
 use kalmanscope_lab::tune::Goal;
-use kalmanscope_lessons::BUILT_IN;
+use kalmanscope_lessons::{BUILT_IN, EQUATIONS};
 
 use super::*;
 use crate::laboratory::TuneChoice;
@@ -33,7 +33,7 @@ fn read(fragment: &str) -> Result<Picture, LinkError> {
 
 #[test]
 fn a_link_gives_its_picture_back_and_fits_into_a_letter() {
-    for built_in in BUILT_IN {
+    for built_in in BUILT_IN.iter().chain(EQUATIONS) {
         let scenario = built_in.scenario().expect("it is valid");
         let picture = Picture { scenario, ..picture() };
         let fragment = picture.fragment().expect("it is short");

@@ -1,6 +1,7 @@
 //! The app in a headless harness: every control, every view, any size.
 
 mod diagnosis;
+mod equation;
 mod export;
 mod files;
 mod frequency_response;
