@@ -166,7 +166,12 @@ impl InSlices for Suggest {
                 }
                 Stage::Likelihood(place) => {
                     let share = SHARES[place];
-                    let (samples, scenario) = (self.likely(), || self.suggestion.with_share(share));
+                    let samples = self.likely();
+                    let scenario = || {
+                        let mut scenario = self.suggestion.with_share(share);
+                        self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
+                        scenario
+                    };
                     match follow(&mut self.trial, scenario, &self.record, samples, while_time) {
                         None => return false,
                         Some(run) => self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?)))),
