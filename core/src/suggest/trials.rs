@@ -82,9 +82,9 @@ impl Suggest {
         self.suggestion.remove_means(&mut self.record);
         let before = has_no_input(&self.record).then(|| self.suggestion.clone());
         self.suggestion.sensor_noise(&self.record, lost);
-        self.suggestion.motion(&mut self.record);
+        let is_decay = self.suggestion.motion(&mut self.record);
         self.suggestion.substeps(&self.record);
-        self.ambient = before.and_then(|before| {
+        self.ambient = before.filter(|_| !is_decay).and_then(|before| {
             Ambient::new(Suggestion { reasons: before.reasons, ..self.suggestion.clone() }, &mut self.record)
         });
         if let Some(record) = as_it_is {
