@@ -8,12 +8,14 @@ mod error;
 mod format;
 mod json;
 mod key;
+mod omission;
 mod read;
 mod toml;
 mod variant;
 mod write;
 
 pub use error::DocumentError;
+pub(crate) use omission::{is_default, is_one};
 use serde::{Deserialize, Serialize};
 
 /// A value of a file, with all that it contains.

@@ -21,25 +21,32 @@
 //! # }
 //! ```
 
+mod band;
 mod builder;
 mod butterworth;
 mod cell;
 mod clock;
+mod conditioning;
 mod dialect;
 mod encoding;
 mod error;
 mod formats;
 mod guess;
 mod hash;
+mod header;
 mod length;
+mod limits;
 mod loading;
 mod mapping;
 mod number;
 mod reader;
+mod remarks;
 mod resample;
+mod rows_reader;
 mod samples;
 mod sentinel;
 mod series;
+mod sniff;
 mod table;
 mod times;
 mod timing;
@@ -53,13 +60,13 @@ pub use error::ImportError;
 pub use guess::ColumnGuess;
 pub use hash::Hash;
 pub use length::Length;
+pub use limits::MOST;
 pub use loading::{Loaded, Loading};
 pub use mapping::{MappedColumn, Mapping, MeanWord, Offset, Time};
 pub use number::Decimal;
 pub use reader::Reader;
 pub use sentinel::Sentinel;
 pub use table::{Column, Table, TextCell};
-pub use timing::MOST;
 pub use unit::{Dimension, STANDARD_GRAVITY, unit};
 
 /// The columns of a file, read in one go.

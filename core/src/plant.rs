@@ -1,7 +1,6 @@
 //! Plants: their equations of motion and parameters.
 
 pub mod bouc_wen;
-pub mod bouc_wen_one;
 pub mod duffing;
 pub mod sdof;
 pub mod shear_chain;
@@ -90,9 +89,9 @@ registry! {
     /// An oscillator whose spring has a cubic part: [`duffing::Duffing`].
     DUFFING = duffing::Duffing;
     /// An oscillator whose spring yields and remembers: [`bouc_wen::BoucWen`].
-    BOUC_WEN = bouc_wen::BoucWen;
-    /// The same with exponent 1: [`bouc_wen_one::BoucWenOne`].
-    BOUC_WEN_1 = bouc_wen_one::BoucWenOne;
+    BOUC_WEN = bouc_wen::BoucWen::TWO;
+    /// The same with exponent 1.
+    BOUC_WEN_1 = bouc_wen::BoucWen::ONE;
     /// A chain of two masses: [`shear_chain::ShearChain`].
     SHEAR_2 = shear_chain::ShearChain::<2>;
     /// A chain of three masses.

@@ -2,6 +2,7 @@
 
 pub(crate) mod address;
 mod color;
+mod error;
 mod filter;
 mod identity;
 mod name;
@@ -12,14 +13,15 @@ mod validate;
 mod values;
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
+use crate::document::is_default;
 use crate::filter::FilterKind;
 use crate::import::Mapping;
 use crate::model::{Hold, InputKind};
-use crate::{DocumentError, Force, PlantKind, Quantity};
+use crate::{Force, PlantKind, Quantity};
 
 pub use color::FilterColor;
+pub use error::ScenarioError;
 pub use filter::FilterSettings;
 pub(crate) use identity::SMOOTHED;
 pub use name::{is_text, shown};
@@ -69,30 +71,6 @@ pub struct Sensor {
     pub measures: Quantity,
     /// Standard deviation of its white normal noise, in the quantity's unit.
     pub noise_std: f64,
-}
-
-/// The reason why a scenario cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum ScenarioError {
-    /// The text is not a scenario: the message has the line, the key and the reason.
-    #[error("{0}")]
-    Syntax(String),
-    /// A value is impossible.
-    #[error("`{key}` is {value}, but must be {allowed}")]
-    Value {
-        /// The key's path in the file.
-        key: String,
-        /// The value.
-        value: String,
-        /// The allowed values.
-        allowed: String,
-    },
-}
-
-impl From<DocumentError> for ScenarioError {
-    fn from(error: DocumentError) -> Self {
-        Self::Syntax(error.to_string())
-    }
 }
 
 impl Default for Scenario {
@@ -176,15 +154,4 @@ impl Scenario {
 fn default_filters() -> Vec<FilterSettings> {
     let fading = |kind: FilterKind| FilterSettings { kind, fading: 1.005, ..FilterSettings::default() };
     vec![fading(FilterKind::EKF), fading(FilterKind::UKF)]
-}
-
-/// Whether a setting has its default, and need not be written.
-pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
-
-/// Whether a number of steps is one, and need not be written.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-pub(crate) fn is_one(count: &usize) -> bool {
-    *count == 1
 }

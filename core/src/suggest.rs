@@ -10,6 +10,7 @@ mod ambient;
 mod ambient_fit;
 mod climb;
 mod conditioning;
+mod decay;
 mod follow;
 mod gaps;
 mod hysteresis;
@@ -24,9 +25,11 @@ use crate::{
     Channel, FilterKind, FilterSettings, InSlices as _, InputKind, PlantKind, Quantity, Record, Scenario, Sensor,
 };
 
+use ambient::has_no_input;
+use decay::decay;
 use follow::first_alone;
 use gaps::Lost;
-use response::{free_response, response};
+use response::{Response, free_response, response};
 use spectra::{Gaps, Spectra};
 use trials::SHARES;
 
@@ -118,26 +121,35 @@ impl Suggestion {
         }
     }
 
-    /// Guess and spread of ωₙ, ζ and gain.
-    fn motion(&mut self, record: &mut Record) {
+    /// Guess and spread of ωₙ, ζ and gain. Returns whether the motion is a decay, and noise all the rest.
+    fn motion(&mut self, record: &mut Record) -> bool {
         if !self.has_frequency() {
-            return;
+            return false;
         }
-        let Some((quantity, measured)) = motion_sensor(record) else { return };
+        let Some((quantity, measured)) = motion_sensor(record) else { return false };
         let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
         let driven = response(record, quantity, measured, band);
-        let found = driven.clone().or_else(|| free_response(record, measured, band));
-        let Some(found) = found else {
+        let free = if driven.is_none() && has_no_input(record) { decay(record, measured, band) } else { None };
+        let decaying = free.map(|free| Response {
+            natural_frequency: free.natural_frequency,
+            damping_ratio: free.damping_ratio,
+            gain: None,
+        });
+        let reason = match (&driven, &decaying) {
+            (Some(_), _) => "fitted to the response to the input over frequency",
+            (None, Some(_)) => "fitted to the readings as a free decay",
+            (None, None) => "the peak of the spectrum and its width at half the power",
+        };
+        let Some(found) = driven.or(decaying).or_else(|| free_response(record, measured, band)) else {
             self.reasons.push(no_motion(quantity, measured));
             self.is_guessed = false;
-            return;
-        };
-        let reason = if driven.is_some() {
-            "fitted to the response to the input over frequency"
-        } else {
-            "the peak of the spectrum and its width at half the power"
+            return false;
         };
         self.begin_at(record, quantity, &found, reason);
+        if let Some(free) = &free {
+            self.begin_as_large(quantity, free);
+        }
+        free.is_some_and(|free| free.is_all)
     }
 
     /// Whether any filter has a natural frequency.

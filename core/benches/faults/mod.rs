@@ -1,18 +1,22 @@
 //! Situations with one fault or two, of the truth, of the record or of the filter, drawn at random.
 
+#[path = "../drawn/mod.rs"]
+mod drawn;
 mod fault;
 mod plants;
 mod record;
 
 use std::sync::Arc;
 
-use kalmanscope_core::filter::Normal;
 use kalmanscope_core::signal::{Ramp, Sine as Wave, Step as Jump};
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Force, PlantKind, Quantity, Record, Run, RunError, Scenario, Sensor, Signal,
 };
 
+pub(crate) use drawn::without_truth;
 pub(crate) use fault::{FOR_LIMITS, FRESH, Fault, UNTOUCHED};
+
+use drawn::Draw;
 
 /// A record and a filter that would be well tuned without the faults.
 pub(crate) struct Situation {
@@ -20,31 +24,6 @@ pub(crate) struct Situation {
     pub(crate) told: Scenario,
     /// The record with the truth.
     pub(crate) record: Arc<Record>,
-}
-
-/// Numbers at random.
-pub(crate) struct Draw(Normal);
-
-impl Draw {
-    fn uniform(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * self.0.uniform()
-    }
-
-    fn log_uniform(&mut self, from: f64, to: f64) -> f64 {
-        libm::exp(self.uniform(libm::log(from), libm::log(to)))
-    }
-
-    fn choice<T: Copy>(&mut self, of: &[T]) -> T {
-        of[((self.0.uniform() * of.len() as f64) as usize).min(of.len() - 1)]
-    }
-
-    fn sign(&mut self) -> f64 {
-        if self.0.uniform() < 0.5 { 1.0 } else { -1.0 }
-    }
-
-    fn normal(&mut self) -> f64 {
-        self.0.sample()
-    }
 }
 
 /// The oscillator of a situation.
@@ -74,7 +53,7 @@ impl Situation {
 
     /// The situation that is drawn for some faults, with those that act.
     fn drawn(faults: &[Fault], seed: u64, acting: &[Fault]) -> Result<Self, RunError> {
-        let mut draw = Draw(Normal::from_seed(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0xfa17));
+        let mut draw = Draw::new(seed, 0xfa17);
         let own_plant = faults.iter().any(|fault| matches!(fault, Fault::Friction | Fault::Drag));
         // Friction and drag have sizes that go with these.
         let wn = if own_plant { draw.uniform(5.0, 7.0) } else { draw.log_uniform(1.5, 60.0) };
@@ -83,19 +62,14 @@ impl Situation {
         let samples = draw.log_uniform(1500.0, 4000.0);
         let duration = samples.round() * dt;
         let strength = if own_plant { 10.0 } else { draw.log_uniform(1.0, 20.0) };
-        let force = match draw.0.uniform() {
+        let force = match draw.unit() {
             u if u < 0.5 || own_plant => Force::WhiteNoise { std: strength },
             u if u < 0.8 => {
                 Force::Chirp { amplitude: 0.5 * strength, from: 0.3 * wn, to: 3.0 * wn, sweep: 0.3 * duration }
             }
             _ => Force::ImpulseTrain { impulse: strength * 0.6 / wn, period: draw.uniform(6.0, 15.0) / wn },
         };
-        let power = match force {
-            Force::WhiteNoise { std } => std * std * dt,
-            Force::Chirp { amplitude, .. } => amplitude * amplitude / (5.4 * wn) * std::f64::consts::PI,
-            Force::ImpulseTrain { impulse, period } => impulse * impulse / period,
-            _ => 0.0,
-        };
+        let power = drawn::power(&force, wn, dt);
         let base = Base { wn, zeta, size: (power / (4.0 * zeta * wn)).sqrt() / wn };
         let mut truth = Scenario { seed, dt, duration, force, filters: Vec::new(), ..Scenario::default() };
         truth.plant.kind = PlantKind::SDOF;
@@ -130,19 +104,13 @@ impl Situation {
         let kind = draw.choice(&[FilterKind::EKF, FilterKind::UKF]);
         let mut filter = FilterSettings { kind, name: kind.name().to_owned(), id: 1, ..FilterSettings::default() };
         (filter.sensor_std, filter.process_std) = truth.true_noise();
-        for (channel, mean, std) in [
+        let beliefs = [
             (Channel::DISPLACEMENT, 0.0, 0.5 * size),
             (Channel::VELOCITY, 0.0, 0.5 * size * wn),
             (Channel::NATURAL_FREQUENCY, wn, 0.1 * wn),
             (Channel::DAMPING_RATIO, zeta, 0.4 * zeta),
-        ] {
-            filter.initial_std[channel] = std;
-            filter.initial_mean[channel] =
-                if channel.is_parameter() { mean + std * draw.normal().clamp(-2.0, 2.0) } else { mean };
-            if channel.is_parameter() {
-                filter.process_std[channel] = 1e-5 * mean;
-            }
-        }
+        ];
+        draw.guess(&mut filter, &beliefs);
         filter
     }
 }
@@ -201,9 +169,4 @@ fn disturb(fault: Fault, truth: &mut Scenario, filter: &mut FilterSettings, draw
         Fault::Drag => truth.plant.kind = draw.choice(&plants::DRAG),
         _ => {}
     }
-}
-
-/// The same record without a word on the truth.
-pub(crate) fn without_truth(record: &Record) -> Arc<Record> {
-    Arc::new(record.clone().with_truth(Vec::new()).expect("no column has a wrong length"))
 }

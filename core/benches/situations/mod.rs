@@ -1,18 +1,22 @@
 //! Situations drawn at random: an oscillator, its excitation and its sensors, a filter that is well tuned for them, and one
 //! fault of a random size.
 
+#[path = "../drawn/mod.rs"]
+mod drawn;
 mod fault;
 mod truth;
 
 use std::sync::Arc;
 
-use kalmanscope_core::filter::Normal;
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Hold, PlantKind, Quantity, Record, Run, RunError, Scenario,
     Sensor,
 };
 
+pub(crate) use drawn::without_truth;
 pub(crate) use fault::Fault;
+
+use drawn::Draw;
 
 /// A truth and a filter.
 pub(crate) struct Situation {
@@ -25,35 +29,6 @@ pub(crate) struct Situation {
     pub(crate) note: String,
 }
 
-/// Numbers at random.
-struct Draw(Normal);
-
-impl Draw {
-    fn uniform(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * self.0.uniform()
-    }
-
-    fn log_uniform(&mut self, from: f64, to: f64) -> f64 {
-        libm::exp(self.uniform(libm::log(from), libm::log(to)))
-    }
-
-    fn choice<T: Copy>(&mut self, of: &[T]) -> T {
-        of[((self.0.uniform() * of.len() as f64) as usize).min(of.len() - 1)]
-    }
-
-    fn chance(&mut self, p: f64) -> bool {
-        self.0.uniform() < p
-    }
-
-    fn sign(&mut self) -> f64 {
-        if self.chance(0.5) { 1.0 } else { -1.0 }
-    }
-
-    fn normal(&mut self) -> f64 {
-        self.0.sample()
-    }
-}
-
 impl Situation {
     /// The situation of a seed; faults take turns.
     pub(crate) fn draw(seed: u64) -> Self {
@@ -62,14 +37,14 @@ impl Situation {
 
     /// The situation of a seed with a certain fault.
     pub(crate) fn with(fault: Fault, seed: u64) -> Self {
-        let mut draw = Draw(Normal::from_seed(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5eed));
+        let mut draw = Draw::new(seed, 0x5eed);
         let wn = draw.log_uniform(2.0, 20.0);
         let zeta = draw.log_uniform(0.02, 0.1);
         let dt = draw.log_uniform(0.03, 0.12) / wn;
         let samples = draw.log_uniform(1200.0, 3500.0);
         let needs_input = matches!(fault, Fault::InputGain | Fault::InputDelay | Fault::InputHold | Fault::InputOffset);
         let strength = draw.log_uniform(1.0, 20.0);
-        let force = match draw.0.uniform() {
+        let force = match draw.unit() {
             u if u < 0.65 => Force::WhiteNoise { std: strength },
             u if u < 0.85 || needs_input => Force::Chirp {
                 amplitude: 0.5 * strength,
@@ -94,12 +69,7 @@ impl Situation {
         truth.plant.set(Channel::NATURAL_FREQUENCY, wn);
         truth.plant.set(Channel::DAMPING_RATIO, zeta);
         // The response of a linear oscillator to this force, as if it were white noise.
-        let power = match force {
-            Force::WhiteNoise { std } => std * std * dt,
-            Force::Chirp { amplitude, .. } => amplitude * amplitude / (2.0 * 2.7 * wn) * std::f64::consts::PI,
-            Force::ImpulseTrain { impulse, period } => impulse * impulse / period,
-            _ => 0.0,
-        };
+        let power = drawn::power(&force, wn, dt);
         let size = (power / (4.0 * zeta * wn)).sqrt() / wn;
         truth.plant.set(Channel::CUBIC_STIFFNESS, draw.uniform(0.1, 0.6) * wn * wn / (9.0 * size * size));
         let relative = draw.log_uniform(0.02, 0.15);
@@ -159,20 +129,14 @@ impl Situation {
         let (sensor_std, process_std) = truth.true_noise();
         (filter.sensor_std, filter.process_std) = (sensor_std, process_std);
         let cubic = truth.plant.parameter(Channel::CUBIC_STIFFNESS).map_or(0.0, |signal| signal.at(0.0));
-        for (channel, mean, std) in [
+        let beliefs = [
             (Channel::DISPLACEMENT, 0.0, 0.5 * size),
             (Channel::VELOCITY, 0.0, 0.5 * size * wn),
             (Channel::NATURAL_FREQUENCY, wn, 0.12 * wn),
             (Channel::DAMPING_RATIO, zeta, 0.4 * zeta),
             (Channel::CUBIC_STIFFNESS, cubic, 0.3 * cubic),
-        ] {
-            filter.initial_std[channel] = std;
-            filter.initial_mean[channel] =
-                if channel.is_parameter() { mean + std * draw.normal().clamp(-2.0, 2.0) } else { mean };
-            if channel.is_parameter() {
-                filter.process_std[channel] = 1e-5 * mean;
-            }
-        }
+        ];
+        draw.guess(&mut filter, &beliefs);
         filter
     }
 
@@ -232,11 +196,6 @@ impl Situation {
         run.finish();
         Ok(Arc::new(run.record().clone()))
     }
-}
-
-/// The same record without a word on the truth.
-pub(crate) fn without_truth(record: &Record) -> Arc<Record> {
-    Arc::new(record.clone().with_truth(Vec::new()).expect("no column has a wrong length"))
 }
 
 /// The largest error of a parameter over the last fifth of a record, in standard deviations: root mean square.

@@ -2,13 +2,14 @@
 
 use std::borrow::Borrow;
 
-use super::butterworth::band_pass;
-use super::mapping::{MappedColumn, Offset};
+use super::band::above_nyquist;
+use super::conditioning::Conditioning;
+use super::limits::{FEWEST, MOST};
+use super::remarks::{cells_without_readings, is_still, stillness};
 use super::samples::{fill, mean, shift};
-use super::times;
-use super::timing::{FEWEST, MOST, Timing};
+use super::timing::Timing;
 use super::unit::unit;
-use super::{ImportError, Mapping, Table, resample};
+use super::{ImportError, MappedColumn, Mapping, Offset, Table, times};
 use crate::record::Input;
 use crate::{Channel, Hold, InputKind, Quantity, Record};
 
@@ -97,7 +98,8 @@ impl<'a> Builder<'a> {
         while self.sensors.len() < self.mapping.sensors.len() {
             let next = self.mapping.sensors.iter().nth(self.sensors.len());
             let Some((&quantity, mapped)) = next else { break };
-            let (values, remarks) = self.sensor(mapped)?;
+            let (values, remarks) = self.mapped(mapped)?;
+            let values = self.conditioning().sensor(values);
             self.remarks.extend(remarks);
             self.sensors.push((quantity, values));
             if !while_time() {
@@ -113,13 +115,11 @@ impl<'a> Builder<'a> {
     /// [`ImportError`] where too few samples or too many remain, or a column cannot be used.
     pub fn finish(mut self) -> Result<Imported, ImportError> {
         while !self.advance(&mut || true)? {}
-        let (start, dt) = (self.start(), self.dt());
+        let (start, dt) = (self.conditioning().start(), self.conditioning().dt());
         let truth = self.truth()?;
         let Self { kind, hold, input, sensors, mut remarks, .. } = self;
         let still = sensors.iter().find(|(_, values)| is_still(values)).map(|(quantity, _)| *quantity);
-        if let Some(quantity) = still {
-            remarks.push(format!("all readings of the {} are the same: there is no motion in them", quantity.name()));
-        }
+        remarks.extend(still.map(stillness));
         let input = Input { kind, hold, values: input.unwrap_or_default() };
         let samples = input.values.len();
         if samples < FEWEST {
@@ -132,33 +132,14 @@ impl<'a> Builder<'a> {
         Ok(Imported { record, remarks, still })
     }
 
-    /// The samples before the part that is used, and the samples of that part.
-    fn part(&self) -> std::ops::Range<usize> {
-        let Timing { start, dt, samples, .. } = self.timing;
-        let place = |time: f64| libm::ceil((time - start) / dt - 1e-6).clamp(0.0, samples as f64) as usize;
-        let from = self.mapping.from.map_or(0, place);
-        let to = self
-            .mapping
-            .to
-            .map_or(samples, |to| (libm::floor((to - start) / dt + 1e-6) + 1.0).clamp(0.0, samples as f64) as usize);
-        from..to.max(from)
-    }
-
-    fn start(&self) -> f64 {
-        self.timing.start + self.part().start as f64 * self.timing.dt
-    }
-
-    fn dt(&self) -> f64 {
-        let Mapping { every, interpolate, .. } = &self.mapping;
-        let dt = self.timing.dt;
-        if *every == 1 && *interpolate == 1 { dt } else { dt * *every as f64 / *interpolate as f64 }
+    fn conditioning(&self) -> Conditioning<'_> {
+        Conditioning::new(&self.mapping, &self.timing)
     }
 
     fn input(&mut self) -> Result<Vec<f64>, ImportError> {
         let Some(mapped) = &self.mapping.input else {
             self.remarks.push("there is no column for the input; it is taken for zero".to_owned());
-            let kept = self.part().len().div_ceil(self.mapping.every);
-            return Ok(vec![0.0; kept.saturating_sub(1) * self.mapping.interpolate + kept.min(1)]);
+            return Ok(vec![0.0; self.conditioning().samples()]);
         };
         let (mut values, remarks) = self.mapped(mapped)?;
         self.remarks.extend(remarks);
@@ -169,49 +150,7 @@ impl<'a> Builder<'a> {
                 self.timing.start + missing.first as f64 * self.timing.dt
             ));
         }
-        self.condition(&mut values);
-        Ok(resample::interpolate(&values, self.mapping.interpolate))
-    }
-
-    fn sensor(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
-        let (mut values, remarks) = self.mapped(mapped)?;
-        let mut missing: Vec<f64> = values.clone();
-        let changes = self.mapping.band.is_some() || self.mapping.every > 1;
-        if changes && fill(&mut values).is_some() {
-            self.condition(&mut values);
-            self.cut(&mut missing);
-            resample::keep_every(&mut missing, self.mapping.every);
-            for (value, missing) in values.iter_mut().zip(&missing) {
-                if missing.is_nan() {
-                    *value = f64::NAN;
-                }
-            }
-        } else {
-            self.condition(&mut values);
-        }
-        let steps = self.mapping.interpolate;
-        if steps > 1 {
-            let mut finer = vec![f64::NAN; values.len().saturating_sub(1) * steps + values.len().min(1)];
-            finer.iter_mut().step_by(steps).zip(&values).for_each(|(fine, value)| *fine = *value);
-            values = finer;
-        }
-        Ok((values, remarks))
-    }
-
-    /// Band-pass, cut and decimation.
-    fn condition(&self, values: &mut Vec<f64>) {
-        if let Some([low, high]) = self.mapping.band {
-            let dt = self.timing.dt;
-            band_pass(values, low * dt, high * dt);
-        }
-        self.cut(values);
-        resample::decimate(values, self.mapping.every);
-    }
-
-    fn cut(&self, values: &mut Vec<f64>) {
-        let part = self.part();
-        values.truncate(part.end);
-        values.drain(..part.start.min(values.len()));
+        Ok(self.conditioning().input(values))
     }
 
     /// A column at even times, with unit, gain, offset and delay, and what there is to say about its cells.
@@ -232,7 +171,7 @@ impl<'a> Builder<'a> {
         let remarks = cells_without_readings(table, column_place, mapped);
         let offset = match mapped.offset {
             Offset::Number(number) => number,
-            Offset::Mean(_) => mean(&values[self.part()]),
+            Offset::Mean(_) => mean(&values[self.conditioning().part()]),
             Offset::Part { mean: [from, to] } => {
                 let Timing { start, dt, .. } = self.timing;
                 let place = |time: f64| libm::round((time - start) / dt).clamp(0.0, values.len() as f64) as usize;
@@ -258,62 +197,12 @@ impl<'a> Builder<'a> {
         for &channel in Channel::all() {
             if let Some(place) = table.place(&format!("true_{}", channel.key())) {
                 let mut values = self.timing.spread(&table.columns[place].values);
-                self.cut(&mut values);
+                self.conditioning().cut(&mut values);
                 truth.push((channel, values));
             }
         }
         Ok(truth)
     }
-}
-
-/// Sentences about the cells of a column that have no reading, or seem to have none.
-fn cells_without_readings(table: &Table, place: usize, mapped: &MappedColumn) -> Vec<String> {
-    let column = &table.columns[place];
-    let name = &column.name;
-    let word = column.word.as_ref().map(|word| {
-        let (count, line) = (column.words, word.line);
-        format!(
-            "{count} cell(s) of `{name}` have a word such as `{}`, the first in line {line}: they count as missing",
-            word.text
-        )
-    });
-    let number = match mapped.missing {
-        Some(missing) => {
-            let rows = || column.values.iter().enumerate().filter(|(_, value)| **value == missing);
-            rows().next().map(|(row, _)| {
-                let (count, line) = (rows().count(), table.line(row));
-                format!("{count} cell(s) of `{name}` are {missing}, the first in line {line}: they count as missing")
-            })
-        }
-        None => table.sentinel(place).map(|found| {
-            let (value, count, line) = (found.value, found.count, found.line);
-            format!(
-                "{count} cells of `{name}` are {value}, far from all others, the first in line {line}: are they missing? They \
-                 count as readings until `missing = {value}` is stated"
-            )
-        }),
-    };
-    word.into_iter().chain(number).collect()
-}
-
-/// Whether readings do not differ.
-fn is_still(readings: &[f64]) -> bool {
-    let mut there = readings.iter().filter(|reading| !reading.is_nan());
-    let first = there.next();
-    there.all(|reading| Some(reading) == first)
-}
-
-/// A sentence about a band whose upper limit has no effect.
-fn above_nyquist(band: Option<[f64; 2]>, nyquist: f64) -> Result<Option<String>, ImportError> {
-    let Some([low, high]) = band.filter(|[_, high]| *high >= nyquist) else { return Ok(None) };
-    if low >= nyquist {
-        let (key, value) = ("band".to_owned(), format!("[{low}, {high}]"));
-        let allowed = format!("below the Nyquist frequency, {nyquist} Hz");
-        return Err(ImportError::Setting { key, value, allowed });
-    }
-    Ok(Some(format!(
-        "the band's upper limit, {high} Hz, is not below the Nyquist frequency, {nyquist} Hz: it takes nothing away"
-    )))
 }
 
 fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
@@ -324,18 +213,18 @@ fn place(table: &Table, name: &str) -> Result<usize, ImportError> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::read;
     use super::*;
 
-    fn import(text: &str, change: impl Fn(&mut Mapping)) -> Result<Imported, ImportError> {
+    pub(in super::super) fn import(text: &str, change: impl Fn(&mut Mapping)) -> Result<Imported, ImportError> {
         let table = read(text.as_bytes(), None)?;
         let (mut mapping, kind) = Mapping::guess(&table);
         change(&mut mapping);
         Builder::new(&table, &mapping, kind, Hold::First)?.finish()
     }
 
-    const TEXT: &str = "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n";
+    pub(in super::super) const TEXT: &str = "t,force,displacement\n0,1,2\n0.1,2,3\n0.2,,4\n0.3,4,\n0.4,5,6\n";
 
     #[test]
     fn units_gain_offset_and_delay_are_applied() {
@@ -357,35 +246,6 @@ mod tests {
         assert_eq!(record.input(), [1.0, 2.0, 3.0, 4.0, 5.0]);
         assert!(record.measured(0)[3].is_nan());
         assert_eq!(remarks, ["the input is missing in 1 sample(s), the first at 0.2 s; it is interpolated there"]);
-    }
-
-    #[test]
-    fn a_part_is_cut_and_keeps_its_times() {
-        let record = import(TEXT, |mapping| (mapping.from, mapping.to) = (Some(0.1), Some(0.3))).unwrap().record;
-        assert_eq!((record.len(), record.time(0)), (3, 0.1));
-        assert_eq!(record.input(), [2.0, 3.0, 4.0]);
-    }
-
-    #[test]
-    fn interpolation_leaves_measurements_where_they_were() {
-        let record = import(TEXT, |mapping| mapping.interpolate = 2).unwrap().record;
-        assert_eq!((record.len(), record.dt()), (9, 0.05));
-        assert!(record.measured(0)[1].is_nan());
-        assert_eq!(record.measured(0)[2], 3.0);
-        assert_eq!((record.input()[0], record.input()[2]), (1.0, 2.0));
-    }
-
-    #[test]
-    fn decimation_keeps_missing_samples_missing() {
-        let mut text = "t,force,displacement\n".to_owned();
-        for k in 0..100 {
-            let x = if (40..44).contains(&k) { String::new() } else { "1".to_owned() };
-            text.push_str(&format!("{},0.5,{x}\n", f64::from(k) * 0.01));
-        }
-        let record = import(&text, |mapping| mapping.every = 4).unwrap().record;
-        assert_eq!((record.len(), record.dt()), (25, 0.04));
-        assert!(record.measured(0)[10].is_nan() && !record.measured(0)[11].is_nan());
-        assert!((record.measured(0)[20] - 1.0).abs() < 1e-9 && (record.input()[12] - 0.5).abs() < 1e-9);
     }
 
     #[test]
@@ -427,30 +287,6 @@ mod tests {
         let gap =
             import("t,force,x\n0,1,2\n0.1,2,3\n0.2,2,3\n0.3,1,1\n,2,3\n0.5,2,4\n", |_| {}).unwrap_err().to_string();
         assert_eq!(gap, "line 6, column `t`: a time is missing");
-    }
-
-    #[test]
-    fn numbers_and_words_for_missing_readings_are_said() {
-        let text = "t,force,x\n0,1,2\n0.1,2,-9999\n0.2,1,2.5\n0.3,OVLD,1.5\n0.4,1,-9999\n";
-        let Imported { record, remarks, .. } = import(text, |_| {}).unwrap();
-        assert!(record.measured(0)[1].is_nan() && record.measured(0)[4].is_nan());
-        let said = remarks.join("\n");
-        assert!(said.contains("1 cell(s) of `force` have a word such as `OVLD`, the first in line 5"), "{said}");
-        assert!(said.contains("2 cell(s) of `x` are -9999, the first in line 3: they count as missing"), "{said}");
-        let as_they_are = import(text, |m| m.sensors.values_mut().for_each(|sensor| sensor.missing = None)).unwrap();
-        assert_eq!(as_they_are.record.measured(0)[1], -9999.0);
-        assert!(as_they_are.remarks.join("\n").contains("are they missing?"), "{:?}", as_they_are.remarks);
-    }
-
-    #[test]
-    fn bands_above_the_nyquist_frequency_and_readings_that_stand_still_are_told() {
-        let band = |low, high| import(TEXT, |mapping| mapping.band = Some([low, high]));
-        let remarks = band(1.0, 90.0).unwrap().remarks;
-        assert!(remarks[0].contains("90 Hz, is not below the Nyquist frequency, 5 Hz"), "{remarks:?}");
-        assert!(band(6.0, 90.0).unwrap_err().to_string().contains("below the Nyquist frequency, 5 Hz"));
-        let still = import("t,force,x\n0,1,2\n0.1,2,2\n0.2,1,\n0.3,1,2\n", |_| {}).unwrap();
-        assert_eq!(still.still, Some(Quantity::DISPLACEMENT));
-        assert_eq!(import(TEXT, |_| {}).unwrap().still, None);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::limits::{FEWEST, MOST, MOST_COLUMNS};
 use crate::RecordError;
 
 /// The reason why a file is not a record.
@@ -34,7 +35,7 @@ pub enum ImportError {
         lines: usize,
     },
     /// There are too many columns.
-    #[error("line {line} has {found} cells, but at most {} columns can be read", super::reader::MOST_COLUMNS)]
+    #[error("line {line} has {found} cells, but at most {} columns can be read", MOST_COLUMNS)]
     TooManyColumns {
         /// Line of the file, counted from 1.
         line: usize,
@@ -95,10 +96,10 @@ pub enum ImportError {
         found: f64,
     },
     /// There are too few samples.
-    #[error("{0} row(s) of numbers remain, but at least {least} are needed", least = super::timing::FEWEST)]
+    #[error("{0} row(s) of numbers remain, but at least {least} are needed", least = FEWEST)]
     TooShort(usize),
     /// There are too many samples.
-    #[error("the record would have {found} samples, but at most {most} can be kept; choose a part or decimate", most = super::timing::MOST)]
+    #[error("the record would have {found} samples, but at most {most} can be kept; choose a part or decimate", most = MOST)]
     TooLong {
         /// The number of samples.
         found: usize,

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Dialect, ImportError, Table};
-use crate::scenario::{is_default, is_one};
+use super::{Dialect, ImportError};
+use crate::document::{is_default, is_one};
 use crate::{Document, Quantity};
 
 /// The meaning of a file's columns, and how they become a record: the table `[record]` of a scenario.
@@ -164,17 +164,6 @@ impl MappedColumn {
     pub fn new(column: impl Into<String>) -> Self {
         let (unit, gain, offset, delay, missing) = (String::new(), one(), Offset::default(), 0, None);
         Self { column: column.into(), unit, gain, offset, delay, missing }
-    }
-
-    /// The column of a table with a name, in the unit of its header; a number that loggers write where a reading is missing, and
-    /// that is far from all others, is missing.
-    pub fn of(table: &Table, column: impl Into<String>) -> Self {
-        let mut mapped = Self::new(column);
-        if let Some(place) = table.place(&mapped.column) {
-            mapped.unit = table.columns[place].unit.clone().unwrap_or_default();
-            mapped.missing = table.sentinel(place).filter(|found| found.is_usual).map(|found| found.value);
-        }
-        mapped
     }
 }
 

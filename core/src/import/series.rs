@@ -1,8 +1,8 @@
 //! Series of numbers one after the other, each behind a header of its own and wrapped over lines.
 
+use super::limits::MOST;
 use super::number::{Decimal, Found};
 use super::table::{Column, Lines, free_name};
-use super::timing::MOST;
 use super::{Dialect, ImportError, Table};
 
 /// Reads the header of the next series: of all lines so far that are no numbers, the last of which may end it.

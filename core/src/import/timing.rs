@@ -1,11 +1,7 @@
 //! Even times from a file's times.
 
 use super::ImportError;
-
-/// The fewest samples of a record.
-pub(super) const FEWEST: usize = 2;
-/// Limits the samples of a record.
-pub const MOST: usize = 2_000_000;
+use super::limits::{FEWEST, MOST};
 
 /// Times may be off by at most this share of the step before anything is said.
 const EXACT: f64 = 0.01;

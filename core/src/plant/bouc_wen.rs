@@ -4,19 +4,145 @@ use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
 
-/// Bouc-Wen hysteresis with exponent 2 and state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
+/// Bouc-Wen hysteresis with the exponent n and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
 ///
 /// ```text
-/// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z| z - γ ẋ z²
+/// ẍ + 2ζωₙẋ + ωₙ²(α x + (1 - α) z) = f,  ż = ẋ - β |ẋ| |z|ⁿ⁻¹ z - γ ẋ |z|ⁿ
 /// ```
 ///
-/// z is a displacement that follows x until the spring yields, near `|z| = 1/√(β + γ)`. After yielding the stiffness is
-/// α times the initial one. [`super::bouc_wen_one::BoucWenOne`] has the exponent 1.
+/// z is a displacement that follows x until the spring yields, near `|z| = (β + γ)^(-1/n)`: at once with exponent 2, little by
+/// little with exponent 1. After yielding the stiffness is α times the initial one.
 ///
 /// Source: Wen (1976), Method for random vibration of hysteretic systems; Wu and Smyth (2007), Application of the unscented
-/// Kalman filter for real-time nonlinear structural system identification, section 4.
+/// Kalman filter for real-time nonlinear structural system identification, section 4; Noël and Schoukens (2016), Hysteretic
+/// benchmark with a dynamic nonlinearity (exponent 1).
 #[derive(Clone, Copy, Debug)]
-pub struct BoucWen;
+pub struct BoucWen {
+    info: &'static PlantInfo,
+    memory: Memory,
+}
+
+impl BoucWen {
+    /// Exponent 2.
+    pub const TWO: Self = Self { info: &TWO, memory: Memory { rate: rate_of_two, slopes: slopes_of_two } };
+    /// Exponent 1, with β₁ and γ₁.
+    pub const ONE: Self = Self { info: &ONE, memory: Memory { rate: rate_of_one, slopes: slopes_of_one } };
+}
+
+/// The equation of z, of `[v, z, β, γ]`.
+#[derive(Clone, Copy, Debug)]
+struct Memory {
+    /// ż
+    rate: fn([f64; 4]) -> f64,
+    /// The derivatives of ż. At the kinks `v = 0` and `z = 0` they are those for positive v and z.
+    slopes: fn([f64; 4]) -> [f64; 4],
+}
+
+fn rate_of_two([v, z, beta, gamma]: [f64; 4]) -> f64 {
+    let product = v * z;
+    v - (beta * product.abs() + gamma * product) * z
+}
+
+fn slopes_of_two([v, z, beta, gamma]: [f64; 4]) -> [f64; 4] {
+    let by_v = 1.0 - (beta * side(v) * z.abs() + gamma * z) * z;
+    let by_z = -2.0 * (beta * v.abs() * z.abs() + gamma * v * z);
+    [by_v, by_z, -v.abs() * z.abs() * z, -v * z * z]
+}
+
+fn rate_of_one([v, z, beta, gamma]: [f64; 4]) -> f64 {
+    v - beta * v.abs() * z - gamma * v * z.abs()
+}
+
+fn slopes_of_one([v, z, beta, gamma]: [f64; 4]) -> [f64; 4] {
+    let by_v = 1.0 - beta * side(v) * z - gamma * z.abs();
+    let by_z = -beta * v.abs() - gamma * v * side(z);
+    [by_v, by_z, -v.abs() * z, -v * z.abs()]
+}
+
+/// The derivative of `|x|`.
+fn side(x: f64) -> f64 {
+    if x < 0.0 { -1.0 } else { 1.0 }
+}
+
+impl Plant for BoucWen {
+    fn info(&self) -> &PlantInfo {
+        self.info
+    }
+
+    fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
+        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
+        rate[0] = v;
+        rate[1] = force - 2.0 * zeta * wn * v - wn * wn * (z + alpha * (x - z));
+        rate[2] = (self.memory.rate)([v, z, beta, gamma]);
+    }
+
+    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
+        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
+        let (position, rest) = jacobian.split_at_mut(8);
+        let (velocity, memory) = rest.split_at_mut(8);
+        position[1] = 1.0;
+        velocity[0] = -wn * wn * alpha;
+        velocity[1] = -2.0 * zeta * wn;
+        velocity[2] = -wn * wn * (1.0 - alpha);
+        velocity[3] = -2.0 * (zeta * v + wn * (z + alpha * (x - z)));
+        velocity[4] = -2.0 * wn * v;
+        velocity[5] = -wn * wn * (x - z);
+        [memory[1], memory[2], memory[6], memory[7]] = (self.memory.slopes)([v, z, beta, gamma]);
+    }
+}
+
+static TWO: PlantInfo = info(
+    "bouc_wen",
+    "Bouc-Wen oscillator",
+    "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²",
+    &channels(Channel::HYSTERESIS_BETA, Channel::HYSTERESIS_GAMMA),
+);
+
+static ONE: PlantInfo = info(
+    "bouc_wen_1",
+    "Bouc-Wen oscillator, exponent 1",
+    "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β₁|ẋ|z - γ₁ẋ|z|",
+    &channels(Channel::YIELD_BETA, Channel::YIELD_GAMMA),
+);
+
+const fn info(
+    key: &'static str,
+    name: &'static str,
+    equation: &'static str,
+    channels: &'static [Channel],
+) -> PlantInfo {
+    let reference = "Wen (1976), Method for random vibration of hysteretic systems";
+    let spring = Spring::Slipping(Channel::HYSTERETIC_DISPLACEMENT);
+    PlantInfo { key, name, equation, reference, channels, is_linear: false, spring }
+}
+
+const fn channels(beta: Channel, gamma: Channel) -> [Channel; 8] {
+    [
+        Channel::DISPLACEMENT,
+        Channel::VELOCITY,
+        Channel::HYSTERETIC_DISPLACEMENT,
+        Channel::NATURAL_FREQUENCY,
+        Channel::DAMPING_RATIO,
+        Channel::POST_YIELD_RATIO,
+        beta,
+        gamma,
+    ]
+}
+
+impl Channel {
+    /// z \[m\], the hysteretic displacement
+    pub const HYSTERETIC_DISPLACEMENT: Self = Self::new(&HYSTERETIC_DISPLACEMENT);
+    /// α \[-\], ratio of the stiffness after yielding to the initial one
+    pub const POST_YIELD_RATIO: Self = Self::new(&POST_YIELD_RATIO);
+    /// β \[1/m²\], shape of the hysteresis loop with exponent 2
+    pub const HYSTERESIS_BETA: Self = Self::new(&HYSTERESIS_BETA);
+    /// γ \[1/m²\], shape of the hysteresis loop with exponent 2
+    pub const HYSTERESIS_GAMMA: Self = Self::new(&HYSTERESIS_GAMMA);
+    /// β₁ \[1/m\], shape of the hysteresis loop with exponent 1
+    pub const YIELD_BETA: Self = Self::new(&YIELD_BETA);
+    /// γ₁ \[1/m\], shape of the hysteresis loop with exponent 1
+    pub const YIELD_GAMMA: Self = Self::new(&YIELD_GAMMA);
+}
 
 static HYSTERETIC_DISPLACEMENT: ChannelInfo = ChannelInfo {
     keys: &["hysteretic_displacement"],
@@ -29,98 +155,37 @@ static HYSTERETIC_DISPLACEMENT: ChannelInfo = ChannelInfo {
     usual: Usual { mean: 0.0, std: 0.05, process: 1e-4, truth: &[], slider: (-1.0, 1.0), decimals: 4 },
 };
 
-static POST_YIELD_RATIO: ChannelInfo = ChannelInfo {
-    keys: &["post_yield_ratio"],
-    names: &["post-yield ratio"],
-    symbols: &["α"],
-    unit: "",
-    role: Role::Parameter(Sign::Any),
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 0.1, std: 0.0, process: 0.0, truth: &[0.1], slider: (0.0, 1.0), decimals: 4 },
-};
+static POST_YIELD_RATIO: ChannelInfo = shape(
+    [&["post_yield_ratio"], &["post-yield ratio"], &["α"]],
+    "",
+    Usual { mean: 0.1, std: 0.0, process: 0.0, truth: &[0.1], slider: (0.0, 1.0), decimals: 4 },
+);
 
-static HYSTERESIS_BETA: ChannelInfo = ChannelInfo {
-    keys: &["hysteresis_beta"],
-    names: &["hysteresis β"],
-    symbols: &["β"],
-    unit: "1/m²",
-    role: Role::Parameter(Sign::Any),
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 50.0, std: 15.0, process: 0.01, truth: &[60.0], slider: (-100.0, 200.0), decimals: 1 },
-};
+static HYSTERESIS_BETA: ChannelInfo = shape(
+    [&["hysteresis_beta"], &["hysteresis β"], &["β"]],
+    "1/m²",
+    Usual { mean: 50.0, std: 15.0, process: 0.01, truth: &[60.0], slider: (-100.0, 200.0), decimals: 1 },
+);
 
-static HYSTERESIS_GAMMA: ChannelInfo = ChannelInfo {
-    keys: &["hysteresis_gamma"],
-    names: &["hysteresis γ"],
-    symbols: &["γ"],
-    unit: "1/m²",
-    role: Role::Parameter(Sign::Any),
-    rate: None,
-    mirrored: false,
-    usual: Usual { mean: 30.0, std: 15.0, process: 0.01, truth: &[40.0], slider: (-100.0, 200.0), decimals: 1 },
-};
+static HYSTERESIS_GAMMA: ChannelInfo = shape(
+    [&["hysteresis_gamma"], &["hysteresis γ"], &["γ"]],
+    "1/m²",
+    Usual { mean: 30.0, std: 15.0, process: 0.01, truth: &[40.0], slider: (-100.0, 200.0), decimals: 1 },
+);
 
-impl Channel {
-    /// z \[m\], the hysteretic displacement
-    pub const HYSTERETIC_DISPLACEMENT: Self = Self::new(&HYSTERETIC_DISPLACEMENT);
-    /// α \[-\], ratio of the stiffness after yielding to the initial one
-    pub const POST_YIELD_RATIO: Self = Self::new(&POST_YIELD_RATIO);
-    /// β \[1/m²\], shape of the hysteresis loop
-    pub const HYSTERESIS_BETA: Self = Self::new(&HYSTERESIS_BETA);
-    /// γ \[1/m²\], shape of the hysteresis loop
-    pub const HYSTERESIS_GAMMA: Self = Self::new(&HYSTERESIS_GAMMA);
-}
+static YIELD_BETA: ChannelInfo = shape(
+    [&["yield_beta"], &["yielding β"], &["β₁"]],
+    "1/m",
+    Usual { mean: 5.0, std: 1.5, process: 0.001, truth: &[6.0], slider: (-10.0, 20.0), decimals: 2 },
+);
 
-static INFO: PlantInfo = PlantInfo {
-    key: "bouc_wen",
-    name: "Bouc-Wen oscillator",
-    equation: "ẍ + 2ζωₙẋ + ωₙ²(αx + (1 - α)z) = f, ż = ẋ - β|ẋ||z|z - γẋz²",
-    reference: "Wen (1976), Method for random vibration of hysteretic systems",
-    channels: &[
-        Channel::DISPLACEMENT,
-        Channel::VELOCITY,
-        Channel::HYSTERETIC_DISPLACEMENT,
-        Channel::NATURAL_FREQUENCY,
-        Channel::DAMPING_RATIO,
-        Channel::POST_YIELD_RATIO,
-        Channel::HYSTERESIS_BETA,
-        Channel::HYSTERESIS_GAMMA,
-    ],
-    is_linear: false,
-    spring: Spring::Slipping(Channel::HYSTERETIC_DISPLACEMENT),
-};
+static YIELD_GAMMA: ChannelInfo = shape(
+    [&["yield_gamma"], &["yielding γ"], &["γ₁"]],
+    "1/m",
+    Usual { mean: 3.0, std: 1.5, process: 0.001, truth: &[4.0], slider: (-10.0, 20.0), decimals: 2 },
+);
 
-impl Plant for BoucWen {
-    fn info(&self) -> &PlantInfo {
-        &INFO
-    }
-
-    fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
-        let product = v * z;
-        rate[0] = v;
-        rate[1] = force - 2.0 * zeta * wn * v - wn * wn * (z + alpha * (x - z));
-        rate[2] = v - (beta * product.abs() + gamma * product) * z;
-    }
-
-    /// At the kinks `v = 0` and `z = 0`, the derivative is the one for positive v.
-    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
-        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
-        let sign = if v < 0.0 { -1.0 } else { 1.0 };
-        let (position, rest) = jacobian.split_at_mut(8);
-        let (velocity, memory) = rest.split_at_mut(8);
-        position[1] = 1.0;
-        velocity[0] = -wn * wn * alpha;
-        velocity[1] = -2.0 * zeta * wn;
-        velocity[2] = -wn * wn * (1.0 - alpha);
-        velocity[3] = -2.0 * (zeta * v + wn * (z + alpha * (x - z)));
-        velocity[4] = -2.0 * wn * v;
-        velocity[5] = -wn * wn * (x - z);
-        memory[1] = 1.0 - (beta * sign * z.abs() + gamma * z) * z;
-        memory[2] = -2.0 * (beta * v.abs() * z.abs() + gamma * v * z);
-        memory[6] = -v.abs() * z.abs() * z;
-        memory[7] = -v * z * z;
-    }
+/// A parameter of the loop's shape, by its key, name and symbol.
+const fn shape([keys, names, symbols]: [&'static [&'static str]; 3], unit: &'static str, usual: Usual) -> ChannelInfo {
+    ChannelInfo { keys, names, symbols, unit, role: Role::Parameter(Sign::Any), rate: None, mirrored: false, usual }
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::values;
 use super::{FilterColor, Values};
 use crate::cost;
+use crate::document::{is_default, is_one};
 use crate::filter::{Adaptation, FilterKind, Propagation};
 use crate::model::{InputKind, Model};
 use crate::{Channel, PlantKind};
@@ -15,7 +16,7 @@ use crate::{Channel, PlantKind};
 pub struct FilterSettings {
     /// The filter's number, from 1 on, which stays the same when other filters are added or removed; 0, or no entry in
     /// a file, for the number of its place. It determines an ensemble's random numbers and the default colour.
-    #[serde(skip_serializing_if = "super::is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub id: u32,
     /// The name on screen, in files and in keys; that of its kind if empty. Without control characters and marks that turn the
     /// direction of writing. No two filters have the same: the later one gets a number behind it.
@@ -35,7 +36,7 @@ pub struct FilterSettings {
     pub augment: Vec<Channel>,
     /// The number of samples after which the plant feels the recorded input, as the filter assumes; negative where the
     /// record is late. Outside the record, its first or last value holds.
-    #[serde(skip_serializing_if = "super::is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub input_delay: i32,
     /// Whether the filter estimates the logarithms of the parameters that cannot be negative. Their initial and
     /// process standard deviations are divided by the initial mean, for the whole record.
@@ -43,13 +44,13 @@ pub struct FilterSettings {
     /// The propagation of the mean of a KF, EKF or IEKF.
     pub propagation: Propagation,
     /// The number of steps into which a prediction is divided, for plants that are not linear over one sample.
-    #[serde(skip_serializing_if = "super::is_one")]
+    #[serde(skip_serializing_if = "is_one")]
     pub substeps: usize,
     /// Limits the linearisations of the sensors in one update of an IEKF, which stops earlier once it has converged.
     pub iterations: usize,
     /// The number of guesses of the natural frequency from which filters run side by side, spread from 0.14 to 7.4 times
     /// its initial mean; the likeliest so far is reported. 1 for the initial mean alone.
-    #[serde(skip_serializing_if = "super::is_one")]
+    #[serde(skip_serializing_if = "is_one")]
     pub guesses: usize,
     /// The number of members of an EnKF, or of particles of a PF or RBPF.
     pub ensemble_size: usize,
@@ -57,7 +58,7 @@ pub struct FilterSettings {
     pub adaptation: Adaptation,
     /// Whether the filter widens P by its initial covariance, once, where its innovations grow at once: after a sudden
     /// change it learns anew, and before it forgets nothing.
-    #[serde(skip_serializing_if = "super::is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub jump: bool,
     /// Whether the whole record is smoothed once the filter has seen it. Fading counts as process noise then.
     pub smoother: bool,

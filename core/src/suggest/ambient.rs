@@ -5,7 +5,7 @@ use super::climb::Climb;
 use super::follow::first_alone;
 use super::response::{Response, order};
 use super::{Suggestion, moments, motion_sensor, rounded};
-use crate::{Channel, FilterKind, Hold, Record, Scenario, Sensor};
+use crate::{Channel, FilterKind, Hold, Quantity, Record, Scenario};
 
 /// The white force of a record without an input, and the noise of the scenario's sensors, before they are tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +42,8 @@ pub(super) struct Ambient {
     /// The sizes that factors of the climb multiply.
     sizes: Sizes,
     climb: Climb,
+    /// The sensors that its filters do without.
+    left_out: Vec<Quantity>,
     /// The best of the climb with a force that is held: its log likelihood, if it has one. None before it was tried.
     held: Option<Option<f64>>,
 }
@@ -49,11 +51,18 @@ pub(super) struct Ambient {
 impl Ambient {
     /// Those of a suggestion that has no noise yet, for a record without an input. `None` where no oscillator is seen.
     pub(super) fn new(mut suggestion: Suggestion, record: &mut Record) -> Option<Self> {
+        let left_out = suggestion.felt_twice();
+        left_out.iter().for_each(|quantity| suggestion.scenario.remove_sensor(*quantity));
         let sizes = suggestion.ambient(record)?;
         suggestion.is_guessed = true;
         suggestion.substeps(record);
         let climb = Climb::new(1 + suggestion.scenario.sensors.len());
-        Some(Self { suggestion, sizes, climb, held: None })
+        Some(Self { suggestion, sizes, climb, left_out, held: None })
+    }
+
+    /// Takes the sensors out of a scenario that filters of the white force do without: likelihoods compare on equal readings.
+    pub(super) fn leave_out(&self, scenario: &mut Scenario) {
+        self.left_out.iter().for_each(|quantity| scenario.remove_sensor(*quantity));
     }
 
     /// The share that is done, from 0 to 1.
@@ -87,11 +96,24 @@ impl Ambient {
     }
 }
 
-/// Limits R of an accelerometer beside a displacement or a velocity from below, as a share of the white force: between samples
-/// the force has another course than the filter takes it to have.
-const UNSEEN: f64 = 0.3;
-
 impl Suggestion {
+    /// The accelerometers beside a displacement or a velocity. Either tells ωₙ and ζ of an oscillator under an unknown force as
+    /// well as both do. Together they also tell the course of the force between samples, which is none that a filter could
+    /// take it to have: an error of that course, or of the accelerometer's delay, then passes for one of ζ.
+    fn felt_twice(&mut self) -> Vec<Quantity> {
+        let sensors = || self.scenario.sensors.iter().map(|sensor| sensor.measures);
+        let is_other = sensors().any(|quantity| order(quantity) < 2);
+        let left_out: Vec<Quantity> = sensors().filter(|quantity| is_other && order(*quantity) == 2).collect();
+        for quantity in &left_out {
+            self.reasons.push(format!(
+                "the filters do without the {}: without a recorded force it tells nothing of ωₙ and ζ that the other sensor does \
+                 not, and the course of the force between samples, which is not known, would count as damping",
+                quantity.name()
+            ));
+        }
+        left_out
+    }
+
     /// The start values of filters that take a white force for the cause of the motion, and the first guess of its size.
     /// `None` where no filter has a frequency, or the spectrum tells none.
     fn ambient(&mut self, record: &mut Record) -> Option<Sizes> {
@@ -100,8 +122,8 @@ impl Suggestion {
         }
         let (quantity, measured) = motion_sensor(record)?;
         let band = self.scenario.record.as_ref().and_then(|mapping| mapping.band);
-        let AmbientFit { natural_frequency, damping_ratio, force, noise } =
-            ambient_fit(record, quantity, measured, band)?;
+        let fit = ambient_fit(record, quantity, measured, band)?;
+        let AmbientFit { natural_frequency, damping_ratio, force, noise, edge, .. } = fit;
         let noises = self.scenario.sensors.iter().enumerate().map(|(place, sensor)| {
             let measured = record.measured_quantity(sensor.measures)?;
             let (_, std) = moments(measured);
@@ -114,8 +136,33 @@ impl Suggestion {
         let noise = noises.collect::<Option<Vec<f64>>>()?;
         let found = Response { natural_frequency, damping_ratio, gain: None };
         self.begin_at(record, quantity, &found, "fitted to the spectrum as that of an oscillator under a white force");
+        if order(quantity) == 2 {
+            self.keep_to_spectrum(&fit);
+        }
+        if let Some(edge) = edge {
+            self.reasons.push(format!(
+                "above {} Hz the readings have less power than a white force gives, as behind a logger's low-pass filter: their \
+                 innovations are correlated, so that the verdict is *overconfident*, but ωₙ and ζ of the spectrum below are right",
+                rounded(edge / std::f64::consts::TAU)
+            ));
+        }
         // A force that nobody records is on both sides of each sample.
         Some(Sizes { force, noise, hold: Hold::First })
+    }
+
+    /// Lets the filters begin with ωₙ and ζ as sure as the spectrum tells them. An accelerometer that feels the force it is to be
+    /// told from hardly limits x: where R or the course of the force is not quite right, ζ would go far astray.
+    fn keep_to_spectrum(&mut self, fit: &AmbientFit) {
+        let AmbientFit { natural_frequency, damping_ratio, errors, .. } = *fit;
+        for filter in self.filters() {
+            filter.initial_std[Channel::NATURAL_FREQUENCY] = rounded(natural_frequency * errors[0]);
+            filter.initial_std[Channel::DAMPING_RATIO] = rounded(damping_ratio * errors[1]);
+        }
+        self.reasons.push(
+            "σ of ωₙ and ζ begin as small as the spectrum tells them, because an accelerometer alone tells an unknown force from \
+             the motion only if both are known well"
+                .to_owned(),
+        );
     }
 
     /// The scenario with a white force in every filter, and noise of the sensors, of these sizes.
@@ -124,11 +171,7 @@ impl Suggestion {
         let (mut scenario, force) = (self.scenario.clone(), *force);
         let kind = scenario.plant.kind;
         scenario.hold = *hold;
-        let is_seen_twice = self.sees_force_twice();
-        let least = |sensor: &Sensor| if is_seen_twice && order(sensor.measures) == 2 { UNSEEN * force } else { 0.0 };
-        let noise: Vec<f64> =
-            noise.iter().zip(&scenario.sensors).map(|(own, sensor)| rounded(own.max(least(sensor)))).collect();
-        for (sensor, noise) in scenario.sensors.iter_mut().zip(&noise) {
+        for (sensor, noise) in scenario.sensors.iter_mut().zip(noise) {
             sensor.noise_std = *noise;
         }
         for filter in &mut scenario.filters {
@@ -141,16 +184,9 @@ impl Suggestion {
             filter.initial_mean[Channel::WHITE_FORCE] = 0.0;
             filter.initial_std[Channel::WHITE_FORCE] = force;
             filter.process_std[Channel::WHITE_FORCE] = force;
-            filter.sensor_std.clone_from(&noise);
+            filter.sensor_std.clone_from(noise);
         }
         scenario
-    }
-
-    /// Whether sensors with and without the force see the same motion. Its course between samples is not known, so that they
-    /// disagree by more than their noise, and R of an accelerometer has a limit from below.
-    fn sees_force_twice(&self) -> bool {
-        let orders = || self.scenario.sensors.iter().map(|sensor| order(sensor.measures));
-        orders().any(|order| order == 2) && orders().any(|order| order < 2)
     }
 
     /// The first filter of [`Self::with_white_force`] alone.

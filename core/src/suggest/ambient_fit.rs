@@ -17,12 +17,22 @@ pub(super) struct AmbientFit {
     pub(super) force: f64,
     /// The standard deviation of the sensor's noise, in its unit.
     pub(super) noise: f64,
+    /// The standard errors of ωₙ and ζ, relative to them.
+    pub(super) errors: [f64; 2],
+    /// The frequency from which on an accelerometer has less power than a white force gives \[rad/s\].
+    pub(super) edge: Option<f64>,
 }
 
 /// The frequencies of the fit, relative to that of the peak: other modes are left out.
 const NEAR: std::ops::Range<f64> = 0.2..4.0;
 /// Frequencies count up to this share of the Nyquist frequency, beyond which filters against aliases take the force away.
 const HIGHEST: f64 = 0.8;
+/// Frequencies up to this share of the Nyquist frequency are looked at for an edge.
+const LAST: f64 = 0.97;
+/// The number of parts of the spectrum that are looked at for an edge.
+const PARTS: usize = 50;
+/// Beyond an edge, every part has less than this share of the power of a white force, and there are at least so many parts.
+const LOW: (f64, usize) = (0.6, 3);
 /// The frequencies at least.
 const LEAST: usize = 16;
 /// The most steps of the descent.
@@ -81,12 +91,16 @@ pub(super) fn ambient_fit(
     let (_, found) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let [natural_frequency, damping_ratio, force, noise] = found.map(libm::exp).into();
     let is_sound = (0.5 * peak..2.0 * peak).contains(&natural_frequency) && damping_ratio < 0.7;
+    let edge = lines.edge(&spectra, found);
+    let errors = lines.errors(&found, spectra.independent())?;
     let (force, noise) = (libm::sqrt(force), libm::sqrt(noise));
     (is_sound && force.is_finite() && force > 0.0 && noise.is_finite()).then_some(AmbientFit {
         natural_frequency,
         damping_ratio: damping_ratio.max(1e-3),
         force,
         noise,
+        errors,
+        edge,
     })
 }
 
@@ -122,6 +136,23 @@ impl Lines<'_> {
         re * re + im * im
     }
 
+    /// The frequency from which on the spectrum falls off below that of the logarithms of ωₙ, ζ, s² and R, as behind a low-pass
+    /// filter. Only an accelerometer feels the force there.
+    fn edge(&self, spectra: &Spectra, found: Vector4<f64>) -> Option<f64> {
+        let [wn, zeta, force, noise] = found.map(libm::exp).into();
+        let (length, last) = (spectra.len() / PARTS, (LAST * spectra.len() as f64) as usize);
+        let share = |first: usize| {
+            let sum = |of: &dyn Fn(usize) -> f64| (first..first + length).map(of).sum::<f64>();
+            let white = |place: usize| force * self.response(wn, zeta, spectra.frequency(place)) + noise;
+            sum(&|place| spectra.output[place]) / sum(&white).max(f64::MIN_POSITIVE)
+        };
+        let parts = (1..=PARTS).map_while(|part| last.checked_sub(part * length)).filter(|_| length > 0);
+        let beyond: Vec<usize> =
+            parts.take_while(|first| spectra.frequency(*first) > 2.0 * wn && share(*first) < LOW.0).collect();
+        let edge = beyond.last().filter(|_| self.order == 2 && beyond.len() >= LOW.1)?;
+        Some(spectra.frequency(*edge))
+    }
+
     /// The logarithm of S at each line, for the logarithms of ωₙ, ζ, s² and R.
     fn model(&self, at: &Vector4<f64>, spectrum: &mut Vec<f64>) {
         let [wn, zeta, force, noise] = at.map(libm::exp).into();
@@ -141,22 +172,40 @@ impl Lines<'_> {
         spectrum.iter().zip(self.powers).map(|(ln, power)| ln + power * libm::exp(-ln)).sum()
     }
 
-    /// The least cost that scoring reaches from a point, and where it is.
-    fn descend(&self, begin: Vector4<f64>) -> (f64, Vector4<f64>) {
+    /// The derivatives of the logarithm of S at each line, by the logarithms of ωₙ, ζ, s² and R.
+    fn slopes(&self, at: &Vector4<f64>, spectrum: &[f64]) -> [Vec<f64>; 4] {
         /// The change of a logarithm for a derivative.
         const CHANGE: f64 = 1e-4;
+        let mut other = Vec::new();
+        std::array::from_fn(|i| {
+            let mut near = *at;
+            near[i] += CHANGE;
+            self.model(&near, &mut other);
+            other.iter().zip(spectrum).map(|(other, ln)| (other - ln) / CHANGE).collect()
+        })
+    }
+
+    /// The standard errors of ωₙ and ζ, relative to them, from the mean of a number of independent spectra.
+    fn errors(&self, at: &Vector4<f64>, spectra: f64) -> Option<[f64; 2]> {
+        let mut spectrum = Vec::new();
+        self.model(at, &mut spectrum);
+        let slopes = self.slopes(at, &spectrum);
+        let slope = |line: usize| Vector4::from_fn(|i, _| slopes[i][line]);
+        let information: Matrix4<f64> = (0..spectrum.len()).map(|line| slope(line) * slope(line).transpose()).sum();
+        // R that is not seen has no part in it.
+        let regular = information * spectra + Matrix4::from_diagonal_element(1e-6);
+        let errors = regular.try_inverse()?.diagonal().map(libm::sqrt);
+        errors.iter().all(|error| error.is_finite()).then_some([errors[0], errors[1]])
+    }
+
+    /// The least cost that scoring reaches from a point, and where it is.
+    fn descend(&self, begin: Vector4<f64>) -> (f64, Vector4<f64>) {
         let (mut at, mut spectrum, mut other) = (begin, Vec::new(), Vec::new());
         self.model(&at, &mut spectrum);
         let mut cost = self.cost(&spectrum);
         let mut damping = 1e-3;
         for _ in 0..STEPS {
-            let mut slopes: [Vec<f64>; 4] = Default::default();
-            for (i, slope) in slopes.iter_mut().enumerate() {
-                let mut near = at;
-                near[i] += CHANGE;
-                self.model(&near, &mut other);
-                slope.extend(other.iter().zip(&spectrum).map(|(other, ln)| (other - ln) / CHANGE));
-            }
+            let slopes = self.slopes(&at, &spectrum);
             let (mut information, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
             for (line, (ln, power)) in spectrum.iter().zip(self.powers).enumerate() {
                 let slope = Vector4::from_fn(|i, _| slopes[i][line]);

@@ -1,5 +1,6 @@
 //! The belief that filters begin with, and the gain of the input.
 
+use super::decay::Decay;
 use super::response::{Response, order};
 use super::{Suggestion, hysteresis, moments, rounded};
 use crate::{Channel, Quantity, Record, Signal};
@@ -57,6 +58,18 @@ impl Suggestion {
             self.reasons.push(
                 "β and γ: the spring is about to yield at twice the root mean square of the displacement".to_owned(),
             );
+        }
+    }
+
+    /// Lets every filter expect a motion as large as the beginning of a decay, which a long record's mean square hides.
+    pub(super) fn begin_as_large(&mut self, quantity: Quantity, decay: &Decay) {
+        let Decay { natural_frequency, amplitude, .. } = *decay;
+        let displacement = amplitude / libm::pow(natural_frequency, f64::from(order(quantity)));
+        let sizes = [(Channel::DISPLACEMENT, displacement), (Channel::VELOCITY, displacement * natural_frequency)];
+        for filter in self.filters() {
+            for (channel, size) in sizes {
+                filter.initial_std[channel] = filter.initial_std[channel].max(rounded(size));
+            }
         }
     }
 

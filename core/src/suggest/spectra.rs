@@ -142,6 +142,11 @@ impl Spectra {
         self.dt
     }
 
+    /// The number of windows that would tell as much if they did not overlap.
+    pub(super) fn independent(&self) -> f64 {
+        0.5 * (self.windows as f64 + 1.0)
+    }
+
     /// The frequency at a place \[rad/s\].
     pub(super) fn frequency(&self, place: usize) -> f64 {
         TAU * place as f64 / (self.length as f64 * self.dt)

@@ -82,9 +82,9 @@ impl Suggest {
         self.suggestion.remove_means(&mut self.record);
         let before = has_no_input(&self.record).then(|| self.suggestion.clone());
         self.suggestion.sensor_noise(&self.record, lost);
-        self.suggestion.motion(&mut self.record);
+        let is_decay = self.suggestion.motion(&mut self.record);
         self.suggestion.substeps(&self.record);
-        self.ambient = before.and_then(|before| {
+        self.ambient = before.filter(|_| !is_decay).and_then(|before| {
             Ambient::new(Suggestion { reasons: before.reasons, ..self.suggestion.clone() }, &mut self.record)
         });
         if let Some(record) = as_it_is {
@@ -166,7 +166,12 @@ impl InSlices for Suggest {
                 }
                 Stage::Likelihood(place) => {
                     let share = SHARES[place];
-                    let (samples, scenario) = (self.likely(), || self.suggestion.with_share(share));
+                    let samples = self.likely();
+                    let scenario = || {
+                        let mut scenario = self.suggestion.with_share(share);
+                        self.ambient.iter().for_each(|ambient| ambient.leave_out(&mut scenario));
+                        scenario
+                    };
                     match follow(&mut self.trial, scenario, &self.record, samples, while_time) {
                         None => return false,
                         Some(run) => self.likelihoods.extend(run.and_then(|run| Some((share, likelihood(&run)?)))),
