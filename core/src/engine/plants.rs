@@ -1,0 +1,152 @@
+//! Plants, each one function: the rate of what moves. Jacobians follow from it by [duals](super::dual).
+
+pub mod bouc_wen;
+pub mod duffing;
+pub mod sdof;
+pub mod shear_chain;
+
+use super::dual::Dual;
+use super::number::{Number, Real};
+use bouc_wen::{BoucWen, BoucWenOne};
+use duffing::Duffing;
+use sdof::Sdof;
+use shear_chain::ShearChain;
+
+/// The equation of a plant with the state `y = [motion, parameters]`.
+pub trait Equation: Copy {
+    /// Whether the motion is `[x, v]` with `ẋ = v`: its linear step has a closed form.
+    const IS_OSCILLATOR: bool = false;
+
+    /// The number of components.
+    fn size(self) -> usize;
+
+    /// The number of components that move, which come first.
+    fn motion(self) -> usize;
+
+    /// The rates of the components that move, each in its unit per second, from a state and the force over mass \[m/s²\], which
+    /// enters additively.
+    fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]);
+}
+
+/// A plant that the engine has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plant {
+    /// The linear oscillator.
+    Sdof,
+    /// The oscillator with a cubic spring.
+    Duffing,
+    /// The oscillator with a hysteretic spring, exponent 2.
+    BoucWen,
+    /// The same with exponent 1.
+    BoucWenOne,
+    /// A chain of masses.
+    ShearChain(usize),
+}
+
+/// Does something with the equation of a plant.
+macro_rules! with {
+    ($plant:expr, $equation:ident => $do:expr) => {
+        match $plant {
+            Plant::Sdof => {
+                let $equation = Sdof;
+                $do
+            }
+            Plant::Duffing => {
+                let $equation = Duffing;
+                $do
+            }
+            Plant::BoucWen => {
+                let $equation = BoucWen;
+                $do
+            }
+            Plant::BoucWenOne => {
+                let $equation = BoucWenOne;
+                $do
+            }
+            Plant::ShearChain(masses) => {
+                let $equation = ShearChain { masses };
+                $do
+            }
+        }
+    };
+}
+
+impl Plant {
+    /// The number of components.
+    pub fn size(self) -> usize {
+        with!(self, equation => equation.size())
+    }
+
+    /// The number of components that move.
+    pub fn motion(self) -> usize {
+        with!(self, equation => equation.motion())
+    }
+
+    /// Whether the linear step has a closed form.
+    pub fn is_oscillator(self) -> bool {
+        fn of<E: Equation>(_: E) -> bool {
+            E::IS_OSCILLATOR
+        }
+        with!(self, equation => of(equation))
+    }
+
+    /// [`Equation::rate`]
+    #[inline(always)]
+    pub fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
+        with!(self, equation => equation.rate(state, force, rate));
+    }
+
+    /// The rates, and their derivatives by the plant's components, column by column. `duals` is memory to work in.
+    #[inline(always)]
+    pub fn linearise<T: Number>(
+        self,
+        state: &[T],
+        force: T,
+        rate: &mut [T],
+        columns: &mut [T],
+        duals: &mut [Dual<T, AT_ONCE>],
+    ) {
+        with!(self, equation => linearise(equation, state, force, rate, columns, duals));
+    }
+
+    /// The derivatives of the rates by the force, which do not depend on the state.
+    pub fn by_force(self) -> Vec<f64> {
+        let constant = Dual::<f64, 1>::constant;
+        let mut rate = vec![constant(0.0); self.motion()];
+        self.rate(&vec![constant(1.0); self.size()], Dual::variable(0.0, 0), &mut rate);
+        rate.iter().map(|rate| rate.derivative(0)).collect()
+    }
+}
+
+/// The number of derivatives that are taken at once.
+pub const AT_ONCE: usize = 4;
+
+#[inline(always)]
+fn linearise<E: Equation, T: Number>(
+    equation: E,
+    state: &[T],
+    force: T,
+    rate: &mut [T],
+    columns: &mut [T],
+    duals: &mut [Dual<T, AT_ONCE>],
+) {
+    let (own, motion) = (equation.size(), equation.motion());
+    let (duals, rates) = duals.split_at_mut(own);
+    let rates = &mut rates[..motion];
+    let mut first = 0;
+    while first < own {
+        for i in 0..own {
+            duals[i] = Dual::variable(state[i], i.wrapping_sub(first));
+        }
+        equation.rate(duals, Dual::constant(force), rates);
+        for k in 0..AT_ONCE.min(own - first) {
+            for i in 0..motion {
+                columns[(first + k) * motion + i] = rates[i].derivative(k);
+            }
+        }
+        first += AT_ONCE;
+    }
+    for i in 0..motion {
+        rate[i] = rates[i].value;
+    }
+}
