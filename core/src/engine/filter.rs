@@ -21,9 +21,9 @@ use crate::model::Reading;
 /// A step from one sample to the next.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<T> {
-    /// The recorded force over mass at its beginning and at its end \[m/s²\].
+    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\].
     pub forces: [T; 2],
-    /// Whether the force is linear in between; else it keeps its first value.
+    /// Whether they differ: else the force is held.
     pub has_slope: bool,
     /// The time that it takes \[s\].
     pub dt: f64,
@@ -39,7 +39,7 @@ impl<T: Number> Step<T> {
     /// The two halves of the step.
     fn halves(&self) -> [Self; 2] {
         let [begin, end] = self.forces;
-        let middle = if self.has_slope { begin + (end - begin) * 0.5 } else { begin };
+        let middle = begin + (end - begin) * 0.5;
         [[begin, middle], [middle, end]].map(|forces| Self { forces, dt: 0.5 * self.dt, ..*self })
     }
 }
@@ -110,7 +110,8 @@ impl<'a, T: Number, L: Level> Filter<'a, T, L> {
     #[inline(always)]
     pub fn predict(&mut self, forces: [T; 2]) {
         let Design { has_slope, dt, white, .. } = self.design;
-        let whole = Step { forces, has_slope: *has_slope, dt: *dt };
+        let [begin, end] = forces;
+        let whole = Step { forces: [begin, if *has_slope { end } else { begin }], has_slope: *has_slope, dt: *dt };
         if let Some((place, Course::Centred)) = *white {
             let [first, second] = whole.halves();
             let begun = self.advance(&first);

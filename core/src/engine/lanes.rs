@@ -209,7 +209,10 @@ mod tests {
                 (a.max(b), Number::max(x, y)),
             ];
             for (lanes, single) in pairs {
-                assert!(lanes.lane(lane).to_bits() == single.to_bits() || single.is_nan(), "{lane}: {lanes:?} {single}");
+                assert!(
+                    lanes.lane(lane).to_bits() == single.to_bits() || single.is_nan(),
+                    "{lane}: {lanes:?} {single}"
+                );
             }
             assert_eq!((a.lt(b).lane(lane), a.le(b).lane(lane)), (x < y, x <= y));
             assert_eq!((a.is_finite().lane(lane), a.is_number().lane(lane)), (x.is_finite(), !x.is_nan()));

@@ -7,15 +7,14 @@ pub mod shear_chain;
 
 use super::dual::Dual;
 use super::number::{Number, Real};
-use bouc_wen::{BoucWen, BoucWenOne};
-use duffing::Duffing;
-use sdof::Sdof;
-use shear_chain::ShearChain;
 
 /// The equation of a plant with the state `y = [motion, parameters]`.
 pub trait Equation: Copy {
     /// Whether the motion is `[x, v]` with `ẋ = v`: its linear step has a closed form.
     const IS_OSCILLATOR: bool = false;
+
+    /// Whether the compiler knows the number of components, which then is at most [`FEW`].
+    const IS_SMALL: bool = true;
 
     /// The number of components.
     fn size(self) -> usize;
@@ -44,42 +43,44 @@ pub enum Plant {
 }
 
 /// Does something with the equation of a plant.
-macro_rules! with {
+macro_rules! with_equation {
     ($plant:expr, $equation:ident => $do:expr) => {
         match $plant {
-            Plant::Sdof => {
-                let $equation = Sdof;
+            $crate::engine::plants::Plant::Sdof => {
+                let $equation = $crate::engine::plants::sdof::Sdof;
                 $do
             }
-            Plant::Duffing => {
-                let $equation = Duffing;
+            $crate::engine::plants::Plant::Duffing => {
+                let $equation = $crate::engine::plants::duffing::Duffing;
                 $do
             }
-            Plant::BoucWen => {
-                let $equation = BoucWen;
+            $crate::engine::plants::Plant::BoucWen => {
+                let $equation = $crate::engine::plants::bouc_wen::BoucWen;
                 $do
             }
-            Plant::BoucWenOne => {
-                let $equation = BoucWenOne;
+            $crate::engine::plants::Plant::BoucWenOne => {
+                let $equation = $crate::engine::plants::bouc_wen::BoucWenOne;
                 $do
             }
-            Plant::ShearChain(masses) => {
-                let $equation = ShearChain { masses };
+            $crate::engine::plants::Plant::ShearChain(masses) => {
+                let $equation = $crate::engine::plants::shear_chain::ShearChain { masses };
                 $do
             }
         }
     };
 }
 
+pub(super) use with_equation;
+
 impl Plant {
     /// The number of components.
     pub fn size(self) -> usize {
-        with!(self, equation => equation.size())
+        with_equation!(self, equation => equation.size())
     }
 
     /// The number of components that move.
     pub fn motion(self) -> usize {
-        with!(self, equation => equation.motion())
+        with_equation!(self, equation => equation.motion())
     }
 
     /// Whether the linear step has a closed form.
@@ -87,13 +88,13 @@ impl Plant {
         fn of<E: Equation>(_: E) -> bool {
             E::IS_OSCILLATOR
         }
-        with!(self, equation => of(equation))
+        with_equation!(self, equation => of(equation))
     }
 
     /// [`Equation::rate`]
     #[inline(always)]
     pub fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
-        with!(self, equation => equation.rate(state, force, rate));
+        with_equation!(self, equation => equation.rate(state, force, rate));
     }
 
     /// The rates, and their derivatives by the plant's components, column by column. `duals` is memory to work in.
@@ -106,7 +107,7 @@ impl Plant {
         columns: &mut [T],
         duals: &mut [Dual<T, AT_ONCE>],
     ) {
-        with!(self, equation => linearise(equation, state, force, rate, columns, duals));
+        with_equation!(self, equation => linearise(equation, state, force, rate, columns, duals));
     }
 
     /// The derivatives of the rates by the force, which do not depend on the state.
@@ -121,6 +122,9 @@ impl Plant {
 /// The number of derivatives that are taken at once.
 pub const AT_ONCE: usize = 4;
 
+/// Limits the components of a small plant: twice the derivatives that are taken at once.
+pub const FEW: usize = 8;
+
 #[inline(always)]
 fn linearise<E: Equation, T: Number>(
     equation: E,
@@ -130,21 +134,43 @@ fn linearise<E: Equation, T: Number>(
     columns: &mut [T],
     duals: &mut [Dual<T, AT_ONCE>],
 ) {
+    let own = equation.size();
+    if E::IS_SMALL {
+        // Numbers of its own, which the compiler can see through.
+        let mut duals = [Dual::constant(T::of(0.0)); 2 * FEW];
+        differentiate(equation, state, force, 0, rate, columns, &mut duals);
+        if own > AT_ONCE {
+            differentiate(equation, state, force, AT_ONCE, rate, columns, &mut duals);
+        }
+    } else {
+        for first in (0..own).step_by(AT_ONCE) {
+            differentiate(equation, state, force, first, rate, columns, duals);
+        }
+    }
+}
+
+/// Takes the derivatives by some components, from the first of them on.
+#[inline(always)]
+fn differentiate<E: Equation, T: Number>(
+    equation: E,
+    state: &[T],
+    force: T,
+    first: usize,
+    rate: &mut [T],
+    columns: &mut [T],
+    duals: &mut [Dual<T, AT_ONCE>],
+) {
     let (own, motion) = (equation.size(), equation.motion());
     let (duals, rates) = duals.split_at_mut(own);
     let rates = &mut rates[..motion];
-    let mut first = 0;
-    while first < own {
-        for i in 0..own {
-            duals[i] = Dual::variable(state[i], i.wrapping_sub(first));
+    for i in 0..own {
+        duals[i] = Dual::variable(state[i], i.wrapping_sub(first));
+    }
+    equation.rate(duals, Dual::constant(force), rates);
+    for k in 0..AT_ONCE.min(own - first) {
+        for i in 0..motion {
+            columns[(first + k) * motion + i] = rates[i].derivative(k);
         }
-        equation.rate(duals, Dual::constant(force), rates);
-        for k in 0..AT_ONCE.min(own - first) {
-            for i in 0..motion {
-                columns[(first + k) * motion + i] = rates[i].derivative(k);
-            }
-        }
-        first += AT_ONCE;
     }
     for i in 0..motion {
         rate[i] = rates[i].value;

@@ -102,9 +102,8 @@ impl<'a> Inputs<'a> {
         let force = |Run { setup, record }: Run<'a>| {
             (0..record.len()).map(|k| record.delayed_force(k, setup.input_delay)).collect()
         };
-        let measured = |place: usize| {
-            column(&|Run { setup, record }| Cow::Borrowed(record.measured(setup.columns[place])))
-        };
+        let measured =
+            |place: usize| column(&|Run { setup, record }| Cow::Borrowed(record.measured(setup.columns[place])));
         let setup = runs[0].setup;
         let known = setup.channels.iter().filter(|&&channel| runs[0].record.truth(channel).is_some());
         let truth = |&channel| column(&|run: Run<'a>| Cow::Borrowed(run.record.truth(channel).unwrap_or_default()));

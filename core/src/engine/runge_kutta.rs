@@ -3,6 +3,7 @@
 use super::filter::Step;
 use super::model::Model;
 use super::number::Number;
+use super::plants::{Equation, with_equation};
 
 /// The memory of a Runge-Kutta step: where it begins, and four rates.
 #[derive(Clone, Debug)]
@@ -23,18 +24,25 @@ impl<T: Number> RungeKutta<T> {
     /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
     #[inline(always)]
     pub fn advance(&mut self, model: &Model, state: &mut [T], step: &Step<T>) {
+        with_equation!(model.plant, equation => self.advance_by(equation, model, state, step));
+    }
+
+    #[inline(always)]
+    fn advance_by<E: Equation>(&mut self, equation: E, model: &Model, state: &mut [T], step: &Step<T>) {
+        let (motion, dt) = (equation.motion(), step.dt);
         let Self { start, rates: [k1, k2, k3, k4] } = self;
-        let (motion, dt) = (model.motion(), step.dt);
+        let start = &mut start[..motion];
+        let [k1, k2, k3, k4] = [&mut k1[..motion], &mut k2[..motion], &mut k3[..motion], &mut k4[..motion]];
         let [begin, end] = step.forces;
-        let middle = if step.has_slope { begin + (end - begin) * 0.5 } else { begin };
+        let middle = begin + (end - begin) * 0.5;
         start.copy_from_slice(&state[..motion]);
-        model.rate(state, begin, k1);
+        equation.rate(state, model.acting(state, begin), k1);
         put(state, start, k1, 0.5 * dt);
-        model.rate(state, middle, k2);
+        equation.rate(state, model.acting(state, middle), k2);
         put(state, start, k2, 0.5 * dt);
-        model.rate(state, middle, k3);
+        equation.rate(state, model.acting(state, middle), k3);
         put(state, start, k3, dt);
-        model.rate(state, end, k4);
+        equation.rate(state, model.acting(state, end), k4);
         for i in 0..motion {
             state[i] = start[i] + (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (dt / 6.0);
         }

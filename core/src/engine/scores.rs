@@ -192,11 +192,8 @@ impl<T: Number> Scores<T> {
     /// The sums of a channel in a lane.
     fn sums(&self, tracked: &Tracked<T>, lane: usize) -> ChannelSums {
         let of = |number: T| number.lane(lane);
-        let total = Tally {
-            squares: of(tracked.squares),
-            known: of(tracked.known) as u32,
-            inside: of(tracked.inside) as u32,
-        };
+        let total =
+            Tally { squares: of(tracked.squares), known: of(tracked.known) as u32, inside: of(tracked.inside) as u32 };
         ChannelSums {
             total,
             first_error: of(tracked.first_error),

@@ -132,13 +132,7 @@ impl<T: Number> Update<T> {
     ///
     /// Source: Kalman (1960), A new approach to linear filtering and prediction problems.
     #[inline(always)]
-    fn correct(
-        &mut self,
-        design: &Design,
-        belief: &mut Belief<T>,
-        measured: T,
-        held: &mut Held<T::Mask>,
-    ) -> Told<T> {
+    fn correct(&mut self, design: &Design, belief: &mut Belief<T>, measured: T, held: &mut Held<T::Mask>) -> Told<T> {
         let Self { active, expected, innovation_cov, factor: lower, innovation, white, gain, .. } = self;
         let (m, n) = (active.len(), belief.size());
         let gain = &mut gain[..m * n];
@@ -221,13 +215,22 @@ fn untold<T: Number>(belief: &Belief<T>, held: &mut Held<T::Mask>) -> Told<T> {
     Told { nis: T::of(0.0), determinant: T::of(1.0), measured: T::of(0.0), holds: held.all() }
 }
 
-/// Makes of the lower triangle of X, n × n, that of `X - A Bᵀ`, where A and B have `columns` columns.
+/// Makes of the lower triangle of X, n × n, that of `X - A Bᵀ`, where A and B have `columns` columns; two at a time.
 #[inline(always)]
 fn subtract_products<T: Number>(x: &mut [T], a: &[T], b: &[T], n: usize, columns: usize) {
-    for j in 0..n {
-        let column = &mut x[j * n + j..(j + 1) * n];
-        for k in 0..columns {
-            take_times(column, b[k * n + j], &a[k * n + j..(k + 1) * n]);
+    let mut k = 0;
+    while k < columns {
+        let is_pair = k + 1 < columns;
+        let next = if is_pair { k + 1 } else { k };
+        let (a, b) = ([&a[k * n..(k + 1) * n], &a[next * n..(next + 1) * n]], [&b[k * n..], &b[next * n..]]);
+        for j in 0..n {
+            let column = &mut x[j * n..(j + 1) * n];
+            let factors = [b[0][j], b[1][j]];
+            for i in j..n {
+                let less = column[i] - a[0][i] * factors[0];
+                column[i] = if is_pair { less - a[1][i] * factors[1] } else { less };
+            }
         }
+        k += 2;
     }
 }

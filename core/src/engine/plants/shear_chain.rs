@@ -11,6 +11,8 @@ pub struct ShearChain {
 }
 
 impl Equation for ShearChain {
+    const IS_SMALL: bool = false;
+
     #[inline(always)]
     fn size(self) -> usize {
         3 * self.masses + 1
