@@ -10,14 +10,15 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Channel, FilterKind, Hold, PlantKind, Record, Run, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 
 /// Runs side by side, samples of a record, and measurements of each number.
 const RUNS: usize = 8;
-const SAMPLES: usize = 501;
-const REPEATS: usize = 60;
+const SAMPLES: usize = 2001;
+const REPEATS: usize = 40;
 
 fn main() {
     println!("{:<44}{:>5}{:>10}{:>10}{:>10}{:>8}", "case", "n", "single", "SSE2", "AVX2", "ratio");
@@ -40,6 +41,41 @@ fn main() {
             measure(kind, plant, augment, hold);
         }
     }
+    let file = |path: &str| std::fs::read(format!("{}/../../assets/{path}", env!("CARGO_MANIFEST_DIR")));
+    let text = file("scenarios/circuit.toml").expect("the scenario is there");
+    let circuit = Scenario::from_toml(&String::from_utf8_lossy(&text)).expect("the scenario is valid");
+    let table = read(file("records/circuit.csv").expect("the record is there"), None).expect("it is a table");
+    let mapping = circuit.record.clone().expect("the scenario has a record");
+    let record = Builder::new(&table, &mapping, circuit.input, circuit.hold).and_then(Builder::finish);
+    let measured = record.expect("the record can be read").record;
+    map("map of the measured circuit", &circuit, &measured);
+    let simulated = Scenario { duration: (measured.len() - 1) as f64 * 0.01, ..Scenario::default() };
+    map("map of a simulated record", &simulated, &simulate(&simulated));
+    let same = Scenario { record: None, duration: (measured.len() - 1) as f64 * circuit.dt, ..circuit };
+    map("map of the circuit, simulated", &same, &simulate(&same));
+}
+
+/// Prints the time of a step in a map of guesses of the natural frequency.
+fn map(what: &str, base: &Scenario, record: &Record) {
+    let scenarios = guesses(base);
+    let runs: Vec<LaneRun<'_>> = scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record }).collect();
+    let mut least = f64::INFINITY;
+    for _ in 0..REPEATS / 4 {
+        least = least.min(time(|| outcomes_with(Level::best(), &runs, &[])));
+    }
+    println!("{what:<44}{:>35.0}", least / (RUNS * record.len()) as f64);
+}
+
+/// A scenario with guesses of its first filter.
+fn guesses(base: &Scenario) -> Vec<Scenario> {
+    let guess = |i: usize| {
+        let mut scenario = base.clone();
+        for channel in [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)] {
+            scenario.filters[0].initial_mean[channel] *= 0.9 + 0.02 * i as f64;
+        }
+        scenario
+    };
+    (0..RUNS).map(guess).collect()
 }
 
 /// Prints a line for a filter, over a record without its truth, as a measured one is.
@@ -50,15 +86,7 @@ fn measure(kind: FilterKind, plant: PlantKind, augment: &[Channel], hold: Hold) 
     base.filters[0].augment = augment.to_vec();
     base.set_plant(plant);
     let record = measured(&base);
-    let scenarios: Vec<Scenario> = (0..RUNS)
-        .map(|i| {
-            let mut scenario = base.clone();
-            for channel in [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)] {
-                scenario.filters[0].initial_mean[channel] *= 0.9 + 0.02 * i as f64;
-            }
-            scenario
-        })
-        .collect();
+    let scenarios = guesses(&base);
     let runs: Vec<LaneRun<'_>> =
         scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record: &record }).collect();
     assert!(runs.iter().all(|run| serves(run).is_ok_and(|is_served| is_served)), "the engine serves it");
@@ -77,11 +105,16 @@ fn measure(kind: FilterKind, plant: PlantKind, augment: &[Channel], hold: Hold) 
     println!("{case:<44}{n:>5}{single:>10.0}{baseline:>10.0}{avx2:>10.0}{:>8.1}", single / avx2);
 }
 
-/// A record of a scenario's truth without the truth.
-fn measured(scenario: &Scenario) -> Record {
+/// The record of a scenario.
+fn simulate(scenario: &Scenario) -> Record {
     let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).expect("the scenario is valid");
     run.finish();
-    let record = run.record();
+    run.record().clone()
+}
+
+/// A record of a scenario's truth without the truth.
+fn measured(scenario: &Scenario) -> Record {
+    let record = simulate(scenario);
     let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
     let values = record.input().to_vec();
     let input = kalmanscope_core::record::Input { kind: record.input_kind(), hold: record.hold(), values };
