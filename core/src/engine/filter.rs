@@ -13,7 +13,7 @@ use super::linearised::Linearised;
 use super::model::Model;
 use super::number::{Mask, Number};
 use super::sigma_points::{Rule, SigmaPoints};
-use super::update::{Told, Update};
+use super::update::{Observation, Told, Update};
 use crate::FilterError;
 use crate::filter::Course;
 use crate::model::Reading;
@@ -152,7 +152,7 @@ impl<'a, T: Number, L: Level> Filter<'a, T, L> {
     #[inline(always)]
     pub fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
         let Self { level, design, noise, belief, update, held, .. } = self;
-        update.condition(*level, design, belief, noise, force, measured, held)
+        update.condition(*level, design, belief, noise, Observation { force, measured }, held)
     }
 
     /// Why the last step does not hold for a lane.

@@ -40,8 +40,9 @@ pub struct Setup {
 impl Setup {
     /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
     /// components, with any augmentations, that adapts nothing, does not jump, has one guess, takes one step from a sample to the
-    /// next and has neither logarithms nor parameters that decay; a KF or EKF propagates by local linearisation. Plain filters of
-    /// an oscillator, which have a kernel and lanes of their own, are left to these.
+    /// next and has neither logarithms nor parameters that decay; a KF or EKF propagates by local linearisation. What others do as
+    /// fast is left to them: plain filters of an oscillator, which have lanes of their own, and the plain KF and EKF of a chain,
+    /// whose kernel knows its structure.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -92,10 +93,9 @@ impl Setup {
     }
 }
 
-/// Whether the engine has all that a filter's settings ask for, and no other does the same faster.
+/// Whether the engine has all that a filter's settings ask for, and no other does the same as fast.
 fn is_usual(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
     let model = context.model(settings);
-    let has_own_lanes = [PlantKind::SDOF, PlantKind::DUFFING].contains(&model.plant());
     model.eta() == 0.0
         && !settings.log_parameters
         && !settings.adaptation.is_on()
@@ -103,7 +103,16 @@ fn is_usual(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
         && settings.guesses == 1
         && settings.substeps == 1
         && model.size() <= MOST
-        && !(has_own_lanes && kernel::estimator::serves(settings, context))
+        && !is_done_as_fast(model.plant(), settings, context)
+}
+
+/// Whether lanes of its own or a kernel take such a filter. The choice must not depend on the processor, since it is one of bits.
+fn is_done_as_fast(plant: PlantKind, settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
+    const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
+    const WITH_STRUCTURE: [PlantKind; 3] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4];
+    let is_linearised = [FilterKind::KF, FilterKind::EKF].contains(&settings.kind);
+    (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
+        && kernel::estimator::serves(settings, context)
 }
 
 /// Whether input and measurements of a record are finite, but for measurements that are missing. The single filter tells where

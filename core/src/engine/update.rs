@@ -22,6 +22,15 @@ pub struct Told<T: Number> {
     pub holds: T::Mask,
 }
 
+/// One sample of the sensors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Observation<'a, T> {
+    /// The recorded force over mass that acts meanwhile \[m/s²\].
+    pub(super) force: T,
+    /// A number for each sensor; NaN where it is missing.
+    pub(super) measured: &'a [T],
+}
+
 /// Memory of an update.
 #[derive(Clone, Debug)]
 pub(super) struct Update<T> {
@@ -65,11 +74,11 @@ impl<T: Number> Update<T> {
         design: &Design,
         belief: &mut Belief<T>,
         noise: &Noise<T>,
-        force: T,
-        measured: &[T],
+        observation: Observation<'_, T>,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
         let Self { active, expected, .. } = self;
+        let Observation { force, measured } = observation;
         active.clear();
         for (sensor, value) in measured.iter().enumerate() {
             // Not a number in any lane.

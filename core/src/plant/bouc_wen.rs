@@ -3,6 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
+use crate::engine::plants::{Equation, bouc_wen};
 
 /// Bouc-Wen hysteresis with exponent 2 and state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
 ///
@@ -98,11 +99,7 @@ impl Plant for BoucWen {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
-        let product = v * z;
-        rate[0] = v;
-        rate[1] = force - 2.0 * zeta * wn * v - wn * wn * (z + alpha * (x - z));
-        rate[2] = v - (beta * product.abs() + gamma * product) * z;
+        bouc_wen::BoucWen.rate(state, force, rate);
     }
 
     /// At the kinks `v = 0` and `z = 0`, the derivative is the one for positive v.

@@ -3,6 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
+use crate::engine::plants::{Equation, bouc_wen};
 
 /// Bouc-Wen hysteresis with exponent 1 and state `y = [x, v, z, ωₙ, ζ, α, β₁, γ₁]`; [`super::bouc_wen::BoucWen`] has the
 /// exponent 2.
@@ -72,10 +73,7 @@ impl Plant for BoucWenOne {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
-        rate[0] = v;
-        rate[1] = force - 2.0 * zeta * wn * v - wn * wn * (z + alpha * (x - z));
-        rate[2] = v - beta * v.abs() * z - gamma * v * z.abs();
+        bouc_wen::BoucWenOne.rate(state, force, rate);
     }
 
     /// At the kinks `v = 0` and `z = 0`, the derivative is the one for positive v and z.
