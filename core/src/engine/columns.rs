@@ -214,3 +214,41 @@ pub fn square<T: Number>(factor: &[T], m: usize, e: &mut [T]) -> T {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::lanes::Lanes;
+
+    #[test]
+    fn a_root_leaves_out_what_is_certain_and_tells_what_has_none() {
+        let cov = [
+            Lanes([4.0, 4.0, 1.0, f64::NAN]),
+            Lanes([2.0, 0.0, 2.0, 0.0]),
+            Lanes([0.0; 4]),
+            Lanes([5.0, 0.0, 1.0, 1.0]),
+        ];
+        let mut root = [Lanes([0.0; 4]); 4];
+        let Rooted { holds, is_finite } = lower_root(&cov, &mut root, 2);
+        let of = |lane: usize| root.map(|entry| entry.lane(lane));
+        assert_eq!((of(0), of(1)), ([2.0, 1.0, 0.0, 2.0], [2.0, 0.0, 0.0, 0.0]));
+        assert_eq!([0, 1, 2, 3].map(|lane| holds.lane(lane)), [true, true, false, false]);
+        assert_eq!([2, 3].map(|lane| is_finite.lane(lane)), [true, false], "indefinite, and not a number");
+    }
+
+    #[test]
+    fn a_factor_divides_and_squares() {
+        let s = [4.0, 2.0, 0.0, 5.0];
+        let mut lower = s;
+        let (determinant, holds) = factor(&mut lower, 2);
+        assert_eq!((determinant, holds), (16.0, true));
+        let mut x = [1.0, 3.0, -2.0, 0.5];
+        divide(&lower, 2, &mut x, 2);
+        for (row, expected) in [(0, [1.0, -2.0]), (1, [3.0, 0.5])] {
+            let [a, b] = [x[row], x[2 + row]];
+            assert_eq!([4.0 * a + 2.0 * b, 2.0 * a + 5.0 * b], expected);
+        }
+        assert_eq!(square(&lower, 2, &mut [1.0, -2.0]), (5.0 + 8.0 + 16.0) / 16.0);
+        assert!(!factor(&mut [1.0, 2.0, 0.0, 1.0], 2).1, "indefinite");
+    }
+}

@@ -206,3 +206,63 @@ fn plus_product<T: Number>(out: &mut [T], t: f64, a: &[T], b: &[T], n: usize) {
         column[j] = column[j] + t;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::lanes::Lanes;
+    use crate::engine::level::Baseline;
+    use crate::integrate::exponential_integrals;
+    use crate::linalg::Matrix;
+
+    /// Sizes of steps of every class, some that are no numbers among them.
+    const SIZES: [f64; 8] = [1e-3, 3.0, 0.2, 0.4, 1e-6, f64::NAN, 40.0, 1e305];
+
+    /// The rates of two oscillators that pull on each other, this much faster.
+    fn block(i: usize, size: f64) -> f64 {
+        let rates = [0.0, 0.0, -1.0, 0.4, 0.0, 0.0, 0.3, -1.3, 1.0, 0.0, -0.1, 0.0, 0.0, 1.0, 0.05, -0.2];
+        size * rates[i]
+    }
+
+    fn of_lanes<T: Number>(sizes: &[f64], with_slope: bool) -> Exponential<T> {
+        let a: Vec<T> = (0..16).map(|i| T::from_lanes(|lane| block(i, sizes[lane]))).collect();
+        let mut exponential = Exponential::new(4);
+        exponential.compute(Baseline, &a, 4, 1.0, with_slope);
+        exponential
+    }
+
+    #[test]
+    fn each_lane_has_the_series_of_its_own_step() {
+        for with_slope in [false, true] {
+            let lanes = of_lanes::<Lanes<8>>(&SIZES, with_slope);
+            for (lane, size) in SIZES.into_iter().enumerate() {
+                let single = of_lanes::<f64>(&[size], with_slope);
+                let parts = [(&lanes.transition, &single.transition), (&lanes.constant, &single.constant)];
+                for (lanes, single) in parts {
+                    for (lanes, single) in lanes.iter().zip(single) {
+                        let same = lanes.lane(lane).to_bits() == single.to_bits();
+                        assert!(same || (lanes.lane(lane).is_nan() && single.is_nan()), "{size}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_exponential_is_that_of_the_book() {
+        for size in SIZES.into_iter().filter(|size| *size < 100.0) {
+            let a = Matrix::from_column_slice(4, 4, &(0..16).map(|i| block(i, size)).collect::<Vec<_>>());
+            let book = exponential_integrals(&a, 1.0);
+            let single = of_lanes::<f64>(&[size], true);
+            let pairs = [
+                (&book.transition, &single.transition),
+                (&book.constant, &single.constant),
+                (&book.slope, &single.slope),
+            ];
+            for (book, single) in pairs {
+                let error = (book - Matrix::from_column_slice(4, 4, single)).amax() / book.amax();
+                assert!(error < 1e-13, "{size}: {error:e}");
+            }
+        }
+    }
+}

@@ -93,3 +93,35 @@ impl<T: Number> Impulse<T> {
         Self { h: sum(0) * t, q: sum(1) * (t * t), p: sum(2) * (t * t * t) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::lanes::Lanes;
+    use crate::engine::level::Baseline;
+    use crate::integrate::ImpulseResponse;
+
+    const DT: f64 = 0.01;
+
+    #[test]
+    fn each_lane_has_the_response_of_its_own_oscillator() {
+        let frequencies: [f64; 8] = [6.0, 2000.0, 10.0, 0.0, 40.0, f64::INFINITY, 300.0, 1.0];
+        let a = frequencies.map(|frequency| -frequency * frequency);
+        let b = frequencies.map(|frequency| -0.1 * frequency);
+        let lanes = Impulse::new(Baseline, Lanes(a), Lanes(b), DT, true);
+        for lane in 0..8 {
+            let single = Impulse::new(Baseline, a[lane], b[lane], DT, true);
+            for (lanes, single) in [(lanes.h, single.h), (lanes.q, single.q), (lanes.p, single.p)] {
+                let lanes = lanes.lane(lane);
+                assert!(lanes.to_bits() == single.to_bits() || (lanes.is_nan() && single.is_nan()), "{}", a[lane]);
+            }
+            if a[lane].is_finite() {
+                let book = ImpulseResponse::new(a[lane], b[lane], DT);
+                let p = ImpulseResponse::second_integral(a[lane], b[lane], DT);
+                for (single, book) in [(single.h, book.value), (single.q, book.integral), (single.p, p)] {
+                    assert!((single - book).abs() <= 1e-11 * book.abs(), "{}: {single:e} {book:e}", a[lane]);
+                }
+            }
+        }
+    }
+}

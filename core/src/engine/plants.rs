@@ -176,3 +176,46 @@ fn differentiate<E: Equation, T: Number>(
         rate[i] = rates[i].value;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PlantKind;
+
+    #[test]
+    fn jacobians_by_duals_are_those_by_hand() {
+        for (kind, plant) in [
+            (PlantKind::SDOF, Plant::Sdof),
+            (PlantKind::DUFFING, Plant::Duffing),
+            (PlantKind::BOUC_WEN, Plant::BoucWen),
+            (PlantKind::BOUC_WEN_1, Plant::BoucWenOne),
+            (PlantKind::SHEAR_2, Plant::ShearChain(2)),
+            (PlantKind::SHEAR_5, Plant::ShearChain(5)),
+        ] {
+            let (n, motion) = (kind.channels().len(), kind.motion());
+            assert_eq!((plant.size(), plant.motion()), (n, motion), "{kind:?}");
+            for seed in 0..20 {
+                let mut state: Vec<f64> = (0..n).map(|i| libm::sin((7 * i + 3 * seed) as f64) * 2.0).collect();
+                if seed == 0 {
+                    // At a kink.
+                    state[1] = 0.0;
+                }
+                let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * n]);
+                let mut duals = vec![Dual::constant(0.0); n + motion];
+                plant.linearise(&state, 0.7, &mut rate, &mut columns, &mut duals);
+                let (mut known_rate, mut known) = (vec![0.0; motion], vec![0.0; motion * n]);
+                kind.plant().motion_rate(&state, 0.7, &mut known_rate);
+                kind.plant().motion_jacobian(&state, &mut known);
+                assert_eq!(rate, known_rate, "{kind:?}");
+                for (at, known) in known.iter().enumerate() {
+                    let found = columns[at % n * motion + at / n];
+                    assert!((found - known).abs() < 1e-13, "{kind:?} {at}: {found} and {known}");
+                }
+            }
+            let velocities = kind.channels()[..motion].iter().map(|channel| channel.rate().is_none());
+            let by_force: Vec<f64> = velocities.map(|is_velocity| f64::from(u8::from(is_velocity))).collect();
+            let by_force = by_force.iter().enumerate().map(|(i, by)| if motion == 3 && i == 2 { 0.0 } else { *by });
+            assert_eq!(plant.by_force(), by_force.collect::<Vec<_>>(), "{kind:?}");
+        }
+    }
+}

@@ -62,4 +62,5 @@ mod update;
 mod vector;
 
 pub use batch::{LaneRun, outcomes, outcomes_with, serves};
+pub use lane::LANES;
 pub use level::Level;
