@@ -3,7 +3,7 @@
 //! ```text
 //! number, lanes, dual      the numbers that equations are written for
 //! plants, model            how a state moves, and what sensors read
-//! filter                   predict and update
+//! design, filter           predict and update
 //!   linearised             the prediction of KF and EKF        (exponential, impulse)
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
 //!   expected, update       the measurements, and the belief after them
@@ -24,6 +24,7 @@
 
 pub mod belief;
 pub mod columns;
+pub mod design;
 pub mod dual;
 mod error_square;
 mod expected;
@@ -42,6 +43,7 @@ pub mod runge_kutta;
 mod scores;
 pub mod setup;
 pub mod sigma_points;
+pub mod step;
 mod update;
 
 pub use run::{Run, outcomes};

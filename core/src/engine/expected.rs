@@ -2,11 +2,10 @@
 
 use super::belief::Belief;
 use super::columns::{Rooted, add_times, entry, lower_root};
-use super::filter::{Design, Method};
+use super::design::{Design, Method, Rule};
 use super::level::Level;
 use super::model::{Derivatives, Model, gradient, read};
 use super::number::{Mask, Number};
-use super::sigma_points::Rule;
 use crate::model::Reading;
 
 /// The prediction of m measurements, and memory to work in.

@@ -7,68 +7,16 @@
 
 use super::belief::{Belief, Noise};
 use super::columns::Rooted;
+use super::design::{Design, Method};
 use super::fault::Held;
 use super::level::Level;
 use super::linearised::Linearised;
-use super::model::Model;
 use super::number::{Mask, Number};
-use super::sigma_points::{Rule, SigmaPoints};
+use super::sigma_points::SigmaPoints;
+use super::step::Step;
 use super::update::{Observation, Told, Update};
 use crate::FilterError;
 use crate::filter::Course;
-use crate::model::Reading;
-
-/// A step from one sample to the next.
-#[derive(Clone, Copy, Debug)]
-pub struct Step<T> {
-    /// The recorded force over mass at its beginning and at its end, linear in between \[m/s²\].
-    pub forces: [T; 2],
-    /// Whether they differ: else the force is held.
-    pub has_slope: bool,
-    /// The time that it takes \[s\].
-    pub dt: f64,
-}
-
-impl<T: Number> Step<T> {
-    /// The slope of the force over mass \[m/s³\].
-    #[inline(always)]
-    pub fn slope(&self) -> T {
-        (self.forces[1] - self.forces[0]) * (1.0 / self.dt)
-    }
-
-    /// The two halves of the step.
-    fn halves(&self) -> [Self; 2] {
-        let [begin, end] = self.forces;
-        let middle = begin + (end - begin) * 0.5;
-        [[begin, middle], [middle, end]].map(|forces| Self { forces, dt: 0.5 * self.dt, ..*self })
-    }
-}
-
-/// The way in which a filter predicts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Method {
-    /// KF and EKF.
-    Linearised,
-    /// UKF and CKF.
-    SigmaPoints(Rule),
-}
-
-/// What all runs of a batch share.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Design {
-    /// The model of the state.
-    pub model: Model,
-    /// The way of prediction.
-    pub method: Method,
-    /// Time between samples \[s\].
-    pub dt: f64,
-    /// Whether the recorded force is linear between samples.
-    pub has_slope: bool,
-    /// The reading of each sensor.
-    pub readings: Vec<Reading>,
-    /// The place of a white force and its course between samples.
-    pub white: Option<(usize, Course)>,
-}
 
 /// Filters of one design, one a lane, with their memory: a step needs no other.
 #[derive(Clone, Debug)]

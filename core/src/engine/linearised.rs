@@ -3,11 +3,11 @@
 use super::belief::Belief;
 use super::columns::{add_times, apply, congruence, multiply};
 use super::exponential::Exponential;
-use super::filter::Step;
 use super::impulse::Impulse;
 use super::level::Level;
 use super::model::{Derivatives, Model};
 use super::number::Number;
+use super::step::Step;
 
 /// The step from the mean, and memory to work in.
 #[derive(Clone, Debug)]

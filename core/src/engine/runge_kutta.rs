@@ -1,9 +1,9 @@
 //! Classical Runge-Kutta steps.
 
-use super::filter::Step;
 use super::model::Model;
 use super::number::Number;
 use super::plants::{Equation, with_equation};
+use super::step::Step;
 
 /// The memory of a Runge-Kutta step: where it begins, and four rates.
 #[derive(Clone, Debug)]

@@ -1,9 +1,8 @@
 //! The filter of a scenario, as plain numbers for a lane.
 
-use super::filter::{Design, Method};
+use super::design::{Design, Method, Rule};
 use super::model::Model;
 use super::plants::Plant;
-use super::sigma_points::Rule;
 use crate::estimator::FilterContext;
 use crate::filter::estimator::{build_filter, initial_gaussian};
 use crate::filter::{Gaussian, Linearised, Noise, Rule as BookRule};

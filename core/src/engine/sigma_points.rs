@@ -2,20 +2,12 @@
 
 use super::belief::Belief;
 use super::columns::{Rooted, lower_root};
-use super::filter::Step;
+use super::design::Rule;
 use super::level::Level;
 use super::model::Model;
 use super::number::Number;
 use super::runge_kutta::RungeKutta;
-
-/// Where sigma points are and what they weigh.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rule {
-    /// c², the square of their distance in standard deviations; each but the centre weighs `W = 1/(2 c²)`.
-    pub spread: f64,
-    /// o, the part of `s sᵀ` in a covariance.
-    pub offset: f64,
-}
+use super::step::Step;
 
 /// Memory in which sigma points are drawn and moved.
 #[derive(Clone, Debug)]

@@ -2,9 +2,9 @@
 
 use super::belief::{Belief, Noise};
 use super::columns::{add_times, divide, factor, square, take_times};
+use super::design::Design;
 use super::expected::Expected;
 use super::fault::Held;
-use super::filter::Design;
 use super::level::Level;
 use super::model::Model;
 use super::number::{Mask, Number};

@@ -3,24 +3,14 @@
 use kalmanscope_core::kernel::abreast::{Method, OscillatorFilter};
 use kalmanscope_core::kernel::model::Output;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Pass, Record, RunError, Scenario};
+use kalmanscope_core::{Pass, RunError};
 
 use crate::engine;
 use crate::lane::LANES;
+use crate::lane_run::LaneRun;
 use crate::level::Level;
 use crate::observation::{MOST, Observations, Run, knows_truth};
 use crate::plant::{Plant, Visitor, visit};
-
-/// One filter of a scenario, to be run over a record.
-#[derive(Clone, Copy, Debug)]
-pub struct LaneRun<'a> {
-    /// The scenario.
-    pub scenario: &'a Scenario,
-    /// The place of the filter in it.
-    pub place: usize,
-    /// The record.
-    pub record: &'a Record,
-}
 
 /// Whether a run goes in lanes: a KF, EKF or UKF of the linear oscillator, or outside a browser of the Duffing oscillator,
 /// with at most three sensors, for displacement, velocity or acceleration, with or without fading, decay of the parameters

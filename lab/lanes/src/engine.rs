@@ -3,7 +3,7 @@
 use kalmanscope_core::RunError;
 use kalmanscope_core::score::Outcome;
 
-use crate::batch::LaneRun;
+use crate::lane_run::LaneRun;
 use crate::level::Level;
 
 #[cfg(target_arch = "wasm32")]

@@ -47,6 +47,7 @@ mod expect;
 mod factor;
 mod impulse;
 mod lane;
+mod lane_run;
 mod level;
 mod linearised;
 mod observation;
@@ -61,6 +62,7 @@ mod update;
 #[cfg(target_arch = "x86_64")]
 mod vector;
 
-pub use batch::{LaneRun, outcomes, outcomes_with, serves};
+pub use batch::{outcomes, outcomes_with, serves};
 pub use lane::LANES;
+pub use lane_run::LaneRun;
 pub use level::Level;

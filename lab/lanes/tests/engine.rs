@@ -14,8 +14,10 @@ use gaps::with_gaps;
 use kalmanscope_core::engine::level::Baseline;
 use kalmanscope_core::engine::{self, Setup};
 use kalmanscope_core::record::Input;
-use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Aspect, Channel, FilterKind, Hold, Quantity, Record, Run, Scenario};
+use kalmanscope_core::score::{Look, Outcome};
+use kalmanscope_core::{
+    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Record, Run, Scenario, Values,
+};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use outcome_bits::bits;
 
@@ -162,3 +164,99 @@ fn the_engine_agrees_with_the_single_filter() {
 
 /// Limits the NIS per degree of freedom of a filter that has not diverged.
 const DIVERGED: f64 = 1e4;
+
+/// A truth, its record, and filters that differ from each other.
+fn shaken(augment: &[Channel], kind: FilterKind, plant: PlantKind) -> (Scenario, Record) {
+    let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY];
+    let mut scenario = truth(plant, &sensors, augment, Hold::First);
+    scenario.duration = 10.0;
+    let good = FilterSettings { kind, fading: 1.002, ..scenario.filters.remove(0) };
+    for i in 0..3 {
+        let mut filter = good.clone();
+        filter.initial_std[Channel::DISPLACEMENT] *= 1.0 + f64::from(i);
+        scenario.filters.push(filter);
+    }
+    let record = simulated(&scenario);
+    (scenario, record)
+}
+
+#[test]
+fn scores_against_a_truth_are_those_of_the_single_filter() {
+    for (augment, kind, plant) in [
+        (&[Channel::INPUT_GAIN][..], FilterKind::EKF, PlantKind::SDOF),
+        (&[Channel::INPUT_GAIN, Channel::UNKNOWN_FORCE], FilterKind::UKF, PlantKind::SDOF),
+        (&[Channel::INPUT_OFFSET], FilterKind::CKF, PlantKind::DUFFING),
+        (&[], FilterKind::UKF, PlantKind::BOUC_WEN),
+        (&[], FilterKind::EKF, PlantKind::SHEAR_2),
+    ] {
+        let (scenario, record) = shaken(augment, kind, plant);
+        let record = with_gaps(&record, true, |sensor, k| k % 9 == sensor);
+        let last = record.len() - 1;
+        let samples = [0, 1, 9, 500, last];
+        let runs: Vec<LaneRun<'_>> =
+            (0..3).map(|place| LaneRun { scenario: &scenario, place, record: &record }).collect();
+        for (place, lane) in outcomes_with(Level::best(), &runs, &samples).unwrap().iter().enumerate() {
+            let single = Outcome::at(&scenario, place, &record, &samples).unwrap();
+            let is_near = |a: f64, b: f64| (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-8 * a.abs().max(1e-6);
+            let what = format!("{plant:?} {kind:?} {place}\n{lane:?}\n{single:?}");
+            assert!(difference(&single, lane) < 1e-8, "{what}");
+            assert_eq!((lane.nees.degrees, lane.nees.samples), (single.nees.degrees, single.nees.samples), "{what}");
+            assert!(is_near(single.nees.sum, lane.nees.sum) && single.nees.samples > 900, "{what}");
+            assert_eq!((lane.diverged, lane.channels.len()), (single.diverged, single.channels.len()), "{what}");
+            for ((channel, a), (other, b)) in lane.channels.iter().zip(&single.channels) {
+                assert_eq!((channel, a.settled), (other, b.settled), "{what}");
+                let pairs = [(a.error, b.error), (a.std, b.std), (a.rmse, b.rmse), (a.share_inside, b.share_inside)];
+                assert!(pairs.into_iter().all(|(a, b)| is_near(a, b)), "{what}");
+            }
+            assert_eq!(lane.looks.len(), single.looks.len());
+            for (a, b) in lane.looks.iter().zip(&single.looks) {
+                let numbers = |look: &Look| [vec![look.nees, look.nis], look.channels.as_flattened().to_vec()].concat();
+                assert!(numbers(a).into_iter().zip(numbers(b)).all(|(a, b)| is_near(a, b)), "{what}");
+            }
+        }
+    }
+}
+
+/// One lane stops, beside others that go on.
+#[test]
+fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
+    let (good, record) = shaken(&[Channel::INPUT_GAIN], FilterKind::UKF, PlantKind::SDOF);
+    let spoilt = |sample: usize, value: f64| {
+        let sensors = record.sensors().iter().enumerate();
+        let column = |sensor: usize| {
+            let mut column = record.measured(sensor).to_vec();
+            column[sample] = if sensor == 0 { value } else { column[sample] };
+            column
+        };
+        let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
+        Record::new(record.dt(), input, sensors.map(|(at, &quantity)| (quantity, column(at))).collect()).unwrap()
+    };
+    let mut reasons = Vec::new();
+    for (kind, std, frequency, record) in [
+        (FilterKind::EKF, 1e-170, 8.0, record.clone()),
+        (FilterKind::UKF, 0.01, 8.0, spoilt(40, 1e200)),
+        (FilterKind::EKF, 1e3, 1e155, record.clone()),
+        (FilterKind::UKF, 1e3, 1e80, record.clone()),
+    ] {
+        let mut scenario = good.clone();
+        scenario.filters.iter_mut().for_each(|filter| filter.kind = kind);
+        let bad = &mut scenario.filters[1];
+        bad.sensor_std.fill(std);
+        bad.initial_mean[Channel::NATURAL_FREQUENCY] = frequency;
+        if std < 1e-100 {
+            // Neither the belief nor the sensors can err.
+            (bad.initial_std, bad.process_std) = (Values::ZERO, Values::ZERO);
+        }
+        let runs: Vec<LaneRun<'_>> =
+            (0..3).map(|place| LaneRun { scenario: &scenario, place, record: &record }).collect();
+        let lanes = outcomes_with(Level::best(), &runs, &[]).unwrap();
+        let singles: Vec<Outcome> = (0..3).map(|place| Outcome::of(&scenario, place, &record).unwrap()).collect();
+        for (lane, single) in lanes.iter().zip(&singles) {
+            assert_eq!((lane.stop, lane.samples), (single.stop, single.samples), "{kind:?} {std} {frequency}");
+        }
+        reasons.push(lanes[1].stop.unwrap().reason);
+        assert_eq!(lanes[0].stop.is_none(), record.measured(0)[40] < 1e100);
+    }
+    let expected = [FilterError::SingularInnovation, FilterError::ImpossibleMeasurement];
+    assert_eq!(reasons[..2], expected, "{reasons:?}");
+}
