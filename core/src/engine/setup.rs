@@ -64,17 +64,17 @@ impl Setup {
         let belief = Linearised::new(initial.clone(), Propagation::LocalLinearisation, 1);
         let filter = build_filter(Box::new(belief), settings, context);
         let (noise, white) = (filter.noise(), filter.white_force());
-        let is_known = |(_, column): &(usize, usize)| book.reading(context.sensors[*column]).is_some();
-        let columns: Vec<_> = columns.into_iter().enumerate().map(|(sensor, column)| (column, sensor)).collect();
-        let columns: Vec<_> = columns.into_iter().filter(is_known).collect();
-        let readings = columns.iter().filter_map(|&(_, sensor)| book.reading(context.sensors[sensor])).collect();
-        let sensors = columns.iter().map(|&(_, sensor)| noise.sensors[sensor]).collect();
+        // A sensor for what the model does not have tells it nothing.
+        let sensor = |(sensor, column): (usize, usize)| {
+            Some((column, book.reading(context.sensors[sensor])?, noise.sensors[sensor]))
+        };
+        let sensors: Vec<_> = columns.into_iter().enumerate().filter_map(sensor).collect();
         let design = Design {
             model,
             method,
             dt: context.dt,
             has_slope: context.hold == Hold::First,
-            readings,
+            readings: sensors.iter().map(|(_, reading, _)| reading.clone()).collect(),
             white: white.map(|white| (white.place, white.course)),
         };
         can_begin(&initial, noise).then(|| Self {
@@ -83,10 +83,10 @@ impl Setup {
             mean: initial.mean.as_slice().to_vec(),
             variance: initial.cov.diagonal().as_slice().to_vec(),
             process: noise.process.diagonal().as_slice().to_vec(),
-            sensors,
+            sensors: sensors.iter().map(|&(_, _, variance)| variance).collect(),
             fading: noise.fading,
             white: white.map_or(0.0, |white| white.variance),
-            columns: columns.into_iter().map(|(column, _)| column).collect(),
+            columns: sensors.iter().map(|&(column, ..)| column).collect(),
             input_delay: settings.input_delay,
         })
     }
