@@ -29,6 +29,7 @@ pub mod cramer_rao;
 pub mod diagnosis;
 pub mod diagnostics;
 pub mod document;
+pub mod engine;
 pub mod equation;
 pub mod estimates;
 pub mod filter;

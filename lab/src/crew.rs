@@ -9,10 +9,10 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use crate::{Runner, Slice};
 
-/// Limits the time between two portions of rows from one thread, where a single cell does not take longer.
+/// Limits the time between two portions of rows from one thread, where the cells that are computed at once do not take longer.
 const PORTION: Duration = Duration::from_millis(25);
 
-/// The cells of the first portions: as many as run side by side.
+/// The cells of the first portions: as many as run side by side, at most.
 const FIRST: usize = 8;
 
 /// The threads that serve all ensembles of a program.
@@ -82,7 +82,7 @@ struct Queue {
 
 impl Queue {
     fn serve(&self, runner: &Runner, sender: &Sender<Slice>, wake: &dyn Fn()) {
-        let mut portion = FIRST;
+        let (mut portion, mut at_once) = (FIRST, None);
         while self.is_wanted.load(Ordering::Relaxed) {
             let from = self.next.fetch_add(portion, Ordering::Relaxed);
             let Some(cells) = self.order.get(from..(from + portion).min(self.order.len())).filter(|c| !c.is_empty())
@@ -98,8 +98,9 @@ impl Queue {
             let taken = begin.elapsed();
             if taken < PORTION / 2 {
                 portion *= 2;
-            } else if taken > PORTION * 2 {
-                portion = (portion / 2).max(1);
+            } else if taken > PORTION * 2 && portion > 1 {
+                let at_once = *at_once.get_or_insert_with(|| cells.first().map_or(1, |&cell| runner.at_once(cell)));
+                portion = (portion / 2).max(at_once);
             }
         }
     }

@@ -76,6 +76,14 @@ impl Runner {
         self.rows_of(&runs, &outcomes)
     }
 
+    /// The number of cells that are best computed at once: where lanes take the filters of this cell, as many as run side by
+    /// side in the time of one or two, else one.
+    pub fn at_once(&self, cell: usize) -> usize {
+        let runs = self.runs(&[cell]);
+        let is_served = |run: &CellRun| self.ensemble.plan().filters.iter().all(|&place| is_served(run, place));
+        if !self.needs_history() && runs.iter().flatten().all(is_served) { ABREAST } else { 1 }
+    }
+
     /// The runs of some cells; none where a scenario is impossible.
     pub fn runs(&self, cells: &[usize]) -> Vec<Option<CellRun>> {
         // Those with one record after each other, so that it is simulated once.
@@ -191,6 +199,26 @@ impl Runner {
         let width = self.ensemble.plan().measures.len();
         row[nth * width..][..width].copy_from_slice(scores);
     }
+}
+
+/// The runs that go side by side.
+#[cfg(feature = "lanes")]
+const ABREAST: usize = kalmanscope_lanes::LANES;
+
+/// The runs that go side by side.
+#[cfg(not(feature = "lanes"))]
+const ABREAST: usize = 1;
+
+/// Whether lanes take the filter at a place of a run.
+#[cfg(feature = "lanes")]
+fn is_served(CellRun { scenario, record }: &CellRun, place: usize) -> bool {
+    kalmanscope_lanes::serves(&kalmanscope_lanes::LaneRun { scenario, place, record }).is_ok_and(|is_served| is_served)
+}
+
+/// Whether lanes take the filter at a place of a run.
+#[cfg(not(feature = "lanes"))]
+fn is_served(_: &CellRun, _: usize) -> bool {
+    false
 }
 
 /// The outcomes of the filter at a place of some possible runs, with looks at it at these samples.
@@ -310,6 +338,48 @@ mod tests {
         let single = runner.rows_of(&runs, &[vec![], vec![]]);
         assert!(single.iter().all(|number| number.is_finite()), "{single:?}");
         assert_eq!(runner.rows(&cells), single);
+    }
+
+    /// The scenario of a measured record: a gain of the input, which is linear between samples.
+    fn measured() -> Scenario {
+        let mut scenario = Scenario { duration: 5.0, hold: kalmanscope_core::Hold::First, ..Scenario::default() };
+        scenario.filters.iter_mut().for_each(|filter| filter.augment = vec![Channel::INPUT_GAIN]);
+        scenario
+    }
+
+    #[test]
+    fn the_row_of_a_cell_does_not_depend_on_those_beside_it() {
+        let axes = vec![Axis::parse("filters.*.initial_mean.natural_frequency=3:9:11").unwrap()];
+        let measures = vec![Measure::Nis, Measure::LogLikelihood, "estimate.input_gain".parse().unwrap()];
+        let plan = Plan { filters: vec![0, 1], measures, axes, ..Plan::default() };
+        let runner = Runner::new(Ensemble::new(measured(), plan).unwrap(), Source::Simulated).unwrap();
+        let all = runner.rows(&(0..11).collect::<Vec<_>>());
+        let single = runner.rows_of(&runner.runs(&(0..11).collect::<Vec<_>>()), &[vec![], vec![]]);
+        for cell in 0..11 {
+            assert_eq!(runner.rows(&[cell]), all[6 * cell..6 * cell + 6]);
+            // That of the filter by itself, to rounding.
+            for (number, single) in all[6 * cell..].iter().zip(&single[6 * cell..6 * cell + 6]) {
+                assert!((number - single).abs() < 1e-9 * single.abs(), "{number} and {single}");
+            }
+        }
+    }
+
+    #[cfg(feature = "lanes")]
+    #[test]
+    fn cells_that_lanes_take_are_computed_together() {
+        let at_once = |scenario: Scenario, measure: Measure| {
+            let plan = Plan { filters: vec![0], measures: vec![measure], ..Plan::default() };
+            Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap().at_once(0)
+        };
+        let alone = |kind| {
+            let mut scenario = measured();
+            scenario.filters[0].kind = kind;
+            scenario
+        };
+        assert_eq!(at_once(measured(), Measure::Nis), 8);
+        assert_eq!(at_once(Scenario { duration: 5.0, ..Scenario::default() }, Measure::Nis), 8);
+        assert_eq!(at_once(measured(), Measure::Verdict), 1);
+        assert_eq!(at_once(alone(kalmanscope_core::FilterKind::SR_UKF), Measure::Nis), 1);
     }
 
     #[test]

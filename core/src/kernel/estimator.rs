@@ -247,7 +247,7 @@ pub(crate) fn with_model<V: Visitor>(
 }
 
 /// Whether a kernel serves these settings, if one has the plant.
-pub(super) fn serves(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
+pub(crate) fn serves(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
     let model = context.model(settings);
     let reads = |quantity: &Quantity| model.reading(*quantity).is_none_or(|reading| Output::of(&reading).is_some());
     settings.augment.is_empty()

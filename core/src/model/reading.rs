@@ -96,6 +96,21 @@ impl Model {
 }
 
 impl Reading {
+    /// Components that it reads, with their factors.
+    pub fn components(&self) -> &[(usize, f64)] {
+        &self.state
+    }
+
+    /// Components whose rates it reads, with their factors.
+    pub fn rates(&self) -> &[(usize, f64)] {
+        &self.rates
+    }
+
+    /// The factor of the ground's acceleration.
+    pub fn ground(&self) -> f64 {
+        self.ground
+    }
+
     /// The component that it reads as it is, if it reads one alone.
     pub fn component(&self) -> Option<usize> {
         match (&self.state[..], &self.rates[..], self.ground) {

@@ -3,6 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
+use crate::engine::plants::{Equation, bouc_wen};
 
 /// Bouc-Wen hysteresis with the exponent n and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
 ///
@@ -29,18 +30,17 @@ impl BoucWen {
     pub const ONE: Self = Self { info: &ONE, memory: Memory { rate: rate_of_one, slopes: slopes_of_one } };
 }
 
-/// The equation of z, of `[v, z, β, γ]`.
+/// The exponent's part.
 #[derive(Clone, Copy, Debug)]
 struct Memory {
-    /// ż
-    rate: fn([f64; 4]) -> f64,
-    /// The derivatives of ż. At the kinks `v = 0` and `z = 0` they are those for positive v and z.
+    /// The rates of what moves.
+    rate: fn(&[f64], f64, &mut [f64]),
+    /// The derivatives of ż, of `[v, z, β, γ]`. At the kinks `v = 0` and `z = 0` they are those for positive v and z.
     slopes: fn([f64; 4]) -> [f64; 4],
 }
 
-fn rate_of_two([v, z, beta, gamma]: [f64; 4]) -> f64 {
-    let product = v * z;
-    v - (beta * product.abs() + gamma * product) * z
+fn rate_of_two(state: &[f64], force: f64, rate: &mut [f64]) {
+    bouc_wen::BoucWen.rate(state, force, rate);
 }
 
 fn slopes_of_two([v, z, beta, gamma]: [f64; 4]) -> [f64; 4] {
@@ -49,8 +49,8 @@ fn slopes_of_two([v, z, beta, gamma]: [f64; 4]) -> [f64; 4] {
     [by_v, by_z, -v.abs() * z.abs() * z, -v * z * z]
 }
 
-fn rate_of_one([v, z, beta, gamma]: [f64; 4]) -> f64 {
-    v - beta * v.abs() * z - gamma * v * z.abs()
+fn rate_of_one(state: &[f64], force: f64, rate: &mut [f64]) {
+    bouc_wen::BoucWenOne.rate(state, force, rate);
 }
 
 fn slopes_of_one([v, z, beta, gamma]: [f64; 4]) -> [f64; 4] {
@@ -70,10 +70,7 @@ impl Plant for BoucWen {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
-        rate[0] = v;
-        rate[1] = force - 2.0 * zeta * wn * v - wn * wn * (z + alpha * (x - z));
-        rate[2] = (self.memory.rate)([v, z, beta, gamma]);
+        (self.memory.rate)(state, force, rate);
     }
 
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {

@@ -3,6 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
+use crate::engine::plants::{Equation, duffing};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
 ///
@@ -55,9 +56,7 @@ impl Plant for Duffing {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        let &[x, v, wn, zeta, mu, ..] = state else { return };
-        rate[0] = v;
-        rate[1] = force - 2.0 * zeta * wn * v - wn * wn * x - mu * x * x * x;
+        duffing::Duffing.rate(state, force, rate);
     }
 
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {

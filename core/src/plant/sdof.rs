@@ -3,6 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
+use crate::engine::plants::{Equation, sdof};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
 ///
@@ -59,9 +60,7 @@ impl Plant for Sdof {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        let &[x, v, wn, zeta, ..] = state else { return };
-        rate[0] = v;
-        rate[1] = force - 2.0 * zeta * wn * v - wn * wn * x;
+        sdof::Sdof.rate(state, force, rate);
     }
 
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {

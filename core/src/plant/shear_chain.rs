@@ -3,6 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by_mass};
+use crate::engine::plants::{Equation, shear_chain};
 
 /// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
 /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
@@ -127,18 +128,7 @@ impl<const MASSES: usize> Plant for ShearChain<MASSES> {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        let damping = state[3 * MASSES];
-        let (mut below_x, mut below_v) = (0.0, 0.0);
-        for i in 0..MASSES {
-            let (x, v) = (state[i], state[MASSES + i]);
-            let storey = state[2 * MASSES + i] * (x - below_x) + damping * (v - below_v);
-            rate[i] = v;
-            rate[MASSES + i] = force - storey;
-            if i > 0 {
-                rate[MASSES + i - 1] += storey;
-            }
-            (below_x, below_v) = (x, v);
-        }
+        shear_chain::ShearChain { masses: MASSES }.rate(state, force, rate);
     }
 
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {

@@ -3,27 +3,19 @@
 use kalmanscope_core::kernel::abreast::{Method, OscillatorFilter};
 use kalmanscope_core::kernel::model::Output;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Pass, Record, RunError, Scenario};
+use kalmanscope_core::{Pass, RunError};
 
+use crate::engine;
 use crate::lane::LANES;
+use crate::lane_run::LaneRun;
 use crate::level::Level;
 use crate::observation::{MOST, Observations, Run, knows_truth};
 use crate::plant::{Plant, Visitor, visit};
 
-/// One filter of a scenario, to be run over a record.
-#[derive(Clone, Copy, Debug)]
-pub struct LaneRun<'a> {
-    /// The scenario.
-    pub scenario: &'a Scenario,
-    /// The place of the filter in it.
-    pub place: usize,
-    /// The record.
-    pub record: &'a Record,
-}
-
 /// Whether a run goes in lanes: a KF, EKF or UKF of the linear oscillator, or outside a browser of the Duffing oscillator,
 /// with at most three sensors, for displacement, velocity or acceleration, with or without fading, decay of the parameters
-/// and a delay of the input, under an input that is held. [`outcomes`] takes any other run too, at the pace of a single filter.
+/// and a delay of the input, under an input that is held; outside a browser also what the [engine](kalmanscope_core::engine::Setup::new)
+/// serves. [`outcomes`] takes any other run too, at the pace of a single filter.
 ///
 /// # Errors
 /// Those of [`Pass::new`].
@@ -31,7 +23,7 @@ pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
     Pass::columns(run.scenario, run.place, run.record)?;
     let mut search = Search { run, is_found: false };
     visit(&mut search);
-    Ok(search.is_found)
+    Ok(search.is_found || engine::serves(run)?)
 }
 
 /// A search for a plant with which a run goes in lanes.
@@ -47,7 +39,8 @@ impl Visitor for Search<'_> {
 }
 
 /// The outcomes of some runs, in their order, with the best instructions that this processor has. Runs that differ in numbers
-/// only, over one record or over records of the same length and dt, go side by side. Each has the bits of [`Outcome::of`].
+/// only, over one record or over records of the same length and dt, go side by side. Each has the bits of [`Outcome::of`], or
+/// those of the engine, which differ by rounding; either way they do not depend on the other runs.
 ///
 /// # Errors
 /// Those of [`Pass::new`], for the first run that has one.
@@ -63,6 +56,7 @@ pub fn outcomes(runs: &[LaneRun<'_>]) -> Result<Vec<Outcome>, RunError> {
 pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>], samples: &[usize]) -> Result<Vec<Outcome>, RunError> {
     let mut all = All { level, runs, samples, results: vec![None; runs.len()] };
     visit(&mut all);
+    engine::run(level, runs, samples, &mut all.results)?;
     let single = |(result, run): (Option<Outcome>, &LaneRun<'_>)| match result {
         Some(outcome) => Ok(outcome),
         None => Outcome::at(run.scenario, run.place, run.record, samples),

@@ -4,7 +4,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// The number of lanes: eight fill the widest registers. A browser's compiler has none for them, and keeps the numbers of two
 /// lanes out of memory.
-pub(crate) const LANES: usize = if cfg!(target_arch = "wasm32") { 2 } else { 8 };
+pub const LANES: usize = if cfg!(target_arch = "wasm32") { 2 } else { 8 };
 
 /// A truth value in each lane.
 pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {

@@ -6,8 +6,9 @@
 //!                    └ a lane whose step is special: the single filter takes it
 //! ```
 //!
-//! KF, EKF and UKF of the linear oscillator and, outside a browser, of the Duffing oscillator go in lanes ([`serves`]);
-//! [`outcomes`] runs any other filter by itself. A step in lanes is straight-line code: the kernel's operations, in its
+//! KF, EKF and UKF of the linear oscillator and, outside a browser, of the Duffing oscillator go in lanes ([`serves`]). There the
+//! engine takes further plants, augmentations and inputs that are not held. [`outcomes`] runs any other filter by itself. A step
+//! in lanes is straight-line code: the kernel's operations, in its
 //! order, and the lanes for which they hold. The instruction set is chosen while running; since no operation is fused, all
 //! give the same bits. A plant is one file and one line in `plant.rs`.
 //!
@@ -41,10 +42,12 @@
 mod array;
 mod batch;
 mod belief;
+mod engine;
 mod expect;
 mod factor;
 mod impulse;
 mod lane;
+mod lane_run;
 mod level;
 mod linearised;
 mod observation;
@@ -59,5 +62,7 @@ mod update;
 #[cfg(target_arch = "x86_64")]
 mod vector;
 
-pub use batch::{LaneRun, outcomes, outcomes_with, serves};
+pub use batch::{outcomes, outcomes_with, serves};
+pub use lane::LANES;
+pub use lane_run::LaneRun;
 pub use level::Level;

@@ -2,11 +2,14 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 mod common;
+#[path = "common/outcome_bits.rs"]
+mod outcome_bits;
 
 use common::{CHANNELS, Shaken, size, values, with_gaps};
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Values};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
+use outcome_bits::bits;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{RngSeed, TestRunner};
@@ -104,24 +107,6 @@ fn simulated(scenario: &Scenario) -> Record {
     let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
     run.finish();
     run.record().clone()
-}
-
-/// Every number of an outcome, bit by bit; one NaN is as good as another.
-fn bits(outcome: &Outcome) -> (Vec<u64>, String) {
-    let Outcome { samples, nees, nis, log_likelihood, stop, diverged, channels, mean, std, looks } = outcome;
-    let mut numbers = vec![nees.sum, nis.sum, *log_likelihood];
-    numbers.extend(mean.iter().chain(std));
-    for (_, score) in channels {
-        numbers.extend([score.error, score.std, score.rmse, score.share_inside]);
-    }
-    for look in looks {
-        numbers.extend([look.nees, look.nis]);
-        numbers.extend(look.channels.as_flattened());
-    }
-    let settled: Vec<_> = channels.iter().map(|(channel, score)| (channel.key(), score.settled)).collect();
-    let counts = [nees.degrees, nees.samples, nis.degrees, nis.samples];
-    let rest = format!("{samples} {counts:?} {stop:?} {diverged} {settled:?}");
-    (numbers.iter().map(|x| if x.is_nan() { u64::MAX } else { x.to_bits() }).collect(), rest)
 }
 
 /// Holds every lane at every instruction set to the single filter. Returns the number of runs that stopped early.

@@ -1,0 +1,83 @@
+//! What a filter knows of the state, and what it takes for noise.
+
+use super::number::{Mask, Number};
+
+/// A normal distribution over n components, in each lane.
+#[derive(Clone, Debug)]
+pub struct Belief<T> {
+    /// y, n numbers.
+    pub mean: Vec<T>,
+    /// P, n × n, of which the lower triangle counts.
+    pub cov: Vec<T>,
+}
+
+/// The noise that a filter assumes.
+#[derive(Clone, Debug)]
+pub struct Noise<T> {
+    /// The diagonal of Q.
+    pub process: Vec<T>,
+    /// The diagonal of R.
+    pub sensors: Vec<T>,
+    /// The fading factor λ ≥ 1 on the predicted covariance.
+    pub fading: T,
+}
+
+impl<T: Number> Belief<T> {
+    /// n
+    #[inline(always)]
+    pub fn size(&self) -> usize {
+        self.mean.len()
+    }
+
+    /// `λ P + Q` in place of P. A variance that is zero but for rounding may have come out on the wrong side.
+    #[inline(always)]
+    pub fn spread(&mut self, noise: &Noise<T>) {
+        let n = self.size();
+        for j in 0..n {
+            for entry in &mut self.cov[j * n + j..(j + 1) * n] {
+                *entry = *entry * noise.fading;
+            }
+            let variance = self.cov[j * n + j] + noise.process[j];
+            self.cov[j * n + j] = T::select(variance.lt(T::of(0.0)), T::of(0.0), variance);
+        }
+    }
+
+    /// Makes a component another one, which has mean zero and this variance and knows nothing of the others.
+    #[inline(always)]
+    pub fn renew(&mut self, place: usize, variance: T) {
+        let n = self.size();
+        self.mean[place] = T::of(0.0);
+        for i in 0..n {
+            let at = if i >= place { place * n + i } else { i * n + place };
+            self.cov[at] = T::of(0.0);
+        }
+        self.cov[place * n + place] = variance;
+    }
+
+    /// The lanes whose numbers are finite, and those whose variances are not negative.
+    #[inline(always)]
+    pub fn check(&self) -> [T::Mask; 2] {
+        let n = self.size();
+        let mut sum = T::of(0.0);
+        let mut is_positive = T::Mask::of(true);
+        for j in 0..n {
+            // A sum is finite only if all its terms are, short of an overflow, which is as bad.
+            let mut column = self.mean[j];
+            for &entry in &self.cov[j * n + j..(j + 1) * n] {
+                column = column + entry;
+            }
+            sum = sum + column;
+            is_positive = is_positive & !self.cov[j * n + j].lt(T::of(0.0));
+        }
+        [sum.is_finite(), is_positive]
+    }
+
+    /// Gives a lane a belief that makes no trouble.
+    pub fn park(&mut self, lane: usize) {
+        let n = self.size();
+        self.mean.iter_mut().for_each(|mean| mean.set_lane(lane, 0.0));
+        for (at, entry) in self.cov.iter_mut().enumerate() {
+            entry.set_lane(lane, if at % (n + 1) == 0 { 1.0 } else { 0.0 });
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! What the runs of a batch share.
+
+use super::model::Model;
+use crate::filter::Course;
+use crate::model::Reading;
+
+/// Where sigma points are and what they weigh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// c², the square of their distance in standard deviations; each but the centre weighs `W = 1/(2 c²)`.
+    pub spread: f64,
+    /// o, the part of `s sᵀ` in a covariance.
+    pub offset: f64,
+}
+
+/// The way in which a filter predicts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// KF and EKF.
+    Linearised,
+    /// UKF and CKF.
+    SigmaPoints(Rule),
+}
+
+/// What all runs of a batch share.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    /// The model of the state.
+    pub model: Model,
+    /// The way of prediction.
+    pub method: Method,
+    /// Time between samples \[s\].
+    pub dt: f64,
+    /// Whether the recorded force is linear between samples.
+    pub has_slope: bool,
+    /// The reading of each sensor.
+    pub readings: Vec<Reading>,
+    /// The place of a white force and its course between samples.
+    pub white: Option<(usize, Course)>,
+}

@@ -1,0 +1,184 @@
+//! Numbers that carry derivatives: the Jacobian of a plant from its equation.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::number::{Number, Real};
+
+/// A number and its derivatives by K others. `on` tells which of them are not zero for certain: a compiler that inlines an
+/// equation knows them, and leaves out the operations with zeros.
+#[derive(Clone, Copy, Debug)]
+pub struct Dual<T, const K: usize> {
+    /// The number.
+    pub value: T,
+    part: [T; K],
+    on: [bool; K],
+}
+
+impl<T: Number, const K: usize> Dual<T, K> {
+    /// A number that depends on none of the others.
+    #[inline(always)]
+    pub fn constant(value: T) -> Self {
+        Self { value, part: [value; K], on: [false; K] }
+    }
+
+    /// The other at place `k`, or a constant where there is none.
+    #[inline(always)]
+    pub fn variable(value: T, k: usize) -> Self {
+        let mut dual = Self::constant(value);
+        if k < K {
+            (dual.part[k], dual.on[k]) = (T::of(1.0), true);
+        }
+        dual
+    }
+
+    /// The derivative by the other at place `k`.
+    #[inline(always)]
+    pub fn derivative(&self, k: usize) -> T {
+        if self.on[k] { self.part[k] } else { T::of(0.0) }
+    }
+}
+
+impl<T: Number, const K: usize> Add for Dual<T, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(mut self, other: Self) -> Self {
+        for k in 0..K {
+            if other.on[k] {
+                self.part[k] = if self.on[k] { self.part[k] + other.part[k] } else { other.part[k] };
+                self.on[k] = true;
+            }
+        }
+        self.value = self.value + other.value;
+        self
+    }
+}
+
+impl<T: Number, const K: usize> Sub for Dual<T, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl<T: Number, const K: usize> Mul for Dual<T, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(mut self, other: Self) -> Self {
+        for k in 0..K {
+            self.part[k] = match (self.on[k], other.on[k]) {
+                (true, true) => self.part[k] * other.value + self.value * other.part[k],
+                (true, false) => self.part[k] * other.value,
+                (false, true) => self.value * other.part[k],
+                (false, false) => self.part[k],
+            };
+            self.on[k] |= other.on[k];
+        }
+        self.value = self.value * other.value;
+        self
+    }
+}
+
+impl<T: Number, const K: usize> Div for Dual<T, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(mut self, other: Self) -> Self {
+        let quotient = self.value / other.value;
+        for k in 0..K {
+            self.part[k] = match (self.on[k], other.on[k]) {
+                (true, true) => (self.part[k] - quotient * other.part[k]) / other.value,
+                (true, false) => self.part[k] / other.value,
+                (false, true) => -(quotient * other.part[k]) / other.value,
+                (false, false) => self.part[k],
+            };
+            self.on[k] |= other.on[k];
+        }
+        self.value = quotient;
+        self
+    }
+}
+
+impl<T: Number, const K: usize> Neg for Dual<T, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(mut self) -> Self {
+        for k in 0..K {
+            if self.on[k] {
+                self.part[k] = -self.part[k];
+            }
+        }
+        self.value = -self.value;
+        self
+    }
+}
+
+impl<T: Number, const K: usize> Add<f64> for Dual<T, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(mut self, other: f64) -> Self {
+        self.value = self.value + other;
+        self
+    }
+}
+
+impl<T: Number, const K: usize> Mul<f64> for Dual<T, K> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(mut self, other: f64) -> Self {
+        for k in 0..K {
+            if self.on[k] {
+                self.part[k] = self.part[k] * other;
+            }
+        }
+        self.value = self.value * other;
+        self
+    }
+}
+
+impl<T: Number, const K: usize> Real for Dual<T, K> {
+    #[inline(always)]
+    fn of(constant: f64) -> Self {
+        Self::constant(T::of(constant))
+    }
+
+    /// At zero the derivative is that from above.
+    #[inline(always)]
+    fn abs(mut self) -> Self {
+        let sign = self.value.sign();
+        for k in 0..K {
+            if self.on[k] {
+                self.part[k] = self.part[k] * sign;
+            }
+        }
+        self.value = self.value.abs();
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_are_those_of_the_rules() {
+        let (x, y) = (Dual::<f64, 2>::variable(-1.5, 0), Dual::<f64, 2>::variable(0.7, 1));
+        let of = |dual: Dual<f64, 2>| [dual.value, dual.derivative(0), dual.derivative(1)];
+        let (a, b) = (-1.5, 0.7);
+        assert_eq!(of(x * y), [a * b, b, a]);
+        assert_eq!(of(x + y * 2.0), [a + b * 2.0, 1.0, 2.0]);
+        assert_eq!(of(x - y), [a - b, 1.0, -1.0]);
+        assert_eq!(of(x.abs() + 1.0), [2.5, -1.0, 0.0]);
+        let [value, by_x, by_y] = of(x / y);
+        assert_eq!(value, a / b);
+        assert!((by_x - 1.0 / b).abs() < 1e-15 && (by_y + a / (b * b)).abs() < 1e-15);
+        assert_eq!(of(Dual::of(2.0) / y)[1..], [0.0, -(2.0 / b) / b]);
+        assert_eq!(of(-(x * x)), [-a * a, -2.0 * a, 0.0]);
+    }
+}

@@ -1,0 +1,77 @@
+//! The normalised estimation error squared, in lanes.
+
+use super::belief::Belief;
+use super::columns::entry;
+use super::number::{Mask, Number};
+
+/// Limits the rounding error of an estimate over a long record, relative to its largest value.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// The errors of the channels at some places of a state, and memory to weigh them.
+#[derive(Clone, Debug)]
+pub(super) struct ErrorSquare<T> {
+    places: Vec<usize>,
+    errors: Vec<T>,
+    /// The largest absolute mean of each channel so far; the rounding error of an estimate is relative to it.
+    sizes: Vec<T>,
+    variances: Vec<T>,
+    factor: Vec<T>,
+}
+
+impl<T: Number> ErrorSquare<T> {
+    pub(super) fn new(places: Vec<usize>) -> Self {
+        let (count, zeros) = (places.len(), |count: usize| vec![T::of(0.0); count]);
+        Self {
+            places,
+            errors: zeros(count),
+            sizes: zeros(count),
+            variances: zeros(count),
+            factor: zeros(count * count),
+        }
+    }
+
+    /// Puts the error of the channel at one of the places.
+    #[inline(always)]
+    pub(super) fn put(&mut self, at: usize, error: T) {
+        self.errors[at] = error;
+    }
+
+    /// `eᵀ P⁻¹ e` by the factor `P = L D Lᵀ` over the components of positive variance, and their number: zero where there is
+    /// none, P is not positive definite or e is not a number. A variance is at least that of the rounding error.
+    ///
+    /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
+    #[inline(always)]
+    pub(super) fn of(&mut self, belief: &Belief<T>) -> (T, T) {
+        let Self { places, errors, sizes, variances, factor } = self;
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        let (count, n) = (places.len(), belief.size());
+        for j in 0..count {
+            for i in j..count {
+                factor[j * count + i] = entry(&belief.cov, n, places[i], places[j]);
+            }
+            sizes[j] = sizes[j].max(belief.mean[places[j]].abs());
+            let floor = sizes[j] * sizes[j] * (ROUNDING * ROUNDING);
+            let variance = factor[j * count + j];
+            variances[j] = T::select(zero.lt(variance), variance + floor, zero);
+            factor[j * count + j] = variances[j];
+        }
+        let (mut sum, mut degrees, mut is_positive) = (zero, zero, T::Mask::of(true));
+        for j in 0..count {
+            let (variance, pivot) = (variances[j], factor[j * count + j]);
+            let counts = zero.lt(variance);
+            is_positive = is_positive & (!counts | (variance * (4.0 * count as f64 * f64::EPSILON)).lt(pivot));
+            let inverse = T::select(counts, one / pivot, zero);
+            degrees = degrees + T::select(counts, one, zero);
+            sum = sum + errors[j] * errors[j] * inverse;
+            for k in j + 1..count {
+                let share = factor[j * count + k] * inverse;
+                errors[k] = errors[k] - share * errors[j];
+                for i in k..count {
+                    factor[k * count + i] = factor[k * count + i] - factor[j * count + i] * share;
+                }
+            }
+        }
+        let counts = is_positive & sum.is_number();
+        (sum, T::select(counts, degrees, zero))
+    }
+}

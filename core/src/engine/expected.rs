@@ -1,0 +1,221 @@
+//! The measurements that a belief expects.
+
+use super::belief::Belief;
+use super::columns::{Rooted, add_times, entry, lower_root};
+use super::design::{Design, Method, Rule};
+use super::level::Level;
+use super::model::{Derivatives, Model, gradient, read};
+use super::number::{Mask, Number};
+use crate::model::Reading;
+
+/// The prediction of m measurements, and memory to work in.
+#[derive(Clone, Debug)]
+pub(super) struct Expected<T> {
+    /// h(y⁻), m numbers.
+    pub(super) mean: Vec<T>,
+    /// `H P⁻ Hᵀ`, m × m, without noise.
+    pub(super) cov: Vec<T>,
+    /// `P⁻ Hᵀ`, n × m.
+    pub(super) cross: Vec<T>,
+    /// Whether there is an H.
+    pub(super) is_linear: bool,
+    /// The rows of H of sensors that read more than components, n numbers for each.
+    rows: Vec<T>,
+    derivatives: Derivatives<T>,
+    points: Points<T>,
+}
+
+/// Sigma points, and the readings in them.
+#[derive(Clone, Debug)]
+struct Points<T> {
+    root: Vec<T>,
+    state: Vec<T>,
+    high: Vec<T>,
+    low: Vec<T>,
+    shift: Vec<T>,
+}
+
+impl<T: Number> Expected<T> {
+    /// Memory for a model and so many sensors.
+    pub(super) fn new(model: &Model, sensors: usize) -> Self {
+        let zeros = |count: usize| vec![T::of(0.0); count];
+        let n = model.size;
+        Self {
+            mean: zeros(sensors),
+            cov: zeros(sensors * sensors),
+            cross: zeros(sensors * n),
+            is_linear: true,
+            rows: zeros(sensors * n),
+            derivatives: Derivatives::new(model),
+            points: Points {
+                root: zeros(n * n),
+                state: zeros(n),
+                high: zeros(sensors),
+                low: zeros(sensors),
+                shift: zeros(sensors),
+            },
+        }
+    }
+
+    /// n
+    #[inline(always)]
+    pub(super) fn size(&self) -> usize {
+        self.points.state.len()
+    }
+
+    /// Takes the prediction of some sensors' measurements while this recorded force acts. Sigma points through a linear function
+    /// give its exact moments, which H gives for less. Returns the lanes for which points can be drawn.
+    #[inline(always)]
+    pub(super) fn take<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &Belief<T>,
+        active: &[usize],
+        force: T,
+    ) -> Rooted<T::Mask> {
+        self.is_linear = true;
+        if design.readings.iter().all(Reading::is_of_components) {
+            level.apart(
+                #[inline(always)]
+                || self.linearise(design, belief, active, force),
+            );
+        } else if let Method::SigmaPoints(rule) = design.method {
+            self.is_linear = false;
+            return level.apart(
+                #[inline(always)]
+                || self.transform(rule, design, belief, active, force),
+            );
+        } else {
+            level.apart(
+                #[inline(always)]
+                || self.derivatives.take(&design.model, &belief.mean, force),
+            );
+            level.apart(
+                #[inline(always)]
+                || self.linearise(design, belief, active, force),
+            );
+        }
+        Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
+    }
+
+    /// As an EKF has it: h at the mean, and H.
+    #[inline(always)]
+    fn linearise(&mut self, design: &Design, belief: &Belief<T>, active: &[usize], force: T) {
+        let (n, m, Design { model, readings, .. }) = (self.size(), active.len(), design);
+        for (row, &sensor) in active.iter().enumerate() {
+            let reading = &readings[sensor];
+            let rate = &self.derivatives.rate;
+            self.mean[row] = read(model, reading, &belief.mean, rate, force);
+            if !reading.is_of_components() {
+                gradient(model, reading, &self.derivatives, force, &mut self.rows[row * n..(row + 1) * n]);
+            }
+            let mut cross = std::mem::take(&mut self.cross);
+            self.times_cov(reading, row, &belief.cov, &mut cross[row * n..(row + 1) * n]);
+            self.cross = cross;
+        }
+        for (row, &sensor) in active.iter().enumerate() {
+            for column in 0..=row {
+                let cross = &self.cross[column * n..(column + 1) * n];
+                let mut sum = T::of(0.0);
+                if readings[sensor].is_of_components() {
+                    for &(place, factor) in readings[sensor].components() {
+                        sum = sum + cross[place] * factor;
+                    }
+                } else {
+                    for k in 0..n {
+                        sum = sum + self.rows[row * n + k] * cross[k];
+                    }
+                }
+                self.cov[column * m + row] = sum;
+            }
+        }
+    }
+
+    /// `P hᵀ` of the row h of H that belongs to a sensor, n numbers.
+    #[inline(always)]
+    pub(super) fn times_cov(&self, reading: &Reading, row: usize, cov: &[T], out: &mut [T]) {
+        let n = out.len();
+        if reading.is_of_components() {
+            for i in 0..n {
+                let mut sum = T::of(0.0);
+                for &(place, factor) in reading.components() {
+                    sum = sum + entry(cov, n, i, place) * factor;
+                }
+                out[i] = sum;
+            }
+        } else {
+            let h = &self.rows[row * n..(row + 1) * n];
+            for i in 0..n {
+                let mut sum = entry(cov, n, i, 0) * h[0];
+                for k in 1..n {
+                    sum = sum + entry(cov, n, i, k) * h[k];
+                }
+                out[i] = sum;
+            }
+        }
+    }
+
+    /// As a UKF has it, by sigma points that are drawn afresh.
+    ///
+    /// ```text
+    /// h = h(y⁻) + s,  s = Σ W d,  S = Σ W d dᵀ + o s sᵀ,  P⁻ Hᵀ = Σ W (χ - y⁻) dᵀ,  d = h(χ) - h(y⁻)
+    /// ```
+    #[inline(always)]
+    fn transform(
+        &mut self,
+        rule: Rule,
+        design: &Design,
+        belief: &Belief<T>,
+        active: &[usize],
+        force: T,
+    ) -> Rooted<T::Mask> {
+        let Self { mean: expected, cov, cross, derivatives, points, .. } = self;
+        let Points { root, state, high, low, shift } = points;
+        let (n, m, mean) = (state.len(), active.len(), &belief.mean);
+        let rate = &mut derivatives.rate;
+        let rooted = lower_root(&belief.cov, root, n);
+        let distance = rule.spread.sqrt();
+        let weight = 0.5 / rule.spread;
+        read_all(design, active, mean, rate, force, expected);
+        shift[..m].fill(T::of(0.0));
+        cov[..m * m].fill(T::of(0.0));
+        cross[..m * n].fill(T::of(0.0));
+        for column in root.chunks_exact(n) {
+            for (side, readings) in [(distance, &mut *high), (-distance, &mut *low)] {
+                for i in 0..n {
+                    state[i] = mean[i] + column[i] * side;
+                }
+                read_all(design, active, state, rate, force, readings);
+            }
+            for row in 0..m {
+                (high[row], low[row]) = (high[row] - expected[row], low[row] - expected[row]);
+                shift[row] = shift[row] + (high[row] + low[row]);
+                for other in 0..=row {
+                    let both = high[row] * high[other] + low[row] * low[other];
+                    cov[other * m + row] = cov[other * m + row] + both;
+                }
+                let across = (high[row] - low[row]) * (weight * distance);
+                add_times(&mut cross[row * n..(row + 1) * n], across, column);
+            }
+        }
+        for row in 0..m {
+            shift[row] = shift[row] * weight;
+            expected[row] = expected[row] + shift[row];
+            for other in 0..=row {
+                let both = shift[row] * shift[other] * rule.offset;
+                cov[other * m + row] = cov[other * m + row] * weight + both;
+            }
+        }
+        rooted
+    }
+}
+
+/// The readings of some sensors in a state.
+#[inline(always)]
+fn read_all<T: Number>(design: &Design, active: &[usize], state: &[T], rate: &mut [T], force: T, readings: &mut [T]) {
+    design.model.rate(state, force, rate);
+    for (row, &sensor) in active.iter().enumerate() {
+        readings[row] = read(&design.model, &design.readings[sensor], state, rate, force);
+    }
+}

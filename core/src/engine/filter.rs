@@ -1,0 +1,117 @@
+//! A filter: predict and update.
+//!
+//! ```text
+//! predict   y⁻ = g-step of y,  P⁻ = λ cov(g-step of y) + Q
+//! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
+//! ```
+
+use super::belief::{Belief, Noise};
+use super::columns::Rooted;
+use super::design::{Design, Method};
+use super::fault::Held;
+use super::level::Level;
+use super::linearised::Linearised;
+use super::number::{Mask, Number};
+use super::sigma_points::SigmaPoints;
+use super::step::Step;
+use super::update::{Observation, Told, Update};
+use crate::FilterError;
+use crate::filter::Course;
+
+/// Filters of one design, one a lane, with their memory: a step needs no other.
+#[derive(Clone, Debug)]
+pub struct Filter<'a, T: Number, L> {
+    level: L,
+    design: &'a Design,
+    noise: Noise<T>,
+    /// The variance of the white force.
+    white: T,
+    /// The belief after the last predict or update.
+    pub belief: Belief<T>,
+    linearised: Linearised<T>,
+    points: SigmaPoints<T>,
+    update: Update<T>,
+    /// The lanes for which the parts of the last step hold.
+    held: Held<T::Mask>,
+}
+
+impl<'a, T: Number, L: Level> Filter<'a, T, L> {
+    /// Filters that begin with a belief.
+    pub fn new(level: L, design: &'a Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
+        let Design { model, readings, .. } = design;
+        Self {
+            level,
+            design,
+            noise,
+            white,
+            belief,
+            linearised: Linearised::new(model),
+            points: SigmaPoints::new(model),
+            update: Update::new(model, readings.len()),
+            held: Held::new(),
+        }
+    }
+
+    /// Carries the beliefs over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\].
+    ///
+    /// A white force is another one from the next sample on, or from the middle of the step ([`Course`]).
+    #[inline(always)]
+    pub fn predict(&mut self, forces: [T; 2]) {
+        let Design { has_slope, dt, white, .. } = self.design;
+        let [begin, end] = forces;
+        let whole = Step { forces: [begin, if *has_slope { end } else { begin }], has_slope: *has_slope, dt: *dt };
+        if let Some((place, Course::Centred)) = *white {
+            let [first, second] = whole.halves();
+            let begun = self.advance(&first);
+            self.belief.renew(place, self.white);
+            let rooted = self.advance(&second);
+            self.held.predicted = Rooted {
+                holds: begun.holds & rooted.holds,
+                is_finite: begun.is_finite & (!begun.holds | rooted.is_finite),
+            };
+        } else {
+            self.held.predicted = self.advance(&whole);
+        }
+        let Self { level, belief, noise, .. } = self;
+        level.apart(
+            #[inline(always)]
+            || belief.spread(noise),
+        );
+        if let Some((place, Course::Held | Course::Continuous)) = *white {
+            self.belief.renew(place, self.white);
+        }
+    }
+
+    /// Moves the beliefs, without noise.
+    #[inline(always)]
+    fn advance(&mut self, step: &Step<T>) -> Rooted<T::Mask> {
+        let Self { level, design: Design { model, method, .. }, belief, linearised, points, .. } = self;
+        match *method {
+            Method::Linearised => {
+                linearised.advance(*level, model, belief, step);
+                Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
+            }
+            Method::SigmaPoints(rule) => points.advance(*level, rule, model, belief, step),
+        }
+    }
+
+    /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its sensor. The
+    /// last step holds for [some lanes](Told::holds); [`Self::reason`] tells why not for the others.
+    #[inline(always)]
+    pub fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
+        let Self { level, design, noise, belief, update, held, .. } = self;
+        update.condition(*level, design, belief, noise, Observation { force, measured }, held)
+    }
+
+    /// Why the last step does not hold for a lane.
+    #[cold]
+    pub fn reason(&self, lane: usize) -> FilterError {
+        self.held.reason(lane, || self.update.of_lane(lane))
+    }
+
+    /// ln det S of the last update in a lane.
+    #[cold]
+    pub fn ln_determinant(&self, lane: usize) -> f64 {
+        self.update.ln_determinant(lane)
+    }
+}

@@ -1,0 +1,224 @@
+//! Numbers side by side, as plain arrays: straight lines of code that the compiler turns into vector instructions.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use super::number::{Mask, Number, Real};
+
+/// The numbers of L runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(target_arch = "wasm32"), repr(align(64)))]
+pub struct Lanes<const L: usize>(pub [f64; L]);
+
+/// Truth values of L runs: all bits of a lane are ones, or none, as the comparisons of vector units have it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(target_arch = "wasm32"), repr(align(64)))]
+pub struct Bits<const L: usize>([u64; L]);
+
+impl<const L: usize> Lanes<L> {
+    #[inline(always)]
+    fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
+        for lane in 0..L {
+            self.0[lane] = f(self.0[lane]);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn with(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        for lane in 0..L {
+            self.0[lane] = f(self.0[lane], other.0[lane]);
+        }
+        self
+    }
+
+    #[inline(always)]
+    fn compare(self, other: Self, f: impl Fn(f64, f64) -> bool) -> Bits<L> {
+        let mut bits = [0; L];
+        for lane in 0..L {
+            bits[lane] = if f(self.0[lane], other.0[lane]) { !0 } else { 0 };
+        }
+        Bits(bits)
+    }
+}
+
+impl<const L: usize> Bits<L> {
+    #[inline(always)]
+    fn with(mut self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
+        for lane in 0..L {
+            self.0[lane] = f(self.0[lane], other.0[lane]);
+        }
+        self
+    }
+}
+
+/// Operators lane by lane.
+macro_rules! operators {
+    ($type:ident: $($trait:ident $name:ident $operator:tt),*) => {
+        $(impl<const L: usize> $trait for $type<L> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                self.with(other, |a, b| a $operator b)
+            }
+        })*
+    };
+}
+operators!(Lanes: Add add +, Sub sub -, Mul mul *, Div div /);
+operators!(Bits: BitAnd bitand &, BitOr bitor |);
+
+/// Operators with a constant.
+macro_rules! operators_with_constant {
+    ($($trait:ident $name:ident $operator:tt),*) => {
+        $(impl<const L: usize> $trait<f64> for Lanes<L> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: f64) -> Self {
+                self.map(|a| a $operator other)
+            }
+        })*
+    };
+}
+operators_with_constant!(Add add +, Mul mul *);
+
+impl<const L: usize> Neg for Lanes<L> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+impl<const L: usize> Not for Bits<L> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.with(self, |a, _| !a)
+    }
+}
+
+impl<const L: usize> Mask for Bits<L> {
+    #[inline(always)]
+    fn of(value: bool) -> Self {
+        Self([if value { !0 } else { 0 }; L])
+    }
+
+    #[inline(always)]
+    fn all(self) -> bool {
+        let mut all = !0;
+        for lane in 0..L {
+            all &= self.0[lane];
+        }
+        all == !0
+    }
+
+    #[inline(always)]
+    fn lane(self, lane: usize) -> bool {
+        self.0[lane] != 0
+    }
+}
+
+impl<const L: usize> Real for Lanes<L> {
+    #[inline(always)]
+    fn of(constant: f64) -> Self {
+        Self([constant; L])
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.map(f64::abs)
+    }
+}
+
+impl<const L: usize> Number for Lanes<L> {
+    type Mask = Bits<L>;
+
+    const LANES: usize = L;
+
+    #[inline(always)]
+    fn from_lanes(of: impl Fn(usize) -> f64) -> Self {
+        let mut numbers = [0.0; L];
+        for lane in 0..L {
+            numbers[lane] = of(lane);
+        }
+        Self(numbers)
+    }
+
+    #[inline(always)]
+    fn lane(self, lane: usize) -> f64 {
+        self.0[lane]
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, number: f64) {
+        self.0[lane] = number;
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(f64::sqrt)
+    }
+
+    #[inline(always)]
+    fn sign(self) -> Self {
+        self.map(|a| if a < 0.0 { -1.0 } else { 1.0 })
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> Bits<L> {
+        self.compare(other, |a, b| a < b)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> Bits<L> {
+        self.compare(other, |a, b| a <= b)
+    }
+
+    #[inline(always)]
+    fn select(mask: Bits<L>, yes: Self, no: Self) -> Self {
+        let mut numbers = no;
+        for lane in 0..L {
+            numbers.0[lane] = if mask.0[lane] != 0 { yes.0[lane] } else { no.0[lane] };
+        }
+        numbers
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_lane_has_the_operations_of_a_single_number() {
+        let (a, b) = (Lanes([1.5, -2.0, f64::NAN, 0.0]), Lanes([0.1, 3.0, 1.0, -0.0]));
+        for lane in 0..4 {
+            let (x, y) = (a.lane(lane), b.lane(lane));
+            let pairs = [
+                (a + b, x + y),
+                (a - b, x - y),
+                (a * b, x * y),
+                (a / b, x / y),
+                (-a, -x),
+                (a * 0.3, x * 0.3),
+                (a + 0.3, x + 0.3),
+                (a.abs().sqrt(), x.abs().sqrt()),
+                (a.sign(), x.sign()),
+                (a.max(b), Number::max(x, y)),
+            ];
+            for (lanes, single) in pairs {
+                assert!(
+                    lanes.lane(lane).to_bits() == single.to_bits() || single.is_nan(),
+                    "{lane}: {lanes:?} {single}"
+                );
+            }
+            assert_eq!((a.lt(b).lane(lane), a.le(b).lane(lane)), (x < y, x <= y));
+            assert_eq!((a.is_finite().lane(lane), a.is_number().lane(lane)), (x.is_finite(), !x.is_nan()));
+            assert_eq!(Lanes::select(a.lt(b), a, b).lane(lane).to_bits(), if x < y { x } else { y }.to_bits());
+        }
+        assert_eq!((a.largest(), f64::NAN.largest()), (1.5, f64::NEG_INFINITY));
+        assert!(!a.is_number().all() && b.is_number().all() && (!a.is_number()).lane(2));
+    }
+}

@@ -1,0 +1,221 @@
+//! Plants, each one function: the rate of what moves. Jacobians follow from it by [duals](super::dual).
+
+pub mod bouc_wen;
+pub mod duffing;
+pub mod sdof;
+pub mod shear_chain;
+
+use super::dual::Dual;
+use super::number::{Number, Real};
+
+/// The equation of a plant with the state `y = [motion, parameters]`.
+pub trait Equation: Copy {
+    /// Whether the motion is `[x, v]` with `ẋ = v`: its linear step has a closed form.
+    const IS_OSCILLATOR: bool = false;
+
+    /// Whether the compiler knows the number of components, which then is at most [`FEW`].
+    const IS_SMALL: bool = true;
+
+    /// The number of components.
+    fn size(self) -> usize;
+
+    /// The number of components that move, which come first.
+    fn motion(self) -> usize;
+
+    /// The rates of the components that move, each in its unit per second, from a state and the force over mass \[m/s²\], which
+    /// enters additively.
+    fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]);
+}
+
+/// A plant that the engine has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plant {
+    /// The linear oscillator.
+    Sdof,
+    /// The oscillator with a cubic spring.
+    Duffing,
+    /// The oscillator with a hysteretic spring, exponent 2.
+    BoucWen,
+    /// The same with exponent 1.
+    BoucWenOne,
+    /// A chain of masses.
+    ShearChain(usize),
+}
+
+/// Does something with the equation of a plant.
+macro_rules! with_equation {
+    ($plant:expr, $equation:ident => $do:expr) => {
+        match $plant {
+            $crate::engine::plants::Plant::Sdof => {
+                let $equation = $crate::engine::plants::sdof::Sdof;
+                $do
+            }
+            $crate::engine::plants::Plant::Duffing => {
+                let $equation = $crate::engine::plants::duffing::Duffing;
+                $do
+            }
+            $crate::engine::plants::Plant::BoucWen => {
+                let $equation = $crate::engine::plants::bouc_wen::BoucWen;
+                $do
+            }
+            $crate::engine::plants::Plant::BoucWenOne => {
+                let $equation = $crate::engine::plants::bouc_wen::BoucWenOne;
+                $do
+            }
+            $crate::engine::plants::Plant::ShearChain(masses) => {
+                let $equation = $crate::engine::plants::shear_chain::ShearChain { masses };
+                $do
+            }
+        }
+    };
+}
+
+pub(super) use with_equation;
+
+impl Plant {
+    /// The number of components.
+    pub fn size(self) -> usize {
+        with_equation!(self, equation => equation.size())
+    }
+
+    /// The number of components that move.
+    pub fn motion(self) -> usize {
+        with_equation!(self, equation => equation.motion())
+    }
+
+    /// Whether the linear step has a closed form.
+    pub fn is_oscillator(self) -> bool {
+        fn of<E: Equation>(_: E) -> bool {
+            E::IS_OSCILLATOR
+        }
+        with_equation!(self, equation => of(equation))
+    }
+
+    /// [`Equation::rate`]
+    #[inline(always)]
+    pub fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
+        with_equation!(self, equation => equation.rate(state, force, rate));
+    }
+
+    /// The rates, and their derivatives by the plant's components, column by column. `duals` is memory to work in.
+    #[inline(always)]
+    pub fn linearise<T: Number>(
+        self,
+        state: &[T],
+        force: T,
+        rate: &mut [T],
+        columns: &mut [T],
+        duals: &mut [Dual<T, AT_ONCE>],
+    ) {
+        with_equation!(self, equation => linearise(equation, state, force, rate, columns, duals));
+    }
+
+    /// The derivatives of the rates by the force, which do not depend on the state.
+    pub fn by_force(self) -> Vec<f64> {
+        let constant = Dual::<f64, 1>::constant;
+        let mut rate = vec![constant(0.0); self.motion()];
+        self.rate(&vec![constant(1.0); self.size()], Dual::variable(0.0, 0), &mut rate);
+        rate.iter().map(|rate| rate.derivative(0)).collect()
+    }
+}
+
+/// The number of derivatives that are taken at once.
+pub const AT_ONCE: usize = 4;
+
+/// Limits the components of a small plant: twice the derivatives that are taken at once.
+pub const FEW: usize = 8;
+
+#[inline(always)]
+fn linearise<E: Equation, T: Number>(
+    equation: E,
+    state: &[T],
+    force: T,
+    rate: &mut [T],
+    columns: &mut [T],
+    duals: &mut [Dual<T, AT_ONCE>],
+) {
+    let own = equation.size();
+    if E::IS_SMALL {
+        // Numbers of its own, which the compiler can see through.
+        let mut duals = [Dual::constant(T::of(0.0)); 2 * FEW];
+        differentiate(equation, state, force, 0, rate, columns, &mut duals);
+        if own > AT_ONCE {
+            differentiate(equation, state, force, AT_ONCE, rate, columns, &mut duals);
+        }
+    } else {
+        for first in (0..own).step_by(AT_ONCE) {
+            differentiate(equation, state, force, first, rate, columns, duals);
+        }
+    }
+}
+
+/// Takes the derivatives by some components, from the first of them on.
+#[inline(always)]
+fn differentiate<E: Equation, T: Number>(
+    equation: E,
+    state: &[T],
+    force: T,
+    first: usize,
+    rate: &mut [T],
+    columns: &mut [T],
+    duals: &mut [Dual<T, AT_ONCE>],
+) {
+    let (own, motion) = (equation.size(), equation.motion());
+    let (duals, rates) = duals.split_at_mut(own);
+    let rates = &mut rates[..motion];
+    for i in 0..own {
+        duals[i] = Dual::variable(state[i], i.wrapping_sub(first));
+    }
+    equation.rate(duals, Dual::constant(force), rates);
+    for k in 0..AT_ONCE.min(own - first) {
+        for i in 0..motion {
+            columns[(first + k) * motion + i] = rates[i].derivative(k);
+        }
+    }
+    for i in 0..motion {
+        rate[i] = rates[i].value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PlantKind;
+
+    #[test]
+    fn jacobians_by_duals_are_those_by_hand() {
+        for (kind, plant) in [
+            (PlantKind::SDOF, Plant::Sdof),
+            (PlantKind::DUFFING, Plant::Duffing),
+            (PlantKind::BOUC_WEN, Plant::BoucWen),
+            (PlantKind::BOUC_WEN_1, Plant::BoucWenOne),
+            (PlantKind::SHEAR_2, Plant::ShearChain(2)),
+            (PlantKind::SHEAR_5, Plant::ShearChain(5)),
+        ] {
+            let (n, motion) = (kind.channels().len(), kind.motion());
+            assert_eq!((plant.size(), plant.motion()), (n, motion), "{kind:?}");
+            for seed in 0..20 {
+                let mut state: Vec<f64> = (0..n).map(|i| libm::sin((7 * i + 3 * seed) as f64) * 2.0).collect();
+                if seed == 0 {
+                    // At a kink.
+                    state[1] = 0.0;
+                }
+                let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * n]);
+                let mut duals = vec![Dual::constant(0.0); n + motion];
+                plant.linearise(&state, 0.7, &mut rate, &mut columns, &mut duals);
+                let (mut known_rate, mut known) = (vec![0.0; motion], vec![0.0; motion * n]);
+                kind.plant().motion_rate(&state, 0.7, &mut known_rate);
+                kind.plant().motion_jacobian(&state, &mut known);
+                assert_eq!(rate, known_rate, "{kind:?}");
+                for (at, known) in known.iter().enumerate() {
+                    let found = columns[at % n * motion + at / n];
+                    assert!((found - known).abs() < 1e-13, "{kind:?} {at}: {found} and {known}");
+                }
+            }
+            let velocities = kind.channels()[..motion].iter().map(|channel| channel.rate().is_none());
+            let by_force: Vec<f64> = velocities.map(|is_velocity| f64::from(u8::from(is_velocity))).collect();
+            let by_force = by_force.iter().enumerate().map(|(i, by)| if motion == 3 && i == 2 { 0.0 } else { *by });
+            assert_eq!(plant.by_force(), by_force.collect::<Vec<_>>(), "{kind:?}");
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! The filter of a scenario, as plain numbers for a lane.
+
+use super::design::{Design, Method, Rule};
+use super::model::Model;
+use super::plants::Plant;
+use crate::estimator::FilterContext;
+use crate::filter::estimator::{build_filter, initial_gaussian};
+use crate::filter::{Gaussian, Linearised, Noise, Rule as BookRule};
+use crate::run_error::sensor_places;
+use crate::{
+    Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, RunError, Scenario, kernel,
+};
+
+/// The most components that the engine serves: beyond, eight lanes of a matrix leave the caches.
+pub const MOST: usize = 16;
+
+/// A filter of a scenario before its first sample.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// What a batch of runs shares.
+    pub design: Design,
+    /// The components of the state.
+    pub channels: Vec<Channel>,
+    /// The initial mean and variances.
+    pub(super) mean: Vec<f64>,
+    pub(super) variance: Vec<f64>,
+    /// The diagonal of Q, and that of R.
+    pub(super) process: Vec<f64>,
+    pub(super) sensors: Vec<f64>,
+    pub(super) fading: f64,
+    /// The variance of the white force.
+    pub(super) white: f64,
+    /// The record's column for each sensor.
+    pub(super) columns: Vec<usize>,
+    /// The number of samples after which the plant feels the input.
+    pub(super) input_delay: i32,
+}
+
+impl Setup {
+    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
+    /// components, with any augmentations, that adapts nothing, does not jump, has one guess, takes one step from a sample to the
+    /// next and has neither logarithms nor parameters that decay; a KF or EKF propagates by local linearisation. What others do as
+    /// fast is left to them: plain filters of an oscillator, which have lanes of their own, and the plain KF and EKF of a chain,
+    /// whose kernel knows its structure.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`](crate::Pass::new).
+    pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
+        scenario.validate()?;
+        let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
+        let columns = sensor_places(scenario, record)?;
+        let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
+        let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
+        if !is_usual(settings, &context) || !is_finite(record, &columns) {
+            return Ok(None);
+        }
+        Ok(Self::of(settings, &context, columns))
+    }
+
+    fn of(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
+        let book = context.model(settings);
+        let (model, method) = (model(&book)?, method(settings, book.size())?);
+        let initial = initial_gaussian(&book, settings);
+        let belief = Linearised::new(initial.clone(), Propagation::LocalLinearisation, 1);
+        let filter = build_filter(Box::new(belief), settings, context);
+        let (noise, white) = (filter.noise(), filter.white_force());
+        // A sensor for what the model does not have tells it nothing.
+        let sensor = |(sensor, column): (usize, usize)| {
+            Some((column, book.reading(context.sensors[sensor])?, noise.sensors[sensor]))
+        };
+        let sensors: Vec<_> = columns.into_iter().enumerate().filter_map(sensor).collect();
+        let design = Design {
+            model,
+            method,
+            dt: context.dt,
+            has_slope: context.hold == Hold::First,
+            readings: sensors.iter().map(|(_, reading, _)| reading.clone()).collect(),
+            white: white.map(|white| (white.place, white.course)),
+        };
+        can_begin(&initial, noise).then(|| Self {
+            design,
+            channels: book.channels().to_vec(),
+            mean: initial.mean.as_slice().to_vec(),
+            variance: initial.cov.diagonal().as_slice().to_vec(),
+            process: noise.process.diagonal().as_slice().to_vec(),
+            sensors: sensors.iter().map(|&(_, _, variance)| variance).collect(),
+            fading: noise.fading,
+            white: white.map_or(0.0, |white| white.variance),
+            columns: sensors.iter().map(|&(column, ..)| column).collect(),
+            input_delay: settings.input_delay,
+        })
+    }
+}
+
+/// Whether the engine has all that a filter's settings ask for, and no other does the same as fast.
+fn is_usual(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
+    let model = context.model(settings);
+    model.eta() == 0.0
+        && !settings.log_parameters
+        && !settings.adaptation.is_on()
+        && !settings.jump
+        && settings.guesses == 1
+        && settings.substeps == 1
+        && model.size() <= MOST
+        && !is_done_as_fast(model.plant(), settings, context)
+}
+
+/// Whether lanes of its own or a kernel take such a filter. The choice must not depend on the processor, since it is one of bits.
+fn is_done_as_fast(plant: PlantKind, settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
+    const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
+    const WITH_STRUCTURE: [PlantKind; 3] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4];
+    let is_linearised = [FilterKind::KF, FilterKind::EKF].contains(&settings.kind);
+    (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
+        && kernel::estimator::serves(settings, context)
+}
+
+/// Whether input and measurements of a record are finite, but for measurements that are missing. The single filter tells where
+/// they are not.
+fn is_finite(record: &Record, columns: &[usize]) -> bool {
+    record.forgotten() == 0
+        && !record.is_empty()
+        && record.input().iter().all(|input| input.is_finite())
+        && columns.iter().all(|&column| record.measured(column).iter().all(|value| !value.is_infinite()))
+}
+
+/// Whether an initial belief and its noise are such as lanes have: finite, and Q a diagonal.
+fn can_begin(initial: &Gaussian, noise: &Noise) -> bool {
+    let is_diagonal = noise.process.lower_triangle() == noise.process.upper_triangle();
+    initial.is_finite() && noise.process.sum().is_finite() && noise.sensors.iter().all(|r| r.is_finite()) && is_diagonal
+}
+
+/// The method of a kind of filters over n components.
+fn method(settings: &FilterSettings, n: usize) -> Option<Method> {
+    let of_rule = |rule: BookRule| {
+        let (spread, _, offset) = rule.constants(n);
+        Some(Method::SigmaPoints(Rule { spread, offset }))
+    };
+    match settings.kind {
+        kind if kind == FilterKind::UKF => of_rule(BookRule::Unscented),
+        kind if kind == FilterKind::CKF => of_rule(BookRule::Cubature),
+        kind if kind == FilterKind::KF || kind == FilterKind::EKF => {
+            (settings.propagation == Propagation::LocalLinearisation).then_some(Method::Linearised)
+        }
+        _ => None,
+    }
+}
+
+/// The engine's model, if it has the plant.
+fn model(book: &crate::Model) -> Option<Model> {
+    let plant = plant(book.plant())?;
+    let place = |channel| book.place(channel);
+    Some(Model {
+        plant,
+        size: book.size(),
+        gain: place(Channel::INPUT_GAIN),
+        offset: place(Channel::INPUT_OFFSET),
+        unrecorded: [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(place).collect(),
+        by_force: plant.by_force(),
+    })
+}
+
+/// The engine's plant of a kind.
+fn plant(kind: PlantKind) -> Option<Plant> {
+    const OTHERS: [(PlantKind, Plant); 4] = [
+        (PlantKind::SDOF, Plant::Sdof),
+        (PlantKind::DUFFING, Plant::Duffing),
+        (PlantKind::BOUC_WEN, Plant::BoucWen),
+        (PlantKind::BOUC_WEN_1, Plant::BoucWenOne),
+    ];
+    const CHAINS: [PlantKind; 4] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4, PlantKind::SHEAR_5];
+    let other = OTHERS.into_iter().find(|(other, _)| *other == kind).map(|(_, plant)| plant);
+    other.or_else(|| CHAINS.contains(&kind).then(|| Plant::ShearChain(kind.masses())))
+}

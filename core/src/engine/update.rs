@@ -1,0 +1,245 @@
+//! The update: a belief conditioned on the measurements of one sample.
+
+use super::belief::{Belief, Noise};
+use super::columns::{add_times, divide, factor, square, take_times};
+use super::design::Design;
+use super::expected::Expected;
+use super::fault::Held;
+use super::level::Level;
+use super::model::Model;
+use super::number::{Mask, Number};
+
+/// What an update tells of each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<T: Number> {
+    /// `eᵀ S⁻¹ e`; zero without a measurement.
+    pub nis: T,
+    /// det S; one without a measurement.
+    pub determinant: T,
+    /// m, the number of measurements.
+    pub measured: T,
+    /// The lanes for which the last step holds.
+    pub holds: T::Mask,
+}
+
+/// One sample of the sensors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Observation<'a, T> {
+    /// The recorded force over mass that acts meanwhile \[m/s²\].
+    pub(super) force: T,
+    /// A number for each sensor; NaN where it is missing.
+    pub(super) measured: &'a [T],
+}
+
+/// Memory of an update.
+#[derive(Clone, Debug)]
+pub(super) struct Update<T> {
+    /// The sensors that measure in some lane.
+    active: Vec<usize>,
+    expected: Expected<T>,
+    /// S, m × m, and its factor.
+    innovation_cov: Vec<T>,
+    factor: Vec<T>,
+    /// e, whitened in the end.
+    innovation: Vec<T>,
+    white: Vec<T>,
+    variances: Vec<T>,
+    /// K, n × m.
+    gain: Vec<T>,
+    excess: Vec<T>,
+}
+
+impl<T: Number> Update<T> {
+    /// Memory for a model and so many sensors.
+    pub(super) fn new(model: &Model, sensors: usize) -> Self {
+        let zeros = |count: usize| vec![T::of(0.0); count];
+        Self {
+            active: Vec::with_capacity(sensors),
+            expected: Expected::new(model, sensors),
+            innovation_cov: zeros(sensors * sensors),
+            factor: zeros(sensors * sensors),
+            innovation: zeros(sensors),
+            white: zeros(sensors),
+            variances: zeros(sensors),
+            gain: zeros(sensors * model.size),
+            excess: zeros(sensors * model.size),
+        }
+    }
+
+    /// Conditions a belief on the measurements that are not NaN.
+    #[inline(always)]
+    pub(super) fn condition<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &mut Belief<T>,
+        noise: &Noise<T>,
+        observation: Observation<'_, T>,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let Self { active, expected, .. } = self;
+        let Observation { force, measured } = observation;
+        active.clear();
+        for (sensor, value) in measured.iter().enumerate() {
+            // Not a number in any lane.
+            if !(!value.is_number()).all() {
+                active.push(sensor);
+            }
+        }
+        if active.is_empty() {
+            return level.apart(
+                #[inline(always)]
+                || untold(belief, held),
+            );
+        }
+        held.expected = expected.take(level, design, belief, active, force);
+        level.apart(
+            #[inline(always)]
+            || {
+                let measured = self.compare(noise, measured);
+                self.correct(design, belief, measured, held)
+            },
+        )
+    }
+
+    /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. A sensor that does not measure in some lanes has a row of its own there,
+    /// which tells nothing: e = 0, R = 1, without covariance.
+    #[inline(always)]
+    fn compare(&mut self, noise: &Noise<T>, measured: &[T]) -> T {
+        let Self { active, expected, innovation_cov: s, innovation, variances, .. } = self;
+        let (m, n) = (active.len(), expected.size());
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        let mut count = zero;
+        s[..m * m].copy_from_slice(&expected.cov[..m * m]);
+        for row in 0..m {
+            let value = measured[active[row]];
+            let is_there = value.is_number();
+            innovation[row] = value - expected.mean[row];
+            variances[row] = noise.sensors[active[row]];
+            if is_there.all() {
+                count = count + one;
+                continue;
+            }
+            count = count + T::select(is_there, one, zero);
+            innovation[row] = T::select(is_there, innovation[row], zero);
+            variances[row] = T::select(is_there, variances[row], one);
+            for cross in &mut expected.cross[row * n..(row + 1) * n] {
+                *cross = T::select(is_there, *cross, zero);
+            }
+            for other in 0..m {
+                s[other * m + row] = T::select(is_there, s[other * m + row], zero);
+                s[row * m + other] = T::select(is_there, s[row * m + other], zero);
+            }
+        }
+        for row in 0..m {
+            s[row * m + row] = s[row * m + row] + variances[row];
+        }
+        count
+    }
+
+    /// `K = P⁻ Hᵀ S⁻¹`, `y = y⁻ + K e` and the covariance.
+    ///
+    /// Source: Kalman (1960), A new approach to linear filtering and prediction problems.
+    #[inline(always)]
+    fn correct(&mut self, design: &Design, belief: &mut Belief<T>, measured: T, held: &mut Held<T::Mask>) -> Told<T> {
+        let Self { active, expected, innovation_cov, factor: lower, innovation, white, gain, .. } = self;
+        let (m, n) = (active.len(), belief.size());
+        let gain = &mut gain[..m * n];
+        lower[..m * m].copy_from_slice(&innovation_cov[..m * m]);
+        let (determinant, factored) = factor(lower, m);
+        gain.copy_from_slice(&expected.cross[..m * n]);
+        divide(lower, m, gain, n);
+        for row in 0..m {
+            add_times(&mut belief.mean, innovation[row], &gain[row * n..(row + 1) * n]);
+        }
+        white[..m].copy_from_slice(&innovation[..m]);
+        let nis = square(lower, m, &mut white[..m]);
+        if expected.is_linear {
+            self.joseph(design, belief);
+        } else {
+            self.subtract(belief);
+        }
+        [held.is_finite, held.is_positive] = belief.check();
+        (held.factored, held.is_likely) = (factored, nis.is_finite());
+        Told { nis, determinant, measured, holds: held.all() }
+    }
+
+    /// Makes of P the covariance `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which stays positive semidefinite where sensors are far
+    /// more precise than the belief; written as two updates of the sensors' rank:
+    ///
+    /// ```text
+    /// M = P - K (P Hᵀ)ᵀ,  P⁺ = M - (M Hᵀ - K R) Kᵀ
+    /// ```
+    ///
+    /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
+    #[inline(always)]
+    fn joseph(&mut self, design: &Design, belief: &mut Belief<T>) {
+        let Self { active, expected, variances, gain, excess, .. } = self;
+        let (n, cov) = (belief.size(), &mut belief.cov);
+        subtract_products(cov, gain, &expected.cross, n, active.len());
+        for (row, &sensor) in active.iter().enumerate() {
+            let (excess, gain) = (&mut excess[row * n..(row + 1) * n], &gain[row * n..(row + 1) * n]);
+            expected.times_cov(&design.readings[sensor], row, cov, excess);
+            take_times(excess, variances[row], gain);
+        }
+        subtract_products(cov, excess, gain, n, active.len());
+    }
+
+    /// Makes of P the covariance `P - K S Kᵀ`, where there is no H.
+    #[inline(always)]
+    fn subtract(&mut self, belief: &mut Belief<T>) {
+        let Self { active, innovation_cov: s, gain, excess, .. } = self;
+        let (m, n) = (active.len(), belief.size());
+        for row in 0..m {
+            let excess = &mut excess[row * n..(row + 1) * n];
+            excess.fill(T::of(0.0));
+            for k in 0..m {
+                let entry = if k >= row { s[row * m + k] } else { s[k * m + row] };
+                add_times(excess, entry, &gain[k * n..(k + 1) * n]);
+            }
+        }
+        subtract_products(&mut belief.cov, excess, gain, n, m);
+    }
+
+    /// S of a lane, and the innovation, of the sensors that measure in it.
+    pub(super) fn of_lane(&self, lane: usize) -> (Vec<f64>, Vec<f64>) {
+        let m = self.active.len();
+        let cov = self.innovation_cov[..m * m].iter().map(|entry| entry.lane(lane)).collect();
+        (cov, self.innovation[..m].iter().map(|e| e.lane(lane)).collect())
+    }
+
+    /// ln det S of a lane, which is a number even where the determinant is none.
+    pub(super) fn ln_determinant(&self, lane: usize) -> f64 {
+        let m = self.active.len();
+        -(0..m).map(|row| libm::log(self.factor[row * m + row].lane(lane))).sum::<f64>()
+    }
+}
+
+/// Without any measurement.
+#[inline(always)]
+fn untold<T: Number>(belief: &Belief<T>, held: &mut Held<T::Mask>) -> Told<T> {
+    let predicted = held.predicted;
+    *held = Held { predicted, ..Held::new() };
+    [held.is_finite, held.is_positive] = belief.check();
+    Told { nis: T::of(0.0), determinant: T::of(1.0), measured: T::of(0.0), holds: held.all() }
+}
+
+/// Makes of the lower triangle of X, n × n, that of `X - A Bᵀ`, where A and B have `columns` columns; two at a time.
+#[inline(always)]
+fn subtract_products<T: Number>(x: &mut [T], a: &[T], b: &[T], n: usize, columns: usize) {
+    let mut k = 0;
+    while k < columns {
+        let is_pair = k + 1 < columns;
+        let next = if is_pair { k + 1 } else { k };
+        let (a, b) = ([&a[k * n..(k + 1) * n], &a[next * n..(next + 1) * n]], [&b[k * n..], &b[next * n..]]);
+        for j in 0..n {
+            let column = &mut x[j * n..(j + 1) * n];
+            let factors = [b[0][j], b[1][j]];
+            for i in j..n {
+                let less = column[i] - a[0][i] * factors[0];
+                column[i] = if is_pair { less - a[1][i] * factors[1] } else { less };
+            }
+        }
+        k += 2;
+    }
+}

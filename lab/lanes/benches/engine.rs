@@ -1,0 +1,133 @@
+//! Nanoseconds per step and run of filters that the engine takes side by side, beside the single filter without history, in
+//! one run.
+//!
+//! ```text
+//! cargo bench -p kalmanscope-lanes --bench engine
+//! ```
+//!
+//! Measurements take turns, and the least of many counts: whatever else the machine does only adds.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use kalmanscope_core::import::{Builder, read};
+use kalmanscope_core::score::Outcome;
+use kalmanscope_core::{Channel, FilterKind, Hold, PlantKind, Record, Run, Scenario};
+use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
+
+/// Runs side by side, samples of a record, and measurements of each number.
+const RUNS: usize = 8;
+const SAMPLES: usize = 2001;
+const REPEATS: usize = 40;
+
+fn main() {
+    println!("{:<44}{:>5}{:>10}{:>10}{:>10}{:>8}", "case", "n", "single", "SSE2", "AVX2", "ratio");
+    let gain: &[Channel] = &[Channel::INPUT_GAIN];
+    let all: &[Channel] = &[Channel::INPUT_GAIN, Channel::INPUT_OFFSET, Channel::UNKNOWN_FORCE];
+    for kind in [FilterKind::EKF, FilterKind::UKF] {
+        for (plant, augment, hold) in [
+            (PlantKind::SDOF, gain, Hold::First),
+            (PlantKind::SDOF, all, Hold::Zero),
+            (PlantKind::DUFFING, gain, Hold::First),
+            (PlantKind::BOUC_WEN, &[], Hold::Zero),
+            (PlantKind::BOUC_WEN, gain, Hold::First),
+            (PlantKind::SHEAR_2, &[], Hold::Zero),
+            (PlantKind::SHEAR_2, gain, Hold::First),
+            (PlantKind::SHEAR_3, &[], Hold::Zero),
+            (PlantKind::SHEAR_4, &[], Hold::Zero),
+            (PlantKind::SHEAR_5, &[], Hold::Zero),
+            (PlantKind::SHEAR_5, &[], Hold::First),
+        ] {
+            measure(kind, plant, augment, hold);
+        }
+    }
+    let file = |path: &str| std::fs::read(format!("{}/../../assets/{path}", env!("CARGO_MANIFEST_DIR")));
+    let text = file("scenarios/circuit.toml").expect("the scenario is there");
+    let circuit = Scenario::from_toml(&String::from_utf8_lossy(&text)).expect("the scenario is valid");
+    let table = read(file("records/circuit.csv").expect("the record is there"), None).expect("it is a table");
+    let mapping = circuit.record.clone().expect("the scenario has a record");
+    let record = Builder::new(&table, &mapping, circuit.input, circuit.hold).and_then(Builder::finish);
+    let measured = record.expect("the record can be read").record;
+    map("map of the measured circuit", &circuit, &measured);
+    let simulated = Scenario { duration: (measured.len() - 1) as f64 * 0.01, ..Scenario::default() };
+    map("map of a simulated record", &simulated, &simulate(&simulated));
+    let same = Scenario { record: None, duration: (measured.len() - 1) as f64 * circuit.dt, ..circuit };
+    map("map of the circuit, simulated", &same, &simulate(&same));
+}
+
+/// Prints the time of a step in a map of guesses of the natural frequency.
+fn map(what: &str, base: &Scenario, record: &Record) {
+    let scenarios = guesses(base);
+    let runs: Vec<LaneRun<'_>> = scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record }).collect();
+    let mut least = f64::INFINITY;
+    for _ in 0..REPEATS / 4 {
+        least = least.min(time(|| outcomes_with(Level::best(), &runs, &[])));
+    }
+    println!("{what:<44}{:>35.0}", least / (RUNS * record.len()) as f64);
+}
+
+/// A scenario with guesses of its first filter.
+fn guesses(base: &Scenario) -> Vec<Scenario> {
+    let guess = |i: usize| {
+        let mut scenario = base.clone();
+        for channel in [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)] {
+            scenario.filters[0].initial_mean[channel] *= 0.9 + 0.02 * i as f64;
+        }
+        scenario
+    };
+    (0..RUNS).map(guess).collect()
+}
+
+/// Prints a line for a filter, over a record without its truth, as a measured one is.
+fn measure(kind: FilterKind, plant: PlantKind, augment: &[Channel], hold: Hold) {
+    let mut base = Scenario { duration: (SAMPLES - 1) as f64 * 0.01, hold, ..Scenario::default() };
+    base.filters.truncate(1);
+    base.filters[0].kind = kind;
+    base.filters[0].augment = augment.to_vec();
+    base.set_plant(plant);
+    let record = measured(&base);
+    let scenarios = guesses(&base);
+    let runs: Vec<LaneRun<'_>> =
+        scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record: &record }).collect();
+    let is_served = runs.iter().all(|run| serves(run).is_ok_and(|is_served| is_served));
+    let mut least = [f64::INFINITY; 3];
+    for repeat in 0..REPEATS {
+        let one = &runs[repeat % RUNS];
+        least[0] = least[0].min(time(|| Outcome::of(one.scenario, one.place, one.record)));
+        for (least, level) in least[1..].iter_mut().zip([Level::Baseline, Level::Avx2]) {
+            *least = least.min(time(|| outcomes_with(level, &runs, &[])) / RUNS as f64);
+        }
+    }
+    let [single, baseline, avx2] = least.map(|time| time / SAMPLES as f64);
+    let augment: Vec<&str> = augment.iter().map(|channel| channel.key()).collect();
+    let case = format!("{} {} {:?} {}", kind.name(), plant.key(), hold, augment.join(" "));
+    let n = plant.channels().len() + augment.len();
+    if !is_served {
+        println!("{case:<44}{n:>5}{single:>10.0}{:>28}", "by itself");
+        return;
+    }
+    println!("{case:<44}{n:>5}{single:>10.0}{baseline:>10.0}{avx2:>10.0}{:>8.1}", single / avx2);
+}
+
+/// The record of a scenario.
+fn simulate(scenario: &Scenario) -> Record {
+    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).expect("the scenario is valid");
+    run.finish();
+    run.record().clone()
+}
+
+/// A record of a scenario's truth without the truth.
+fn measured(scenario: &Scenario) -> Record {
+    let record = simulate(scenario);
+    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
+    let values = record.input().to_vec();
+    let input = kalmanscope_core::record::Input { kind: record.input_kind(), hold: record.hold(), values };
+    Record::new(record.dt(), input, columns.collect()).expect("the record is valid")
+}
+
+/// Nanoseconds that some work takes.
+fn time<R>(work: impl FnOnce() -> R) -> f64 {
+    let start = Instant::now();
+    black_box(work());
+    start.elapsed().as_secs_f64() * 1e9
+}

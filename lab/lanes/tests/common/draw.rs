@@ -1,0 +1,120 @@
+//! Random ensembles of filters that the engine serves, from seeds.
+
+use kalmanscope_core::{
+    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Scenario, Sensor, Signal, augment,
+};
+
+/// Numbers that look random, the same for the same seed.
+pub(crate) struct Draw(pub(crate) u64);
+
+impl Draw {
+    /// Between two numbers.
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+
+    /// A whole number below this one.
+    pub(crate) fn below(&mut self, limit: usize) -> usize {
+        self.between(0.0, limit as f64) as usize
+    }
+
+    /// Whether something happens that does once in so many times.
+    pub(crate) fn once_in(&mut self, times: usize) -> bool {
+        self.below(times) == 0
+    }
+
+    pub(crate) fn one<T: Copy>(&mut self, of: &[T]) -> T {
+        of[self.below(of.len())]
+    }
+}
+
+/// Every plant that the engine has.
+pub(crate) const PLANTS: [PlantKind; 8] = [
+    PlantKind::SDOF,
+    PlantKind::DUFFING,
+    PlantKind::BOUC_WEN,
+    PlantKind::BOUC_WEN_1,
+    PlantKind::SHEAR_2,
+    PlantKind::SHEAR_3,
+    PlantKind::SHEAR_4,
+    PlantKind::SHEAR_5,
+];
+
+/// The truth of an ensemble, with its sensors.
+pub(crate) fn truth(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
+    let mut scenario = Scenario { filters: vec![FilterSettings::default()], hold, ..Scenario::default() };
+    scenario.sensors.clear();
+    scenario.filters[0].sensor_std.clear();
+    scenario.filters[0].augment = augment.to_vec();
+    scenario.set_plant(plant);
+    for &measures in quantities {
+        scenario.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
+    }
+    for (nth, &channel) in augment.iter().enumerate().filter(|(_, channel)| **channel != Channel::WHITE_FORCE) {
+        let usual = channel.usual();
+        scenario.plant.set(channel, Signal::Constant(usual.mean + 0.3 * usual.std * (nth as f64 - 1.0)));
+    }
+    scenario
+}
+
+/// An ensemble of filters over one truth. Some lanes are wild: too fast for the step, certain of a component, or sure of sensors
+/// that contradict each other.
+pub(crate) fn ensemble(seed: u64) -> Scenario {
+    let mut draw = Draw(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+    draw.below(2);
+    let (plant, hold) = (draw.one(&PLANTS), draw.one(&[Hold::Zero, Hold::First]));
+    let mut quantities: Vec<Quantity> = plant.quantities().collect();
+    while quantities.len() > 4 || (!quantities.is_empty() && draw.once_in(3)) {
+        quantities.remove(draw.below(quantities.len()));
+    }
+    let room = 16 - plant.channels().len();
+    let mut augment: Vec<Channel> = augment::OF_INPUT.to_vec();
+    augment.extend(quantities.iter().map(|quantity| quantity.bias()));
+    while augment.len() > room || (!augment.is_empty() && draw.once_in(2)) {
+        augment.remove(draw.below(augment.len()));
+    }
+    let mut scenario = truth(plant, &quantities, &augment, hold);
+    scenario.seed = seed;
+    scenario.input = draw.one(&[InputKind::Force, InputKind::GroundAcceleration]);
+    scenario.dt = 10_f64.powf(draw.between(-2.5, -1.3));
+    scenario.duration = scenario.dt * draw.between(20.0, 90.0).floor();
+    let good = scenario.filters.remove(0);
+    let kind = draw.one(&[
+        FilterKind::KF,
+        FilterKind::EKF,
+        FilterKind::EKF,
+        FilterKind::UKF,
+        FilterKind::UKF,
+        FilterKind::CKF,
+    ]);
+    for _ in 0..1 + draw.below(12) {
+        let filter = FilterSettings { kind, ..good.clone() };
+        scenario.filters.push(changed(filter, plant, &augment, &mut draw));
+    }
+    scenario
+}
+
+/// The same filter with other numbers.
+fn changed(mut filter: FilterSettings, plant: PlantKind, augment: &[Channel], draw: &mut Draw) -> FilterSettings {
+    filter.fading = draw.one(&[1.0, 1.002, 1.05]);
+    filter.input_delay = draw.below(6) as i32 - 2;
+    filter.sensor_std.iter_mut().for_each(|std| *std *= 10_f64.powf(draw.between(-0.5, 0.5)));
+    for &channel in plant.channels().iter().chain(augment) {
+        filter.initial_mean[channel] *= draw.between(0.7, 1.4);
+        filter.initial_std[channel] *= if draw.once_in(9) { 0.0 } else { draw.between(0.3, 2.0) };
+        filter.process_std[channel] *= if draw.once_in(9) { 0.0 } else { draw.between(0.1, 3.0) };
+    }
+    if draw.once_in(8) {
+        let fast = [Channel::NATURAL_FREQUENCY, Channel::stiffness(0)];
+        let factor = draw.one(&[-1.0, 10.0, 300.0]);
+        fast.into_iter()
+            .filter(|channel| plant.channels().contains(channel))
+            .for_each(|c| filter.initial_mean[c] *= factor);
+    }
+    if draw.once_in(12) {
+        // Their squares are zero.
+        filter.sensor_std.fill(1e-170);
+    }
+    filter
+}

@@ -1,0 +1,262 @@
+//! Filters of the engine: every lane has the bits of a single number, at every instruction set, and the single filter's numbers
+//! to rounding.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+#[path = "common/draw.rs"]
+mod draw;
+#[path = "common/gaps.rs"]
+mod gaps;
+#[path = "common/outcome_bits.rs"]
+mod outcome_bits;
+
+use draw::{PLANTS, ensemble, truth};
+use gaps::with_gaps;
+use kalmanscope_core::engine::level::Baseline;
+use kalmanscope_core::engine::{self, Setup};
+use kalmanscope_core::record::Input;
+use kalmanscope_core::score::{Look, Outcome};
+use kalmanscope_core::{
+    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Record, Run, Scenario, Values,
+};
+use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
+use outcome_bits::bits;
+
+fn simulated(scenario: &Scenario) -> Record {
+    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
+    run.finish();
+    run.record().clone()
+}
+
+/// The outcome by the engine over plain numbers.
+fn single(run: &LaneRun<'_>, samples: &[usize]) -> Outcome {
+    let setup = Setup::new(run.scenario, run.place, run.record).unwrap().unwrap();
+    let run = engine::Run { setup: &setup, record: run.record };
+    engine::outcomes::<f64, _>(Baseline, &[run], samples).remove(0)
+}
+
+/// Holds every lane at every instruction set to the same filter over plain numbers. Returns their outcomes.
+fn check(runs: &[LaneRun<'_>], what: &str) -> Vec<Outcome> {
+    let last = runs[0].record.len() - 1;
+    let samples = [0, 0, 1, 2, last / 3, last / 2, last, last, last + 3];
+    let singles: Vec<Outcome> = runs.iter().map(|run| single(run, &samples)).collect();
+    for level in Level::available() {
+        let lanes = outcomes_with(level, runs, &samples).unwrap();
+        assert_eq!(lanes.len(), singles.len());
+        for (place, (lane, single)) in lanes.iter().zip(&singles).enumerate() {
+            assert_eq!(bits(lane), bits(single), "{what}, run {place} at {level:?}\n{lane:?}\n{single:?}");
+        }
+    }
+    singles
+}
+
+#[test]
+fn lanes_have_the_bits_of_a_single_number() {
+    let (mut runs_in_all, mut stopped, mut kinds) = (0, 0, Vec::new());
+    for seed in 0..250 {
+        let scenario = ensemble(seed);
+        let own = Record::clone(&simulated(&scenario));
+        let records: Vec<Record> = (0..scenario.filters.len())
+            .map(|i| {
+                let record = match seed % 3 {
+                    0 => simulated(&Scenario { seed: seed + i as u64, ..scenario.clone() }),
+                    _ => own.clone(),
+                };
+                with_gaps(&record, seed % 2 == 0, |sensor, k| seed % 4 < 3 && (k + 3 * i * sensor + sensor) % 7 < 2)
+            })
+            .collect();
+        let is_shared = seed % 3 == 1;
+        let run = |place| LaneRun { scenario: &scenario, place, record: &records[if is_shared { 0 } else { place }] };
+        let is_served = |run: &LaneRun<'_>| Setup::new(run.scenario, run.place, run.record).unwrap().is_some();
+        let runs: Vec<LaneRun<'_>> = (0..scenario.filters.len()).map(run).filter(is_served).collect();
+        if runs.is_empty() {
+            continue;
+        }
+        assert!(runs.iter().all(|run| serves(run).unwrap()));
+        let outcomes = check(&runs, &format!("seed {seed} {:?} {:?}", scenario.plant.kind, scenario.filters[0]));
+        runs_in_all += outcomes.len();
+        stopped += outcomes.iter().filter(|outcome| outcome.stop.is_some()).count();
+        for reason in outcomes.iter().filter_map(|outcome| outcome.stop).map(|stop| stop.reason) {
+            if !kinds.contains(&reason) {
+                kinds.push(reason);
+            }
+        }
+    }
+    assert!(runs_in_all > 1000, "{runs_in_all} runs go in lanes");
+    assert!(stopped > runs_in_all / 20 && stopped < runs_in_all / 2, "{stopped} of {runs_in_all} runs stop");
+    assert!(kinds.len() >= 3, "they stop for these reasons: {kinds:?}");
+}
+
+/// The first samples of a record, in which every fifth sample lacks its first sensor and every eleventh lacks all.
+fn beginning(record: &Record, samples: usize) -> Record {
+    let gaps = with_gaps(record, true, |sensor, k| k > 0 && ((k % 5 == 0 && sensor == 0) || k % 11 == 0));
+    let columns = (record.sensors().iter().enumerate())
+        .map(|(sensor, &quantity)| (quantity, gaps.measured(sensor)[..samples].to_vec()))
+        .collect();
+    let values = record.input()[..samples].to_vec();
+    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
+    Record::new(record.dt(), input, columns).unwrap()
+}
+
+/// The largest relative difference of two outcomes: of means, relative to the larger of mean and standard deviation.
+fn difference(a: &Outcome, b: &Outcome) -> f64 {
+    assert_eq!((a.samples, a.stop, a.nis.degrees, a.nis.samples), (b.samples, b.stop, b.nis.degrees, b.nis.samples));
+    let mut worst = 0.0_f64;
+    for i in 0..a.mean.len() {
+        // What is certain stays as it is.
+        let size = a.mean[i].abs().max(a.std[i]);
+        worst = worst.max(if a.mean[i] == b.mean[i] { 0.0 } else { (a.mean[i] - b.mean[i]).abs() / size });
+        worst = worst.max(if a.std[i] == b.std[i] { 0.0 } else { (a.std[i] - b.std[i]).abs() / a.std[i] });
+    }
+    worst = worst.max((a.nis.sum - b.nis.sum).abs() / a.nis.sum.max(1.0));
+    worst.max((a.log_likelihood - b.log_likelihood).abs() / a.log_likelihood.abs().max(1.0))
+}
+
+#[test]
+fn the_engine_agrees_with_the_single_filter() {
+    use Channel as C;
+    let bias = Quantity::DISPLACEMENT.bias();
+    let augmentations: [&[Channel]; 6] = [
+        &[],
+        &[C::INPUT_GAIN],
+        &[C::INPUT_GAIN, C::INPUT_OFFSET, bias],
+        &[C::UNKNOWN_FORCE],
+        &[C::WHITE_FORCE],
+        &[C::INPUT_GAIN, C::WHITE_FORCE],
+    ];
+    let sensors: [&[Quantity]; 3] = [
+        &[Quantity::DISPLACEMENT, Quantity::VELOCITY],
+        &[Quantity::DISPLACEMENT, Quantity::ACCELERATION],
+        &[Quantity::new(Aspect::DRIFT, 0), Quantity::VELOCITY, Quantity::TOTAL_ACCELERATION],
+    ];
+    let (mut compared, mut diverged) = (0, 0);
+    for plant in PLANTS {
+        for (quantities, hold) in sensors.into_iter().flat_map(|q| [(q, Hold::Zero), (q, Hold::First)]) {
+            for augment in augmentations {
+                let mut scenario = truth(plant, quantities, augment, hold);
+                (scenario.duration, scenario.filters[0].fading, scenario.filters[0].input_delay) = (0.3, 1.002, 1);
+                let record = simulated(&scenario);
+                for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::CKF] {
+                    scenario.filters[0].kind = kind;
+                    // Rounding grows over a record, most of all where an accelerometer takes nearly all of a variance away: as
+                    // much between a kernel and the book.
+                    for (samples, limit) in [(2, 1e-12), (3, 1e-12), (31, 2e-8)] {
+                        let record = beginning(&record, samples);
+                        let run = LaneRun { scenario: &scenario, place: 0, record: &record };
+                        if Setup::new(&scenario, 0, &record).unwrap().is_none() {
+                            continue;
+                        }
+                        let single = Outcome::of(&scenario, 0, &record).unwrap();
+                        let lane = &outcomes_with(Level::best(), &[run], &[]).unwrap()[0];
+                        if single.stop.is_some() || single.nis.per_degree() > DIVERGED {
+                            diverged += 1;
+                            continue;
+                        }
+                        compared += 1;
+                        let what = format!("{plant:?} {kind:?} {quantities:?} {hold:?} {augment:?} {samples}");
+                        assert!(difference(&single, lane) < limit, "{what}: {:e}", difference(&single, lane));
+                    }
+                }
+            }
+        }
+    }
+    assert!(compared > 2500 && diverged < compared / 20, "{compared} are compared, {diverged} diverge");
+}
+
+/// Limits the NIS per degree of freedom of a filter that has not diverged.
+const DIVERGED: f64 = 1e4;
+
+/// A truth, its record, and filters that differ from each other.
+fn shaken(augment: &[Channel], kind: FilterKind, plant: PlantKind) -> (Scenario, Record) {
+    let sensors = [Quantity::DISPLACEMENT, Quantity::VELOCITY];
+    let mut scenario = truth(plant, &sensors, augment, Hold::First);
+    scenario.duration = 10.0;
+    let good = FilterSettings { kind, fading: 1.002, ..scenario.filters.remove(0) };
+    for i in 0..3 {
+        let mut filter = good.clone();
+        filter.initial_std[Channel::DISPLACEMENT] *= 1.0 + f64::from(i);
+        scenario.filters.push(filter);
+    }
+    let record = simulated(&scenario);
+    (scenario, record)
+}
+
+#[test]
+fn scores_against_a_truth_are_those_of_the_single_filter() {
+    for (augment, kind, plant) in [
+        (&[Channel::INPUT_GAIN][..], FilterKind::EKF, PlantKind::SDOF),
+        (&[Channel::INPUT_GAIN, Channel::UNKNOWN_FORCE], FilterKind::UKF, PlantKind::SDOF),
+        (&[Channel::INPUT_OFFSET], FilterKind::CKF, PlantKind::DUFFING),
+        (&[], FilterKind::UKF, PlantKind::BOUC_WEN),
+        (&[], FilterKind::EKF, PlantKind::SHEAR_2),
+    ] {
+        let (scenario, record) = shaken(augment, kind, plant);
+        let record = with_gaps(&record, true, |sensor, k| k % 9 == sensor);
+        let last = record.len() - 1;
+        let samples = [0, 1, 9, 500, last];
+        let runs: Vec<LaneRun<'_>> =
+            (0..3).map(|place| LaneRun { scenario: &scenario, place, record: &record }).collect();
+        for (place, lane) in outcomes_with(Level::best(), &runs, &samples).unwrap().iter().enumerate() {
+            let single = Outcome::at(&scenario, place, &record, &samples).unwrap();
+            let is_near = |a: f64, b: f64| (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-8 * a.abs().max(1e-6);
+            let what = format!("{plant:?} {kind:?} {place}\n{lane:?}\n{single:?}");
+            assert!(difference(&single, lane) < 1e-8, "{what}");
+            assert_eq!((lane.nees.degrees, lane.nees.samples), (single.nees.degrees, single.nees.samples), "{what}");
+            assert!(is_near(single.nees.sum, lane.nees.sum) && single.nees.samples > 900, "{what}");
+            assert_eq!((lane.diverged, lane.channels.len()), (single.diverged, single.channels.len()), "{what}");
+            for ((channel, a), (other, b)) in lane.channels.iter().zip(&single.channels) {
+                assert_eq!((channel, a.settled), (other, b.settled), "{what}");
+                let pairs = [(a.error, b.error), (a.std, b.std), (a.rmse, b.rmse), (a.share_inside, b.share_inside)];
+                assert!(pairs.into_iter().all(|(a, b)| is_near(a, b)), "{what}");
+            }
+            assert_eq!(lane.looks.len(), single.looks.len());
+            for (a, b) in lane.looks.iter().zip(&single.looks) {
+                let numbers = |look: &Look| [vec![look.nees, look.nis], look.channels.as_flattened().to_vec()].concat();
+                assert!(numbers(a).into_iter().zip(numbers(b)).all(|(a, b)| is_near(a, b)), "{what}");
+            }
+        }
+    }
+}
+
+/// One lane stops, beside others that go on.
+#[test]
+fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
+    let (good, record) = shaken(&[Channel::INPUT_GAIN], FilterKind::UKF, PlantKind::SDOF);
+    let spoilt = |sample: usize, value: f64| {
+        let sensors = record.sensors().iter().enumerate();
+        let column = |sensor: usize| {
+            let mut column = record.measured(sensor).to_vec();
+            column[sample] = if sensor == 0 { value } else { column[sample] };
+            column
+        };
+        let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
+        Record::new(record.dt(), input, sensors.map(|(at, &quantity)| (quantity, column(at))).collect()).unwrap()
+    };
+    let mut reasons = Vec::new();
+    for (kind, std, frequency, record) in [
+        (FilterKind::EKF, 1e-170, 8.0, record.clone()),
+        (FilterKind::UKF, 0.01, 8.0, spoilt(40, 1e200)),
+        (FilterKind::EKF, 1e3, 1e155, record.clone()),
+        (FilterKind::UKF, 1e3, 1e80, record.clone()),
+    ] {
+        let mut scenario = good.clone();
+        scenario.filters.iter_mut().for_each(|filter| filter.kind = kind);
+        let bad = &mut scenario.filters[1];
+        bad.sensor_std.fill(std);
+        bad.initial_mean[Channel::NATURAL_FREQUENCY] = frequency;
+        if std < 1e-100 {
+            // Neither the belief nor the sensors can err.
+            (bad.initial_std, bad.process_std) = (Values::ZERO, Values::ZERO);
+        }
+        let runs: Vec<LaneRun<'_>> =
+            (0..3).map(|place| LaneRun { scenario: &scenario, place, record: &record }).collect();
+        let lanes = outcomes_with(Level::best(), &runs, &[]).unwrap();
+        let singles: Vec<Outcome> = (0..3).map(|place| Outcome::of(&scenario, place, &record).unwrap()).collect();
+        for (lane, single) in lanes.iter().zip(&singles) {
+            assert_eq!((lane.stop, lane.samples), (single.stop, single.samples), "{kind:?} {std} {frequency}");
+        }
+        reasons.push(lanes[1].stop.unwrap().reason);
+        assert_eq!(lanes[0].stop.is_none(), record.measured(0)[40] < 1e100);
+    }
+    let expected = [FilterError::SingularInnovation, FilterError::ImpossibleMeasurement];
+    assert_eq!(reasons[..2], expected, "{reasons:?}");
+}
