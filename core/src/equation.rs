@@ -9,9 +9,7 @@
 
 mod builder;
 mod error;
-mod function;
 mod interned;
-mod list;
 mod own;
 mod parse;
 mod settings;

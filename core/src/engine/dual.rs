@@ -2,6 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::function::Function;
 use super::number::{Number, Real};
 
 /// A number and its derivatives by K others. `on` tells which of them are not zero for certain: a compiler that inlines an
@@ -158,6 +159,19 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
             }
         }
         self.value = self.value.abs();
+        self
+    }
+
+    #[inline(always)]
+    fn call(mut self, function: Function) -> Self {
+        let value = self.value.call(function);
+        let slope = function.slope(self.value, value);
+        for k in 0..K {
+            if self.on[k] {
+                self.part[k] = self.part[k] * slope;
+            }
+        }
+        self.value = value;
         self
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+use super::function::Function;
 use super::number::{Mask, Number, Real};
 
 /// The numbers of L runs.
@@ -130,6 +131,15 @@ impl<const L: usize> Real for Lanes<L> {
     #[inline(always)]
     fn abs(self) -> Self {
         self.map(f64::abs)
+    }
+
+    #[inline(always)]
+    fn call(self, function: Function) -> Self {
+        match function {
+            Function::Abs => self.abs(),
+            Function::Sqrt => self.map(f64::sqrt),
+            _ => self.map(|x| function.of(x)),
+        }
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+use super::function::Function;
+
 /// A number of a plant's equation. Its operations round once, so that no processor has other bits than another.
 pub trait Real:
     Copy
@@ -18,6 +20,9 @@ pub trait Real:
 
     /// The absolute value.
     fn abs(self) -> Self;
+
+    /// The value of a function.
+    fn call(self, function: Function) -> Self;
 }
 
 /// A truth value for each lane.
@@ -109,6 +114,11 @@ impl Real for f64 {
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()
+    }
+
+    #[inline(always)]
+    fn call(self, function: Function) -> Self {
+        function.of(self)
     }
 }
 

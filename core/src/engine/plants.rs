@@ -4,6 +4,7 @@ pub mod bouc_wen;
 pub mod duffing;
 pub mod sdof;
 pub mod shear_chain;
+pub mod typed;
 
 use super::dual::Dual;
 use super::number::{Number, Real};
@@ -40,6 +41,8 @@ pub enum Plant {
     BoucWenOne,
     /// A chain of masses.
     ShearChain(usize),
+    /// An equation that a user types.
+    Typed(&'static typed::Typed),
 }
 
 /// Does something with the equation of a plant.
@@ -66,6 +69,10 @@ macro_rules! with_equation {
                 let $equation = $crate::engine::plants::shear_chain::ShearChain { masses };
                 $do
             }
+            $crate::engine::plants::Plant::Typed(typed) => {
+                let $equation = typed;
+                $do
+            }
         }
     };
 }
@@ -88,6 +95,9 @@ impl Plant {
         fn of<E: Equation>(_: E) -> bool {
             E::IS_OSCILLATOR
         }
+        if let Self::Typed(typed) = self {
+            return typed.motion == 2;
+        }
         with_equation!(self, equation => of(equation))
     }
 
@@ -107,6 +117,9 @@ impl Plant {
         columns: &mut [T],
         duals: &mut [Dual<T, AT_ONCE>],
     ) {
+        if let Self::Typed(typed) = self {
+            return typed.linearise(state, force, rate, columns);
+        }
         with_equation!(self, equation => linearise(equation, state, force, rate, columns, duals));
     }
 

@@ -161,6 +161,9 @@ fn model(book: &crate::Model) -> Option<Model> {
 
 /// The engine's plant of a kind.
 fn plant(kind: PlantKind) -> Option<Plant> {
+    if let Some(equation) = kind.own_equation() {
+        return Some(Plant::Typed(equation.typed()));
+    }
     const OTHERS: [(PlantKind, Plant); 4] = [
         (PlantKind::SDOF, Plant::Sdof),
         (PlantKind::DUFFING, Plant::Duffing),

@@ -2,35 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::function::Function;
-use super::list::List;
-
-/// The place of a number in a list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) struct Node(u32);
-
-impl Node {
-    /// The place in the list.
-    pub(super) fn place(self) -> usize {
-        self.0 as usize
-    }
-}
-
-/// One operation on earlier numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Operation {
-    /// The bits of a constant.
-    Constant(u64),
-    Input(u32),
-    Add(Node, Node),
-    Subtract(Node, Node),
-    Multiply(Node, Node),
-    Divide(Node, Node),
-    Negative(Node),
-    Call(Function, Node),
-    /// A power with the bits of its exponent.
-    Power(Node, u64),
-}
+use crate::engine::function::Function;
+use crate::engine::list::{List, Node, Operation};
 
 /// Limits the operations of a list, and so the time and the memory that an equation can take.
 const LENGTH: usize = 4000;
@@ -58,16 +31,16 @@ impl Builder {
             return node;
         }
         if self.is_too_long() {
-            return Node(0);
+            return Node::at(0);
         }
-        let node = Node(self.operations.len() as u32);
+        let node = Node::at(self.operations.len());
         let needs = match operation {
             Operation::Constant(_) => 0,
             Operation::Input(input) => 1 << input,
             Operation::Add(a, b) | Operation::Subtract(a, b) | Operation::Multiply(a, b) | Operation::Divide(a, b) => {
                 self.needs(a) | self.needs(b)
             }
-            Operation::Negative(a) | Operation::Call(_, a) | Operation::Power(a, _) => self.needs(a),
+            Operation::Negative(a) | Operation::Call(_, a) => self.needs(a),
         };
         self.operations.push(operation);
         self.needs.push(needs);
@@ -162,7 +135,7 @@ impl Builder {
                 let (one, inverse) = (self.constant(1.0), self.power(a, -exponent));
                 self.divide(one, inverse)
             }
-            _ => self.push(Operation::Power(a, exponent.to_bits())),
+            _ => self.call(Function::Power(exponent.to_bits()), a),
         }
     }
 
@@ -205,13 +178,6 @@ impl Builder {
                 let (slope, a) = (self.slope(function, a, node), self.derivative(a, by));
                 self.multiply(slope, a)
             }
-            Operation::Power(a, exponent) => {
-                let exponent = f64::from_bits(exponent);
-                let (inner, factor) = (self.derivative(a, by), self.constant(exponent));
-                let lower = self.power(a, exponent - 1.0);
-                let slope = self.multiply(factor, lower);
-                self.multiply(slope, inner)
-            }
         };
         self.derivatives.insert(key, derivative);
         derivative
@@ -241,6 +207,11 @@ impl Builder {
             Function::Tanh => {
                 let square = self.multiply(node, node);
                 self.subtract(one, square)
+            }
+            Function::Power(exponent) => {
+                let exponent = f64::from_bits(exponent);
+                let (factor, lower) = (self.constant(exponent), self.power(a, exponent - 1.0));
+                self.multiply(factor, lower)
             }
         }
     }
@@ -279,10 +250,6 @@ impl Builder {
             Operation::Call(function, a) => {
                 let a = self.without(a, inputs);
                 self.call(function, a)
-            }
-            Operation::Power(a, exponent) => {
-                let a = self.without(a, inputs);
-                self.power(a, f64::from_bits(exponent))
             }
         };
         self.without.insert((node, inputs), without);

@@ -1,11 +1,11 @@
 //! The plant of an equation.
 
 use super::error::EquationError;
-use super::list::List;
 use super::settings::{EquationSettings, ParameterSettings};
 use super::solve::{Component, Solved, solve};
 use super::word::{key, symbol};
 use crate::channel::{ChannelInfo, Role, Usual};
+use crate::engine::plants::typed::Typed;
 use crate::plant::{Plant, PlantInfo, Spring};
 use crate::{Channel, PlantKind};
 
@@ -20,14 +20,13 @@ const LARGEST: f64 = 1e30;
 pub struct Equation {
     info: PlantInfo,
     settings: EquationSettings,
-    rates: List,
-    jacobian: List,
+    typed: Typed,
 }
 
 impl Equation {
     /// The plant of an equation. Its data stay for as long as the program runs.
     pub(super) fn new(settings: &EquationSettings) -> Result<Self, EquationError> {
-        let Solved { components, rates, jacobian, is_linear, .. } = solve(&settings.equation)?;
+        let Solved { components, typed, is_linear } = solve(&settings.equation)?;
         let known: Vec<(String, &ParameterSettings)> =
             settings.parameters.iter().map(|(name, one)| (key(name), one)).collect();
         for (name, _) in &known {
@@ -48,7 +47,7 @@ impl Equation {
             is_linear,
             spring: Spring::Linear,
         };
-        Ok(Self { info, settings: settings.clone(), rates, jacobian })
+        Ok(Self { info, settings: settings.clone(), typed })
     }
 
     /// The equation as a scenario has it.
@@ -56,9 +55,14 @@ impl Equation {
         &self.settings
     }
 
+    /// The equation as the engine has it.
+    pub fn typed(&'static self) -> &'static Typed {
+        &self.typed
+    }
+
     /// The numbers of operations for the rates, and for their derivatives.
     pub fn operations(&self) -> [usize; 2] {
-        [self.rates.len(), self.jacobian.len()]
+        [self.typed.rates.len(), self.typed.jacobian.len()]
     }
 }
 
@@ -68,12 +72,13 @@ impl Plant for Equation {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        self.rates.run(state, force, rate);
+        self.typed.rates.run(state, force, |place, value| rate[place] = value);
     }
 
     fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
         // The force enters additively.
-        self.jacobian.run(state, 0.0, jacobian);
+        let Typed { size, motion, jacobian: list, .. } = &self.typed;
+        list.run(state, 0.0, |place, value| jacobian[place % motion * size + place / motion] = value);
     }
 }
 

@@ -7,8 +7,9 @@
 //! ```
 
 use super::error::EquationError;
-use super::function::Function;
+
 use super::token::{Placed, Token, tokens};
+use crate::engine::function::Function;
 
 /// Limits brackets within brackets.
 const DEPTH: usize = 40;

@@ -4,11 +4,12 @@
 //! left - right = r + s h = 0,  h = -r / s
 //! ```
 
-use super::builder::{Builder, Node};
+use super::builder::Builder;
 use super::error::EquationError;
-use super::list::List;
 use super::parse::{Sides, Tree, parse};
 use crate::channel::MAX_MASSES;
+use crate::engine::list::Node;
+use crate::engine::plants::typed::Typed;
 
 /// Limits the components of a state.
 const COMPONENTS: usize = 32;
@@ -31,10 +32,8 @@ pub(super) enum Component {
 pub(super) struct Solved {
     /// The components of the state: displacements, velocities, internal states, parameters.
     pub(super) components: Vec<Component>,
-    /// The rates of what moves.
-    pub(super) rates: List,
-    /// The derivatives of the rates by the components, row by row, that are not zero.
-    pub(super) jacobian: List,
+    /// The rates of what moves, and their derivatives.
+    pub(super) typed: Typed,
     /// Whether the motion is linear while parameters are constant.
     pub(super) is_linear: bool,
 }
@@ -84,12 +83,13 @@ fn solved(equations: &[Sides]) -> Result<Solved, EquationError> {
         for j in 0..n {
             let entry = builder.derivative(rate, j);
             if builder.value(entry) != Some(0.0) {
-                entries.push((i * n + j, entry));
+                entries.push((j * motion + i, entry));
             }
         }
     }
     let moving = (1_u64 << motion) - 1;
-    let mut is_linear = entries.iter().all(|(place, entry)| place % n >= motion || builder.needs(*entry) & moving == 0);
+    let mut is_linear =
+        entries.iter().all(|(place, entry)| place / motion >= motion || builder.needs(*entry) & moving == 0);
     for &rate in &rates {
         let at_rest = builder.without(rate, moving | 1 << n);
         is_linear &= builder.value(at_rest) == Some(0.0);
@@ -102,7 +102,8 @@ fn solved(equations: &[Sides]) -> Result<Solved, EquationError> {
     let outputs: Vec<(usize, Node)> = rates.iter().copied().enumerate().collect();
     let rates = builder.list(n + 1, &outputs).ok_or_else(too_long)?;
     let jacobian = builder.list(n + 1, &entries).ok_or_else(too_long)?;
-    Ok(Solved { components, rates, jacobian, is_linear })
+    let typed = Typed { size: n, motion, rates, jacobian };
+    Ok(Solved { components, typed, is_linear })
 }
 
 /// The names of all equations, in the order in which they first stand.

@@ -1,15 +1,54 @@
 //! A list of operations: what an equation computes.
 
-use super::builder::{Node, Operation};
 use super::function::Function;
+use super::number::Real;
+
+/// The place of a number in a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Node(u32);
+
+impl Node {
+    /// The number at a place.
+    pub fn at(place: usize) -> Self {
+        Self(place as u32)
+    }
+
+    /// The place in the list.
+    pub fn place(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// One operation on earlier numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Operation {
+    /// The bits of a constant.
+    Constant(u64),
+    /// An input by its number.
+    Input(u32),
+    /// a + b
+    Add(Node, Node),
+    /// a - b
+    Subtract(Node, Node),
+    /// a b
+    Multiply(Node, Node),
+    /// a / b
+    Divide(Node, Node),
+    /// -a
+    Negative(Node),
+    /// A function of a.
+    Call(Function, Node),
+}
 
 /// Numbers that a list keeps at a time.
 const REGISTERS: usize = 128;
 
 /// Operations in order, whose results stand in registers that are used again.
 #[derive(Clone, Debug)]
-pub(super) struct List {
+pub struct List {
     inputs: usize,
+    /// The registers that are used.
+    registers: usize,
     steps: Vec<Step>,
     /// The place that each output goes to, and its register.
     outputs: Vec<(usize, u8)>,
@@ -32,17 +71,17 @@ enum What {
     Divide,
     Negative,
     Call(Function),
-    Power(f64),
 }
 
 impl List {
-    pub(super) fn new(operations: &[Operation], inputs: usize, outputs: &[(usize, Node)]) -> Option<Self> {
+    /// The list that computes some outputs, each with a place that it goes to; none where they need more registers than there are.
+    pub fn new(operations: &[Operation], inputs: usize, outputs: &[(usize, Node)]) -> Option<Self> {
         let uses = |operation: Operation| match operation {
             Operation::Constant(_) | Operation::Input(_) => [None, None],
             Operation::Add(a, b) | Operation::Subtract(a, b) | Operation::Multiply(a, b) | Operation::Divide(a, b) => {
                 [Some(a), Some(b)]
             }
-            Operation::Negative(a) | Operation::Call(_, a) | Operation::Power(a, _) => [Some(a), None],
+            Operation::Negative(a) | Operation::Call(_, a) => [Some(a), None],
         };
         // From the last operation back: what is needed, and by which operation last.
         let mut last: Vec<Option<usize>> = vec![None; operations.len()];
@@ -71,7 +110,6 @@ impl List {
                 Operation::Divide(..) => What::Divide,
                 Operation::Negative(_) => What::Negative,
                 Operation::Call(function, _) => What::Call(function),
-                Operation::Power(_, exponent) => What::Power(f64::from_bits(exponent)),
             };
             let [a, b] = uses(operation);
             let register = |node: Option<Node>| node.map_or(0, |node| of[node.place()]);
@@ -86,35 +124,47 @@ impl List {
             steps.push(Step { what, a: ra, b: rb, to });
         }
         let outputs = outputs.iter().map(|(to, node)| (*to, of[node.place()])).collect();
-        Some(Self { inputs, steps, outputs })
+        let used = |step: &Step| usize::from(step.to) + 1;
+        let registers = steps.iter().map(used).fold(inputs, usize::max);
+        Some(Self { inputs, registers, steps, outputs })
     }
 
     /// The number of operations.
-    pub(super) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.steps.len()
     }
 
-    /// Computes the outputs from the inputs, and writes them to their places.
-    pub(super) fn run(&self, inputs: &[f64], last: f64, results: &mut [f64]) {
-        let mut registers = [0.0; REGISTERS];
+    /// Computes the outputs from the inputs, of which the last one stands apart, and hands each over with its place.
+    #[inline(always)]
+    pub fn run<T: Real>(&self, inputs: &[T], last: T, take: impl FnMut(usize, T)) {
+        // Memory is cleared at each call: no more of it than is needed.
+        match self.registers {
+            0..=16 => self.run_in::<T, 16>(inputs, last, take),
+            17..=48 => self.run_in::<T, 48>(inputs, last, take),
+            _ => self.run_in::<T, REGISTERS>(inputs, last, take),
+        }
+    }
+
+    #[inline(always)]
+    fn run_in<T: Real, const N: usize>(&self, inputs: &[T], last: T, mut take: impl FnMut(usize, T)) {
+        let mut registers = [last; N];
         let first = self.inputs - 1;
         registers[..first].copy_from_slice(&inputs[..first]);
         registers[first] = last;
         for Step { what, a, b, to } in &self.steps {
-            let (a, b) = (registers[usize::from(*a) % REGISTERS], registers[usize::from(*b) % REGISTERS]);
-            registers[usize::from(*to) % REGISTERS] = match what {
-                What::Constant(value) => *value,
+            let (a, b) = (registers[usize::from(*a) % N], registers[usize::from(*b) % N]);
+            registers[usize::from(*to) % N] = match what {
+                What::Constant(value) => T::of(*value),
                 What::Add => a + b,
                 What::Subtract => a - b,
                 What::Multiply => a * b,
                 What::Divide => a / b,
                 What::Negative => -a,
-                What::Call(function) => function.of(a),
-                What::Power(exponent) => libm::pow(a, *exponent),
+                What::Call(function) => a.call(*function),
             };
         }
         for (to, register) in &self.outputs {
-            results[*to] = registers[usize::from(*register) % REGISTERS];
+            take(*to, registers[usize::from(*register) % N]);
         }
     }
 }
