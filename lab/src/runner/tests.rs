@@ -1,0 +1,185 @@
+use super::*;
+use crate::{Axis, Measure, Plan};
+use kalmanscope_core::diagnostics::MeanSquare;
+use kalmanscope_core::{Channel, Diagnostics, Run, RunError};
+
+fn runner(axes: &[&str], measures: &[&str]) -> Runner {
+    let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
+    let measures = measures.iter().map(|text| text.parse().unwrap()).collect();
+    let ensemble = Ensemble::new(scenario, Plan { filters: vec![0, 1], measures, axes, ..Plan::default() }).unwrap();
+    Runner::new(ensemble, Source::Simulated).unwrap()
+}
+
+#[test]
+fn a_row_has_the_numbers_of_the_run_on_a_screen() {
+    let channel = Channel::NATURAL_FREQUENCY;
+    let runner = runner(
+        &["seed=3:5:3", "filters.*.initial_mean.natural_frequency=2:14:4"],
+        &["nis", "nees", "log_likelihood", "rmse.natural_frequency", "estimate.natural_frequency", "diverged"],
+    );
+    for cell in 0..12 {
+        let row = runner.rows(&[cell]);
+        let mut run = Run::new(&runner.ensemble().at(cell)).unwrap();
+        run.finish();
+        for (estimates, row) in run.estimates().iter().zip(row.chunks(6)) {
+            let diagnostics = Diagnostics::new(estimates, run.record());
+            let place = estimates.place(channel).unwrap();
+            let expected = [
+                per_degree(&diagnostics.mean_nis().unwrap()),
+                per_degree(&diagnostics.mean_nees().unwrap()),
+                diagnostics.log_likelihood(),
+                diagnostics.tally(channel, 0..estimates.len()).unwrap().rmse(),
+                estimates.canonical_mean(estimates.len() - 1, place),
+            ];
+            for (number, expected) in row.iter().zip(expected) {
+                assert!((number - expected).abs() <= 1e-12 * expected.abs(), "{row:?}: {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cell_takes_the_time_of_its_filters_over_all_samples() {
+    let of = |axes: &[&str]| runner(axes, &["nis"]).time_of_cell();
+    let (short, many) = (of(&["seed=1:4:4"]), of(&["seed=1:9:9"]));
+    assert_eq!(short, many, "a cell has no share in the others");
+    // 501 samples, an EKF and a UKF.
+    assert!((1e-4..3e-3).contains(&short), "{short}");
+}
+
+fn per_degree(mean: &MeanSquare) -> f64 {
+    mean.mean / mean.expected
+}
+
+#[test]
+fn rows_do_not_depend_on_their_order() {
+    let runner = runner(&["seed=1:4:4", "filters.EKF.process_std=0.1:10:5:log"], &["nis", "error.damping_ratio"]);
+    let width = runner.ensemble().width();
+    let all = runner.rows(&(0..20).collect::<Vec<_>>());
+    for cell in [19, 0, 7, 12, 3] {
+        assert_eq!(runner.rows(&[cell]), all[cell * width..(cell + 1) * width]);
+    }
+}
+
+/// Numbers of the single filter, cell by cell, are those of [`Runner::rows`], bit by bit.
+#[cfg(feature = "lanes")]
+#[test]
+fn a_map_of_the_duffing_oscillator_is_served_by_lanes_and_has_the_numbers_of_the_single_filter() {
+    let mut scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    scenario.set_plant(kalmanscope_core::PlantKind::DUFFING);
+    let axes = ["seed=1:2:2", "filters.*.initial_mean.natural_frequency=3:9:6"];
+    let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();
+    let measures = vec![Measure::Nis, Measure::Nees, "estimate.cubic_stiffness".parse().unwrap()];
+    let plan = Plan { filters: vec![0, 1], measures, axes, ..Plan::default() };
+    let runner = Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap();
+    let cells: Vec<usize> = (0..12).collect();
+    let runs = runner.runs(&cells);
+    for CellRun { scenario, record } in runs.iter().flatten() {
+        let is_served = |place| kalmanscope_lanes::serves(&kalmanscope_lanes::LaneRun { scenario, place, record });
+        assert!(is_served(0).unwrap() && is_served(1).unwrap());
+    }
+    let single = runner.rows_of(&runs, &[vec![], vec![]]);
+    assert!(single.iter().all(|number| number.is_finite()), "{single:?}");
+    assert_eq!(runner.rows(&cells), single);
+}
+
+/// The scenario of a measured record: a gain of the input, which is linear between samples.
+fn measured() -> Scenario {
+    let mut scenario = Scenario { duration: 5.0, hold: kalmanscope_core::Hold::First, ..Scenario::default() };
+    scenario.filters.iter_mut().for_each(|filter| filter.augment = vec![Channel::INPUT_GAIN]);
+    scenario
+}
+
+#[test]
+fn the_row_of_a_cell_does_not_depend_on_those_beside_it() {
+    let axes = vec![Axis::parse("filters.*.initial_mean.natural_frequency=3:9:11").unwrap()];
+    let measures = vec![Measure::Nis, Measure::LogLikelihood, "estimate.input_gain".parse().unwrap()];
+    let plan = Plan { filters: vec![0, 1], measures, axes, ..Plan::default() };
+    let runner = Runner::new(Ensemble::new(measured(), plan).unwrap(), Source::Simulated).unwrap();
+    let all = runner.rows(&(0..11).collect::<Vec<_>>());
+    let single = runner.rows_of(&runner.runs(&(0..11).collect::<Vec<_>>()), &[vec![], vec![]]);
+    for cell in 0..11 {
+        assert_eq!(runner.rows(&[cell]), all[6 * cell..6 * cell + 6]);
+        // That of the filter by itself, to rounding.
+        for (number, single) in all[6 * cell..].iter().zip(&single[6 * cell..6 * cell + 6]) {
+            assert!((number - single).abs() < 1e-9 * single.abs(), "{number} and {single}");
+        }
+    }
+}
+
+#[cfg(feature = "lanes")]
+#[test]
+fn cells_that_lanes_take_are_computed_together() {
+    let at_once = |scenario: Scenario, measure: Measure| {
+        let plan = Plan { filters: vec![0], measures: vec![measure], ..Plan::default() };
+        Runner::new(Ensemble::new(scenario, plan).unwrap(), Source::Simulated).unwrap().at_once(0)
+    };
+    let alone = |kind| {
+        let mut scenario = measured();
+        scenario.filters[0].kind = kind;
+        scenario
+    };
+    assert_eq!(at_once(measured(), Measure::Nis), 8);
+    assert_eq!(at_once(Scenario { duration: 5.0, ..Scenario::default() }, Measure::Nis), 8);
+    assert_eq!(at_once(measured(), Measure::Verdict), 1);
+    assert_eq!(at_once(alone(kalmanscope_core::FilterKind::SR_UKF), Measure::Nis), 1);
+}
+
+#[test]
+fn the_row_of_an_impossible_scenario_is_empty() {
+    let runner = runner(&["filters.EKF.fading=0.5:1.5:3"], &["nis"]);
+    let rows = runner.rows(&[0, 1, 2]);
+    assert!(rows[..2].iter().all(|number| number.is_nan()) && rows[2..].iter().all(|number| number.is_finite()));
+}
+
+#[test]
+fn measures_of_histories_are_those_of_the_screen() {
+    let runner = runner(&["filters.*.sensor_std=0.1:10:3:log"], &["verdict", "free_run.velocity", "one_step.velocity"]);
+    let rows = runner.rows(&[0, 1, 2]);
+    let (verdict, free_run, one_step) = (rows[6], rows[7], rows[8]);
+    assert!(verdict >= 0.0 && free_run > 0.0 && (0.05..0.2).contains(&one_step), "{rows:?}");
+}
+
+#[test]
+fn a_given_record_stays_as_it_is() {
+    let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    let record = Arc::new(simulate(&scenario));
+    let plan = |key: &str| {
+        let axes = vec![Axis::parse(&format!("{key}=1:2:2")).unwrap()];
+        Plan { filters: vec![0], measures: vec![Measure::Nis], axes, ..Plan::default() }
+    };
+    let runner = |key: &str, scenario: &Scenario| {
+        let ensemble = Ensemble::new(scenario.clone(), plan(key)).unwrap();
+        Runner::new(ensemble, Source::Measured(Arc::clone(&record)))
+    };
+    assert!(runner("filters.EKF.process_std", &scenario).is_ok());
+    let refused = runner("seed", &scenario).err().unwrap();
+    assert!(refused.to_string().contains("`seed`"), "{refused}");
+    let mut other = scenario;
+    other.remove_sensor(kalmanscope_core::Quantity::VELOCITY);
+    other.add_sensor(kalmanscope_core::Sensor { measures: kalmanscope_core::Quantity::ACCELERATION, noise_std: 0.1 });
+    let refused = runner("filters.EKF.process_std", &other).err().unwrap();
+    assert!(matches!(refused, EnsembleError::Run(RunError::MissingSensor(_))));
+}
+
+#[test]
+fn a_given_record_follows_the_gain_of_its_input() {
+    let mapping = "file = \"a.csv\"\n[time]\nrate = 100.0\n[input]\ncolumn = \"u\"\ngain = 2.0\n";
+    let mapping = format!("{mapping}[sensors.displacement]\ncolumn = \"x\"\n[sensors.velocity]\ncolumn = \"v\"\n");
+    let mapping = kalmanscope_core::import::Mapping::from_toml(&mapping).unwrap();
+    let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    let record = Arc::new(simulate(&scenario));
+    let scenario = Scenario { record: Some(mapping), ..scenario };
+    let axes = vec![Axis::parse("record.input.gain=1:3:3").unwrap()];
+    let plan = Plan { filters: vec![0], measures: vec![Measure::Nis], axes, ..Plan::default() };
+    let source = Source::Measured(Arc::clone(&record));
+    let runner = Runner::new(Ensemble::new(scenario, plan).unwrap(), source).unwrap();
+    let runs = runner.runs(&[0, 1, 2]);
+    for (run, factor) in runs.iter().zip([0.5, 1.0, 1.5]) {
+        let input: Vec<f64> = record.input().iter().map(|u| factor * u).collect();
+        assert_eq!(run.as_ref().unwrap().record.input(), input);
+    }
+    let nis = runner.rows(&[0, 1, 2]);
+    assert!(nis[1] < nis[0] && nis[1] < nis[2], "the gain that the record has: {nis:?}");
+}
