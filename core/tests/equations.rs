@@ -170,7 +170,7 @@ fn products_with_a_mass_are_solved_for_the_acceleration() {
     assert_eq!(keys, ["displacement", "velocity", "m", "c", "k"]);
     let mut rate = [0.0; 2];
     kind.plant().motion_rate(&[0.5, -1.0, 2.0, 3.0, 8.0], 0.25, &mut rate);
-    assert_eq!(rate, [-1.0, 0.25 - (3.0 * -1.0 + 8.0 * 0.5) / 2.0]);
+    assert_eq!(rate, [-1.0, 0.25 - (-3.0 + 8.0 * 0.5) / 2.0]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The equation of a plant of one's own.
 
 use egui::{Id, RichText, TextEdit, Ui};
-use kalmanscope_core::equation::EquationSettings;
+use kalmanscope_core::equation::{Equation, EquationSettings};
 use kalmanscope_core::{PlantKind, Scenario};
 
 /// The equation that one begins with: the linear oscillator.
@@ -21,7 +21,7 @@ pub(super) fn first() -> Option<PlantKind> {
 /// A field for the equation, if the plant has one of its own. It is the plant's once it is left, or with Enter; a fault is said
 /// below while it is typed.
 pub(super) fn equation_ui(ui: &mut Ui, scenario: &mut Scenario) {
-    let Some(settings) = scenario.plant.kind.own_equation().map(|own| own.settings()) else { return };
+    let Some(settings) = scenario.plant.kind.own_equation().map(Equation::settings) else { return };
     let id = Id::unique("equation of the plant");
     let draft: Option<String> = ui.data(|data| data.get_temp(id));
     let mut text = draft.unwrap_or_else(|| settings.equation.clone());

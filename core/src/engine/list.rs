@@ -130,7 +130,7 @@ impl List {
     }
 
     /// The number of operations.
-    pub fn len(&self) -> usize {
+    pub fn operations(&self) -> usize {
         self.steps.len()
     }
 

@@ -62,7 +62,7 @@ impl Equation {
 
     /// The numbers of operations for the rates, and for their derivatives.
     pub fn operations(&self) -> [usize; 2] {
-        [self.typed.rates.len(), self.typed.jacobian.len()]
+        [self.typed.rates.operations(), self.typed.jacobian.operations()]
     }
 }
 

@@ -123,11 +123,7 @@ impl Parser {
             return Err(EquationError::at(self.place(), format!("there are at most {DEPTH} brackets within brackets")));
         }
         let mut left = self.product()?;
-        loop {
-            let sign = match self.peek() {
-                Token::Sign(sign @ ('+' | '-')) => *sign,
-                _ => break,
-            };
+        while let Token::Sign(sign @ ('+' | '-')) = *self.peek() {
             self.at += 1;
             left = Tree::Binary(sign, Box::new(left), Box::new(self.product()?));
         }
@@ -237,7 +233,7 @@ mod tests {
                 Tree::Power(a, power) => format!("{}^{power}", shown(a)),
             }
         }
-        parse(&format!("{text} = f")).map(|all| shown(&all[0].left)).unwrap_or_else(|error| error.to_string())
+        parse(&format!("{text} = f")).map_or_else(|error| error.to_string(), |all| shown(&all[0].left))
     }
 
     #[test]
