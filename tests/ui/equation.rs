@@ -27,7 +27,7 @@ fn an_equation_is_typed_and_identified() {
     screen.run_steps(20);
     assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f - mu x³");
     assert_eq!(parameter(&screen, "mu"), Some(Signal::Constant(1.0)));
-    set(&mut screen, "Μ, value", 1.5);
+    set(&mut screen, "Parameter μ, value", 1.5);
     assert_eq!(parameter(&screen, "mu"), Some(Signal::Constant(1.5)));
     let session = screen.state().session();
     assert_eq!(session.problem(), None);

@@ -142,7 +142,10 @@ fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<
     let decimals = (2.0 - libm::floor(libm::log10(size))).clamp(0.0, 8.0);
     Ok(ChannelInfo {
         keys: texts(name.to_owned()),
-        names: texts(settings.name.clone().unwrap_or_else(|| shown.to_owned())),
+        names: texts(settings.name.clone().unwrap_or_else(|| {
+            let what = if is_parameter { "parameter" } else { "internal state" };
+            format!("{what} {shown}")
+        })),
         symbols: vec![shown].leak(),
         unit: settings.unit.clone().leak(),
         role: if is_parameter { Role::Parameter(sign) } else { Role::Motion },

@@ -33,7 +33,7 @@ pub struct EquationSettings {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "a table")]
 pub struct ParameterSettings {
-    /// The name in running text; the symbol if left out.
+    /// The name in running text; `parameter` or `internal state` and the symbol if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// The unit, empty for a pure number.
