@@ -3,7 +3,7 @@
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario};
 
-use crate::in_turn::{Told, Work};
+use crate::telling::{Told, Work};
 
 /// The remedies of each filter's verdict, each of one cause or of several, the likeliest first: none where a filter is consistent,
 /// or there is no verdict. Each is confirmed by running the filter again with its knobs turned, over 10,000 samples at most.

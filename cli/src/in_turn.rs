@@ -9,33 +9,10 @@ use kalmanscope_core::{
 use crate::causes::causes_of;
 use crate::free_run::{FreeRuns, fits_of};
 use crate::results::{FilterResults, Results, over_bound};
+use crate::telling::{Told, Work};
 
 /// The samples after which the diagnostics follow and matrices are dropped: a few megabytes.
 const CHUNK: usize = 10_000;
-
-/// The progress of the results of a filter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Told<'a> {
-    /// The filter's place in the scenario.
-    pub place: usize,
-    /// Its name.
-    pub name: &'a str,
-    /// The work that is under way.
-    pub work: Work,
-    /// The share of it that is done, from 0 to 1.
-    pub share: f64,
-}
-
-/// The work on the results of a filter, in this order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Work {
-    /// The filter itself.
-    Filter,
-    /// The search for the causes of its verdict.
-    Causes,
-    /// Its Cramér-Rao bound.
-    Bound,
-}
 
 impl<'a> Results<'a> {
     /// The results of a scenario's filters over the record of a finished run without filters, with the free runs of their final

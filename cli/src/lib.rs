@@ -31,6 +31,7 @@ mod report;
 mod results;
 mod rows;
 mod table;
+mod telling;
 mod timing;
 
 use std::sync::Arc;
@@ -40,7 +41,7 @@ use kalmanscope_core::{Record, Run, RunError, Scenario};
 pub use causes::{causes, causes_telling};
 pub use estimates_csv::{harmless, write_estimates};
 #[cfg(feature = "program")]
-pub use in_turn::{Told, Work, last_estimates};
+pub use in_turn::last_estimates;
 pub use markup::escaped;
 #[cfg(feature = "plots")]
 pub use plot::{PlotError, plot_svg, svg};
@@ -48,6 +49,7 @@ pub use plot::{PlotError, plot_svg, svg};
 pub use report::{ReportError, report};
 pub use results::Results;
 pub use table::table;
+pub use telling::{Told, Work};
 pub use timing::step_times;
 
 /// Runs a scenario from the first sample to the last: over its own simulated record, or over a measured one.
