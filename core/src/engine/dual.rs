@@ -165,7 +165,7 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
     #[inline(always)]
     fn call(mut self, function: Function) -> Self {
         let value = self.value.call(function);
-        let slope = function.slope(self.value, value);
+        let slope = slope(function, self.value, value);
         for k in 0..K {
             if self.on[k] {
                 self.part[k] = self.part[k] * slope;
@@ -173,6 +173,26 @@ impl<T: Number, const K: usize> Real for Dual<T, K> {
         }
         self.value = value;
         self
+    }
+}
+
+/// The derivative of a function at x, where it has this value. That of a sign is zero, also where it jumps.
+fn slope<T: Real>(function: Function, x: T, value: T) -> T {
+    let one = T::of(1.0);
+    match function {
+        Function::Sin => x.call(Function::Cos),
+        Function::Cos => -x.call(Function::Sin),
+        Function::Tan => value * value + 1.0,
+        Function::Exp => value,
+        Function::Log => one / x,
+        Function::Sqrt => T::of(0.5) / value,
+        Function::Abs => x.call(Function::Sign),
+        Function::Sign => T::of(0.0),
+        Function::Tanh => one - value * value,
+        Function::Power(exponent) => {
+            let exponent = f64::from_bits(exponent);
+            x.call(Function::Power((exponent - 1.0).to_bits())) * exponent
+        }
     }
 }
 

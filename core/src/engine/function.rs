@@ -1,7 +1,5 @@
 //! Functions of one number that an equation may have.
 
-use super::number::Real;
-
 /// A function of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Function {
@@ -62,26 +60,6 @@ impl Function {
             Self::Sign => 0.0,
             Self::Tanh => libm::tanh(x),
             Self::Power(exponent) => libm::pow(x, f64::from_bits(exponent)),
-        }
-    }
-
-    /// The derivative at x, where the function has a value. That of a sign is zero, also where it jumps.
-    pub fn slope<T: Real>(self, x: T, value: T) -> T {
-        let one = T::of(1.0);
-        match self {
-            Self::Sin => x.call(Self::Cos),
-            Self::Cos => -x.call(Self::Sin),
-            Self::Tan => value * value + 1.0,
-            Self::Exp => value,
-            Self::Log => one / x,
-            Self::Sqrt => T::of(0.5) / value,
-            Self::Abs => x.call(Self::Sign),
-            Self::Sign => T::of(0.0),
-            Self::Tanh => one - value * value,
-            Self::Power(exponent) => {
-                let exponent = f64::from_bits(exponent);
-                x.call(Self::Power((exponent - 1.0).to_bits())) * exponent
-            }
         }
     }
 }
