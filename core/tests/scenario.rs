@@ -166,7 +166,7 @@ fn an_unknown_key_is_refused_with_line_path_and_the_keys_that_exist() {
         ),
         (
             "[plant]\nmass = 1",
-            "line 2: `plant.mass`: unknown field `mass`, expected `kind`, `initial`, `disturbance_std`, `input_delay` \
+            "line 2: `plant.mass`: unknown field `mass`, expected `kind`, `equation`, `parameters`, `initial`, `disturbance_std`, `input_delay` \
              or one of `natural_frequency`, `damping_ratio`, `cubic_stiffness`, `post_yield_ratio`, `hysteresis_beta`, \
              `hysteresis_gamma`, `yield_beta`, `yield_gamma`, `stiffness_1`, `storey_damping`, `input_gain`, `input_offset`, `unknown_force`, \
              `white_force`, `bias_displacement`, `bias_velocity`, `bias_acceleration`, `bias_total_acceleration`, `bias_drift`, and of \
@@ -241,7 +241,10 @@ fn a_value_of_the_wrong_type_is_refused_with_line_path_and_the_expected_type() {
             "line 2: `plant.kind`: unknown variant `mdof`, expected one of `sdof`, `duffing`, `bouc_wen`, `bouc_wen_1`, `shear_2`, \
              `shear_3`, `shear_4`, `shear_5`, `shear_6`, `shear_7`, `shear_8`, `shear_9`, `shear_10`",
         ),
-        ("[plant]\nkind = 3", "line 2: `plant.kind`: invalid type: integer `3`, expected a string"),
+        (
+            "[plant]\nkind = 3",
+            "line 2: `plant.kind`: invalid type: integer `3`, expected the key of a plant, or a table with an equation",
+        ),
         (
             "[plant]\ninitial = { velocity = true }",
             "line 2: `plant.initial.velocity`: invalid type: boolean `true`, expected f64",
