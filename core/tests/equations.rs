@@ -122,6 +122,8 @@ fn a_scenario_with_an_equation_can_be_written_and_read() {
     let friction = scenario.plant.kind.channels()[4];
     assert_eq!((friction.key(), friction.unit(), friction.usual().mean), ("friction", "m/s²", 0.05));
     assert!(friction.is_positive());
+    // Its key means it wherever it stands.
+    assert_eq!(Channel::from_key("friction").unwrap().usual().mean, 0.05);
     assert_eq!(Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap(), scenario);
     let json = kalmanscope_core::Document::json(&scenario).unwrap();
     assert_eq!(kalmanscope_core::Document::read_json::<Scenario>(&json).unwrap(), scenario);

@@ -28,6 +28,7 @@ impl PlantKind {
     pub fn of_equation(settings: &EquationSettings) -> Result<Self, EquationError> {
         let mut known = EQUATIONS.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(equation) = known.iter().find(|one| one.settings() == settings) {
+            register(Self::new(*equation));
             return Ok(Self::new(*equation));
         }
         if known.len() >= MOST {
@@ -36,13 +37,7 @@ impl PlantKind {
         let equation: &'static Equation = Box::leak(Box::new(Equation::new(settings)?));
         known.push(equation);
         let kind = Self::new(equation);
-        let of_plants = |channel: Channel| Self::ALL.iter().any(|kind| kind.channels().contains(&channel));
-        let new = || kind.channels().iter().copied().filter(|channel| !of_plants(*channel));
-        if new().next().is_some() {
-            let mut channels = CHANNELS.write().unwrap_or_else(PoisonError::into_inner);
-            let others = channels.iter().copied().filter(|one| !kind.channels().contains(one));
-            *channels = others.chain(new()).collect::<Vec<_>>().leak();
-        }
+        register(kind);
         Ok(kind)
     }
 
@@ -50,5 +45,17 @@ impl PlantKind {
     pub fn own_equation(self) -> Option<&'static Equation> {
         let plant: &'static dyn std::any::Any = self.plant();
         plant.downcast_ref()
+    }
+}
+
+/// Makes the channels of an equation those that their keys mean.
+fn register(kind: PlantKind) {
+    let of_plants = |channel: Channel| PlantKind::ALL.iter().any(|kind| kind.channels().contains(&channel));
+    let own = || kind.channels().iter().copied().filter(|channel| !of_plants(*channel));
+    let mut channels = CHANNELS.write().unwrap_or_else(PoisonError::into_inner);
+    let is_known = |channel: Channel| channels.iter().any(|other| std::ptr::eq(other.info(), channel.info()));
+    if !own().all(is_known) {
+        let others = channels.iter().copied().filter(|one| !kind.channels().contains(one));
+        *channels = others.chain(own()).collect::<Vec<_>>().leak();
     }
 }
