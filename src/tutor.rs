@@ -110,8 +110,8 @@ impl Tutor {
         }
     }
 
-    /// The addresses of the settings that the step is about. Lessons know filters by their names, of which the user may give them
-    /// others: those that are found are kept by their ids.
+    /// The addresses of the settings that the step is about. Lessons name filters, and the user may rename them: an address that
+    /// is found is kept with the filter's id.
     pub(crate) fn lit(&mut self, scenario: &Scenario) -> Vec<String> {
         if self.lit.is_empty()
             && let Some(change) = self.current().and_then(|step| step.change.as_ref())

@@ -18,6 +18,6 @@ mod token;
 mod word;
 
 pub use error::EquationError;
-pub(crate) use interned::channels;
+pub(crate) use interned::{channels, is_read};
 pub use own::Equation;
 pub use settings::{EquationSettings, ParameterSettings};

@@ -127,6 +127,8 @@ fn a_scenario_with_an_equation_can_be_written_and_read() {
     assert_eq!(Scenario::from_toml(&scenario.to_toml().unwrap()).unwrap(), scenario);
     let json = kalmanscope_core::Document::json(&scenario).unwrap();
     assert_eq!(kalmanscope_core::Document::read_json::<Scenario>(&json).unwrap(), scenario);
+    let alone = Scenario::from_toml("[plant]\nparameters = { c = { guess = 2.0 } }").unwrap_err().to_string();
+    assert!(alone.contains("`parameters` belong to an `equation`, which is missing"), "{alone}");
     // The one whose parameter has other numbers is another plant.
     let other = Scenario::from_toml(&text.replace("0.05", "0.06")).unwrap();
     assert_ne!(other.plant.kind, scenario.plant.kind);

@@ -19,7 +19,7 @@ fn gallery() -> Vec<(String, Scenario)> {
     files.iter().map(read).collect()
 }
 
-/// What is wrong with the estimates of a scenario and seed, in words; nothing where all is right.
+/// The faults of a scenario's estimates in words; none where all is right.
 fn faults(scenario: &Scenario) -> Vec<String> {
     let mut run = Run::new(scenario).unwrap();
     run.finish();

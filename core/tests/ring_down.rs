@@ -92,7 +92,7 @@ fn start_values_of_a_decay_are_right() {
 }
 
 #[test]
-fn a_strong_damping_is_no_narrow_peak() {
+fn a_decay_that_ends_in_noise_has_good_start_values() {
     let decay = RingDown {
         natural_frequency: 6.0,
         damping_ratio: 0.05,

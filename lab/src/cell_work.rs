@@ -105,7 +105,7 @@ impl CellWork {
         };
     }
 
-    /// The number of samples for which there is time before the next check of the clock, of so many nanoseconds each.
+    /// The number of samples until the next check of the clock, if each takes `each` nanoseconds.
     fn samples_for(&self, each: f64) -> usize {
         ((PIECE - self.spent) / each).clamp(1.0, 1e5) as usize
     }

@@ -76,8 +76,7 @@ impl Runner {
         self.rows_of(&runs, &outcomes)
     }
 
-    /// The number of cells that are best computed at once: where lanes take the filters of this cell, as many as run side by
-    /// side in the time of one or two, else one.
+    /// The number of cells to compute at once: the number of lanes where lanes take the filters of this cell, else one.
     pub fn at_once(&self, cell: usize) -> usize {
         let runs = self.runs(&[cell]);
         let is_served = |run: &CellRun| self.ensemble.plan().filters.iter().all(|&place| is_served(run, place));

@@ -22,7 +22,7 @@ pub enum Method {
     SigmaPoints(Rule),
 }
 
-/// What all runs of a batch share.
+/// The part of a setup that is the same for all runs of a batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
     /// The model of the state.

@@ -215,4 +215,20 @@ mod tests {
         assert_eq!(of(Dual::of(2.0) / y)[1..], [0.0, -(2.0 / b) / b]);
         assert_eq!(of(-(x * x)), [-a * a, -2.0 * a, 0.0]);
     }
+
+    #[test]
+    fn derivatives_of_functions_are_their_differences() {
+        let powers = [1.5, -2.0].map(|exponent: f64| Function::Power(exponent.to_bits()));
+        for function in Function::NAMED.into_iter().map(|(function, _)| function).chain(powers) {
+            for x in [0.3, 1.7] {
+                let dual = Dual::<f64, 1>::variable(x, 0).call(function);
+                let difference = (function.of(x + 1e-6) - function.of(x - 1e-6)) / 2e-6;
+                assert_eq!(dual.value, function.of(x));
+                assert!(
+                    (dual.derivative(0) - difference).abs() < 1e-7 * (1.0 + difference.abs()),
+                    "{function:?} at {x}"
+                );
+            }
+        }
+    }
 }

@@ -36,7 +36,7 @@ struct Points<T> {
 }
 
 impl<T: Number> Expected<T> {
-    /// Memory for a model and so many sensors.
+    /// Memory for a model and a number of sensors.
     pub(super) fn new(model: &Model, sensors: usize) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
         let n = model.size;

@@ -61,7 +61,7 @@ pub(super) struct Scores<T> {
 }
 
 impl<T: Number> Scores<T> {
-    /// Empty sums for these channels, of which some have a known truth, over so many samples.
+    /// Empty sums for channels over a number of samples. `is_known` says whether the truth of a channel is known.
     pub(super) fn new(channels: &[Channel], is_known: impl Fn(Channel) -> bool, samples: usize) -> Self {
         let (zero, none) = (T::of(0.0), T::of(f64::NAN));
         let track = |(place, &channel)| Tracked {

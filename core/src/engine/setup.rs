@@ -17,7 +17,7 @@ pub const MOST: usize = 16;
 /// A filter of a scenario before its first sample.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// What a batch of runs shares.
+    /// The part that is the same for all runs of a batch.
     pub design: Design,
     /// The components of the state.
     pub channels: Vec<Channel>,

@@ -9,7 +9,7 @@ use super::level::Level;
 use super::model::Model;
 use super::number::{Mask, Number};
 
-/// What an update tells of each lane.
+/// The scores of an update, lane by lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Told<T: Number> {
     /// `eᵀ S⁻¹ e`; zero without a measurement.
@@ -50,7 +50,7 @@ pub(super) struct Update<T> {
 }
 
 impl<T: Number> Update<T> {
-    /// Memory for a model and so many sensors.
+    /// Memory for a model and a number of sensors.
     pub(super) fn new(model: &Model, sensors: usize) -> Self {
         let zeros = |count: usize| vec![T::of(0.0); count];
         Self {

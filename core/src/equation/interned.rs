@@ -20,6 +20,12 @@ pub(crate) fn channels() -> &'static [Channel] {
     *CHANNELS.read().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Whether an equation with this text has been read, so that the keys of its parameters are known.
+pub(crate) fn is_read(text: &str) -> bool {
+    let known = EQUATIONS.lock().unwrap_or_else(PoisonError::into_inner);
+    known.iter().any(|one| one.settings().equation == text)
+}
+
 impl PlantKind {
     /// The plant of an equation that a user typed.
     ///

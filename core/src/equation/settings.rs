@@ -1,4 +1,4 @@
-//! An equation as a scenario has it: its text, and what is known of its parameters.
+//! An equation as a scenario has it: its text, and the data of its parameters.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ use crate::channel::Sign;
 pub struct EquationSettings {
     /// The equation; several are apart by `;`.
     pub equation: String,
-    /// What is known of its parameters and internal states, by their names; all others have the usual numbers.
+    /// Names, units and usual numbers of parameters and internal states, by their symbols; all others have the usual ones.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, ParameterSettings>,
 }

@@ -7,7 +7,7 @@ use serde::ser::SerializeMap as _;
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::catalogue::expected_channels;
-use crate::equation::{Equation, EquationSettings};
+use crate::equation::{self, Equation, EquationSettings};
 use crate::model::{InputKind, Model};
 use crate::signal::Step;
 use crate::{Channel, PlantKind, Signal};
@@ -133,10 +133,11 @@ impl Serialize for Plant {
         match kind.own_equation().map(Equation::settings) {
             None => map.serialize_entry("kind", kind)?,
             Some(EquationSettings { equation, parameters }) => {
-                map.serialize_entry("equation", equation)?;
+                // Before the equation, so that it is read once.
                 if !parameters.is_empty() {
                     map.serialize_entry("parameters", parameters)?;
                 }
+                map.serialize_entry("equation", equation)?;
             }
         }
         let unused = Self::default();
@@ -175,18 +176,16 @@ impl<'de> Deserialize<'de> for Plant {
                 while let Some(key) = map.next_key()? {
                     match key {
                         Key::Kind => plant.kind = map.next_value()?,
-                        // The channels of an equation are known from here on.
                         Key::Equation => {
-                            let parameters = equation.take().map_or_else(Default::default, |one| one.parameters);
-                            let text: String = map.next_value()?;
-                            plant.kind = own(equation.insert(EquationSettings { equation: text, parameters }))?;
+                            let known = equation.get_or_insert_with(|| EquationSettings::new(""));
+                            known.equation = map.next_value()?;
+                            // The keys that follow are those of its parameters.
+                            if !equation::is_read(&known.equation) {
+                                own(known)?;
+                            }
                         }
                         Key::Parameters => {
-                            let known = equation.get_or_insert_with(|| EquationSettings::new(""));
-                            known.parameters = map.next_value()?;
-                            if !known.equation.is_empty() {
-                                plant.kind = own(known)?;
-                            }
+                            equation.get_or_insert_with(|| EquationSettings::new("")).parameters = map.next_value()?;
                         }
                         Key::Initial => plant.initial = map.next_value()?,
                         Key::InputDelay => plant.input_delay = map.next_value()?,
@@ -194,8 +193,12 @@ impl<'de> Deserialize<'de> for Plant {
                         Key::Parameter(channel) => plant.set(channel, map.next_value::<Signal>()?),
                     }
                 }
-                if equation.is_some_and(|one| one.equation.is_empty()) {
-                    return Err(de::Error::custom("`parameters` belong to an `equation`, which is missing"));
+                match &equation {
+                    Some(one) if one.equation.is_empty() => {
+                        return Err(de::Error::custom("`parameters` belong to an `equation`, which is missing"));
+                    }
+                    Some(one) => plant.kind = own(one)?,
+                    None => {}
                 }
                 Ok(plant)
             }

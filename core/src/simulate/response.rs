@@ -43,8 +43,7 @@ impl Response {
         self.state.as_slice()
     }
 
-    /// The number of times that steps have been halved so far: up to thousands for one sample, which then takes about ten
-    /// milliseconds.
+    /// The number of halvings of steps up to now. One sample may take thousands, which last about ten milliseconds.
     pub(crate) fn halved(&self) -> u64 {
         self.halved
     }

@@ -31,7 +31,7 @@ const HIGHEST: f64 = 0.8;
 const LAST: f64 = 0.97;
 /// The number of parts of the spectrum that are looked at for an edge.
 const PARTS: usize = 50;
-/// Beyond an edge, every part has less than this share of the power of a white force, and there are at least so many parts.
+/// Limits the share of a white force's power that is left in each part beyond an edge, and the number of these parts from below.
 const LOW: (f64, usize) = (0.6, 3);
 /// The frequencies at least.
 const LEAST: usize = 16;

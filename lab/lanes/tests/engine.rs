@@ -102,7 +102,7 @@ fn difference(a: &Outcome, b: &Outcome) -> f64 {
     assert_eq!((a.samples, a.stop, a.nis.degrees, a.nis.samples), (b.samples, b.stop, b.nis.degrees, b.nis.samples));
     let mut worst = 0.0_f64;
     for i in 0..a.mean.len() {
-        // What is certain stays as it is.
+        // A component without a variance stays as it is.
         let size = a.mean[i].abs().max(a.std[i]);
         worst = worst.max(if a.mean[i] == b.mean[i] { 0.0 } else { (a.mean[i] - b.mean[i]).abs() / size });
         worst = worst.max(if a.std[i] == b.std[i] { 0.0 } else { (a.std[i] - b.std[i]).abs() / a.std[i] });

@@ -19,7 +19,7 @@ impl Draw {
         self.between(0.0, limit as f64) as usize
     }
 
-    /// Whether something happens that does once in so many times.
+    /// Whether something happens that happens once in `times` draws.
     pub(crate) fn once_in(&mut self, times: usize) -> bool {
         self.below(times) == 0
     }
