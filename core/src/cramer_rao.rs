@@ -226,14 +226,14 @@ impl<P: Model<N>, const N: usize> Recursion for BoundFilter<P, N> {
 
 /// A filter of any model whose mean is set to the truth at every sample.
 struct DynamicBoundFilter {
-    filter: filter::Filter<filter::Linearised>,
+    filter: filter::Filter<filter::Moments>,
     sensors: Vec<Quantity>,
 }
 
 impl DynamicBoundFilter {
     fn new(settings: &FilterSettings, context: &FilterContext<'_>) -> Self {
         let initial = filter::estimator::initial_gaussian(&context.model(settings), settings);
-        let belief = Box::new(filter::Linearised::new(initial, settings.propagation, 1));
+        let belief = Box::new(filter::Moments::linearised(initial, settings.propagation, 1));
         let filter = filter::estimator::build_filter(belief, settings, context);
         Self { filter, sensors: context.sensors.to_vec() }
     }

@@ -4,12 +4,13 @@
 //! number, lanes, dual      the numbers that equations are written for
 //! plants, model            how a state moves, and what sensors read
 //! design, filter           predict and update
-//!   linearised             the prediction of KF and EKF        (exponential, impulse)
+//!   linearised             the prediction of KF and EKF        (exponential, impulse, differentiated)
 //!   sigma_points           the prediction of UKF and CKF       (runge_kutta)
 //!   expected, update       the measurements, and the belief after them
 //!   fault                  why a step does not hold
 //! run, scores              a whole record, and what it tells
 //! setup                    the filter of a scenario
+//! single                   one run, whose belief stands elsewhere
 //! ```
 //!
 //! A step is straight-line code over a [`Number`](number::Number): an `f64`, or [`Lanes`](lanes::Lanes) of it. Where runs differ
@@ -25,6 +26,7 @@
 pub mod belief;
 pub mod columns;
 pub mod design;
+mod differentiated;
 pub mod dual;
 mod error_square;
 mod expected;
@@ -45,6 +47,7 @@ pub mod runge_kutta;
 mod scores;
 pub mod setup;
 pub mod sigma_points;
+pub(crate) mod single;
 pub mod step;
 mod update;
 

@@ -18,6 +18,7 @@ pub mod kalman;
 pub mod kind;
 mod linearised;
 mod marginalised;
+mod moments;
 mod noise;
 mod observation;
 mod particles;
@@ -44,13 +45,13 @@ pub use ensemble::Ensemble;
 pub use gaussian::Gaussian;
 pub use kalman::{Correction, Expected};
 pub use kind::{FilterInfo, FilterKind};
-pub use linearised::Linearised;
 pub use marginalised::Marginalised;
+pub use moments::Moments;
 pub use noise::Noise;
 pub use observation::Observation;
 pub use particles::Particles;
-pub use propagation::{Propagation, Transition};
-pub use sigma_points::{Rule, SigmaPoints};
+pub use propagation::Propagation;
+pub use sigma_points::Rule;
 pub use square_root::SquareRoot;
 pub use step::Step;
 pub use white::{Course, White};
@@ -161,7 +162,7 @@ pub trait Belief: Send {
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance has no root.
-    fn transition(&self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
+    fn transition(&mut self, model: &Model, step: Step) -> Result<Matrix, FilterError> {
         sigma_points::transition(&self.gaussian(), Rule::Unscented, model, step)
     }
 }
@@ -178,7 +179,7 @@ pub(crate) enum Part {
 /// A recursive estimator of the n-component state of a model, at k = 0 and after.
 ///
 /// ```
-/// use kalmanscope_core::filter::{Adaptation, Correction, Filter, Gaussian, Noise, Rule, SigmaPoints};
+/// use kalmanscope_core::filter::{Adaptation, Correction, Filter, Gaussian, Moments, Noise, Rule};
 /// use kalmanscope_core::linalg::{Matrix, Vector};
 /// use kalmanscope_core::{Hold, Model, PlantKind, Quantity};
 /// # fn main() -> Result<(), kalmanscope_core::FilterError> {
@@ -186,7 +187,7 @@ pub(crate) enum Part {
 /// let (mean, std) = ([0.0, 0.0, 8.0, 0.1], [0.1, 0.3, 2.0, 0.1]);
 /// let initial = Gaussian::independent(mean.to_vec().into(), &std.to_vec().into());
 /// let noise = Noise { process: Matrix::identity(4, 4) * 1e-8, sensors: vec![1e-4], fading: 1.0 };
-/// let belief = Box::new(SigmaPoints::new(initial, Rule::Unscented));
+/// let belief = Box::new(Moments::sigma_points(initial, Rule::Unscented));
 /// let mut filter = Filter::new(model, belief, 0.01, Hold::Zero, noise, &[Quantity::DISPLACEMENT], Adaptation::default());
 /// let mut correction = Correction::default();
 /// filter.predict([1.0, 1.0])?;
@@ -305,7 +306,7 @@ impl<B: Belief + ?Sized> Filter<B> {
     pub(crate) fn predict_by(
         &mut self,
         forces: [f64; 2],
-        mut before: impl FnMut(&Model, &B, Part) -> Result<(), FilterError>,
+        mut before: impl FnMut(&Model, &mut B, Part) -> Result<(), FilterError>,
     ) -> Result<(), FilterError> {
         let whole = self.step(forces);
         if !whole.forces.iter().all(|force| force.is_finite()) {

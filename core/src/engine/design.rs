@@ -1,6 +1,7 @@
 //! What the runs of a batch share.
 
 use super::model::Model;
+use crate::Propagation;
 use crate::filter::Course;
 use crate::model::Reading;
 
@@ -16,8 +17,8 @@ pub struct Rule {
 /// The way in which a filter predicts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// KF and EKF.
-    Linearised,
+    /// KF, EKF and IEKF: linearised, and the sensors so many times in an update, each where the last has led.
+    Linearised(Propagation, usize),
     /// UKF and CKF.
     SigmaPoints(Rule),
 }

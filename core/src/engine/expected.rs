@@ -78,7 +78,7 @@ impl<T: Number> Expected<T> {
         if design.readings.iter().all(Reading::is_of_components) {
             level.apart(
                 #[inline(always)]
-                || self.linearise(design, belief, active, force),
+                || self.linearise(design, belief, active, force, None),
             );
         } else if let Method::SigmaPoints(rule) = design.method {
             self.is_linear = false;
@@ -93,22 +93,52 @@ impl<T: Number> Expected<T> {
             );
             level.apart(
                 #[inline(always)]
-                || self.linearise(design, belief, active, force),
+                || self.linearise(design, belief, active, force, None),
             );
         }
         Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
     }
 
-    /// As an EKF has it: h at the mean, and H.
+    /// The same, linearised in another state: `h(at) + H (y⁻ - at)`.
+    pub(super) fn take_at(&mut self, design: &Design, belief: &Belief<T>, active: &[usize], force: T, at: &[T]) {
+        self.derivatives.take(&design.model, at, force);
+        self.linearise(design, belief, active, force, Some(at));
+    }
+
+    /// H of a sensor, n numbers in place of what `out` holds.
+    pub(super) fn row_into<'a>(&self, reading: &Reading, row: usize, out: impl Iterator<Item = &'a mut T>)
+    where
+        T: 'a,
+    {
+        let n = self.size();
+        for (k, entry) in out.enumerate() {
+            *entry = T::of(0.0);
+            if reading.is_of_components() {
+                for &(_, factor) in reading.components().iter().filter(|(place, _)| *place == k) {
+                    *entry = *entry + factor;
+                }
+            } else {
+                *entry = self.rows[row * n + k];
+            }
+        }
+    }
+
+    /// As an EKF has it: h at the mean, or from another state, and H.
     #[inline(always)]
-    fn linearise(&mut self, design: &Design, belief: &Belief<T>, active: &[usize], force: T) {
+    fn linearise(&mut self, design: &Design, belief: &Belief<T>, active: &[usize], force: T, at: Option<&[T]>) {
         let (n, m, Design { model, readings, .. }) = (self.size(), active.len(), design);
         for (row, &sensor) in active.iter().enumerate() {
             let reading = &readings[sensor];
             let rate = &self.derivatives.rate;
-            self.mean[row] = read(model, reading, &belief.mean, rate, force);
+            let own = if reading.is_of_components() { None } else { at };
+            self.mean[row] = read(model, reading, own.unwrap_or(&belief.mean), rate, force);
             if !reading.is_of_components() {
                 gradient(model, reading, &self.derivatives, force, &mut self.rows[row * n..(row + 1) * n]);
+            }
+            if let Some(at) = own {
+                for k in 0..n {
+                    self.mean[row] = self.mean[row] + (belief.mean[k] - at[k]) * self.rows[row * n + k];
+                }
             }
             let mut cross = std::mem::take(&mut self.cross);
             self.times_cov(reading, row, &belief.cov, &mut cross[row * n..(row + 1) * n]);
@@ -173,11 +203,11 @@ impl<T: Number> Expected<T> {
         let Self { mean: expected, cov, cross, derivatives, points, .. } = self;
         let Points { root, state, high, low, shift } = points;
         let (n, m, mean) = (state.len(), active.len(), &belief.mean);
-        let rate = &mut derivatives.rate;
+        let Derivatives { rate, plain, .. } = derivatives;
         let rooted = lower_root(&belief.cov, root, n);
         let distance = rule.spread.sqrt();
         let weight = 0.5 / rule.spread;
-        read_all(design, active, mean, rate, force, expected);
+        read_all(design, active, mean, force, plain, rate, expected);
         shift[..m].fill(T::of(0.0));
         cov[..m * m].fill(T::of(0.0));
         cross[..m * n].fill(T::of(0.0));
@@ -186,7 +216,7 @@ impl<T: Number> Expected<T> {
                 for i in 0..n {
                     state[i] = mean[i] + column[i] * side;
                 }
-                read_all(design, active, state, rate, force, readings);
+                read_all(design, active, state, force, plain, rate, readings);
             }
             for row in 0..m {
                 (high[row], low[row]) = (high[row] - expected[row], low[row] - expected[row]);
@@ -211,10 +241,18 @@ impl<T: Number> Expected<T> {
     }
 }
 
-/// The readings of some sensors in a state.
+/// The readings of some sensors in a state; `plain` and `rate` are memory to work in.
 #[inline(always)]
-fn read_all<T: Number>(design: &Design, active: &[usize], state: &[T], rate: &mut [T], force: T, readings: &mut [T]) {
-    design.model.rate(state, force, rate);
+fn read_all<T: Number>(
+    design: &Design,
+    active: &[usize],
+    state: &[T],
+    force: T,
+    plain: &mut [T],
+    rate: &mut [T],
+    readings: &mut [T],
+) {
+    design.model.rate(state, force, plain, rate);
     for (row, &sensor) in active.iter().enumerate() {
         readings[row] = read(&design.model, &design.readings[sensor], state, rate, force);
     }

@@ -64,6 +64,6 @@ impl<M: Mask> Held<M> {
     }
 }
 
-fn of_root(is_finite: bool, indefinite: FilterError) -> FilterError {
+pub(super) fn of_root(is_finite: bool, indefinite: FilterError) -> FilterError {
     if is_finite { indefinite } else { FilterError::NotFinite }
 }

@@ -87,8 +87,8 @@ impl<'a, T: Number, L: Level> Filter<'a, T, L> {
     fn advance(&mut self, step: &Step<T>) -> Rooted<T::Mask> {
         let Self { level, design: Design { model, method, .. }, belief, linearised, points, .. } = self;
         match *method {
-            Method::Linearised => {
-                linearised.advance(*level, model, belief, step);
+            Method::Linearised(propagation, _) => {
+                linearised.advance(*level, propagation, model, belief, step);
                 Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
             }
             Method::SigmaPoints(rule) => points.advance(*level, rule, model, belief, step),

@@ -1,4 +1,6 @@
-//! The prediction of KF and EKF: one step of local linearisation at the mean.
+//! The prediction of KF and EKF: the mean moves, and the covariance with the derivative of its step.
+//!
+//! Local linearisation is here; Euler's step and that of Runge and Kutta are in [`differentiated`](super::differentiated).
 
 use super::belief::Belief;
 use super::columns::{add_times, apply, congruence, multiply};
@@ -8,36 +10,80 @@ use super::level::Level;
 use super::model::{Derivatives, Model};
 use super::number::Number;
 use super::step::Step;
+use crate::Propagation;
 
 /// The step from the mean, and memory to work in.
 #[derive(Clone, Debug)]
 pub struct Linearised<T> {
-    derivatives: Derivatives<T>,
+    pub(super) derivatives: Derivatives<T>,
     /// The upper rows of Φ, column by column; the others are those of an identity.
-    rows: Vec<T>,
-    half: Vec<T>,
+    pub rows: Vec<T>,
+    /// Memory for T P, or for a part of a step's derivative.
+    pub(super) half: Vec<T>,
     /// The effect of what is constant, or of a slope.
     effect: Vec<T>,
     exponential: Exponential<T>,
+    /// The state that a step began with, a stage of it, and the derivative of the stage before.
+    pub(super) begun: Vec<T>,
+    pub(super) stage: Vec<T>,
+    pub(super) before: Vec<T>,
 }
 
 impl<T: Number> Linearised<T> {
     /// Memory for a model.
     pub fn new(model: &Model) -> Self {
-        let (motion, zero) = (model.motion(), T::of(0.0));
+        let (moving, zero) = (model.moving(), T::of(0.0));
         Self {
             derivatives: Derivatives::new(model),
-            rows: vec![zero; motion * model.size],
-            half: vec![zero; motion * model.size],
-            effect: vec![zero; motion],
-            exponential: Exponential::new(if model.plant.is_oscillator() { 0 } else { motion }),
+            rows: vec![zero; moving * model.size],
+            half: vec![zero; moving * model.size],
+            effect: vec![zero; moving],
+            exponential: Exponential::new(if model.is_oscillator() { 0 } else { moving }),
+            begun: vec![zero; model.size],
+            stage: vec![zero; model.size],
+            before: vec![zero; moving * model.size],
         }
     }
 
-    /// Carries a belief over a step. A force that is not held has a slope ḟ.
+    /// Carries a belief over a step: `P⁻ = Φ P Φᵀ`.
+    #[inline(always)]
+    pub fn advance<L: Level>(
+        &mut self,
+        level: L,
+        propagation: Propagation,
+        model: &Model,
+        belief: &mut Belief<T>,
+        step: &Step<T>,
+    ) {
+        self.step(level, propagation, model, &mut belief.mean, step);
+        let (n, moving) = (model.size, model.moving());
+        level.apart(
+            #[inline(always)]
+            || congruence(&self.rows, &mut belief.cov, &mut self.half, n, moving),
+        );
+    }
+
+    /// Moves a mean, and takes the rows of Φ.
+    #[inline(always)]
+    pub fn step<L: Level>(
+        &mut self,
+        level: L,
+        propagation: Propagation,
+        model: &Model,
+        mean: &mut [T],
+        step: &Step<T>,
+    ) {
+        match propagation {
+            Propagation::LocalLinearisation => self.linearise(level, model, mean, step),
+            Propagation::Euler => self.euler(level, model, mean, step),
+            Propagation::RungeKutta => self.runge_kutta(level, model, mean, step),
+        }
+    }
+
+    /// One step of local linearisation. A force that is not held has a slope ḟ.
     ///
     /// ```text
-    /// y⁻ = y + Γ₁ g(y, F) + Γ₂ b g ḟ,  P⁻ = Φ P Φᵀ,  Φ = exp(A dt),  A = ∂g/∂y,  b = ∂g/∂F
+    /// y⁻ = y + Γ₁ g(y, F) + Γ₂ b g ḟ,  Φ = exp(A dt),  A = ∂g/∂y,  b = ∂g/∂F
     /// ```
     ///
     /// The column of an input gain g in A is `b f` and changes with the force: its column of Φ is `Γ₁ b f + Γ₂ b ḟ`. Only what
@@ -47,32 +93,29 @@ impl<T: Number> Linearised<T> {
     /// A = [F, C; 0, 0],  exp(A dt) = [exp(F dt), Γ₁ C; 0, I],  Γ₁ and Γ₂ of F
     /// ```
     ///
-    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Van Loan (1978), Computing integrals involving
+    /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*, with `A⁻¹(exp(A dt) - I)` read as the
+    /// entire function `dt φ₁(A dt)`, which a singular A does not trouble; Van Loan (1978), Computing integrals involving
     /// the matrix exponential.
     #[inline(always)]
-    pub fn advance<L: Level>(&mut self, level: L, model: &Model, belief: &mut Belief<T>, step: &Step<T>) {
-        let (n, motion) = (model.size, model.motion());
+    fn linearise<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
         level.apart(
             #[inline(always)]
-            || self.derivatives.take(model, &belief.mean, step.forces[0]),
+            || self.derivatives.take(model, mean, step.forces[0]),
         );
-        if model.plant.is_oscillator() {
+        if model.is_oscillator() {
             level.apart(
                 #[inline(always)]
-                || self.swing(level, model, &mut belief.mean, step),
+                || self.swing(level, model, mean, step),
             );
         } else {
-            let block = &self.derivatives.columns[..motion * motion];
-            self.exponential.compute(level, block, motion, step.dt, step.has_slope);
+            let moving = model.moving();
+            let block = &self.derivatives.columns[..moving * moving];
+            self.exponential.compute(level, block, moving, step.dt, step.has_slope);
             level.apart(
                 #[inline(always)]
-                || self.flow(model, &mut belief.mean, step),
+                || self.flow(model, mean, step),
             );
         }
-        level.apart(
-            #[inline(always)]
-            || congruence(&self.rows, &mut belief.cov, &mut self.half, n, motion),
-        );
     }
 
     /// Moves the mean of an oscillator, and takes the rows of Φ, by the closed form.
@@ -101,27 +144,27 @@ impl<T: Number> Linearised<T> {
     #[inline(always)]
     fn flow(&mut self, model: &Model, mean: &mut [T], step: &Step<T>) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, exponential, .. } = self;
-        let motion = model.motion();
+        let moving = model.moving();
         let Exponential { transition, constant, slope, .. } = exponential;
         apply(
             effect,
             constant,
-            motion,
+            moving,
             #[inline(always)]
             |k| rate[k],
         );
-        for i in 0..motion {
+        for i in 0..moving {
             mean[i] = mean[i] + effect[i];
         }
-        let (own, others) = rows.split_at_mut(motion * motion);
+        let (own, others) = rows.split_at_mut(moving * moving);
         own.copy_from_slice(transition);
-        multiply(others, constant, &columns[motion * motion..], motion, motion);
+        multiply(others, constant, &columns[moving * moving..], moving, moving);
         if step.has_slope {
             let push = step.slope();
             apply(
                 effect,
                 slope,
-                motion,
+                moving,
                 #[inline(always)]
                 |k| push * model.by_force[k],
             );
@@ -132,11 +175,11 @@ impl<T: Number> Linearised<T> {
     /// Adds the effect of a slope of the recorded force.
     #[inline(always)]
     fn push(&mut self, model: &Model, mean: &mut [T]) {
-        let motion = model.motion();
+        let moving = model.moving();
         let gain = if let Some(place) = model.gain { mean[place] } else { T::of(1.0) };
-        add_times(&mut mean[..motion], gain, &self.effect);
+        add_times(&mut mean[..moving], gain, &self.effect);
         if let Some(place) = model.gain {
-            add_times(&mut self.rows[place * motion..(place + 1) * motion], T::of(1.0), &self.effect);
+            add_times(&mut self.rows[place * moving..(place + 1) * moving], T::of(1.0), &self.effect);
         }
     }
 }

@@ -2,18 +2,17 @@
 
 pub mod bouc_wen;
 pub mod duffing;
+pub mod own;
 pub mod sdof;
 pub mod shear_chain;
 pub mod typed;
 
 use super::dual::Dual;
 use super::number::{Number, Real};
+use crate::PlantKind;
 
 /// The equation of a plant with the state `y = [motion, parameters]`.
 pub trait Equation: Copy {
-    /// Whether the motion is `[x, v]` with `ẋ = v`: its linear step has a closed form.
-    const IS_OSCILLATOR: bool = false;
-
     /// Whether the compiler knows the number of components, which then is at most [`FEW`].
     const IS_SMALL: bool = true;
 
@@ -26,6 +25,27 @@ pub trait Equation: Copy {
     /// The rates of the components that move, each in its unit per second, from a state and the force over mass \[m/s²\], which
     /// enters additively.
     fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]);
+}
+
+/// The rates of a plant for numbers of some kind.
+pub trait Rates<T>: Copy {
+    /// The number of components that move, which come first.
+    fn moving(self) -> usize;
+
+    /// [`Equation::rate`]
+    fn rates(self, state: &[T], force: T, rate: &mut [T]);
+}
+
+impl<E: Equation, T: Number> Rates<T> for E {
+    #[inline(always)]
+    fn moving(self) -> usize {
+        self.motion()
+    }
+
+    #[inline(always)]
+    fn rates(self, state: &[T], force: T, rate: &mut [T]) {
+        self.rate(state, force, rate);
+    }
 }
 
 /// A plant that the engine has.
@@ -43,6 +63,8 @@ pub enum Plant {
     ShearChain(usize),
     /// An equation that a user types.
     Typed(&'static typed::Typed),
+    /// A plant of a program's own, which knows plain numbers only.
+    Own(own::Own),
 }
 
 /// Does something with the equation of a plant.
@@ -73,6 +95,10 @@ macro_rules! with_equation {
                 let $equation = typed;
                 $do
             }
+            $crate::engine::plants::Plant::Own(own) => {
+                let $equation = own;
+                $do
+            }
         }
     };
 }
@@ -80,34 +106,55 @@ macro_rules! with_equation {
 pub(super) use with_equation;
 
 impl Plant {
+    /// The engine's form of a plant.
+    pub fn of(kind: PlantKind) -> Self {
+        const OTHERS: [(PlantKind, Plant); 4] = [
+            (PlantKind::SDOF, Plant::Sdof),
+            (PlantKind::DUFFING, Plant::Duffing),
+            (PlantKind::BOUC_WEN, Plant::BoucWen),
+            (PlantKind::BOUC_WEN_1, Plant::BoucWenOne),
+        ];
+        if let Some(equation) = kind.own_equation() {
+            return Self::Typed(equation.typed());
+        }
+        if let Some((_, plant)) = OTHERS.into_iter().find(|(other, _)| *other == kind) {
+            return plant;
+        }
+        // The registry has no others but chains.
+        if PlantKind::ALL.contains(&kind) { Self::ShearChain(kind.masses()) } else { Self::Own(own::Own(kind)) }
+    }
+
     /// The number of components.
     pub fn size(self) -> usize {
-        with_equation!(self, equation => equation.size())
+        match self {
+            Self::Own(own::Own(kind)) => kind.channels().len(),
+            Self::Typed(typed) => typed.size,
+            Self::Sdof => sdof::Sdof.size(),
+            Self::Duffing => duffing::Duffing.size(),
+            Self::BoucWen => bouc_wen::BoucWen.size(),
+            Self::BoucWenOne => bouc_wen::BoucWenOne.size(),
+            Self::ShearChain(masses) => shear_chain::ShearChain { masses }.size(),
+        }
     }
 
     /// The number of components that move.
-    pub fn motion(self) -> usize {
-        with_equation!(self, equation => equation.motion())
-    }
-
-    /// Whether the linear step has a closed form.
-    pub fn is_oscillator(self) -> bool {
-        fn of<E: Equation>(_: E) -> bool {
-            E::IS_OSCILLATOR
-        }
-        if let Self::Typed(typed) = self {
-            return typed.motion == 2;
-        }
-        with_equation!(self, equation => of(equation))
-    }
-
-    /// [`Equation::rate`]
     #[inline(always)]
-    pub fn rate<T: Real>(self, state: &[T], force: T, rate: &mut [T]) {
-        with_equation!(self, equation => equation.rate(state, force, rate));
+    pub fn motion(self) -> usize {
+        with_equation!(self, equation => Rates::<f64>::moving(equation))
     }
 
-    /// The rates, and their derivatives by the plant's components, column by column. `duals` is memory to work in.
+    /// Whether the motion is `[x, v]` with `ẋ = v`: its linear step has a closed form.
+    #[inline(always)]
+    pub fn is_oscillator(self) -> bool {
+        match self {
+            Self::Sdof | Self::Duffing => true,
+            Self::Typed(typed) => typed.motion == 2,
+            _ => false,
+        }
+    }
+
+    /// The rates, and their derivatives by the plant's components, column by column, with `rows` numbers a column. `duals` is
+    /// memory to work in.
     #[inline(always)]
     pub fn linearise<T: Number>(
         self,
@@ -115,20 +162,30 @@ impl Plant {
         force: T,
         rate: &mut [T],
         columns: &mut [T],
+        rows: usize,
         duals: &mut [Dual<T, AT_ONCE>],
     ) {
-        if let Self::Typed(typed) = self {
-            return typed.linearise(state, force, rate, columns);
+        let out = Slopes { rate, columns, rows };
+        match self {
+            Self::Sdof => linearise(sdof::Sdof, state, force, out, duals),
+            Self::Duffing => linearise(duffing::Duffing, state, force, out, duals),
+            Self::BoucWen => linearise(bouc_wen::BoucWen, state, force, out, duals),
+            Self::BoucWenOne => linearise(bouc_wen::BoucWenOne, state, force, out, duals),
+            Self::ShearChain(masses) => linearise(shear_chain::ShearChain { masses }, state, force, out, duals),
+            Self::Typed(typed) => typed.linearise(state, force, rate, columns, rows),
+            Self::Own(own) => own.linearise(state, force, rate, columns, rows),
         }
-        with_equation!(self, equation => linearise(equation, state, force, rate, columns, duals));
     }
 
     /// The derivatives of the rates by the force, which do not depend on the state.
     pub fn by_force(self) -> Vec<f64> {
-        let constant = Dual::<f64, 1>::constant;
-        let mut rate = vec![constant(0.0); self.motion()];
-        self.rate(&vec![constant(1.0); self.size()], Dual::variable(0.0, 0), &mut rate);
-        rate.iter().map(|rate| rate.derivative(0)).collect()
+        let state = vec![1.0; self.size()];
+        let [mut with, mut without] = [vec![0.0; self.motion()], vec![0.0; self.motion()]];
+        with_equation!(self, equation => {
+            equation.rates(&state, 1.0, &mut with);
+            equation.rates(&state, 0.0, &mut without);
+        });
+        with.iter().zip(without).map(|(with, without)| with - without).collect()
     }
 }
 
@@ -138,26 +195,32 @@ pub const AT_ONCE: usize = 4;
 /// Limits the components of a small plant: twice the derivatives that are taken at once.
 pub const FEW: usize = 8;
 
+/// The rates and their derivatives, to be filled: `rows` numbers a column.
+struct Slopes<'a, T> {
+    rate: &'a mut [T],
+    columns: &'a mut [T],
+    rows: usize,
+}
+
 #[inline(always)]
 fn linearise<E: Equation, T: Number>(
     equation: E,
     state: &[T],
     force: T,
-    rate: &mut [T],
-    columns: &mut [T],
+    mut out: Slopes<'_, T>,
     duals: &mut [Dual<T, AT_ONCE>],
 ) {
     let own = equation.size();
     if E::IS_SMALL {
         // Numbers of its own, which the compiler can see through.
         let mut duals = [Dual::constant(T::of(0.0)); 2 * FEW];
-        differentiate(equation, state, force, 0, rate, columns, &mut duals);
+        differentiate(equation, state, force, 0, &mut out, &mut duals);
         if own > AT_ONCE {
-            differentiate(equation, state, force, AT_ONCE, rate, columns, &mut duals);
+            differentiate(equation, state, force, AT_ONCE, &mut out, &mut duals);
         }
     } else {
         for first in (0..own).step_by(AT_ONCE) {
-            differentiate(equation, state, force, first, rate, columns, duals);
+            differentiate(equation, state, force, first, &mut out, duals);
         }
     }
 }
@@ -169,11 +232,10 @@ fn differentiate<E: Equation, T: Number>(
     state: &[T],
     force: T,
     first: usize,
-    rate: &mut [T],
-    columns: &mut [T],
+    out: &mut Slopes<'_, T>,
     duals: &mut [Dual<T, AT_ONCE>],
 ) {
-    let (own, motion) = (equation.size(), equation.motion());
+    let (own, motion, Slopes { rate, columns, rows }) = (equation.size(), equation.motion(), out);
     let (duals, rates) = duals.split_at_mut(own);
     let rates = &mut rates[..motion];
     for i in 0..own {
@@ -182,7 +244,7 @@ fn differentiate<E: Equation, T: Number>(
     equation.rate(duals, Dual::constant(force), rates);
     for k in 0..AT_ONCE.min(own - first) {
         for i in 0..motion {
-            columns[(first + k) * motion + i] = rates[i].derivative(k);
+            columns[(first + k) * *rows + i] = rates[i].derivative(k);
         }
     }
     for i in 0..motion {
@@ -193,18 +255,11 @@ fn differentiate<E: Equation, T: Number>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::PlantKind;
 
     #[test]
     fn jacobians_by_duals_are_those_by_hand() {
-        for (kind, plant) in [
-            (PlantKind::SDOF, Plant::Sdof),
-            (PlantKind::DUFFING, Plant::Duffing),
-            (PlantKind::BOUC_WEN, Plant::BoucWen),
-            (PlantKind::BOUC_WEN_1, Plant::BoucWenOne),
-            (PlantKind::SHEAR_2, Plant::ShearChain(2)),
-            (PlantKind::SHEAR_5, Plant::ShearChain(5)),
-        ] {
+        for kind in PlantKind::ALL {
+            let plant = Plant::of(kind);
             let (n, motion) = (kind.channels().len(), kind.motion());
             assert_eq!((plant.size(), plant.motion()), (n, motion), "{kind:?}");
             for seed in 0..20 {
@@ -215,7 +270,7 @@ mod tests {
                 }
                 let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * n]);
                 let mut duals = vec![Dual::constant(0.0); n + motion];
-                plant.linearise(&state, 0.7, &mut rate, &mut columns, &mut duals);
+                plant.linearise(&state, 0.7, &mut rate, &mut columns, motion, &mut duals);
                 let (mut known_rate, mut known) = (vec![0.0; motion], vec![0.0; motion * n]);
                 kind.plant().motion_rate(&state, 0.7, &mut known_rate);
                 kind.plant().motion_jacobian(&state, &mut known);

@@ -2,21 +2,23 @@
 
 use super::model::Model;
 use super::number::Number;
-use super::plants::{Equation, with_equation};
+use super::plants::{Rates, with_equation};
 use super::step::Step;
 
-/// The memory of a Runge-Kutta step: where it begins, and four rates.
+/// The memory of a Runge-Kutta step: where it begins, four rates, and a state without logarithms.
 #[derive(Clone, Debug)]
 pub struct RungeKutta<T> {
     start: Vec<T>,
     rates: [Vec<T>; 4],
+    plain: Vec<T>,
 }
 
 impl<T: Number> RungeKutta<T> {
     /// Memory for a model.
     pub fn new(model: &Model) -> Self {
-        let zeros = || vec![T::of(0.0); model.motion()];
-        Self { start: zeros(), rates: [zeros(), zeros(), zeros(), zeros()] }
+        let zeros = || vec![T::of(0.0); model.moving()];
+        let plain = vec![T::of(0.0); model.size];
+        Self { start: zeros(), rates: [zeros(), zeros(), zeros(), zeros()], plain }
     }
 
     /// Moves a state by one step; what does not move stays as it is.
@@ -28,22 +30,24 @@ impl<T: Number> RungeKutta<T> {
     }
 
     #[inline(always)]
-    fn advance_by<E: Equation>(&mut self, equation: E, model: &Model, state: &mut [T], step: &Step<T>) {
-        let (motion, dt) = (equation.motion(), step.dt);
-        let Self { start, rates: [k1, k2, k3, k4] } = self;
-        let start = &mut start[..motion];
-        let [k1, k2, k3, k4] = [&mut k1[..motion], &mut k2[..motion], &mut k3[..motion], &mut k4[..motion]];
+    fn advance_by(&mut self, equation: impl Rates<T>, model: &Model, state: &mut [T], step: &Step<T>) {
+        // The compiler knows how many components of a small plant move.
+        let moving = if model.eta == 0.0 { equation.moving() } else { model.moving() };
+        let dt = step.dt;
+        let Self { start, rates: [k1, k2, k3, k4], plain } = self;
+        let start = &mut start[..moving];
+        let [k1, k2, k3, k4] = [&mut k1[..moving], &mut k2[..moving], &mut k3[..moving], &mut k4[..moving]];
         let [begin, end] = step.forces;
         let middle = begin + (end - begin) * 0.5;
-        start.copy_from_slice(&state[..motion]);
-        equation.rate(state, model.acting(state, begin), k1);
+        start.copy_from_slice(&state[..moving]);
+        model.rate_by(equation, state, begin, plain, k1);
         put(state, start, k1, 0.5 * dt);
-        equation.rate(state, model.acting(state, middle), k2);
+        model.rate_by(equation, state, middle, plain, k2);
         put(state, start, k2, 0.5 * dt);
-        equation.rate(state, model.acting(state, middle), k3);
+        model.rate_by(equation, state, middle, plain, k3);
         put(state, start, k3, dt);
-        equation.rate(state, model.acting(state, end), k4);
-        for i in 0..motion {
+        model.rate_by(equation, state, end, plain, k4);
+        for i in 0..moving {
             state[i] = start[i] + (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (dt / 6.0);
         }
     }

@@ -1,11 +1,10 @@
 //! The filter of a scenario, as plain numbers for a lane.
 
-use super::design::{Design, Method, Rule};
+use super::design::{Design, Method};
 use super::model::Model;
-use super::plants::Plant;
 use crate::estimator::FilterContext;
 use crate::filter::estimator::{build_filter, initial_gaussian};
-use crate::filter::{Gaussian, Linearised, Noise, Rule as BookRule};
+use crate::filter::{Gaussian, Moments, Noise, Rule as BookRule};
 use crate::run_error::sensor_places;
 use crate::{
     Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, RunError, Scenario, kernel,
@@ -59,9 +58,9 @@ impl Setup {
 
     fn of(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
         let book = context.model(settings);
-        let (model, method) = (model(&book)?, method(settings, book.size())?);
+        let (model, method) = (Model::of(&book), method(settings, book.size())?);
         let initial = initial_gaussian(&book, settings);
-        let belief = Linearised::new(initial.clone(), Propagation::LocalLinearisation, 1);
+        let belief = Moments::linearised(initial.clone(), Propagation::LocalLinearisation, 1);
         let filter = build_filter(Box::new(belief), settings, context);
         let (noise, white) = (filter.noise(), filter.white_force());
         // A sensor for what the model does not have tells it nothing.
@@ -131,46 +130,11 @@ fn can_begin(initial: &Gaussian, noise: &Noise) -> bool {
 
 /// The method of a kind of filters over n components.
 fn method(settings: &FilterSettings, n: usize) -> Option<Method> {
-    let of_rule = |rule: BookRule| {
-        let (spread, _, offset) = rule.constants(n);
-        Some(Method::SigmaPoints(Rule { spread, offset }))
-    };
+    let of_rule = |rule: BookRule| Some(Method::SigmaPoints(rule.of_size(n)));
     match settings.kind {
         kind if kind == FilterKind::UKF => of_rule(BookRule::Unscented),
         kind if kind == FilterKind::CKF => of_rule(BookRule::Cubature),
-        kind if kind == FilterKind::KF || kind == FilterKind::EKF => {
-            (settings.propagation == Propagation::LocalLinearisation).then_some(Method::Linearised)
-        }
+        kind if kind == FilterKind::KF || kind == FilterKind::EKF => Some(Method::Linearised(settings.propagation, 1)),
         _ => None,
     }
-}
-
-/// The engine's model, if it has the plant.
-fn model(book: &crate::Model) -> Option<Model> {
-    let plant = plant(book.plant())?;
-    let place = |channel| book.place(channel);
-    Some(Model {
-        plant,
-        size: book.size(),
-        gain: place(Channel::INPUT_GAIN),
-        offset: place(Channel::INPUT_OFFSET),
-        unrecorded: [Channel::UNKNOWN_FORCE, Channel::WHITE_FORCE].into_iter().filter_map(place).collect(),
-        by_force: plant.by_force(),
-    })
-}
-
-/// The engine's plant of a kind.
-fn plant(kind: PlantKind) -> Option<Plant> {
-    if let Some(equation) = kind.own_equation() {
-        return Some(Plant::Typed(equation.typed()));
-    }
-    const OTHERS: [(PlantKind, Plant); 4] = [
-        (PlantKind::SDOF, Plant::Sdof),
-        (PlantKind::DUFFING, Plant::Duffing),
-        (PlantKind::BOUC_WEN, Plant::BoucWen),
-        (PlantKind::BOUC_WEN_1, Plant::BoucWenOne),
-    ];
-    const CHAINS: [PlantKind; 4] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4, PlantKind::SHEAR_5];
-    let other = OTHERS.into_iter().find(|(other, _)| *other == kind).map(|(_, plant)| plant);
-    other.or_else(|| CHAINS.contains(&kind).then(|| Plant::ShearChain(kind.masses())))
 }

@@ -26,15 +26,15 @@ pub struct SigmaPoints<T> {
 impl<T: Number> SigmaPoints<T> {
     /// Memory for a model.
     pub fn new(model: &Model) -> Self {
-        let (n, motion) = (model.size, model.motion());
+        let (n, moving) = (model.size, model.moving());
         let zeros = |count: usize| vec![T::of(0.0); count];
         Self {
             root: zeros(n * n),
-            even: zeros(motion * n),
+            even: zeros(moving * n),
             centre: zeros(n),
             high: zeros(n),
             low: zeros(n),
-            shift: zeros(motion),
+            shift: zeros(moving),
             method: RungeKutta::new(model),
         }
     }
@@ -77,6 +77,11 @@ impl<T: Number> SigmaPoints<T> {
         rooted
     }
 
+    /// The odd parts of the points after a step, n numbers for each pair.
+    pub fn odd(&self) -> &[T] {
+        &self.root
+    }
+
     #[inline(always)]
     fn move_centre<L: Level>(&mut self, level: L, model: &Model, step: &Step<T>) {
         let Self { centre, method, .. } = self;
@@ -90,7 +95,7 @@ impl<T: Number> SigmaPoints<T> {
     #[inline(always)]
     fn move_pair<L: Level>(&mut self, level: L, rule: Rule, model: &Model, mean: &[T], point: usize, step: &Step<T>) {
         let Self { root, even, centre, high, low, method, .. } = self;
-        let (n, motion) = (model.size, model.motion());
+        let (n, moving) = (model.size, model.moving());
         let distance = rule.spread.sqrt();
         let half = 0.5 / distance;
         level.apart(
@@ -104,7 +109,7 @@ impl<T: Number> SigmaPoints<T> {
                 for state in [&mut *high, &mut *low] {
                     method.advance(model, state, step);
                 }
-                for i in 0..motion {
+                for i in 0..moving {
                     even[i * n + point] = (high[i] + low[i] - centre[i] * 2.0) * half;
                     column[i] = (high[i] - low[i]) * half;
                 }
@@ -116,9 +121,9 @@ impl<T: Number> SigmaPoints<T> {
     #[inline(always)]
     fn sum(&mut self, rule: Rule, model: &Model, belief: &mut Belief<T>) {
         let Self { root: odd, even, centre, shift, .. } = self;
-        let (n, motion, Belief { mean, cov }) = (model.size, model.motion(), belief);
+        let (n, moving, Belief { mean, cov }) = (model.size, model.moving(), belief);
         let inverse = 1.0 / rule.spread.sqrt();
-        for j in 0..motion {
+        for j in 0..moving {
             let mut sum = even[j * n];
             for point in 1..n {
                 sum = sum + even[j * n + point];
@@ -126,13 +131,13 @@ impl<T: Number> SigmaPoints<T> {
             shift[j] = sum * inverse;
             mean[j] = centre[j] + shift[j];
         }
-        for j in 0..motion {
+        for j in 0..moving {
             for i in j..n {
                 let mut sum = odd[i] * odd[j];
                 for point in 1..n {
                     sum = sum + odd[point * n + i] * odd[point * n + j];
                 }
-                if i < motion {
+                if i < moving {
                     for point in 0..n {
                         sum = sum + even[i * n + point] * even[j * n + point];
                     }

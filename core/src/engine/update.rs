@@ -102,6 +102,24 @@ impl<T: Number> Update<T> {
         )
     }
 
+    /// Conditions a belief on the same measurements again, with the sensors linearised in another state.
+    ///
+    /// Source: Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
+    pub(super) fn condition_at(
+        &mut self,
+        design: &Design,
+        belief: &mut Belief<T>,
+        noise: &Noise<T>,
+        observation: Observation<'_, T>,
+        at: &[T],
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let Observation { force, measured } = observation;
+        self.expected.take_at(design, belief, &self.active, force, at);
+        let count = self.compare(noise, measured);
+        self.correct(design, belief, count, held)
+    }
+
     /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. A sensor that does not measure in some lanes has a row of its own there,
     /// which tells nothing: e = 0, R = 1, without covariance.
     #[inline(always)]
@@ -199,6 +217,29 @@ impl<T: Number> Update<T> {
             }
         }
         subtract_products(&mut belief.cov, excess, gain, n, m);
+    }
+
+    /// The sensors that measure in some lane.
+    pub(super) fn active(&self) -> &[usize] {
+        &self.active
+    }
+
+    /// e, m numbers; S, m × m, of which the lower triangle counts; K, n × m.
+    pub(super) fn parts(&self) -> [&[T]; 3] {
+        let m = self.active.len();
+        let n = self.expected.size();
+        [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
+    }
+
+    /// H, m × n in place of what `out` holds; `false` where there is none.
+    pub(super) fn jacobian_into(&self, design: &Design, out: &mut [T]) -> bool {
+        if self.expected.is_linear {
+            let m = self.active.len();
+            for (row, &sensor) in self.active.iter().enumerate() {
+                self.expected.row_into(&design.readings[sensor], row, out.iter_mut().skip(row).step_by(m));
+            }
+        }
+        self.expected.is_linear
     }
 
     /// S of a lane, and the innovation, of the sensors that measure in it.

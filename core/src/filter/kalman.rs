@@ -1,7 +1,7 @@
 //! The update of a Gaussian belief, in whichever way the measurement was expected.
 
 use super::{FilterError, Gaussian, Observation};
-use crate::Model;
+use crate::engine::single::Parts;
 use crate::linalg::{
     Ldl, Matrix, RootError, Vector, add_product, copy, copy_vector, fit, fit_vector, lower_root, multiply,
     multiply_sparse,
@@ -35,23 +35,6 @@ impl Expected {
         expected
     }
 
-    /// [`Self::linear`] in place of what it holds, with the readings and their H in the state `at`.
-    pub fn linearise(
-        &mut self,
-        belief: &Gaussian,
-        model: &Model,
-        at: &Vector,
-        observation: &Observation,
-        work: &mut Work,
-    ) {
-        let Work { rates, rows, jacobian: rate_jacobian } = work;
-        let jacobian = self.jacobian.get_or_insert_with(|| Matrix::zeros(0, 0));
-        observation.jacobian_into(model, at.as_slice(), rows, rate_jacobian, jacobian);
-        fit_vector(&mut self.mean, observation.len());
-        observation.read_into(model, at.as_slice(), rates, self.mean.as_mut_slice());
-        self.follow(belief, observation);
-    }
-
     /// Makes S and `P⁻ Hᵀ` follow from H.
     fn follow(&mut self, belief: &Gaussian, observation: &Observation) {
         let Self { mean: _, cov, cross, jacobian: Some(jacobian) } = self else { return };
@@ -65,21 +48,6 @@ impl Expected {
             }
         }
         observation.add_noise(cov);
-    }
-}
-
-/// Memory in which sensors are linearised.
-#[derive(Clone, Debug)]
-pub struct Work {
-    /// Rates, n numbers.
-    pub rates: Vec<f64>,
-    rows: Vec<f64>,
-    jacobian: Matrix,
-}
-
-impl Default for Work {
-    fn default() -> Self {
-        Self { rates: Vec::new(), rows: Vec::new(), jacobian: Matrix::zeros(0, 0) }
     }
 }
 
@@ -189,6 +157,44 @@ impl Correction {
         last.factor = factor.clone();
         last.jacobian = None;
         self.report_last(observation);
+    }
+
+    /// Takes down an update of the engine, of a belief over n components.
+    pub(super) fn take(&mut self, observation: &Observation, parts: Parts<'_>, n: usize) {
+        let (m, [innovation, innovation_cov, gain]) = (observation.len(), parts.numbers());
+        let last = &mut self.last;
+        fit_vector(&mut last.innovation, m);
+        last.innovation.copy_from_slice(innovation);
+        fit(&mut last.innovation_cov, m, m);
+        last.innovation_cov.copy_from_slice(innovation_cov);
+        last.innovation_cov.fill_upper_triangle_with_lower_triangle();
+        fit(&mut last.gain, n, m);
+        last.gain.copy_from_slice(gain);
+        let mut jacobian = last.jacobian.take().unwrap_or_else(|| Matrix::zeros(0, 0));
+        fit(&mut jacobian, m, n);
+        last.jacobian = parts.jacobian_into(jacobian.as_mut_slice()).then_some(jacobian);
+    }
+
+    /// Tells of the last update, with its NIS and det S.
+    pub(super) fn tell(&mut self, observation: &Observation, [nis, determinant]: [f64; 2]) {
+        (self.nis, self.determinant) = (nis, determinant);
+        let Last { innovation, innovation_cov, .. } = &self.last;
+        for (i, &row) in observation.sensors().iter().enumerate() {
+            self.innovation[row] = innovation[i];
+            for (j, &column) in observation.sensors().iter().enumerate() {
+                self.innovation_cov[(row, column)] = innovation_cov[(i, j)];
+            }
+        }
+        self.tell_gain(observation);
+    }
+
+    /// Tells of the gain of the last update.
+    pub(super) fn tell_gain(&mut self, observation: &Observation) {
+        let gain = &self.last.gain;
+        let n = gain.nrows();
+        for (i, &sensor) in observation.sensors().iter().enumerate() {
+            self.gain.as_mut_slice()[sensor * n..][..n].copy_from_slice(&gain.as_slice()[i * n..][..n]);
+        }
     }
 
     /// Writes down the last update.

@@ -2,9 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::linearised::Linearised;
 use super::particles::{bandwidth_square, weighted_mean};
-use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Normal, Observation, Step, kalman};
+use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Moments, Noise, Normal, Observation, Step, kalman};
 use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
 use crate::linalg::{Ldl, Matrix, Vector, lower_root, symmetric};
 use crate::{FilterSettings, Model, Propagation};
@@ -27,7 +26,7 @@ use crate::{FilterSettings, Model, Propagation};
 /// Source: Doucet, de Freitas, Murphy and Russell (2000), Rao-Blackwellised particle filtering for dynamic Bayesian networks;
 /// Liu and West (2001), Combined parameter and state estimation in simulation-based filtering (the kernel).
 pub struct Marginalised {
-    particles: Vec<Linearised>,
+    particles: Vec<Moments>,
     weights: Vec<f64>,
     size: usize,
     propagation: Propagation,
@@ -67,7 +66,7 @@ impl Marginalised {
         for _ in 0..self.size {
             let drawn = &mean + &root * standard(mean.len(), &mut self.normal);
             let belief = Gaussian { mean: drawn, cov: rest.clone() };
-            self.particles.push(Linearised::new(belief, self.propagation, 1));
+            self.particles.push(Moments::linearised(belief, self.propagation, 1));
         }
         Ok(())
     }
@@ -236,7 +235,7 @@ impl Belief for Marginalised {
 
     fn renew(&mut self, place: usize, variance: f64) -> Result<(), FilterError> {
         let Self { particles, origin, .. } = self;
-        let beliefs = particles.iter_mut().map(Linearised::belief_mut).chain(origin);
+        let beliefs = particles.iter_mut().map(Moments::belief_mut).chain(origin);
         beliefs.for_each(|belief| belief.renew(place, variance));
         Ok(())
     }

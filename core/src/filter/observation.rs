@@ -1,5 +1,7 @@
 //! The measurements of one sample.
 
+use std::sync::Arc;
+
 use super::FilterError;
 use crate::Model;
 use crate::linalg::{Matrix, Vector, fit, fit_vector};
@@ -9,7 +11,7 @@ use crate::model::Reading;
 #[derive(Clone, Debug)]
 pub struct Observation {
     /// Where every sensor reads, measured or not.
-    readings: Vec<Option<Reading>>,
+    readings: Arc<[Option<Reading>]>,
     sensors: Vec<usize>,
     values: Vec<f64>,
     variances: Vec<f64>,
@@ -19,7 +21,13 @@ pub struct Observation {
 impl Observation {
     /// No measurement yet, of sensors that read here.
     pub(super) fn of(readings: Vec<Option<Reading>>) -> Self {
-        Self { readings, sensors: Vec::new(), values: Vec::new(), variances: Vec::new(), force: 0.0 }
+        Self {
+            readings: Arc::from(readings),
+            sensors: Vec::new(),
+            values: Vec::new(),
+            variances: Vec::new(),
+            force: 0.0,
+        }
     }
 
     /// Takes in a sample: a number for each sensor, NaN where it is missing, and the variance of each.
@@ -79,6 +87,11 @@ impl Observation {
     /// The recorded force over mass that acts meanwhile \[m/s²\].
     pub fn force(&self) -> f64 {
         self.force
+    }
+
+    /// The readings of all sensors; none of those that the model does not have.
+    pub(super) fn all_readings(&self) -> &Arc<[Option<Reading>]> {
+        &self.readings
     }
 
     fn readings(&self) -> impl Iterator<Item = &Reading> {

@@ -22,7 +22,7 @@
 //! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.
 
 use super::estimator::{InUnits, build_filter, initial_belief};
-use super::kalman::Last;
+use super::kalman::{self, Last};
 use super::{Correction, Filter, FilterError, Gaussian, Part};
 use crate::estimator::FilterContext;
 use crate::linalg::{Ldl, Matrix, Vector, multiply, multiply_symmetric};
@@ -78,19 +78,22 @@ struct Update {
 
 impl Update {
     /// The last update that `correction` tells of, of a belief that had this covariance before it.
-    fn new(correction: &Correction, predicted: &Matrix) -> Self {
-        let Last { innovation, innovation_cov, gain, jacobian, factor, .. } = &correction.last;
+    ///
+    /// # Errors
+    /// Those of [`kalman::factor`].
+    fn new(correction: &Correction, predicted: &Matrix) -> Result<Self, FilterError> {
+        let Last { innovation, innovation_cov, gain, jacobian, .. } = &correction.last;
         let transposed = jacobian.as_ref().map_or_else(
             || Ldl::semidefinite(predicted).divide(&(innovation_cov * gain.transpose())).transpose(),
             Matrix::transpose,
         );
-        let weighted = factor.divide(&transposed);
+        let weighted = kalman::factor(innovation_cov)?.divide(&transposed);
         let n = predicted.nrows();
-        Self {
+        Ok(Self {
             kept: Matrix::identity(n, n) - gain * transposed.transpose(),
             information: &weighted * transposed.transpose(),
             score: weighted * innovation,
-        }
+        })
     }
 }
 
@@ -147,7 +150,8 @@ impl Beliefs for Smoothed {
             let predicted = filter.belief().gaussian().into_owned();
             filter.update(forces[1], &record.sample(k, sensors), correction)?;
             let is_updated = correction.innovation.iter().any(|e| !e.is_nan());
-            steps.push(Passage { transition, update: is_updated.then(|| Update::new(correction, &predicted.cov)) });
+            let update = if is_updated { Some(Update::new(correction, &predicted.cov)?) } else { None };
+            steps.push(Passage { transition, update });
         }
         filtered.push(filter.belief().gaussian().into_owned());
         Ok(())

@@ -8,8 +8,6 @@ use crate::engine::number::Real;
 pub struct Duffing;
 
 impl Equation for Duffing {
-    const IS_OSCILLATOR: bool = true;
-
     #[inline(always)]
     fn size(self) -> usize {
         5

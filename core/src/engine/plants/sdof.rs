@@ -8,8 +8,6 @@ use crate::engine::number::Real;
 pub struct Sdof;
 
 impl Equation for Sdof {
-    const IS_OSCILLATOR: bool = true;
-
     #[inline(always)]
     fn size(self) -> usize {
         4

@@ -27,21 +27,23 @@ impl PartialEq for Typed {
 impl Eq for Typed {}
 
 impl Typed {
-    /// The rates, and their derivatives by the components, column by column.
+    /// The rates, and their derivatives by the components, column by column, with `rows` numbers a column.
     #[inline(always)]
-    pub fn linearise<T: Real>(&self, state: &[T], force: T, rate: &mut [T], columns: &mut [T]) {
+    pub fn linearise<T: Real>(&self, state: &[T], force: T, rate: &mut [T], columns: &mut [T], rows: usize) {
         self.rates.run(
             state,
             force,
             #[inline(always)]
             |place, value| rate[place] = value,
         );
-        columns[..self.size * self.motion].fill(T::of(0.0));
+        for column in columns[..self.size * rows].chunks_exact_mut(rows) {
+            column[..self.motion].fill(T::of(0.0));
+        }
         self.jacobian.run(
             state,
             force,
             #[inline(always)]
-            |place, value| columns[place] = value,
+            |place, value| columns[place / self.motion * rows + place % self.motion] = value,
         );
     }
 }
