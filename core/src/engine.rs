@@ -10,6 +10,7 @@
 //!   fault                  why a step does not hold
 //! run, scores              a whole record, and what it tells
 //! setup                    the filter of a scenario
+//! estimator                one run, which reports sample by sample
 //! single                   one run, whose belief stands elsewhere
 //! ```
 //!
@@ -29,6 +30,7 @@ pub mod design;
 mod differentiated;
 pub mod dual;
 mod error_square;
+pub(crate) mod estimator;
 mod expected;
 pub mod exponential;
 mod fault;

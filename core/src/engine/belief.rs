@@ -1,5 +1,6 @@
 //! What a filter knows of the state, and what it takes for noise.
 
+use super::level::Level;
 use super::number::{Mask, Number};
 
 /// A normal distribution over n components, in each lane.
@@ -31,14 +32,15 @@ impl<T: Number> Belief<T> {
 
     /// `λ P + Q` in place of P. A variance that is zero but for rounding may have come out on the wrong side.
     #[inline(always)]
-    pub fn spread(&mut self, noise: &Noise<T>) {
-        let n = self.size();
+    pub fn spread<L: Level>(&mut self, level: L, noise: &Noise<T>) {
+        let n = level.size(self.size());
+        let (cov, process) = (&mut self.cov[..n * n], &noise.process[..n]);
         for j in 0..n {
-            for entry in &mut self.cov[j * n + j..(j + 1) * n] {
+            for entry in &mut cov[j * n + j..(j + 1) * n] {
                 *entry = *entry * noise.fading;
             }
-            let variance = self.cov[j * n + j] + noise.process[j];
-            self.cov[j * n + j] = T::select(variance.lt(T::of(0.0)), T::of(0.0), variance);
+            let variance = cov[j * n + j] + process[j];
+            cov[j * n + j] = T::select(variance.lt(T::of(0.0)), T::of(0.0), variance);
         }
     }
 
@@ -56,18 +58,19 @@ impl<T: Number> Belief<T> {
 
     /// The lanes whose numbers are finite, and those whose variances are not negative.
     #[inline(always)]
-    pub fn check(&self) -> [T::Mask; 2] {
-        let n = self.size();
+    pub fn check<L: Level>(&self, level: L) -> [T::Mask; 2] {
+        let n = level.size(self.size());
+        let (mean, cov) = (&self.mean[..n], &self.cov[..n * n]);
         let mut sum = T::of(0.0);
         let mut is_positive = T::Mask::of(true);
         for j in 0..n {
             // A sum is finite only if all its terms are, short of an overflow, which is as bad.
-            let mut column = self.mean[j];
-            for &entry in &self.cov[j * n + j..(j + 1) * n] {
+            let mut column = mean[j];
+            for &entry in &cov[j * n + j..(j + 1) * n] {
                 column = column + entry;
             }
             sum = sum + column;
-            is_positive = is_positive & !self.cov[j * n + j].lt(T::of(0.0));
+            is_positive = is_positive & !cov[j * n + j].lt(T::of(0.0));
         }
         [sum.is_finite(), is_positive]
     }

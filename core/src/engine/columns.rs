@@ -53,9 +53,50 @@ pub fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Fn(usize) -> T
     }
 }
 
+/// The rows from which on the columns of a lone run are summed one after the other, several numbers at a time: shorter ones take
+/// longer so.
+const LONG: usize = 7;
+
+/// `out = Σ Aₗ xₗ` over the k columns of A, from row `first` on, four columns at a time; the sums are those of [`apply`].
+#[inline(always)]
+fn add_columns<T: Number>(out: &mut [T], a: &[T], rows: usize, first: usize, k: usize, x: impl Fn(usize) -> T) {
+    let column = |l: usize| &a[l * rows + first..(l + 1) * rows];
+    let out = &mut out[first..rows];
+    let factor = x(0);
+    for (out, a) in out.iter_mut().zip(column(0)) {
+        *out = *a * factor;
+    }
+    let mut l = 1;
+    while l + 4 <= k {
+        let factors = [x(l), x(l + 1), x(l + 2), x(l + 3)];
+        let [a, b, c, d] = [column(l), column(l + 1), column(l + 2), column(l + 3)];
+        for i in 0..out.len() {
+            out[i] = out[i] + a[i] * factors[0] + b[i] * factors[1] + c[i] * factors[2] + d[i] * factors[3];
+        }
+        l += 4;
+    }
+    for l in l..k {
+        add_times(out, x(l), column(l));
+    }
+}
+
 /// `out = A B` with A of `rows` rows and k columns.
 #[inline(always)]
 pub fn multiply<T: Number>(out: &mut [T], a: &[T], b: &[T], rows: usize, k: usize) {
+    if T::LANES == 1 && rows >= LONG {
+        for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
+            add_columns(
+                out,
+                a,
+                rows,
+                0,
+                k,
+                #[inline(always)]
+                |l| b[l],
+            );
+        }
+        return;
+    }
     for (out, b) in out.chunks_exact_mut(rows).zip(b.chunks_exact(k)) {
         apply(
             out,
@@ -89,6 +130,10 @@ pub fn norm<T: Number>(a: &[T], n: usize) -> T {
 /// ```
 #[inline(always)]
 pub fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
+    if T::LANES == 1 && motion >= LONG {
+        long_congruence(rows, cov, half, n, motion);
+        return;
+    }
     for j in 0..n {
         apply(
             &mut half[j * motion..(j + 1) * motion],
@@ -108,6 +153,32 @@ pub fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize
         }
         for i in motion..n {
             cov[j * n + i] = half[i * motion + j];
+        }
+    }
+}
+
+/// The same for a lone run of many components.
+#[inline(always)]
+fn long_congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
+    for j in 1..n {
+        for i in 0..j {
+            cov[j * n + i] = cov[i * n + j];
+        }
+    }
+    multiply(half, rows, cov, motion, n);
+    for j in 0..motion {
+        let column = &mut cov[j * n..(j + 1) * n];
+        add_columns(
+            column,
+            half,
+            motion,
+            j,
+            n,
+            #[inline(always)]
+            |k| rows[k * motion + j],
+        );
+        for i in motion..n {
+            column[i] = half[i * motion + j];
         }
     }
 }

@@ -16,7 +16,7 @@ impl<T: Number> Linearised<T> {
             || {
                 let Self { derivatives, rows, .. } = self;
                 let (moving, dt) = (model.moving(), T::of(step.dt));
-                derivatives.take(model, mean, step.forces[0]);
+                derivatives.take(level, model, mean, step.forces[0]);
                 add_times(&mut mean[..moving], dt, &derivatives.rate);
                 begin(rows, moving);
                 add_times(rows, dt, &derivatives.columns);
@@ -43,19 +43,19 @@ impl<T: Number> Linearised<T> {
         for (share, weight, force) in stages {
             level.apart(
                 #[inline(always)]
-                || self.pass(model, mean, [share * step.dt, weight * step.dt / 6.0], force),
+                || self.pass(level, model, mean, [share * step.dt, weight * step.dt / 6.0], force),
             );
         }
     }
 
     /// A stage after some time \[s\], which counts for some time \[s\].
     #[inline(always)]
-    fn pass(&mut self, model: &Model, mean: &mut [T], [after, counts]: [f64; 2], force: T) {
+    fn pass<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], [after, counts]: [f64; 2], force: T) {
         let Self { derivatives, rows, half: slope, begun, stage, before, .. } = self;
         let moving = model.moving();
         stage.copy_from_slice(begun);
         add_times(&mut stage[..moving], T::of(after), &derivatives.rate);
-        derivatives.take(model, stage, force);
+        derivatives.take(level, model, stage, force);
         add_times(&mut mean[..moving], T::of(counts), &derivatives.rate);
         let a = &derivatives.columns;
         before.copy_from_slice(slope);

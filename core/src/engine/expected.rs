@@ -78,31 +78,39 @@ impl<T: Number> Expected<T> {
         if design.readings.iter().all(Reading::is_of_components) {
             level.apart(
                 #[inline(always)]
-                || self.linearise(design, belief, active, force, None),
+                || self.linearise(level, design, belief, active, force, None),
             );
         } else if let Method::SigmaPoints(rule) = design.method {
             self.is_linear = false;
             return level.apart(
                 #[inline(always)]
-                || self.transform(rule, design, belief, active, force),
+                || self.transform(level, rule, design, belief, active, force),
             );
         } else {
             level.apart(
                 #[inline(always)]
-                || self.derivatives.take(&design.model, &belief.mean, force),
+                || self.derivatives.take(level, &design.model, &belief.mean, force),
             );
             level.apart(
                 #[inline(always)]
-                || self.linearise(design, belief, active, force, None),
+                || self.linearise(level, design, belief, active, force, None),
             );
         }
         Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
     }
 
     /// The same, linearised in another state: `h(at) + H (y⁻ - at)`.
-    pub(super) fn take_at(&mut self, design: &Design, belief: &Belief<T>, active: &[usize], force: T, at: &[T]) {
-        self.derivatives.take(&design.model, at, force);
-        self.linearise(design, belief, active, force, Some(at));
+    pub(super) fn take_at<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &Belief<T>,
+        active: &[usize],
+        force: T,
+        at: &[T],
+    ) {
+        self.derivatives.take(level, &design.model, at, force);
+        self.linearise(level, design, belief, active, force, Some(at));
     }
 
     /// H of a sensor, n numbers in place of what `out` holds.
@@ -125,8 +133,16 @@ impl<T: Number> Expected<T> {
 
     /// As an EKF has it: h at the mean, or from another state, and H.
     #[inline(always)]
-    fn linearise(&mut self, design: &Design, belief: &Belief<T>, active: &[usize], force: T, at: Option<&[T]>) {
-        let (n, m, Design { model, readings, .. }) = (self.size(), active.len(), design);
+    fn linearise<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &Belief<T>,
+        active: &[usize],
+        force: T,
+        at: Option<&[T]>,
+    ) {
+        let (n, m, Design { model, readings, .. }) = (level.size(self.size()), active.len(), design);
         for (row, &sensor) in active.iter().enumerate() {
             let reading = &readings[sensor];
             let rate = &self.derivatives.rate;
@@ -141,7 +157,7 @@ impl<T: Number> Expected<T> {
                 }
             }
             let mut cross = std::mem::take(&mut self.cross);
-            self.times_cov(reading, row, &belief.cov, &mut cross[row * n..(row + 1) * n]);
+            self.times_cov(reading, row, &belief.cov[..n * n], &mut cross[row * n..(row + 1) * n]);
             self.cross = cross;
         }
         for (row, &sensor) in active.iter().enumerate() {
@@ -192,8 +208,9 @@ impl<T: Number> Expected<T> {
     /// h = h(y⁻) + s,  s = Σ W d,  S = Σ W d dᵀ + o s sᵀ,  P⁻ Hᵀ = Σ W (χ - y⁻) dᵀ,  d = h(χ) - h(y⁻)
     /// ```
     #[inline(always)]
-    fn transform(
+    fn transform<L: Level>(
         &mut self,
+        level: L,
         rule: Rule,
         design: &Design,
         belief: &Belief<T>,
@@ -202,12 +219,13 @@ impl<T: Number> Expected<T> {
     ) -> Rooted<T::Mask> {
         let Self { mean: expected, cov, cross, derivatives, points, .. } = self;
         let Points { root, state, high, low, shift } = points;
-        let (n, m, mean) = (state.len(), active.len(), &belief.mean);
+        let (n, m) = (level.size(state.len()), active.len());
+        let (mean, root, state) = (&belief.mean[..n], &mut root[..n * n], &mut state[..n]);
         let Derivatives { rate, plain, .. } = derivatives;
-        let rooted = lower_root(&belief.cov, root, n);
+        let rooted = lower_root(&belief.cov[..n * n], root, n);
         let distance = rule.spread.sqrt();
         let weight = 0.5 / rule.spread;
-        read_all(design, active, mean, force, plain, rate, expected);
+        read_all(level, design, active, mean, force, plain, rate, expected);
         shift[..m].fill(T::of(0.0));
         cov[..m * m].fill(T::of(0.0));
         cross[..m * n].fill(T::of(0.0));
@@ -216,7 +234,7 @@ impl<T: Number> Expected<T> {
                 for i in 0..n {
                     state[i] = mean[i] + column[i] * side;
                 }
-                read_all(design, active, state, force, plain, rate, readings);
+                read_all(level, design, active, state, force, plain, rate, readings);
             }
             for row in 0..m {
                 (high[row], low[row]) = (high[row] - expected[row], low[row] - expected[row]);
@@ -243,7 +261,8 @@ impl<T: Number> Expected<T> {
 
 /// The readings of some sensors in a state; `plain` and `rate` are memory to work in.
 #[inline(always)]
-fn read_all<T: Number>(
+fn read_all<T: Number, L: Level>(
+    level: L,
     design: &Design,
     active: &[usize],
     state: &[T],
@@ -252,7 +271,7 @@ fn read_all<T: Number>(
     rate: &mut [T],
     readings: &mut [T],
 ) {
-    design.model.rate(state, force, plain, rate);
+    design.model.rate(level, state, force, plain, rate);
     for (row, &sensor) in active.iter().enumerate() {
         readings[row] = read(&design.model, &design.readings[sensor], state, rate, force);
     }

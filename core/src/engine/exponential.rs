@@ -3,7 +3,7 @@
 //! The length of a series follows from the size of a step, by classes. Lanes whose sizes are of different classes have each
 //! class computed, and take their own.
 
-use super::columns::{apply, multiply, norm};
+use super::columns::{multiply, norm};
 use super::level::Level;
 use super::number::Number;
 use crate::integrate::INVERSE_FACTORIAL;
@@ -194,16 +194,9 @@ impl<T: Number> Exponential<T> {
 /// `out = t I + A B`
 #[inline(always)]
 fn plus_product<T: Number>(out: &mut [T], t: f64, a: &[T], b: &[T], n: usize) {
+    multiply(out, a, b, n, n);
     for j in 0..n {
-        let column = &mut out[j * n..(j + 1) * n];
-        apply(
-            column,
-            a,
-            n,
-            #[inline(always)]
-            |k| b[j * n + k],
-        );
-        column[j] = column[j] + t;
+        out[j * n + j] = out[j * n + j] + t;
     }
 }
 

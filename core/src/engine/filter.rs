@@ -20,9 +20,9 @@ use crate::filter::Course;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other.
 #[derive(Clone, Debug)]
-pub struct Filter<'a, T: Number, L> {
+pub struct Filter<T: Number, L> {
     level: L,
-    design: &'a Design,
+    design: Design,
     noise: Noise<T>,
     /// The variance of the white force.
     white: T,
@@ -35,20 +35,20 @@ pub struct Filter<'a, T: Number, L> {
     held: Held<T::Mask>,
 }
 
-impl<'a, T: Number, L: Level> Filter<'a, T, L> {
+impl<T: Number, L: Level> Filter<T, L> {
     /// Filters that begin with a belief.
-    pub fn new(level: L, design: &'a Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
-        let Design { model, readings, .. } = design;
+    pub fn new(level: L, design: Design, belief: Belief<T>, noise: Noise<T>, white: T) -> Self {
+        let Design { model, readings, .. } = &design;
         Self {
+            linearised: Linearised::new(model),
+            points: SigmaPoints::new(model),
+            update: Update::new(model, readings.len()),
+            held: Held::new(),
             level,
             design,
             noise,
             white,
             belief,
-            linearised: Linearised::new(model),
-            points: SigmaPoints::new(model),
-            update: Update::new(model, readings.len()),
-            held: Held::new(),
         }
     }
 
@@ -59,8 +59,8 @@ impl<'a, T: Number, L: Level> Filter<'a, T, L> {
     pub fn predict(&mut self, forces: [T; 2]) {
         let Design { has_slope, dt, white, .. } = self.design;
         let [begin, end] = forces;
-        let whole = Step { forces: [begin, if *has_slope { end } else { begin }], has_slope: *has_slope, dt: *dt };
-        if let Some((place, Course::Centred)) = *white {
+        let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt };
+        if let Some((place, Course::Centred)) = white {
             let [first, second] = whole.halves();
             let begun = self.advance(&first);
             self.belief.renew(place, self.white);
@@ -75,9 +75,9 @@ impl<'a, T: Number, L: Level> Filter<'a, T, L> {
         let Self { level, belief, noise, .. } = self;
         level.apart(
             #[inline(always)]
-            || belief.spread(noise),
+            || belief.spread(*level, noise),
         );
-        if let Some((place, Course::Held | Course::Continuous)) = *white {
+        if let Some((place, Course::Held | Course::Continuous)) = white {
             self.belief.renew(place, self.white);
         }
     }
@@ -101,6 +101,26 @@ impl<'a, T: Number, L: Level> Filter<'a, T, L> {
     pub fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
         let Self { level, design, noise, belief, update, held, .. } = self;
         update.condition(*level, design, belief, noise, Observation { force, measured }, held)
+    }
+
+    /// The last update.
+    pub(super) fn last(&self) -> &Update<T> {
+        &self.update
+    }
+
+    /// The belief, and e, S and K of the last update ([`Update::parts`]).
+    pub(super) fn told(&mut self) -> (&Belief<T>, (&[T], &mut [T], &[T])) {
+        (&self.belief, self.update.parts_mut())
+    }
+
+    /// Whether the forces that count in a step are finite in all lanes.
+    pub(super) fn are_finite(&self, [begin, end]: [T; 2]) -> bool {
+        begin.is_finite().all() && (!self.design.has_slope || end.is_finite().all())
+    }
+
+    /// Whether sigma points could be drawn for the last prediction in a lane.
+    pub(super) fn is_predicted(&self, lane: usize) -> bool {
+        self.held.predicted.holds.lane(lane)
     }
 
     /// Why the last step does not hold for a lane.

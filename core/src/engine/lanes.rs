@@ -145,8 +145,20 @@ impl<const L: usize> Real for Lanes<L> {
 
 impl<const L: usize> Number for Lanes<L> {
     type Mask = Bits<L>;
+    type Pack = Self;
 
     const LANES: usize = L;
+    const POINTS: usize = 1;
+
+    #[inline(always)]
+    fn pack(of: impl Fn(usize) -> Self) -> Self {
+        of(0)
+    }
+
+    #[inline(always)]
+    fn of_pack(pack: Self, _: usize) -> Self {
+        pack
+    }
 
     #[inline(always)]
     fn from_lanes(of: impl Fn(usize) -> f64) -> Self {

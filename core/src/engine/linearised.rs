@@ -56,10 +56,13 @@ impl<T: Number> Linearised<T> {
         step: &Step<T>,
     ) {
         self.step(level, propagation, model, &mut belief.mean, step);
-        let (n, moving) = (model.size, model.moving());
+        let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         level.apart(
             #[inline(always)]
-            || congruence(&self.rows, &mut belief.cov, &mut self.half, n, moving),
+            || {
+                let (rows, half) = (&self.rows[..moving * n], &mut self.half[..moving * n]);
+                congruence(rows, &mut belief.cov[..n * n], half, n, moving);
+            },
         );
     }
 
@@ -100,20 +103,20 @@ impl<T: Number> Linearised<T> {
     fn linearise<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
         level.apart(
             #[inline(always)]
-            || self.derivatives.take(model, mean, step.forces[0]),
+            || self.derivatives.take(level, model, mean, step.forces[0]),
         );
-        if model.is_oscillator() {
+        if level.moving(model.moving()) == 2 && model.is_oscillator() {
             level.apart(
                 #[inline(always)]
                 || self.swing(level, model, mean, step),
             );
         } else {
-            let moving = model.moving();
+            let moving = level.moving(model.moving());
             let block = &self.derivatives.columns[..moving * moving];
             self.exponential.compute(level, block, moving, step.dt, step.has_slope);
             level.apart(
                 #[inline(always)]
-                || self.flow(model, mean, step),
+                || self.flow(level, model, mean, step),
             );
         }
     }
@@ -121,14 +124,16 @@ impl<T: Number> Linearised<T> {
     /// Moves the mean of an oscillator, and takes the rows of Φ, by the closed form.
     #[inline(always)]
     fn swing<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
+        let n = level.size(model.size);
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, .. } = self;
+        let (rate, columns, rows, mean) = (&rate[..2], &columns[..2 * n], &mut rows[..2 * n], &mut mean[..n]);
         let (a, b) = (columns[1], columns[3]);
         let Impulse { h, q, p } = Impulse::new(level, a, b, step.dt, step.has_slope);
         let (v, acceleration, aq) = (mean[1], rate[1], a * q);
         mean[0] = mean[0] + (h - b * q) * v + q * acceleration;
         mean[1] = mean[1] + aq * v + h * acceleration;
         rows[..4].copy_from_slice(&[aq + 1.0, a * h, h, aq + 1.0 + b * h]);
-        for j in 2..model.size {
+        for j in 2..n {
             rows[2 * j] = q * columns[2 * j + 1];
             rows[2 * j + 1] = h * columns[2 * j + 1];
         }
@@ -136,15 +141,17 @@ impl<T: Number> Linearised<T> {
             let push = step.slope() * model.by_force[1];
             self.effect[0] = p * push;
             self.effect[1] = q * push;
-            self.push(model, mean);
+            self.push(level, model, mean);
         }
     }
 
     /// The same for any plant, by the exponential.
     #[inline(always)]
-    fn flow(&mut self, model: &Model, mean: &mut [T], step: &Step<T>) {
+    fn flow<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
         let Self { derivatives: Derivatives { rate, columns, .. }, rows, effect, exponential, .. } = self;
-        let moving = model.moving();
+        let (n, moving) = (level.size(model.size), level.moving(model.moving()));
+        let (rate, columns, rows) = (&rate[..moving], &columns[..moving * n], &mut rows[..moving * n]);
+        let effect = &mut effect[..moving];
         let Exponential { transition, constant, slope, .. } = exponential;
         apply(
             effect,
@@ -168,14 +175,14 @@ impl<T: Number> Linearised<T> {
                 #[inline(always)]
                 |k| push * model.by_force[k],
             );
-            self.push(model, mean);
+            self.push(level, model, mean);
         }
     }
 
     /// Adds the effect of a slope of the recorded force.
     #[inline(always)]
-    fn push(&mut self, model: &Model, mean: &mut [T]) {
-        let moving = model.moving();
+    fn push<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T]) {
+        let moving = level.moving(model.moving());
         let gain = if let Some(place) = model.gain { mean[place] } else { T::of(1.0) };
         add_times(&mut mean[..moving], gain, &self.effect);
         if let Some(place) = model.gain {

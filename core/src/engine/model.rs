@@ -2,8 +2,9 @@
 
 use super::dual::Dual;
 use super::function::Function;
+use super::level::Level;
 use super::number::{Number, Real};
-use super::plants::{AT_ONCE, Plant, Rates, with_equation};
+use super::plants::{AT_ONCE, Plant, Rates, fits, with_equation};
 use crate::Channel;
 use crate::model::Reading;
 
@@ -91,8 +92,12 @@ impl Model {
 
     /// The rates of the components that move under this recorded force. `plain` is memory for n numbers.
     #[inline(always)]
-    pub fn rate<T: Number>(&self, state: &[T], force: T, plain: &mut [T], rate: &mut [T]) {
-        with_equation!(self.plant, equation => self.rate_by(equation, state, force, plain, rate));
+    pub fn rate<T: Number, L: Level>(&self, level: L, state: &[T], force: T, plain: &mut [T], rate: &mut [T]) {
+        with_equation!(self.plant, equation => {
+            if fits::<T, L>(level, equation) {
+                self.rate_by(equation, state, force, plain, rate);
+            }
+        });
     }
 
     /// The same where the plant's equation is at hand.
@@ -165,11 +170,12 @@ impl<T: Number> Derivatives<T> {
 
     /// Takes them in a state under this recorded force.
     #[inline(always)]
-    pub fn take(&mut self, model: &Model, state: &[T], force: T) {
+    pub fn take<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
         let Self { rate, columns, plain, duals } = self;
-        let moving = model.moving();
+        let (n, moving) = (level.size(model.size), level.moving(model.moving()));
+        let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
         let own = model.plain(state, plain);
-        model.plant.linearise(own, model.acting(state, force), rate, columns, moving, duals);
+        model.plant.linearise(level, own, model.acting(state, force), rate, columns, moving, duals);
         model.decay(own, rate);
         if model.eta != 0.0 {
             for place in model.plant.motion()..moving {

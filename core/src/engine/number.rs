@@ -3,6 +3,7 @@
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use super::function::Function;
+use super::lanes::Lanes;
 
 /// A number of a plant's equation. Its operations round once, so that no processor has other bits than another.
 pub trait Real:
@@ -43,8 +44,20 @@ pub trait Number: Real {
     /// The truth values of comparisons.
     type Mask: Mask;
 
+    /// Numbers of several points of the same run, which move at once.
+    type Pack: Number + std::fmt::Debug;
+
     /// The number of lanes.
     const LANES: usize;
+
+    /// The number of points in a pack.
+    const POINTS: usize;
+
+    /// The numbers of the points of a pack.
+    fn pack(of: impl Fn(usize) -> Self) -> Self::Pack;
+
+    /// The number of a point of a pack.
+    fn of_pack(pack: Self::Pack, point: usize) -> Self;
 
     /// The number of each lane.
     fn from_lanes(of: impl Fn(usize) -> f64) -> Self;
@@ -141,8 +154,20 @@ impl Mask for bool {
 
 impl Number for f64 {
     type Mask = bool;
+    type Pack = Lanes<4>;
 
     const LANES: usize = 1;
+    const POINTS: usize = 4;
+
+    #[inline(always)]
+    fn pack(of: impl Fn(usize) -> Self) -> Self::Pack {
+        Lanes([of(0), of(1), of(2), of(3)])
+    }
+
+    #[inline(always)]
+    fn of_pack(pack: Self::Pack, point: usize) -> Self {
+        pack.0[point]
+    }
 
     #[inline(always)]
     fn from_lanes(of: impl Fn(usize) -> f64) -> Self {

@@ -8,6 +8,7 @@ pub mod shear_chain;
 pub mod typed;
 
 use super::dual::Dual;
+use super::level::Level;
 use super::number::{Number, Real};
 use crate::PlantKind;
 
@@ -29,6 +30,9 @@ pub trait Equation: Copy {
 
 /// The rates of a plant for numbers of some kind.
 pub trait Rates<T>: Copy {
+    /// The number of components.
+    fn components(self) -> usize;
+
     /// The number of components that move, which come first.
     fn moving(self) -> usize;
 
@@ -37,6 +41,11 @@ pub trait Rates<T>: Copy {
 }
 
 impl<E: Equation, T: Number> Rates<T> for E {
+    #[inline(always)]
+    fn components(self) -> usize {
+        self.size()
+    }
+
     #[inline(always)]
     fn moving(self) -> usize {
         self.motion()
@@ -126,15 +135,7 @@ impl Plant {
 
     /// The number of components.
     pub fn size(self) -> usize {
-        match self {
-            Self::Own(own::Own(kind)) => kind.channels().len(),
-            Self::Typed(typed) => typed.size,
-            Self::Sdof => sdof::Sdof.size(),
-            Self::Duffing => duffing::Duffing.size(),
-            Self::BoucWen => bouc_wen::BoucWen.size(),
-            Self::BoucWenOne => bouc_wen::BoucWenOne.size(),
-            Self::ShearChain(masses) => shear_chain::ShearChain { masses }.size(),
-        }
+        with_equation!(self, equation => Rates::<f64>::components(equation))
     }
 
     /// The number of components that move.
@@ -156,8 +157,10 @@ impl Plant {
     /// The rates, and their derivatives by the plant's components, column by column, with `rows` numbers a column. `duals` is
     /// memory to work in.
     #[inline(always)]
-    pub fn linearise<T: Number>(
+    #[expect(clippy::too_many_arguments, reason = "in slices, so that nothing is copied")]
+    pub fn linearise<T: Number, L: Level>(
         self,
+        level: L,
         state: &[T],
         force: T,
         rate: &mut [T],
@@ -167,11 +170,11 @@ impl Plant {
     ) {
         let out = Slopes { rate, columns, rows };
         match self {
-            Self::Sdof => linearise(sdof::Sdof, state, force, out, duals),
-            Self::Duffing => linearise(duffing::Duffing, state, force, out, duals),
-            Self::BoucWen => linearise(bouc_wen::BoucWen, state, force, out, duals),
-            Self::BoucWenOne => linearise(bouc_wen::BoucWenOne, state, force, out, duals),
-            Self::ShearChain(masses) => linearise(shear_chain::ShearChain { masses }, state, force, out, duals),
+            Self::Sdof => linearise(level, sdof::Sdof, state, force, out, duals),
+            Self::Duffing => linearise(level, duffing::Duffing, state, force, out, duals),
+            Self::BoucWen => linearise(level, bouc_wen::BoucWen, state, force, out, duals),
+            Self::BoucWenOne => linearise(level, bouc_wen::BoucWenOne, state, force, out, duals),
+            Self::ShearChain(masses) => linearise(level, shear_chain::ShearChain { masses }, state, force, out, duals),
             Self::Typed(typed) => typed.linearise(state, force, rate, columns, rows),
             Self::Own(own) => own.linearise(state, force, rate, columns, rows),
         }
@@ -195,6 +198,13 @@ pub const AT_ONCE: usize = 4;
 /// Limits the components of a small plant: twice the derivatives that are taken at once.
 pub const FEW: usize = 8;
 
+/// Whether filters of these sizes can have a plant: the compiler leaves out the others.
+#[inline(always)]
+pub(super) fn fits<T, L: Level>(level: L, equation: impl Rates<T>) -> bool {
+    let (own, motion) = (equation.components(), equation.moving());
+    own <= level.size(own) && motion <= level.moving(motion)
+}
+
 /// The rates and their derivatives, to be filled: `rows` numbers a column.
 struct Slopes<'a, T> {
     rate: &'a mut [T],
@@ -203,7 +213,8 @@ struct Slopes<'a, T> {
 }
 
 #[inline(always)]
-fn linearise<E: Equation, T: Number>(
+fn linearise<E: Equation, T: Number, L: Level>(
+    level: L,
     equation: E,
     state: &[T],
     force: T,
@@ -211,6 +222,9 @@ fn linearise<E: Equation, T: Number>(
     duals: &mut [Dual<T, AT_ONCE>],
 ) {
     let own = equation.size();
+    if !fits::<T, L>(level, equation) {
+        return;
+    }
     if E::IS_SMALL {
         // Numbers of its own, which the compiler can see through.
         let mut duals = [Dual::constant(T::of(0.0)); 2 * FEW];
@@ -255,6 +269,7 @@ fn differentiate<E: Equation, T: Number>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::level::Baseline;
 
     #[test]
     fn jacobians_by_duals_are_those_by_hand() {
@@ -270,7 +285,7 @@ mod tests {
                 }
                 let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * n]);
                 let mut duals = vec![Dual::constant(0.0); n + motion];
-                plant.linearise(&state, 0.7, &mut rate, &mut columns, motion, &mut duals);
+                plant.linearise(Baseline, &state, 0.7, &mut rate, &mut columns, motion, &mut duals);
                 let (mut known_rate, mut known) = (vec![0.0; motion], vec![0.0; motion * n]);
                 kind.plant().motion_rate(&state, 0.7, &mut known_rate);
                 kind.plant().motion_jacobian(&state, &mut known);

@@ -41,14 +41,30 @@ impl Run<'_> {
 /// order. All must [go with](Run::goes_with) the first.
 pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
     let [first, ..] = runs else { return Vec::new() };
-    let Setup { design, channels, .. } = first.setup;
+    let channels = &first.setup.channels;
     let of = |lane: usize| runs[lane.min(runs.len() - 1)];
     let is_shared = runs.iter().all(|run| run.has_columns_of(first));
     let inputs = Inputs::new(runs, is_shared, T::LANES);
-    let number = |of_setup: &dyn Fn(&Setup) -> f64| T::from_lanes(|lane| of_setup(of(lane).setup));
-    let numbers = |count: usize, of_setup: &dyn Fn(&Setup) -> &[f64]| -> Vec<T> {
-        (0..count).map(|i| T::from_lanes(|lane| of_setup(of(lane).setup)[i])).collect()
+    let filter = filter(level, |lane| of(lane).setup);
+    let scores = Scores::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
+    let batch = Batch {
+        level,
+        count: runs.len(),
+        filter,
+        scores,
+        stopped: T::of(0.0),
+        outcomes: vec![None; runs.len()],
+        looks: vec![Vec::new(); runs.len()],
     };
+    batch.run(&inputs, first.record.len(), samples)
+}
+
+/// The filters of some setups of one design, one a lane, before their first sample.
+pub(super) fn filter<'a, T: Number, L: Level>(level: L, setup: impl Fn(usize) -> &'a Setup) -> Filter<T, L> {
+    let numbers = |count: usize, of_setup: &dyn Fn(&Setup) -> &[f64]| -> Vec<T> {
+        (0..count).map(|i| T::from_lanes(|lane| of_setup(setup(lane))[i])).collect()
+    };
+    let design = setup(0).design.clone();
     let (n, sensors) = (design.model.size, design.readings.len());
     let mut belief = Belief { mean: numbers(n, &|setup| &setup.mean), cov: vec![T::of(0.0); n * n] };
     for (i, variance) in numbers(n, &|setup| &setup.variance).into_iter().enumerate() {
@@ -57,20 +73,10 @@ pub fn outcomes<T: Number, L: Level>(level: L, runs: &[Run<'_>], samples: &[usiz
     let noise = Noise {
         process: numbers(n, &|setup| &setup.process),
         sensors: numbers(sensors, &|setup| &setup.sensors),
-        fading: number(&|setup| setup.fading),
+        fading: T::from_lanes(|lane| setup(lane).fading),
     };
-    let white = number(&|setup| setup.white);
-    let scores = Scores::new(channels, |channel| first.record.truth(channel).is_some(), first.record.len());
-    let batch = Batch {
-        level,
-        count: runs.len(),
-        filter: Filter::new(level, design, belief, noise, white),
-        scores,
-        stopped: T::of(0.0),
-        outcomes: vec![None; runs.len()],
-        looks: vec![Vec::new(); runs.len()],
-    };
-    batch.run(&inputs, first.record.len(), samples)
+    let white = T::from_lanes(|lane| setup(lane).white);
+    Filter::new(level, design, belief, noise, white)
 }
 
 /// The columns that a batch runs over, each one a lane or one for all.
@@ -116,11 +122,11 @@ impl<'a> Inputs<'a> {
 }
 
 /// A batch of runs.
-struct Batch<'a, T: Number, L> {
+struct Batch<T: Number, L> {
     level: L,
     /// The number of lanes that count.
     count: usize,
-    filter: Filter<'a, T, L>,
+    filter: Filter<T, L>,
     scores: Scores<T>,
     /// One in the lanes whose filter has stopped.
     stopped: T,
@@ -128,7 +134,7 @@ struct Batch<'a, T: Number, L> {
     looks: Vec<Vec<Look>>,
 }
 
-impl<T: Number, L: Level> Batch<'_, T, L> {
+impl<T: Number, L: Level> Batch<T, L> {
     /// Runs all filters over the record, sample by sample.
     fn run(mut self, inputs: &Inputs<'_>, length: usize, samples: &[usize]) -> Vec<Outcome> {
         let mut samples = samples.iter().copied().peekable();

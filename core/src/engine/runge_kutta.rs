@@ -1,8 +1,9 @@
 //! Classical Runge-Kutta steps.
 
+use super::level::Level;
 use super::model::Model;
 use super::number::Number;
-use super::plants::{Rates, with_equation};
+use super::plants::{Rates, fits, with_equation};
 use super::step::Step;
 
 /// The memory of a Runge-Kutta step: where it begins, four rates, and a state without logarithms.
@@ -25,8 +26,12 @@ impl<T: Number> RungeKutta<T> {
     ///
     /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
     #[inline(always)]
-    pub fn advance(&mut self, model: &Model, state: &mut [T], step: &Step<T>) {
-        with_equation!(model.plant, equation => self.advance_by(equation, model, state, step));
+    pub fn advance<L: Level>(&mut self, level: L, model: &Model, state: &mut [T], step: &Step<T>) {
+        with_equation!(model.plant, equation => {
+            if fits::<T, L>(level, equation) {
+                self.advance_by(equation, model, state, step);
+            }
+        });
     }
 
     #[inline(always)]

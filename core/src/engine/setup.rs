@@ -20,6 +20,8 @@ pub struct Setup {
     pub design: Design,
     /// The components of the state.
     pub channels: Vec<Channel>,
+    /// Whether a kernel takes the filter where it runs alone, with other roundings.
+    pub has_kernel: bool,
     /// The initial mean and variances.
     pub(super) mean: Vec<f64>,
     pub(super) variance: Vec<f64>,
@@ -30,7 +32,7 @@ pub struct Setup {
     /// The variance of the white force.
     pub(super) white: f64,
     /// The record's column for each sensor.
-    pub(super) columns: Vec<usize>,
+    pub(crate) columns: Vec<usize>,
     /// The number of samples after which the plant feels the input.
     pub(super) input_delay: i32,
 }
@@ -38,7 +40,7 @@ pub struct Setup {
 impl Setup {
     /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
     /// components, with any augmentations, that adapts nothing, does not jump, has one guess, takes one step from a sample to the
-    /// next and has neither logarithms nor parameters that decay; a KF or EKF propagates by local linearisation. What others do as
+    /// next and has no logarithms. What others do as
     /// fast is left to them: plain filters of an oscillator, which have lanes of their own, and the plain KF and EKF of a chain,
     /// whose kernel knows its structure.
     ///
@@ -50,13 +52,17 @@ impl Setup {
         let columns = sensor_places(scenario, record)?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
-        if !is_usual(settings, &context) || !is_finite(record, &columns) {
+        if is_done_as_fast(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
         }
         Ok(Self::of(settings, &context, columns))
     }
 
-    fn of(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
+    /// The filter of some settings over sensors in these columns, if the engine has all that they ask for.
+    pub(crate) fn of(settings: &FilterSettings, context: &FilterContext<'_>, columns: Vec<usize>) -> Option<Self> {
+        if !is_usual(settings, context) {
+            return None;
+        }
         let book = context.model(settings);
         let (model, method) = (Model::of(&book), method(settings, book.size())?);
         let initial = initial_gaussian(&book, settings);
@@ -79,6 +85,7 @@ impl Setup {
         can_begin(&initial, noise).then(|| Self {
             design,
             channels: book.channels().to_vec(),
+            has_kernel: kernel::estimator::serves(settings, context),
             mean: initial.mean.as_slice().to_vec(),
             variance: initial.cov.diagonal().as_slice().to_vec(),
             process: noise.process.diagonal().as_slice().to_vec(),
@@ -91,23 +98,21 @@ impl Setup {
     }
 }
 
-/// Whether the engine has all that a filter's settings ask for, and no other does the same as fast.
+/// Whether the engine has all that a filter's settings ask for.
 fn is_usual(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
-    let model = context.model(settings);
-    model.eta() == 0.0
-        && !settings.log_parameters
+    !settings.log_parameters
         && !settings.adaptation.is_on()
         && !settings.jump
         && settings.guesses == 1
         && settings.substeps == 1
-        && model.size() <= MOST
-        && !is_done_as_fast(model.plant(), settings, context)
+        && context.model(settings).size() <= MOST
 }
 
 /// Whether lanes of its own or a kernel take such a filter. The choice must not depend on the processor, since it is one of bits.
-fn is_done_as_fast(plant: PlantKind, settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
+fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
     const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
     const WITH_STRUCTURE: [PlantKind; 3] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4];
+    let plant = settings.plant.unwrap_or(context.plant);
     let is_linearised = [FilterKind::KF, FilterKind::EKF].contains(&settings.kind);
     (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
         && kernel::estimator::serves(settings, context)

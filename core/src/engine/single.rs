@@ -175,7 +175,7 @@ impl Single {
             at.copy_from_slice(&belief.mean);
             belief.clone_from(prior);
             let observation = Observation { force, measured };
-            let told = update.condition_at(design, belief, noise, observation, at, held);
+            let told = update.condition_at(Baseline, design, belief, noise, observation, at, held);
             self.check(&told)?;
             iteration += 1;
             let Self { belief, at, .. } = self;

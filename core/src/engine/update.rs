@@ -89,15 +89,15 @@ impl<T: Number> Update<T> {
         if active.is_empty() {
             return level.apart(
                 #[inline(always)]
-                || untold(belief, held),
+                || untold(level, belief, held),
             );
         }
         held.expected = expected.take(level, design, belief, active, force);
         level.apart(
             #[inline(always)]
             || {
-                let measured = self.compare(noise, measured);
-                self.correct(design, belief, measured, held)
+                let measured = self.compare(level, noise, measured);
+                self.correct(level, design, belief, measured, held)
             },
         )
     }
@@ -105,8 +105,10 @@ impl<T: Number> Update<T> {
     /// Conditions a belief on the same measurements again, with the sensors linearised in another state.
     ///
     /// Source: Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
-    pub(super) fn condition_at(
+    #[expect(clippy::too_many_arguments, reason = "those of the update, and where to linearise")]
+    pub(super) fn condition_at<L: Level>(
         &mut self,
+        level: L,
         design: &Design,
         belief: &mut Belief<T>,
         noise: &Noise<T>,
@@ -115,17 +117,17 @@ impl<T: Number> Update<T> {
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
         let Observation { force, measured } = observation;
-        self.expected.take_at(design, belief, &self.active, force, at);
-        let count = self.compare(noise, measured);
-        self.correct(design, belief, count, held)
+        self.expected.take_at(level, design, belief, &self.active, force, at);
+        let count = self.compare(level, noise, measured);
+        self.correct(level, design, belief, count, held)
     }
 
     /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. A sensor that does not measure in some lanes has a row of its own there,
     /// which tells nothing: e = 0, R = 1, without covariance.
     #[inline(always)]
-    fn compare(&mut self, noise: &Noise<T>, measured: &[T]) -> T {
+    fn compare<L: Level>(&mut self, level: L, noise: &Noise<T>, measured: &[T]) -> T {
         let Self { active, expected, innovation_cov: s, innovation, variances, .. } = self;
-        let (m, n) = (active.len(), expected.size());
+        let (m, n) = (active.len(), level.size(expected.size()));
         let (zero, one) = (T::of(0.0), T::of(1.0));
         let mut count = zero;
         s[..m * m].copy_from_slice(&expected.cov[..m * m]);
@@ -159,25 +161,32 @@ impl<T: Number> Update<T> {
     ///
     /// Source: Kalman (1960), A new approach to linear filtering and prediction problems.
     #[inline(always)]
-    fn correct(&mut self, design: &Design, belief: &mut Belief<T>, measured: T, held: &mut Held<T::Mask>) -> Told<T> {
+    fn correct<L: Level>(
+        &mut self,
+        level: L,
+        design: &Design,
+        belief: &mut Belief<T>,
+        measured: T,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
         let Self { active, expected, innovation_cov, factor: lower, innovation, white, gain, .. } = self;
-        let (m, n) = (active.len(), belief.size());
+        let (m, n) = (active.len(), level.size(belief.size()));
         let gain = &mut gain[..m * n];
         lower[..m * m].copy_from_slice(&innovation_cov[..m * m]);
         let (determinant, factored) = factor(lower, m);
         gain.copy_from_slice(&expected.cross[..m * n]);
         divide(lower, m, gain, n);
         for row in 0..m {
-            add_times(&mut belief.mean, innovation[row], &gain[row * n..(row + 1) * n]);
+            add_times(&mut belief.mean[..n], innovation[row], &gain[row * n..(row + 1) * n]);
         }
         white[..m].copy_from_slice(&innovation[..m]);
         let nis = square(lower, m, &mut white[..m]);
         if expected.is_linear {
-            self.joseph(design, belief);
+            self.joseph(level, design, belief);
         } else {
-            self.subtract(belief);
+            self.subtract(level, belief);
         }
-        [held.is_finite, held.is_positive] = belief.check();
+        [held.is_finite, held.is_positive] = belief.check(level);
         (held.factored, held.is_likely) = (factored, nis.is_finite());
         Told { nis, determinant, measured, holds: held.all() }
     }
@@ -191,9 +200,10 @@ impl<T: Number> Update<T> {
     ///
     /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
     #[inline(always)]
-    fn joseph(&mut self, design: &Design, belief: &mut Belief<T>) {
+    fn joseph<L: Level>(&mut self, level: L, design: &Design, belief: &mut Belief<T>) {
         let Self { active, expected, variances, gain, excess, .. } = self;
-        let (n, cov) = (belief.size(), &mut belief.cov);
+        let n = level.size(belief.size());
+        let cov = &mut belief.cov[..n * n];
         subtract_products(cov, gain, &expected.cross, n, active.len());
         for (row, &sensor) in active.iter().enumerate() {
             let (excess, gain) = (&mut excess[row * n..(row + 1) * n], &gain[row * n..(row + 1) * n]);
@@ -205,9 +215,9 @@ impl<T: Number> Update<T> {
 
     /// Makes of P the covariance `P - K S Kᵀ`, where there is no H.
     #[inline(always)]
-    fn subtract(&mut self, belief: &mut Belief<T>) {
+    fn subtract<L: Level>(&mut self, level: L, belief: &mut Belief<T>) {
         let Self { active, innovation_cov: s, gain, excess, .. } = self;
-        let (m, n) = (active.len(), belief.size());
+        let (m, n) = (active.len(), level.size(belief.size()));
         for row in 0..m {
             let excess = &mut excess[row * n..(row + 1) * n];
             excess.fill(T::of(0.0));
@@ -216,7 +226,7 @@ impl<T: Number> Update<T> {
                 add_times(excess, entry, &gain[k * n..(k + 1) * n]);
             }
         }
-        subtract_products(&mut belief.cov, excess, gain, n, m);
+        subtract_products(&mut belief.cov[..n * n], excess, gain, n, m);
     }
 
     /// The sensors that measure in some lane.
@@ -229,6 +239,13 @@ impl<T: Number> Update<T> {
         let m = self.active.len();
         let n = self.expected.size();
         [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
+    }
+
+    /// The same, with S to be completed.
+    pub(super) fn parts_mut(&mut self) -> (&[T], &mut [T], &[T]) {
+        let m = self.active.len();
+        let n = self.expected.size();
+        (&self.innovation[..m], &mut self.innovation_cov[..m * m], &self.gain[..m * n])
     }
 
     /// H, m × n in place of what `out` holds; `false` where there is none.
@@ -258,10 +275,10 @@ impl<T: Number> Update<T> {
 
 /// Without any measurement.
 #[inline(always)]
-fn untold<T: Number>(belief: &Belief<T>, held: &mut Held<T::Mask>) -> Told<T> {
+fn untold<T: Number, L: Level>(level: L, belief: &Belief<T>, held: &mut Held<T::Mask>) -> Told<T> {
     let predicted = held.predicted;
     *held = Held { predicted, ..Held::new() };
-    [held.is_finite, held.is_positive] = belief.check();
+    [held.is_finite, held.is_positive] = belief.check(level);
     Told { nis: T::of(0.0), determinant: T::of(1.0), measured: T::of(0.0), holds: held.all() }
 }
 

@@ -29,6 +29,10 @@ impl Own {
 }
 
 impl<T: Number> Rates<T> for Own {
+    fn components(self) -> usize {
+        self.0.channels().len()
+    }
+
     fn moving(self) -> usize {
         self.0.motion()
     }

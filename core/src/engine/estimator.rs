@@ -1,0 +1,140 @@
+//! A filter of the engine for one run, reporting to its estimates.
+
+use super::filter::Filter;
+#[cfg(not(target_arch = "wasm32"))]
+use super::level::Known;
+use super::level::{Baseline, Level};
+use super::run::filter;
+use super::setup::Setup;
+use crate::FilterError;
+use crate::estimator::Estimator;
+use crate::sink::{Sample, Sink};
+
+/// A filter, and memory for what it reports.
+struct Followed<L> {
+    filter: Filter<f64, L>,
+    /// The place of each sensor that the model has, among all sensors.
+    places: Vec<usize>,
+    measured: Vec<f64>,
+    /// Innovation, its covariance and the gain, of all sensors.
+    told: Told,
+}
+
+/// What an update told, of all m sensors: e, m numbers; S, m × m; K, n × m.
+struct Told {
+    innovation: Vec<f64>,
+    innovation_cov: Vec<f64>,
+    gain: Vec<f64>,
+}
+
+/// The filter of a setup whose columns are those of `sensors` sensors.
+pub(crate) fn estimator(setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
+    let model = &setup.design.model;
+    match (model.size, model.moving()) {
+        // A page leaves these out, to be smaller.
+        #[cfg(not(target_arch = "wasm32"))]
+        (4, 2) => of(Known::<_, 4, 2>(Baseline), setup, sensors),
+        #[cfg(not(target_arch = "wasm32"))]
+        (5, 2) => of(Known::<_, 5, 2>(Baseline), setup, sensors),
+        #[cfg(not(target_arch = "wasm32"))]
+        (6, 2) => of(Known::<_, 6, 2>(Baseline), setup, sensors),
+        _ => of(Baseline, setup, sensors),
+    }
+}
+
+fn of<L: Level + Send + 'static>(level: L, setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
+    let (n, nan) = (setup.design.model.size, f64::NAN);
+    Box::new(Followed {
+        filter: filter(level, |_| setup),
+        places: setup.columns.clone(),
+        measured: vec![nan; setup.columns.len()],
+        told: Told {
+            innovation: vec![nan; sensors],
+            innovation_cov: vec![nan; sensors * sensors],
+            gain: vec![0.0; n * sensors],
+        },
+    })
+}
+
+impl<L: Level + Send> Estimator for Followed<L> {
+    fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
+        let Self { filter, told, .. } = self;
+        sink.push(&told.sample(&filter.belief.mean, &filter.belief.cov, [f64::NAN; 2]));
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        force_before: f64,
+        force: f64,
+        measured: &[f64],
+        sink: &mut dyn Sink,
+    ) -> Result<(), FilterError> {
+        let Self { filter, places, measured: own, told: all } = self;
+        // Where the force is held, its end does not count.
+        if !filter.are_finite([force_before, force]) {
+            return Err(FilterError::UndefinedForce);
+        }
+        filter.predict([force_before, force]);
+        for (own, &place) in own.iter_mut().zip(&*places) {
+            *own = measured[place];
+        }
+        if filter.is_predicted(0) && own.iter().any(|value| value.is_infinite()) {
+            return Err(FilterError::InfiniteMeasurement);
+        }
+        let told = filter.update(force, own);
+        if !told.holds {
+            return Err(filter.reason(0));
+        }
+        let n = filter.belief.size();
+        mirror(&mut filter.belief.cov, n);
+        let [nis, determinant] = if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] };
+        let m = all.innovation.len();
+        let (belief, (innovation, innovation_cov, gain)) = filter.told();
+        if innovation.len() == m {
+            mirror(innovation_cov, m);
+            let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
+            sink.push(&Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured });
+        } else {
+            all.take(places, filter.last().active(), filter.last().parts());
+            sink.push(&all.sample(&filter.belief.mean, &filter.belief.cov, [nis, determinant]));
+        }
+        Ok(())
+    }
+}
+
+impl Told {
+    /// Takes in what some sensors told, each in its place; the others told nothing.
+    #[cold]
+    fn take(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) {
+        let m = self.innovation.len();
+        self.innovation.fill(f64::NAN);
+        self.innovation_cov.fill(f64::NAN);
+        self.gain.fill(0.0);
+        let (count, n) = (active.len(), self.gain.len() / m.max(1));
+        for (i, &row) in active.iter().enumerate() {
+            let row = places[row];
+            self.innovation[row] = innovation[i];
+            self.gain[row * n..(row + 1) * n].copy_from_slice(&gain[i * n..(i + 1) * n]);
+            for (j, &column) in active.iter().enumerate() {
+                let entry = innovation_cov[i.min(j) * count + i.max(j)];
+                self.innovation_cov[places[column] * m + row] = entry;
+            }
+        }
+    }
+
+    fn sample<'a>(&'a self, mean: &'a [f64], cov: &'a [f64], [nis, determinant]: [f64; 2]) -> Sample<'a> {
+        let Self { innovation, innovation_cov, gain } = self;
+        Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) }
+    }
+}
+
+/// Makes a matrix symmetric to the last bit, from its lower triangle.
+#[inline]
+fn mirror(matrix: &mut [f64], n: usize) {
+    for j in 1..n {
+        for i in 0..j {
+            matrix[j * n + i] = matrix[i * n + j];
+        }
+    }
+}
