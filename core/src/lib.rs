@@ -21,6 +21,30 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # Filters without a run
+//! [`KalmanFilter`] needs no scenario: it filters any linear system of matrices A, B, H, Q and R, with a measurement function of
+//! one's own if need be ([`MeasurementModel`]).
+//!
+//! [`OnlineFilter`] is a filter of a scenario over samples that come in one by one; [`Pass`] is one over a record. Both report to a
+//! [`Sink`], which a program can be itself. For KF, EKF, IEKF, UKF, SR-UKF and CKF neither reserves memory for a sample.
+//! [`smoothed()`] looks back from the end of a record.
+//!
+//! [`Scenario::from_document`] reads a scenario from JSON, or from a [`Document`] that a program has made:
+//!
+//! ```
+//! use kalmanscope_core::{Document, OnlineFilter, Scenario};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let settings = Document::from_json(r#"{"dt": 0.02, "filters": [{"kind": "ukf"}]}"#)?;
+//! let mut filter = OnlineFilter::new(&Scenario::from_document(&settings)?, 0)?;
+//! for (time, force, readings) in [(0.0, 0.0, [0.0, 0.0]), (0.02, 1.0, [0.01, f64::NAN]), (0.04, 1.0, [0.0, 0.03])] {
+//!     if let Some(sample) = filter.step(time, force, &readings)? {
+//!         println!("{time} s: natural frequency {} rad/s, before the update {}", sample.mean[2], sample.prior_mean[2]);
+//!     }
+//! }
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod analysis;
 pub mod augment;
@@ -88,9 +112,7 @@ pub use diagnosis::{Diagnosis, LiveDiagnosis, Verdict, VerdictKind};
 pub use diagnostics::{Diagnostics, Summary};
 pub use document::{Document, DocumentError};
 pub use estimates::{Estimates, Stop};
-pub use filter::{
-    Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, SystemError,
-};
+pub use filter::{Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, SystemError};
 pub use force::Force;
 pub use free_run::{Fit, FreeRun, Identified, Running};
 pub use in_slices::InSlices;
