@@ -16,7 +16,7 @@ pub use error::OnlineError;
 /// The first sample sets the time: its estimate is the initial belief, and its readings do not count, as in every run. Later
 /// samples follow `dt` after each other. A gap of some more steps of dt is filled with predictions: no sensor reads anything
 /// there, and the input goes on as the scenario holds it between samples: at the value before the gap with
-/// [`Hold::Zero`](crate::Hold::Zero), on the line to the value after it with [`Hold::First`](crate::Hold::First).
+/// [`Hold::Zero`], on the line to the value after it with [`Hold::First`].
 ///
 /// A first-order hold asks for nothing more: the step to a sample needs the inputs at both its ends, which are there. A
 /// negative input delay of d samples ([`FilterSettings::input_delay`](crate::FilterSettings::input_delay)) does: the plant
