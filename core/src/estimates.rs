@@ -1,5 +1,6 @@
 //! The estimates of one filter, sample by sample.
 
+mod columns;
 mod growth;
 
 use crate::by_channel::ByChannel;

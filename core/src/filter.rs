@@ -16,8 +16,11 @@ mod gaussian;
 pub(crate) mod jump;
 pub mod kalman;
 pub mod kind;
+mod linear;
 mod linearised;
 mod marginalised;
+mod measurement_model;
+mod measurements;
 mod moments;
 mod noise;
 mod observation;
@@ -27,6 +30,7 @@ mod sigma_points;
 pub(crate) mod smoother;
 mod square_root;
 mod step;
+mod system;
 mod white;
 
 use std::borrow::Cow;
@@ -45,7 +49,9 @@ pub use ensemble::Ensemble;
 pub use gaussian::Gaussian;
 pub use kalman::{Correction, Expected};
 pub use kind::{FilterInfo, FilterKind};
+pub use linear::KalmanFilter;
 pub use marginalised::Marginalised;
+pub use measurement_model::MeasurementModel;
 pub use moments::Moments;
 pub use noise::Noise;
 pub use observation::Observation;
@@ -54,6 +60,7 @@ pub use propagation::Propagation;
 pub use sigma_points::Rule;
 pub use square_root::SquareRoot;
 pub use step::Step;
+pub use system::{Shape, SystemError};
 pub use white::{Course, White};
 
 /// The registry: a constant for each kind, whose description stands in the file of its method, and all of them.
@@ -360,11 +367,7 @@ impl<B: Belief + ?Sized> Filter<B> {
             return belief.gaussian().check();
         }
         belief.condition(model, observation, correction)?;
-        // A factor of S has a finite ln det S.
-        if !correction.nis.is_finite() || correction.log_likelihood.is_infinite() {
-            let surprising = observation.sensors().iter().all(|&sensor| correction.innovation[sensor].is_finite());
-            return Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite });
-        }
+        correction.check(observation.sensors())?;
         if adaptation.is_on() {
             adaptation.adapt(observation, correction, noise);
             if let Some(white) = white {

@@ -1,9 +1,8 @@
 //! Several filters side by side from guesses of the natural frequency that are far apart.
 
 use crate::estimator::Estimator;
-use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
-use crate::sink::{AssumedNoise, Sample, Sink};
-use crate::{Channel, FilterError, FilterSettings, Stop};
+use crate::sink::{LastSample, Sink};
+use crate::{Channel, FilterError, FilterSettings};
 
 /// A filter that begins from several guesses of ωₙ, spread evenly in its logarithm from e⁻² to e² times the initial mean. Each
 /// guess has a filter of its own, and the likeliest of them so far is reported. At every 500th measured sample a filter is given
@@ -22,7 +21,7 @@ pub(crate) struct Guesses {
 /// The filter of one guess.
 struct Member {
     estimator: Box<dyn Estimator>,
-    last: Kept,
+    last: LastSample,
     log_likelihood: f64,
     /// Its log likelihood behind the likeliest at the last look.
     behind: f64,
@@ -58,7 +57,7 @@ pub(crate) fn members(settings: &FilterSettings) -> Vec<FilterSettings> {
 impl Guesses {
     /// Of filters that begin from different guesses; there must be one.
     pub(crate) fn new(estimators: impl IntoIterator<Item = Box<dyn Estimator>>) -> Self {
-        let member = |estimator| Member { estimator, last: Kept::default(), log_likelihood: 0.0, behind: 0.0 };
+        let member = |estimator| Member { estimator, last: LastSample::default(), log_likelihood: 0.0, behind: 0.0 };
         Self { members: estimators.into_iter().map(member).collect(), leader: 0, measured: 0 }
     }
 
@@ -94,10 +93,13 @@ impl Estimator for Guesses {
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
         let mut reason = FilterError::NotFinite;
+        let wants_prior = sink.wants_prior();
         self.members.retain_mut(|member| {
+            member.last.want_prior(wants_prior);
             let step = member.estimator.step(force_before, force, measured, &mut member.last);
             reason = step.err().unwrap_or(reason);
-            member.log_likelihood += member.last.log_likelihood();
+            let gained = member.last.sample().ln_likelihood();
+            member.log_likelihood += if gained.is_nan() { 0.0 } else { gained };
             step.is_ok() && member.log_likelihood.is_finite()
         });
         let likelihood = |place: &usize| self.members[*place].log_likelihood;
@@ -113,55 +115,4 @@ impl Estimator for Guesses {
         }
         Ok(())
     }
-}
-
-/// The last sample of a filter.
-#[derive(Default)]
-struct Kept {
-    mean: Vec<f64>,
-    cov: Vec<f64>,
-    innovation: Vec<f64>,
-    innovation_cov: Vec<f64>,
-    gain: Vec<f64>,
-    /// NIS, det S, log likelihood, effective sample size.
-    numbers: [f64; 4],
-    noise: Option<(Vec<f64>, Vec<f64>)>,
-    has_widened: bool,
-}
-
-impl Kept {
-    fn sample(&self) -> Sample<'_> {
-        let Self { mean, cov, innovation, innovation_cov, gain, numbers, noise, has_widened } = self;
-        let [nis, determinant, log_likelihood, effective_samples] = *numbers;
-        let noise = noise.as_ref().map(|(process, sensors)| AssumedNoise { process, sensors });
-        let has_widened = *has_widened;
-        let update = Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) };
-        Sample { log_likelihood, effective_samples, noise, has_widened, ..update }
-    }
-
-    /// That of its measurements; 0 where there was none.
-    fn log_likelihood(&self) -> f64 {
-        let Self { innovation, innovation_cov, numbers: [nis, determinant, own, _], .. } = self;
-        match innovation.iter().map(|e| u32::from(!e.is_nan())).sum() {
-            0 => 0.0,
-            _ if !own.is_nan() => *own,
-            count => log_likelihood(*nis, ln_determinant(*determinant, innovation_cov, innovation.len()), count),
-        }
-    }
-}
-
-impl Sink for Kept {
-    fn push(&mut self, sample: &Sample<'_>) {
-        let Self { mean, cov, innovation, innovation_cov, gain, numbers, noise, has_widened } = self;
-        let parts = [sample.mean, sample.cov, sample.innovation, sample.innovation_cov, sample.gain];
-        for (kept, part) in [mean, cov, innovation, innovation_cov, gain].into_iter().zip(parts) {
-            kept.clear();
-            kept.extend_from_slice(part);
-        }
-        *numbers = [sample.nis, sample.determinant, sample.log_likelihood, sample.effective_samples];
-        *noise = sample.noise.map(|noise| (noise.process.to_vec(), noise.sensors.to_vec()));
-        *has_widened = sample.has_widened;
-    }
-
-    fn stop_at(&mut self, _: Stop) {}
 }

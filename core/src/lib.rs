@@ -21,6 +21,31 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! # Filters without a run
+//! [`KalmanFilter`] needs no scenario: it filters any linear system of matrices A, B, H, Q and R, with a measurement function of
+//! one's own if need be ([`MeasurementModel`]).
+//!
+//! [`OnlineFilter`] is a filter of a scenario over samples that come in one by one; [`Pass`] is one over a record. Both report to a
+//! [`Sink`], which a program can be itself. For KF, EKF, IEKF, UKF, SR-UKF and CKF neither reserves memory for a sample, unless
+//! noise is learnt.
+//! [`smoothed()`] looks back from the end of a record.
+//!
+//! [`Scenario::from_document`] reads a scenario from JSON, or from a [`Document`] that a program has made:
+//!
+//! ```
+//! use kalmanscope_core::{Document, OnlineFilter, Scenario};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let settings = Document::from_json(r#"{"dt": 0.02, "filters": [{"kind": "ukf"}]}"#)?;
+//! let mut filter = OnlineFilter::new(&Scenario::from_document(&settings)?, 0)?;
+//! for (time, force, readings) in [(0.0, 0.0, [0.0, 0.0]), (0.02, 1.0, [0.01, f64::NAN]), (0.04, 1.0, [0.0, 0.03])] {
+//!     if let Some(sample) = filter.step(time, force, &readings)? {
+//!         println!("{time} s: natural frequency {} rad/s, before the update {}", sample.mean[2], sample.prior_mean[2]);
+//!     }
+//! }
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod analysis;
 pub mod augment;
@@ -43,6 +68,7 @@ pub mod job;
 pub mod kernel;
 pub mod linalg;
 pub mod model;
+pub mod online;
 pub mod pass;
 pub mod plant;
 pub mod quantity;
@@ -75,6 +101,7 @@ mod log_sum;
 mod random;
 mod run_error;
 mod select;
+mod smoothed;
 mod smoother;
 mod spare;
 mod waste;
@@ -86,12 +113,13 @@ pub use diagnosis::{Diagnosis, LiveDiagnosis, Verdict, VerdictKind};
 pub use diagnostics::{Diagnostics, Summary};
 pub use document::{Document, DocumentError};
 pub use estimates::{Estimates, Stop};
-pub use filter::{Adaptation, FilterError, FilterKind, Propagation};
+pub use filter::{Adaptation, FilterError, FilterKind, KalmanFilter, MeasurementModel, Propagation, SystemError};
 pub use force::Force;
 pub use free_run::{Fit, FreeRun, Identified, Running};
 pub use in_slices::InSlices;
 pub use job::{Job, Progress};
 pub use model::{Hold, InputKind, Model};
+pub use online::{OnlineError, OnlineFilter};
 pub use pass::Pass;
 pub use plant::PlantKind;
 pub use quantity::{Aspect, Quantity};
@@ -104,6 +132,7 @@ pub use score::Scores;
 pub use signal::Signal;
 pub use simulate::{TruthError, TruthStop};
 pub use sink::{Sample, Sink};
+pub use smoothed::smoothed;
 pub use source::Source;
 pub use spectrogram::{Spectrogram, Windows};
 pub use spectrum::Spectrum;

@@ -24,6 +24,9 @@ pub enum RunError {
     /// There is no filter at this place.
     #[error("the scenario has no filter number {}", .0 + 1)]
     NoFilter(usize),
+    /// A smoother begins with the first sample, but this many of the record's first samples have been forgotten.
+    #[error("the record's first {0} samples have been forgotten, and a smoother begins with the first")]
+    Forgotten(usize),
 }
 
 fn input_name(kind: InputKind) -> &'static str {

@@ -2,6 +2,7 @@
 
 pub(crate) mod address;
 mod color;
+mod document;
 mod error;
 mod filter;
 mod identity;

@@ -1,6 +1,11 @@
 //! Receivers of a filter's results.
 
+mod last;
+
+use crate::gaussian_likelihood;
 use crate::{Estimates, Stop};
+
+pub use last::LastSample;
 
 /// One sample of a filter: its belief after the update, in the channels' units, and the results of the update. n
 /// channels, m sensors.
@@ -10,6 +15,11 @@ pub struct Sample<'a> {
     pub mean: &'a [f64],
     /// Covariance, n × n, symmetric to the last bit.
     pub cov: &'a [f64],
+    /// Mean before the update, n numbers; empty unless the sink wants it ([`Sink::wants_prior`]). At the first sample and where
+    /// nothing was measured it is the mean.
+    pub prior_mean: &'a [f64],
+    /// Covariance before the update, n × n; empty unless the sink wants it.
+    pub prior_cov: &'a [f64],
     /// The innovation e of each sensor in its unit, m numbers; NaN where a sensor measured nothing.
     pub innovation: &'a [f64],
     /// S, the covariance of e, m × m.
@@ -32,12 +42,14 @@ pub struct Sample<'a> {
 }
 
 impl<'a> Sample<'a> {
-    /// A belief without a measurement.
+    /// A belief without a measurement, and without that before it.
     pub fn unmeasured(mean: &'a [f64], cov: &'a [f64]) -> Self {
         let nan = f64::NAN;
         Self {
             mean,
             cov,
+            prior_mean: &[],
+            prior_cov: &[],
             innovation: &[],
             innovation_cov: &[],
             gain: &[],
@@ -47,6 +59,23 @@ impl<'a> Sample<'a> {
             effective_samples: nan,
             noise: None,
             has_widened: false,
+        }
+    }
+
+    /// The log likelihood of the measurements, of every kind of filter; NaN where there was none.
+    ///
+    /// ```text
+    /// -(NIS + ln det S + m ln 2π) / 2
+    /// ```
+    pub fn ln_likelihood(&self) -> f64 {
+        let Self { innovation, innovation_cov, nis, determinant, log_likelihood: own, .. } = *self;
+        match innovation.iter().map(|e| u32::from(!e.is_nan())).sum() {
+            0 => f64::NAN,
+            _ if !own.is_nan() => own,
+            measured => {
+                let ln_determinant = gaussian_likelihood::ln_determinant(determinant, innovation_cov, innovation.len());
+                gaussian_likelihood::log_likelihood(nis, ln_determinant, measured)
+            }
         }
     }
 }
@@ -94,6 +123,12 @@ pub trait Sink {
 
     /// Notes that the filter has stopped; there are no more samples.
     fn stop_at(&mut self, stop: Stop);
+
+    /// Whether samples are to have the belief before the update too, `prior_mean` and `prior_cov`. It is copied for a sink
+    /// that asks, and costs nothing else.
+    fn wants_prior(&self) -> bool {
+        false
+    }
 
     /// The history that samples are appended to, if the sink is one. A filter of fixed sizes then appends each sample
     /// without checks of lengths.

@@ -5,8 +5,8 @@
 mod run;
 
 use kalmanscope_core::{
-    Channel, CramerRao, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor,
-    Signal, Values,
+    Channel, CramerRao, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Record, Run, RunError,
+    Scenario, Sensor, Signal, Values, smoothed as smoothed_at_once,
 };
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2};
@@ -139,6 +139,65 @@ fn a_smoother_uses_all_samples_so_far() {
     assert_eq!(smoothed(&again).len(), 0);
     let none = Run::new(&Scenario::default()).unwrap();
     assert!(none.smoothed().is_empty());
+}
+
+#[test]
+fn a_smoother_without_a_run_has_the_bits_of_that_of_a_run() {
+    let kinds = FilterKind::ALL.into_iter().filter(|kind| !kind.is_sampled());
+    for (kind, hold) in kinds.flat_map(|kind| [Hold::Zero, Hold::First].map(|hold| (kind, hold))) {
+        let mut scenario = Scenario { hold, ..known(kind, 200) };
+        scenario
+            .filters
+            .insert(0, FilterSettings { kind: FilterKind::PF, smoother: false, ..scenario.filters[0].clone() });
+        scenario.filters[1].input_delay = -2;
+        let run = finished(&scenario);
+        let expected = smoothed(&run);
+        // It need not be asked for by the settings.
+        scenario.filters[1].smoother = false;
+        let found = smoothed_at_once(&scenario, 1, run.record()).unwrap();
+        assert_eq!((found.len(), found.checksum()), (200, expected.checksum()), "{kind:?} {hold:?}");
+        assert_eq!((found.id(), found.name()), (expected.id(), expected.name()));
+        assert!(found.is_smoothed() && found.stop().is_none());
+    }
+}
+
+#[test]
+fn a_smoother_that_there_is_not_is_refused_in_words() {
+    let scenario = known(FilterKind::PF, 50);
+    let scenario =
+        Scenario { filters: vec![FilterSettings { smoother: false, ..scenario.filters[0].clone() }], ..scenario };
+    let run = finished(&scenario);
+    let error = smoothed_at_once(&scenario, 0, run.record()).unwrap_err().to_string();
+    assert_eq!(error, "`filters[0].smoother` is true, but must be false for a PF, which has no smoother here");
+    assert_eq!(smoothed_at_once(&scenario, 1, run.record()).unwrap_err(), RunError::NoFilter(1));
+
+    let scenario = known(FilterKind::KF, 50);
+    let mut run = finished(&scenario);
+    assert!(run.forget(20));
+    let error = smoothed_at_once(&scenario, 0, run.record()).unwrap_err();
+    assert_eq!(error, RunError::Forgotten(20));
+}
+
+#[test]
+fn a_smoother_of_a_filter_that_fails_has_the_samples_before_and_the_reason() {
+    let scenario = known(FilterKind::KF, 50);
+    let run = finished(&scenario);
+    let mut far = run.record().measured(0).to_vec();
+    far[30] = 1e200;
+    let input = kalmanscope_core::record::Input {
+        kind: scenario.input,
+        hold: scenario.hold,
+        values: run.record().input().to_vec(),
+    };
+    let columns = vec![(Quantity::DISPLACEMENT, far), (Quantity::VELOCITY, run.record().measured(1).to_vec())];
+    let record = Record::new(scenario.dt, input, columns).unwrap();
+    let found = smoothed_at_once(&scenario, 0, &record).unwrap();
+    assert_eq!((found.len(), found.stop().map(|stop| stop.sample)), (30, Some(30)));
+    let mut cannot_begin = scenario;
+    cannot_begin.filters[0].kind = FilterKind::SR_UKF;
+    cannot_begin.filters[0].initial_std[Channel::VELOCITY] = 1e200;
+    let found = smoothed_at_once(&cannot_begin, 0, run.record()).unwrap();
+    assert_eq!((found.len(), found.stop().map(|stop| stop.sample)), (0, Some(0)));
 }
 
 fn bound(scenario: &Scenario, record: &Record) -> CramerRao {

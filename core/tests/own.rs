@@ -1,4 +1,4 @@
-//! Plants and filters from outside of the crate.
+//! Plants, filters and systems from outside of the crate.
 
 #[path = "../examples/own_filter.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
@@ -6,6 +6,9 @@ mod own_filter;
 #[path = "../examples/own_plant.rs"]
 #[expect(dead_code, reason = "an example has a main function")]
 mod own_plant;
+#[path = "../examples/own_system.rs"]
+#[expect(dead_code, reason = "an example has a main function")]
+mod own_system;
 
 use kalmanscope_core::filter::{FilterInfo, Particles};
 use kalmanscope_core::plant::{Plant, PlantInfo, sdof::Sdof};
@@ -24,6 +27,20 @@ fn a_filter_of_ones_own_can_be_stepped_by_hand_and_used_in_a_scenario() {
     assert!(after_an_outlier.abs() < 0.05, "{after_an_outlier}");
     let (estimate, std) = own_filter::identify().expect("the scenario is possible");
     assert!((estimate - 4.8).abs() < 4.0 * std && std < 0.3, "{estimate} ± {std}");
+}
+
+#[test]
+fn a_system_of_ones_own_is_tracked_by_linear_sensors_and_by_others() {
+    let radar = own_system::by_radar(true).expect("the filter goes on");
+    let differences = own_system::by_radar(false).expect("the filter goes on");
+    for filter in [&own_system::by_coordinates().expect("the filter goes on"), &radar, &differences] {
+        let errors = own_system::errors(filter);
+        assert!(errors.iter().all(|error| error.abs() < 3.0), "{errors:?}");
+        assert!(filter.cov()[(2, 2)].sqrt() < 0.2, "{}", filter.cov());
+        assert!(filter.nis() < 15.0 && filter.log_likelihood().is_finite());
+    }
+    let apart = (radar.mean() - differences.mean()).amax();
+    assert!(apart > 0.0 && apart < 1e-4, "{apart}");
 }
 
 #[test]

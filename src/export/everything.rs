@@ -35,26 +35,24 @@ fn record(record: &Record) -> Result<Document, DocumentError> {
 }
 
 fn filter(estimates: &Estimates, found: Option<&Diagnosis>) -> Result<Document, DocumentError> {
-    let column = |value: &dyn Fn(usize) -> f64| Document::of_numbers((0..estimates.len()).map(value));
-    let of_channels = |value: &dyn Fn(usize, usize) -> f64| {
+    let of_channels = |column: &dyn Fn(usize) -> Document| {
         let channels = estimates.channels().iter().enumerate();
-        Document::of_entries(channels.map(|(place, channel)| (channel.key(), column(&|k| value(k, place)))))
+        Document::of_entries(channels.map(|(place, channel)| (channel.key(), column(place))))
     };
-    let of_sensors = |value: &dyn Fn(usize, usize) -> f64| {
+    let of_sensors = |column: &dyn Fn(usize) -> Document| {
         let sensors = estimates.sensors().iter().enumerate();
-        Document::of_entries(sensors.map(|(place, sensor)| (sensor.key(), column(&|k| value(k, place)))))
+        Document::of_entries(sensors.map(|(place, sensor)| (sensor.key(), column(place))))
     };
-    let sensors = estimates.sensors().len();
     Ok(Document::of_entries([
         ("name", estimates.name().into()),
         ("kind", estimates.kind().name().into()),
         ("plant", Document::of(&estimates.plant())?),
-        ("mean", of_channels(&|k, place| estimates.canonical_mean(k, place))),
-        ("std", of_channels(&|k, place| estimates.std(k, place))),
-        ("innovation", of_sensors(&|k, place| estimates.innovation(k)[place])),
-        ("innovation_std", of_sensors(&|k, place| estimates.innovation_cov(k)[place * (sensors + 1)].sqrt())),
+        ("mean", of_channels(&|place| Document::of_numbers(estimates.canonical_means(place).iter().copied()))),
+        ("std", of_channels(&|place| Document::of_numbers(estimates.stds(place)))),
+        ("innovation", of_sensors(&|place| Document::of_numbers(estimates.innovations(place)))),
+        ("innovation_std", of_sensors(&|place| Document::of_numbers(estimates.innovation_stds(place)))),
         ("nis", Document::of_numbers(estimates.nis().iter().copied())),
-        ("log_likelihood", column(&|k| estimates.log_likelihood(k))),
+        ("log_likelihood", Document::of_numbers(estimates.log_likelihoods())),
         ("stop", estimates.stop().map(stop).into()),
         ("diagnosis", found.map(diagnosis).into()),
     ]))

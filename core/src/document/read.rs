@@ -9,7 +9,7 @@ use super::{Document, DocumentError};
 impl Document {
     /// The error for a value of another type.
     #[inline(never)]
-    pub(super) fn mismatch(&self, expected: &dyn Expected) -> DocumentError {
+    pub(crate) fn mismatch(&self, expected: &dyn Expected) -> DocumentError {
         de::Error::invalid_type(self.unexpected(), expected)
     }
 

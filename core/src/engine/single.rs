@@ -146,7 +146,7 @@ impl Single {
         self.measured.copy_from_slice(measured.values);
         let iterations = if let Method::Linearised(_, iterations) = self.design.method { iterations } else { 1 };
         if iterations > 1 {
-            self.prior.clone_from(&self.belief);
+            self.prior.copy_from(&self.belief);
         }
         let Self { design, belief, noise, update, held, .. } = self;
         let observation = Observation { force: measured.force, measured: &self.measured };
@@ -173,7 +173,7 @@ impl Single {
         loop {
             let Self { design, belief, prior, at, noise, update, held, measured, .. } = self;
             at.copy_from_slice(&belief.mean);
-            belief.clone_from(prior);
+            belief.copy_from(prior);
             let observation = Observation { force, measured };
             let told = update.condition_at(Baseline, design, belief, noise, observation, at, held);
             self.check(&told)?;
@@ -220,6 +220,12 @@ impl<'a> Parts<'a> {
 }
 
 impl Belief<f64> {
+    /// Makes it a copy of another one of the same size, in its own memory, which a derived `clone_from` would not use.
+    fn copy_from(&mut self, other: &Self) {
+        self.mean.copy_from_slice(&other.mean);
+        self.cov.copy_from_slice(&other.cov);
+    }
+
     fn take(&mut self, moments: &Moments<'_>) {
         self.mean.copy_from_slice(moments.mean);
         self.cov.copy_from_slice(moments.cov);

@@ -12,17 +12,20 @@ struct Followed {
     filter: Filter,
     correction: Correction,
     in_units: InUnits,
+    /// The belief before the update, where the sink wants it.
+    prior: Gaussian,
 }
 
 impl Estimator for Followed {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        let Self { filter, correction, in_units } = self;
+        let Self { filter, correction, in_units, prior: _ } = self;
+        let mut prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
         let Noise { process, sensors, fading: _ } = filter.noise();
         let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
         // An update sees to it that a belief is finite, but nothing has yet looked at an initial one.
         if !is_finite
             || !filter.belief().gaussian().is_finite()
-            || report(filter, correction, &mut in_units.clone(), sink).is_err()
+            || report(filter, correction, prior.as_mut(), &mut in_units.clone(), sink).is_err()
         {
             return Err(FilterError::TooLarge);
         }
@@ -36,17 +39,23 @@ impl Estimator for Followed {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        let Self { filter, correction, in_units } = self;
+        let Self { filter, correction, in_units, prior } = self;
+        let wants_prior = sink.wants_prior();
         filter.predict([force_before, force])?;
+        if wants_prior {
+            prior.copy_from(&filter.belief().gaussian());
+        }
         filter.update(force, measured, correction)?;
-        report(filter, correction, in_units, sink)
+        report(filter, correction, wants_prior.then_some(prior), in_units, sink)
     }
 }
 
-/// Writes the belief down, in the channels' units; `in_units` is memory to work in.
+/// Writes the belief down, and that before the update where there is one, in the channels' units; `prior` changes to them.
+/// `in_units` is memory to work in.
 fn report(
     filter: &Filter,
     correction: &Correction,
+    mut prior: Option<&mut Gaussian>,
     in_units: &mut InUnits,
     sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
@@ -58,7 +67,10 @@ fn report(
         if !belief.is_finite() || gain.iter().any(|k| !k.is_finite()) {
             return Err(FilterError::NotFinite);
         }
+        prior.iter_mut().for_each(|prior| to_units(filter.model(), prior, &mut in_units.unit));
     }
+    let (prior_mean, prior_cov) =
+        prior.as_ref().map_or((&[][..], &[][..]), |prior| (prior.mean.as_slice(), prior.cov.as_slice()));
     let process = filter.is_adaptive().then(|| {
         let mut process = filter.noise().process.diagonal();
         filter.white_force().into_iter().for_each(|white| process[white.place] = white.variance);
@@ -67,6 +79,8 @@ fn report(
     sink.push(&Sample {
         mean: belief.mean.as_slice(),
         cov: belief.cov.as_slice(),
+        prior_mean,
+        prior_cov,
         innovation: correction.innovation.as_slice(),
         innovation_cov: correction.innovation_cov.as_slice(),
         gain: gain.as_slice(),
@@ -103,15 +117,20 @@ impl InUnits {
     pub(super) fn take(&mut self, model: &Model, from: &Gaussian, from_gain: &Matrix) {
         let Self { belief, gain, unit } = self;
         belief.copy_from(from);
-        fit_vector(unit, from.size());
-        model.to_units_in_place(belief.mean.as_mut_slice(), unit.as_mut_slice());
-        for (mut column, by) in belief.cov.column_iter_mut().zip(unit.iter()) {
-            column.iter_mut().zip(unit.iter()).for_each(|(entry, unit)| *entry *= unit * by);
-        }
+        to_units(model, belief, unit);
         copy(gain, from_gain);
         for mut column in gain.column_iter_mut() {
             column.component_mul_assign(unit);
         }
+    }
+}
+
+/// Converts a belief over a model's state, to first order. Writes down what a unit of each component is in its channel's.
+fn to_units(model: &Model, belief: &mut Gaussian, unit: &mut Vector) {
+    fit_vector(unit, belief.size());
+    model.to_units_in_place(belief.mean.as_mut_slice(), unit.as_mut_slice());
+    for (mut column, by) in belief.cov.column_iter_mut().zip(unit.iter()) {
+        column.iter_mut().zip(unit.iter()).for_each(|(entry, unit)| *entry *= unit * by);
     }
 }
 
@@ -121,7 +140,8 @@ pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext<'_>) 
         Ok(filter) => {
             let filter = if settings.jump { filter.with_jump() } else { filter };
             let correction = Correction::nothing(filter.model().size(), context.sensors.len());
-            Box::new(Followed { filter, correction, in_units: InUnits::default() })
+            let prior = filter.belief().gaussian().into_owned();
+            Box::new(Followed { filter, correction, in_units: InUnits::default(), prior })
         }
         // At the beginning there is but a diagonal, and its root lacks nothing but numbers.
         Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),

@@ -1,5 +1,6 @@
 //! The update of a Gaussian belief, in whichever way the measurement was expected.
 
+use super::measurements::Measurements;
 use super::{FilterError, Gaussian, Observation};
 use crate::engine::single::Parts;
 use crate::linalg::{
@@ -31,12 +32,12 @@ impl Expected {
     /// `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, where the readings have this mean and this H.
     pub fn linear(belief: &Gaussian, mean: Vector, jacobian: Matrix, observation: &Observation) -> Self {
         let mut expected = Self { mean, jacobian: Some(jacobian), ..Self::default() };
-        expected.follow(belief, observation);
+        expected.follow(belief, observation.measurements());
         expected
     }
 
     /// Makes S and `P⁻ Hᵀ` follow from H.
-    fn follow(&mut self, belief: &Gaussian, observation: &Observation) {
+    pub(super) fn follow(&mut self, belief: &Gaussian, measurements: &Measurements) {
         let Self { mean: _, cov, cross, jacobian: Some(jacobian) } = self else { return };
         multiply_sparse(cross, &belief.cov, jacobian);
         let m = jacobian.nrows();
@@ -47,7 +48,7 @@ impl Expected {
                 (0..m).for_each(|j| cov[(i, j)] += factor * cross[(k, j)]);
             }
         }
-        observation.add_noise(cov);
+        measurements.add_noise(cov);
     }
 }
 
@@ -60,8 +61,10 @@ pub(super) struct Last {
     pub(super) innovation_cov: Matrix,
     /// K, n × m.
     pub(super) gain: Matrix,
-    /// H, m × n, if there was one.
-    pub(super) jacobian: Option<Matrix>,
+    /// H, m × n, of no meaning where there was none.
+    pub(super) jacobian: Matrix,
+    /// Whether there was an H.
+    pub(super) has_jacobian: bool,
     pub(super) factor: Ldl,
     excess: Matrix,
 }
@@ -73,7 +76,8 @@ impl Default for Last {
             innovation: Vector::zeros(0),
             innovation_cov: none(),
             gain: none(),
-            jacobian: None,
+            jacobian: none(),
+            has_jacobian: false,
             factor: Ldl::default(),
             excess: none(),
         }
@@ -155,8 +159,21 @@ impl Correction {
         copy(&mut last.innovation_cov, innovation_cov);
         copy(&mut last.gain, gain);
         last.factor = factor.clone();
-        last.jacobian = None;
-        self.report_last(observation);
+        last.has_jacobian = false;
+        self.report_last(observation.sensors());
+    }
+
+    /// Whether the measurements of these sensors have a likelihood that is a number.
+    ///
+    /// # Errors
+    /// [`FilterError::ImpossibleMeasurement`], and [`FilterError::NotFinite`] where the belief is the reason.
+    pub(super) fn check(&self, sensors: &[usize]) -> Result<(), FilterError> {
+        // A factor of S has a finite ln det S.
+        if self.nis.is_finite() && !self.log_likelihood.is_infinite() {
+            return Ok(());
+        }
+        let surprising = sensors.iter().all(|&sensor| self.innovation[sensor].is_finite());
+        Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite })
     }
 
     /// Takes down an update of the engine, of a belief over n components.
@@ -170,9 +187,8 @@ impl Correction {
         last.innovation_cov.fill_upper_triangle_with_lower_triangle();
         fit(&mut last.gain, n, m);
         last.gain.copy_from_slice(gain);
-        let mut jacobian = last.jacobian.take().unwrap_or_else(|| Matrix::zeros(0, 0));
-        fit(&mut jacobian, m, n);
-        last.jacobian = parts.jacobian_into(jacobian.as_mut_slice()).then_some(jacobian);
+        fit(&mut last.jacobian, m, n);
+        last.has_jacobian = parts.jacobian_into(last.jacobian.as_mut_slice());
     }
 
     /// Tells of the last update, with its NIS and det S.
@@ -197,16 +213,16 @@ impl Correction {
         }
     }
 
-    /// Writes down the last update.
-    pub(super) fn report_last(&mut self, observation: &Observation) {
+    /// Writes down the last update, which was by these sensors.
+    pub(super) fn report_last(&mut self, sensors: &[usize]) {
         let Last { innovation, innovation_cov, gain, factor, .. } = &self.last;
         self.nis = factor.square(innovation);
         self.determinant = factor.determinant();
-        for (i, &row) in observation.sensors().iter().enumerate() {
+        for (i, &row) in sensors.iter().enumerate() {
             self.innovation[row] = innovation[i];
             let n = gain.nrows();
             self.gain.as_mut_slice()[row * n..][..n].copy_from_slice(&gain.as_slice()[i * n..][..n]);
-            for (j, &column) in observation.sensors().iter().enumerate() {
+            for (j, &column) in sensors.iter().enumerate() {
                 self.innovation_cov[(row, column)] = innovation_cov[(i, j)];
             }
         }
@@ -231,26 +247,37 @@ pub fn condition(
     observation: &Observation,
     correction: &mut Correction,
 ) -> Result<(), FilterError> {
+    condition_on(belief, expected, observation.measurements(), correction)
+}
+
+/// [`condition`] on numbers, whatever their sensors mean.
+pub(super) fn condition_on(
+    belief: &mut Gaussian,
+    expected: &Expected,
+    measurements: &Measurements,
+    correction: &mut Correction,
+) -> Result<(), FilterError> {
     let Expected { mean, cov: expected_cov, cross, jacobian } = expected;
-    let Last { innovation, innovation_cov, gain, jacobian: last_jacobian, factor, excess } = &mut correction.last;
-    observation.innovation_into(mean, innovation);
+    let Last { innovation, innovation_cov, gain, jacobian: last_jacobian, has_jacobian, factor, excess } =
+        &mut correction.last;
+    measurements.innovation_into(mean, innovation);
     copy(innovation_cov, expected_cov);
     refactor(factor, innovation_cov)?;
     copy(gain, cross);
     factor.divide_in_place(gain);
 
     add_product(belief.mean.as_mut_slice(), gain, innovation.as_slice());
+    *has_jacobian = jacobian.is_some();
     if let Some(jacobian) = jacobian {
-        copy(last_jacobian.get_or_insert_with(|| Matrix::zeros(0, 0)), jacobian);
-        joseph(&mut belief.cov, gain, cross, jacobian, observation.variances(), excess);
+        copy(last_jacobian, jacobian);
+        joseph(&mut belief.cov, gain, cross, jacobian, measurements, excess);
     } else {
-        *last_jacobian = None;
         multiply(excess, gain, innovation_cov);
         subtract_product(&mut belief.cov, excess, gain);
     }
     belief.cov.fill_upper_triangle_with_lower_triangle();
     belief.check()?;
-    correction.report_last(observation);
+    correction.report_last(measurements.sensors());
     Ok(())
 }
 
@@ -262,14 +289,17 @@ pub fn condition(
 /// ```
 ///
 /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
-fn joseph(cov: &mut Matrix, gain: &Matrix, cross: &Matrix, jacobian: &Matrix, variances: &[f64], excess: &mut Matrix) {
+fn joseph(
+    cov: &mut Matrix,
+    gain: &Matrix,
+    cross: &Matrix,
+    jacobian: &Matrix,
+    measurements: &Measurements,
+    excess: &mut Matrix,
+) {
     subtract_product(cov, gain, cross);
     multiply_sparse(excess, cov, jacobian);
-    let n = cov.nrows();
-    let columns = excess.as_mut_slice().chunks_exact_mut(n).zip(gain.as_slice().chunks_exact(n));
-    for ((excess, gain), variance) in columns.zip(variances) {
-        excess.iter_mut().zip(gain).for_each(|(excess, gain)| *excess -= variance * gain);
-    }
+    measurements.subtract_noise(excess, gain);
     subtract_product(cov, excess, gain);
 }
 

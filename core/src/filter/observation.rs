@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::FilterError;
+use super::measurements::Measurements;
 use crate::Model;
-use crate::linalg::{Matrix, Vector, fit, fit_vector};
+use crate::linalg::{Matrix, Vector, fit};
 use crate::model::Reading;
 
 /// The m measurements of one sample that are not missing.
@@ -12,22 +13,14 @@ use crate::model::Reading;
 pub struct Observation {
     /// Where every sensor reads, measured or not.
     readings: Arc<[Option<Reading>]>,
-    sensors: Vec<usize>,
-    values: Vec<f64>,
-    variances: Vec<f64>,
+    measurements: Measurements,
     force: f64,
 }
 
 impl Observation {
     /// No measurement yet, of sensors that read here.
     pub(super) fn of(readings: Vec<Option<Reading>>) -> Self {
-        Self {
-            readings: Arc::from(readings),
-            sensors: Vec::new(),
-            values: Vec::new(),
-            variances: Vec::new(),
-            force: 0.0,
-        }
+        Self { readings: Arc::from(readings), measurements: Measurements::new(false), force: 0.0 }
     }
 
     /// Takes in a sample: a number for each sensor, NaN where it is missing, and the variance of each.
@@ -35,38 +28,29 @@ impl Observation {
     /// # Errors
     /// [`FilterError::InfiniteMeasurement`]
     pub(super) fn take(&mut self, new_force: f64, measured: &[f64], noise: &[f64]) -> Result<(), FilterError> {
-        let Self { readings, sensors, values, variances, force } = self;
+        let Self { readings, measurements, force } = self;
         *force = new_force;
-        sensors.clear();
-        values.clear();
-        variances.clear();
-        for (sensor, (&value, &variance)) in measured.iter().zip(noise).enumerate() {
-            if value.is_nan() || readings[sensor].is_none() {
-                continue;
-            }
-            if value.is_infinite() {
-                return Err(FilterError::InfiniteMeasurement);
-            }
-            sensors.push(sensor);
-            values.push(value);
-            variances.push(variance);
-        }
-        Ok(())
+        measurements.take(measured, noise, |sensor| readings[sensor].is_some())
+    }
+
+    /// The numbers without the meaning of their sensors.
+    pub(super) fn measurements(&self) -> &Measurements {
+        &self.measurements
     }
 
     /// m, the number of measurements.
     pub fn len(&self) -> usize {
-        self.sensors.len()
+        self.measurements.len()
     }
 
     /// Whether nothing was measured.
     pub fn is_empty(&self) -> bool {
-        self.sensors.is_empty()
+        self.measurements.is_empty()
     }
 
     /// The place of each measurement's sensor among all sensors.
     pub fn sensors(&self) -> &[usize] {
-        &self.sensors
+        self.measurements.sensors()
     }
 
     /// The number of all sensors, those that measured nothing among them.
@@ -76,12 +60,12 @@ impl Observation {
 
     /// z, in the sensors' units.
     pub fn values(&self) -> &[f64] {
-        &self.values
+        self.measurements.values()
     }
 
     /// The diagonal of R, in the sensors' units squared.
     pub fn variances(&self) -> &[f64] {
-        &self.variances
+        self.measurements.variances()
     }
 
     /// The recorded force over mass that acts meanwhile \[m/s²\].
@@ -95,7 +79,7 @@ impl Observation {
     }
 
     fn readings(&self) -> impl Iterator<Item = &Reading> {
-        self.sensors.iter().filter_map(|&sensor| self.readings[sensor].as_ref())
+        self.sensors().iter().filter_map(|&sensor| self.readings[sensor].as_ref())
     }
 
     /// Whether every sensor is linear in the state, whatever the plant.
@@ -165,10 +149,7 @@ impl Observation {
 
     /// Adds R to a covariance of the readings, m × m, and makes it symmetric to the last bit, from its lower triangle.
     pub fn add_noise(&self, cov: &mut Matrix) {
-        cov.fill_upper_triangle_with_lower_triangle();
-        for (row, variance) in self.variances.iter().enumerate() {
-            cov[(row, row)] += variance;
-        }
+        self.measurements.add_noise(cov);
     }
 
     /// The innovation `e = z - h` where h is expected.
@@ -180,9 +161,6 @@ impl Observation {
 
     /// [`Self::innovation`] in place of what `innovation` holds.
     pub fn innovation_into(&self, expected: &Vector, innovation: &mut Vector) {
-        fit_vector(innovation, self.len());
-        for ((e, z), h) in innovation.iter_mut().zip(&self.values).zip(expected.iter()) {
-            *e = z - h;
-        }
+        self.measurements.innovation_into(expected, innovation);
     }
 }

@@ -82,11 +82,12 @@ impl Update {
     /// # Errors
     /// Those of [`kalman::factor`].
     fn new(correction: &Correction, predicted: &Matrix) -> Result<Self, FilterError> {
-        let Last { innovation, innovation_cov, gain, jacobian, .. } = &correction.last;
-        let transposed = jacobian.as_ref().map_or_else(
-            || Ldl::semidefinite(predicted).divide(&(innovation_cov * gain.transpose())).transpose(),
-            Matrix::transpose,
-        );
+        let Last { innovation, innovation_cov, gain, jacobian, has_jacobian, .. } = &correction.last;
+        let transposed = if *has_jacobian {
+            jacobian.transpose()
+        } else {
+            Ldl::semidefinite(predicted).divide(&(innovation_cov * gain.transpose())).transpose()
+        };
         let weighted = kalman::factor(innovation_cov)?.divide(&transposed);
         let n = predicted.nrows();
         Ok(Self {

@@ -161,17 +161,17 @@ impl Belief for SquareRoot {
         array.add(shift);
 
         let Array { sensors, cross, state } = array;
-        let Last { innovation, innovation_cov, gain, jacobian, factor, .. } = &mut correction.last;
+        let Last { innovation, innovation_cov, gain, has_jacobian, factor, .. } = &mut correction.last;
         observation.innovation_into(expected, innovation);
         multiply_transposed(innovation_cov, sensors, sensors);
         innovation_cov.fill_upper_triangle_with_lower_triangle();
         kalman::refactor(factor, innovation_cov)?;
         multiply_transposed(gain, cross, sensors);
         factor.divide_in_place(gain);
-        *jacobian = None;
+        *has_jacobian = false;
         add_product(belief.mean.as_mut_slice(), gain, innovation.as_slice());
         std::mem::swap(root, state);
-        correction.report_last(observation);
+        correction.report_last(observation.sensors());
         self.square();
         self.belief.check()
     }

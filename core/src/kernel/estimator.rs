@@ -23,7 +23,8 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, 
         if !self.filter.noise().is_finite() || !self.filter.belief().gaussian().is_finite() {
             return Err(FilterError::TooLarge);
         }
-        report(&self.filter, &Correction::NOTHING, sink).map_err(|_| FilterError::TooLarge)
+        let prior = sink.wants_prior().then(|| self.filter.belief().gaussian().into_owned());
+        report(&self.filter, &Correction::NOTHING, prior.as_ref(), sink).map_err(|_| FilterError::TooLarge)
     }
 
     fn step(
@@ -35,8 +36,9 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, 
     ) -> Result<(), FilterError> {
         let Self { filter, correction } = self;
         filter.predict(force_before)?;
+        let prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
         filter.update(force, measured, correction)?;
-        report(filter, correction, sink)
+        report(filter, correction, prior.as_ref(), sink)
     }
 }
 
@@ -44,12 +46,13 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, 
 fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     filter: &Filter<P, B, N>,
     correction: &Correction<N>,
+    prior: Option<&Gaussian<N>>,
     sink: &mut dyn Sink,
 ) -> Result<(), FilterError> {
     let belief = filter.belief().gaussian();
     let noise = filter.is_adaptive().then(|| filter.noise());
     let has_widened = filter.has_widened();
-    let told = Told { belief: &belief, correction, sensors: filter.outputs.len(), noise, has_widened };
+    let told = Told { belief: &belief, prior, correction, sensors: filter.outputs.len(), noise, has_widened };
     if filter.model().in_units() {
         told.push(sink);
         return Ok(());
@@ -62,6 +65,8 @@ fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
 #[derive(Clone, Copy)]
 struct Told<'a, const N: usize> {
     belief: &'a Gaussian<N>,
+    /// The belief before the update, where the sink wants it.
+    prior: Option<&'a Gaussian<N>>,
     correction: &'a Correction<N>,
     /// The number of sensors.
     sensors: usize,
@@ -78,6 +83,7 @@ impl<const N: usize> Told<'_, N> {
     #[cold]
     fn push_in_units<P: Model<N>>(self, model: &P, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let (belief, unit) = model.to_units(self.belief);
+        let prior = self.prior.map(|prior| model.to_units(prior).0);
         let mut correction = self.correction.clone();
         for gain in &mut correction.gain {
             for i in 0..N {
@@ -87,14 +93,14 @@ impl<const N: usize> Told<'_, N> {
         if !belief.is_finite() || correction.gain.as_flattened().iter().any(|k| !k.is_finite()) {
             return Err(FilterError::NotFinite);
         }
-        Told { belief: &belief, correction: &correction, ..self }.push(sink);
+        Told { belief: &belief, prior: prior.as_ref(), correction: &correction, ..self }.push(sink);
         Ok(())
     }
 
     /// Writes it down. In a history, with lengths that the compiler knows for the usual numbers of sensors: to copy a number
     /// is not worth a call. A page leaves that out, to be smaller.
     fn push(self, sink: &mut dyn Sink) {
-        let Self { belief, correction, sensors: m, noise, has_widened } = self;
+        let Self { belief, prior, correction, sensors: m, noise, has_widened } = self;
         let process;
         let noise = if let Some(Noise { process: matrix, sensors, fading: _ }) = noise {
             process = matrix.diagonal();
@@ -116,7 +122,11 @@ impl<const N: usize> Told<'_, N> {
         for i in 0..m {
             cov[i * m..(i + 1) * m].copy_from_slice(&correction.innovation_cov[i][..m]);
         }
-        sink.push(&sample(belief, correction, m, &cov[..m * m], (noise, has_widened)));
+        let mut sample = sample(belief, correction, m, &cov[..m * m], (noise, has_widened));
+        if let Some(prior) = prior {
+            (sample.prior_mean, sample.prior_cov) = (&prior.mean.data.0[0], prior.cov.data.0.as_flattened());
+        }
+        sink.push(&sample);
     }
 }
 
@@ -145,6 +155,8 @@ fn sample<'a, const N: usize>(
     Sample {
         mean: &belief.mean.data.0[0],
         cov: belief.cov.data.0.as_flattened(),
+        prior_mean: &[],
+        prior_cov: &[],
         innovation: &correction.innovation[..m],
         innovation_cov,
         gain: correction.gain[..m].as_flattened(),

@@ -1,0 +1,82 @@
+//! The last sample of a filter, kept beyond the step that made it.
+
+use super::{AssumedNoise, Sample, Sink};
+use crate::Stop;
+
+/// A sink that keeps the last sample alone, in memory that it uses again, with the belief before its update.
+#[derive(Clone, Debug, Default)]
+pub struct LastSample {
+    mean: Vec<f64>,
+    cov: Vec<f64>,
+    prior_mean: Vec<f64>,
+    prior_cov: Vec<f64>,
+    innovation: Vec<f64>,
+    innovation_cov: Vec<f64>,
+    gain: Vec<f64>,
+    /// NIS, det S, own log likelihood, effective sample size.
+    numbers: [f64; 4],
+    /// Diagonals of Q and R, where the filter learns them.
+    noise: [Vec<f64>; 2],
+    is_adaptive: bool,
+    has_widened: bool,
+    without_prior: bool,
+}
+
+impl LastSample {
+    /// Asks for the belief before the update, or does so no longer.
+    pub fn want_prior(&mut self, wants: bool) {
+        self.without_prior = !wants;
+    }
+
+    /// The sample; without numbers before the first one.
+    pub fn sample(&self) -> Sample<'_> {
+        let Self { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, .. } = self;
+        let ([nis, determinant, log_likelihood, effective_samples], [process, sensors]) = (self.numbers, &self.noise);
+        let noise = self.is_adaptive.then_some(AssumedNoise { process, sensors });
+        Sample {
+            mean,
+            cov,
+            prior_mean,
+            prior_cov,
+            innovation,
+            innovation_cov,
+            gain,
+            nis,
+            determinant,
+            log_likelihood,
+            effective_samples,
+            noise,
+            has_widened: self.has_widened,
+        }
+    }
+}
+
+impl Sink for LastSample {
+    fn push(&mut self, sample: &Sample<'_>) {
+        let Self { mean, cov, prior_mean, prior_cov, innovation, innovation_cov, gain, noise: [q, r], .. } = self;
+        let (process, sensors) = sample.noise.map_or((&[][..], &[][..]), |noise| (noise.process, noise.sensors));
+        for (kept, part) in [
+            (mean, sample.mean),
+            (cov, sample.cov),
+            (prior_mean, sample.prior_mean),
+            (prior_cov, sample.prior_cov),
+            (innovation, sample.innovation),
+            (innovation_cov, sample.innovation_cov),
+            (gain, sample.gain),
+            (q, process),
+            (r, sensors),
+        ] {
+            kept.clear();
+            kept.extend_from_slice(part);
+        }
+        self.numbers = [sample.nis, sample.determinant, sample.log_likelihood, sample.effective_samples];
+        self.is_adaptive = sample.noise.is_some();
+        self.has_widened = sample.has_widened;
+    }
+
+    fn stop_at(&mut self, _: Stop) {}
+
+    fn wants_prior(&self) -> bool {
+        !self.without_prior
+    }
+}

@@ -1,0 +1,124 @@
+//! Filters that go over a record into a sink of one's own reserve no memory for a sample.
+
+use kalmanscope_core::filter::Gaussian;
+use kalmanscope_core::linalg::{Matrix, Vector};
+use kalmanscope_core::record::Input;
+use kalmanscope_core::sink::{Sample, Sink};
+use kalmanscope_core::{
+    Channel, FilterKind, Hold, KalmanFilter, MeasurementModel, OnlineFilter, Pass, Quantity, Record, Run, Scenario,
+    Sensor, Stop,
+};
+
+/// Counts samples.
+struct Count {
+    samples: usize,
+    wants_prior: bool,
+}
+
+impl Sink for Count {
+    fn push(&mut self, sample: &Sample<'_>) {
+        assert_eq!(sample.prior_cov.len(), if self.wants_prior { sample.cov.len() } else { 0 });
+        self.samples += 1;
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        panic!("{stop:?}");
+    }
+
+    fn wants_prior(&self) -> bool {
+        self.wants_prior
+    }
+}
+
+const KINDS: [FilterKind; 6] =
+    [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::UKF, FilterKind::SR_UKF, FilterKind::CKF];
+
+/// Tuned kernels, filters by the book because of the hold, and because of the state.
+fn scenarios(kind: FilterKind) -> [(&'static str, Scenario); 6] {
+    let mut kernel = Scenario { duration: 5.0, ..Scenario::default() };
+    kernel.filters.truncate(1);
+    kernel.filters[0].kind = kind;
+    let book = Scenario { hold: Hold::First, ..kernel.clone() };
+    let mut augmented = kernel.clone();
+    augmented.filters[0].augment = vec![Channel::INPUT_GAIN];
+    let mut logarithms = book.clone();
+    logarithms.filters[0].log_parameters = true;
+    let feeling = |mut scenario: Scenario| {
+        scenario.remove_sensor(Quantity::VELOCITY);
+        scenario.add_sensor(Sensor { measures: Quantity::ACCELERATION, noise_std: 0.5 });
+        scenario
+    };
+    let one = ("kernel with an accelerometer", feeling(kernel.clone()));
+    let other = ("book with an accelerometer", feeling(book.clone()));
+    [("kernel", kernel), ("book", book), ("augmented", augmented), ("logarithms", logarithms), one, other]
+}
+
+/// A record of a scenario in which readings are missing now and then.
+fn record(scenario: &Scenario) -> Record {
+    let mut run = Run::new(scenario).expect("the scenario is possible");
+    run.finish();
+    let simulated = run.record();
+    let column = |(place, &quantity): (usize, &Quantity)| {
+        let values = simulated.measured(place).iter().enumerate();
+        (quantity, values.map(|(k, &value)| if k % (place + 3) == 1 { f64::NAN } else { value }).collect())
+    };
+    let input = Input { kind: scenario.input, hold: scenario.hold, values: simulated.input().to_vec() };
+    let columns = simulated.sensors().iter().enumerate().map(column).collect();
+    Record::new(scenario.dt, input, columns).expect("it is a record")
+}
+
+#[test]
+fn a_pass_reserves_no_memory_for_a_sample() {
+    for (kind, wants_prior) in KINDS.into_iter().flat_map(|kind| [(kind, false), (kind, true)]) {
+        for (name, scenario) in scenarios(kind) {
+            let record = record(&scenario);
+            let mut pass = Pass::new(&scenario, 0, &record).expect("the record fits");
+            let mut sink = Count { samples: 0, wants_prior };
+            // The first samples make room for matrices.
+            pass.follow(&record, 10, &mut sink);
+            let reserved = allocation_counter::measure(|| pass.follow(&record, 501, &mut sink)).count_total;
+            assert_eq!((sink.samples, reserved), (501, 0), "{kind:?} {name} {wants_prior}");
+        }
+    }
+}
+
+#[test]
+fn a_sample_that_comes_in_reserves_no_memory() {
+    for kind in KINDS {
+        for (name, mut scenario) in scenarios(kind) {
+            scenario.filters[0].input_delay = -2;
+            let mut filter = OnlineFilter::new(&scenario, 0).expect("the scenario is possible");
+            let mut steps = |from: u32, to: u32| {
+                for k in from..to {
+                    let velocity = if k % 3 == 0 { f64::NAN } else { 0.0 };
+                    filter.step(0.01 * f64::from(k), 0.1, &[0.0, velocity]).expect("it goes on");
+                }
+            };
+            // Samples are forgotten at times, not at once.
+            steps(0, 300);
+            let reserved = allocation_counter::measure(|| steps(300, 1000)).count_total;
+            assert_eq!(reserved, 0, "{kind:?} {name}");
+        }
+    }
+}
+
+#[test]
+fn a_step_of_ones_own_system_reserves_no_memory() {
+    let h = Matrix::from_row_slice(2, 2, &[1.0, 0.0, 0.5, 1.0]);
+    let of_function = MeasurementModel::function(|x, z| (z[0], z[1]) = (x[0] * x[0], x[1]));
+    for model in [h.into(), of_function] {
+        let a = Matrix::from_row_slice(2, 2, &[1.0, 0.1, 0.0, 1.0]);
+        let r = Matrix::from_row_slice(2, 2, &[1.0, 0.3, 0.3, 1.0]);
+        let initial = Gaussian::independent(Vector::zeros(2), &Vector::repeat(2, 1.0));
+        let q = Matrix::identity(2, 2) * 0.01;
+        let mut filter = KalmanFilter::new(a, Matrix::repeat(2, 1, 0.1), model, q, r, initial).expect("it is one");
+        let mut steps = |count: u32| {
+            for k in 0..count {
+                let second = if k % 3 == 1 { f64::NAN } else { 0.1 };
+                filter.step(&[0.1], &[0.2, second]).expect("it goes on");
+            }
+        };
+        steps(3);
+        assert_eq!(allocation_counter::measure(|| steps(300)).count_total, 0);
+    }
+}

@@ -1,0 +1,269 @@
+//! A filter over samples that come in one by one has the bits of a pass over their record.
+
+use kalmanscope_core::record::{Input, Record};
+use kalmanscope_core::sink::{Sample, Sink};
+use kalmanscope_core::{
+    Channel, Estimates, FilterKind, Hold, InputKind, OnlineError, OnlineFilter, Pass, Quantity, Run, RunError,
+    Scenario, Stop,
+};
+
+const DT: f64 = 0.01;
+
+/// A scenario with one filter of a kind.
+fn of(kind: FilterKind) -> Scenario {
+    let mut scenario = Scenario { dt: DT, duration: 3.0, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    scenario.filters[0].kind = kind;
+    scenario.filters[0].ensemble_size = 50;
+    scenario
+}
+
+/// A record of the scenario in which some readings are missing: some of one sensor, a few of both.
+fn record(scenario: &Scenario) -> Record {
+    let mut run = Run::new(scenario).expect("the scenario is possible");
+    run.finish();
+    let simulated = run.record();
+    let column = |sensor: usize, is_missing: &dyn Fn(usize) -> bool| {
+        let values = simulated.measured(sensor).iter().enumerate();
+        values.map(|(k, &value)| if is_missing(k) { f64::NAN } else { value }).collect::<Vec<f64>>()
+    };
+    let columns = vec![
+        (Quantity::DISPLACEMENT, column(0, &|k| k % 7 == 3 || (100..120).contains(&k))),
+        (Quantity::VELOCITY, column(1, &|k| k % 3 == 1 || (100..120).contains(&k))),
+    ];
+    let input = Input { kind: scenario.input, hold: scenario.hold, values: simulated.input().to_vec() };
+    Record::new(DT, input, columns).expect("the columns are those of a record")
+}
+
+/// The estimates of a pass.
+fn passed(scenario: &Scenario, record: &Record) -> Estimates {
+    let mut estimates = Pass::history(scenario, 0).expect("there is a filter");
+    Pass::new(scenario, 0, record).expect("the record fits").follow(record, record.len(), &mut estimates);
+    estimates
+}
+
+fn readings(record: &Record, k: usize) -> [f64; 2] {
+    [record.measured(0)[k], record.measured(1)[k]]
+}
+
+/// Whether two histories have the same bits.
+fn assert_same(one: &Estimates, other: &Estimates, what: &str) {
+    let bits = |estimates: &Estimates| {
+        let updates = (0..estimates.len()).flat_map(|k| {
+            let matrices = estimates.innovation_cov(k).iter().chain(estimates.gain(k));
+            estimates.innovation(k).iter().chain(matrices).map(|x| x.to_bits()).collect::<Vec<_>>()
+        });
+        updates.chain(estimates.log_likelihoods().map(f64::to_bits)).collect::<Vec<u64>>()
+    };
+    assert_eq!((one.len(), one.stop()), (other.len(), other.stop()), "{what}");
+    assert_eq!(one.checksum(), other.checksum(), "{what}");
+    assert!(bits(one) == bits(other), "{what}");
+}
+
+/// Holds, input delays and settings that change the way in which a filter is computed.
+fn variants(kind: FilterKind) -> Vec<(String, Scenario)> {
+    let mut variants = Vec::new();
+    for hold in [Hold::Zero, Hold::First] {
+        for input_delay in [0, 3, -4] {
+            let mut scenario = Scenario { hold, ..of(kind) };
+            scenario.filters[0].input_delay = input_delay;
+            variants.push((format!("{kind:?} {hold:?} {input_delay}"), scenario));
+        }
+    }
+    let mut ground = Scenario { input: InputKind::GroundAcceleration, ..of(kind) };
+    ground.filters[0].jump = kind != FilterKind::KF && !kind.is_sampled();
+    variants.push((format!("{kind:?} of the ground"), ground));
+    if !kind.is_sampled() {
+        let mut adaptive = of(kind);
+        adaptive.filters[0].log_parameters = true;
+        adaptive.filters[0].adaptation.sensor_noise = true;
+        variants.push((format!("{kind:?} that learns"), adaptive));
+        let mut augmented = of(kind);
+        augmented.filters[0].augment = vec![Channel::INPUT_GAIN];
+        variants.push((format!("{kind:?} with a gain"), augmented));
+    }
+    if kind == FilterKind::EKF {
+        let mut guesses = of(kind);
+        guesses.filters[0].guesses = 3;
+        variants.push(("guesses".to_owned(), guesses));
+    }
+    variants
+}
+
+#[test]
+fn samples_that_come_in_have_the_bits_of_a_pass() {
+    for (what, scenario) in FilterKind::ALL.into_iter().flat_map(variants) {
+        let record = record(&scenario);
+        let expected = passed(&scenario, &record);
+        assert!(expected.len() == record.len(), "{what}: {:?}", expected.stop());
+        let mut online = OnlineFilter::new(&scenario, 0).expect("the scenario is possible");
+        let mut estimates = Pass::history(&scenario, 0).expect("there is a filter");
+        for k in 0..record.len() {
+            // Not from zero on, and not to the last bit.
+            let time = 1.7e9 + DT * k as f64 + 1e-5 * libm::sin(k as f64);
+            online.step_into(time, record.input()[k], &readings(&record, k), &mut estimates).expect("it goes on");
+            assert_eq!(estimates.len(), (k + 1).saturating_sub(online.latency()), "{what}");
+        }
+        assert_eq!(online.latency(), scenario.filters[0].input_delay.min(0).unsigned_abs() as usize);
+        online.finish(&mut estimates).expect("it goes on");
+        assert_same(&estimates, &expected, &what);
+    }
+}
+
+#[test]
+fn a_step_returns_the_sample_that_it_has_computed() {
+    for kind in [FilterKind::EKF, FilterKind::PF] {
+        for input_delay in [0, -4] {
+            let mut scenario = of(kind);
+            scenario.filters[0].input_delay = input_delay;
+            let record = record(&scenario);
+            let expected = passed(&scenario, &record);
+            let mut online = OnlineFilter::new(&scenario, 0).expect("the scenario is possible");
+            assert_eq!(online.channels(), expected.channels());
+            assert_eq!(online.sensors(), [Quantity::DISPLACEMENT, Quantity::VELOCITY]);
+            for k in 0..200 {
+                let latency = online.latency();
+                let step = online.step(DT * k as f64, record.input()[k], &readings(&record, k)).expect("it goes on");
+                let Some(at) = k.checked_sub(latency) else {
+                    assert!(step.is_none(), "{k}");
+                    continue;
+                };
+                let sample = step.expect("there is a sample");
+                assert_eq!((sample.mean, sample.cov), (expected.mean(at), expected.cov(at)));
+                assert_eq!(sample.gain, expected.gain(at));
+                assert_eq!(sample.nis.to_bits(), expected.nis()[at].to_bits());
+                assert_eq!(sample.ln_likelihood().to_bits(), expected.log_likelihood(at).to_bits());
+                assert_eq!((sample.prior_mean.len(), sample.prior_cov.len()), (4, 16));
+                assert_eq!(online.done(), at + 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_gap_is_filled_with_predictions() {
+    for hold in [Hold::Zero, Hold::First] {
+        for input_delay in [0, 3, -4] {
+            let mut scenario = Scenario { hold, ..of(FilterKind::UKF) };
+            scenario.filters[0].input_delay = input_delay;
+            let whole = record(&scenario);
+            let is_lost = |k: usize| (50..58).contains(&k) || k == 130;
+            let mut values = whole.input().to_vec();
+            for gap in [50..58, 130..131] {
+                let (before, after) = (values[gap.start - 1], values[gap.end]);
+                for (step, k) in (1..).zip(gap.clone()) {
+                    let share = f64::from(step) / (gap.len() + 1) as f64;
+                    values[k] = if hold == Hold::Zero { before } else { before + (after - before) * share };
+                }
+            }
+            let column = |sensor: usize| {
+                let values = whole.measured(sensor).iter().enumerate();
+                values.map(|(k, &value)| if is_lost(k) { f64::NAN } else { value }).collect::<Vec<f64>>()
+            };
+            let columns = vec![(Quantity::DISPLACEMENT, column(0)), (Quantity::VELOCITY, column(1))];
+            let input = Input { kind: scenario.input, hold, values };
+            let filled = Record::new(DT, input, columns).expect("it is a record");
+            let mut online = OnlineFilter::new(&scenario, 0).expect("the scenario is possible");
+            let mut estimates = Pass::history(&scenario, 0).expect("there is a filter");
+            for k in (0..whole.len()).filter(|&k| !is_lost(k)) {
+                let step = online.step_into(DT * k as f64, whole.input()[k], &readings(&whole, k), &mut estimates);
+                step.expect("the gap is filled");
+            }
+            online.finish(&mut estimates).expect("it goes on");
+            assert_same(&estimates, &passed(&scenario, &filled), &format!("{hold:?} {input_delay}"));
+        }
+    }
+}
+
+#[test]
+fn a_sample_that_is_refused_leaves_the_filter_as_it_was() {
+    let scenario = Scenario { hold: Hold::First, ..of(FilterKind::EKF) };
+    let record = record(&scenario);
+    let mut online = OnlineFilter::new(&scenario, 0).expect("the scenario is possible");
+    let mut estimates = Pass::history(&scenario, 0).expect("there is a filter");
+    for k in 0..record.len() {
+        let time = 2.0 + DT * k as f64;
+        online.step_into(time, record.input()[k], &readings(&record, k), &mut estimates).expect("it goes on");
+        if k != 10 {
+            continue;
+        }
+        let mut refused = |time: f64, input: f64, readings: &[f64]| {
+            online.step_into(time, input, readings, &mut estimates).expect_err("it is refused").to_string()
+        };
+        for (time, message) in [
+            (
+                2.115,
+                "the time is 2.115 s, 1.5 steps of 0.01 s after the last sample at 2.1 s, but must be a whole number of \
+                     steps, within 0.01",
+            ),
+            (
+                2.1102,
+                "the time is 2.1102 s, 1.02 steps of 0.01 s after the last sample at 2.1 s, but must be a whole number \
+                      of steps, within 0.01",
+            ),
+            (
+                2.104,
+                "the time is 2.104 s, 0.4 steps of 0.01 s after the last sample at 2.1 s, but must be a whole number of \
+                     steps, within 0.01",
+            ),
+            (2.1, "the time is 2.1 s, but must be after 2.1 s, the time of the last sample"),
+            (1.0, "the time is 1 s, but must be after 2.1 s, the time of the last sample"),
+            (f64::NAN, "the time is NaN, but must be a finite number of seconds"),
+            (
+                5002.1,
+                "the time is 5002.1 s, 500000 steps after the last sample at 2.1 s, but at most 100000 are filled with \
+                      predictions: begin a new filter",
+            ),
+        ] {
+            assert_eq!(refused(time, 0.0, &[0.0, 0.0]), message);
+        }
+        assert_eq!(refused(2.11, f64::INFINITY, &[0.0, 0.0]), "the input is inf, but must be a finite number");
+        let message = "the reading of velocity is infinite, but must be a number or NaN";
+        assert_eq!(refused(2.11, 0.0, &[0.0, f64::NEG_INFINITY]), message);
+        let message = "the sample has 1 readings, but the scenario has 2 sensors: a missing reading is NaN";
+        assert_eq!(refused(2.11, 0.0, &[0.0]), message);
+    }
+    assert_same(&estimates, &passed(&scenario, &record), "after samples that were refused");
+    let error = OnlineFilter::new(&scenario, 1).err();
+    assert_eq!(error, Some(RunError::NoFilter(1)));
+}
+
+/// Notes where a filter has stopped.
+#[derive(Default)]
+struct Stopped(Option<Stop>);
+
+impl Sink for Stopped {
+    fn push(&mut self, _: &Sample<'_>) {}
+
+    fn stop_at(&mut self, stop: Stop) {
+        self.0 = Some(stop);
+    }
+}
+
+#[test]
+fn a_filter_that_has_failed_says_where_and_why() {
+    let mut online = OnlineFilter::new(&of(FilterKind::EKF), 0).expect("the scenario is possible");
+    let mut sink = Stopped::default();
+    for k in 0..5 {
+        online.step_into(DT * f64::from(k), 0.0, &[0.0, 0.0], &mut sink).expect("it goes on");
+    }
+    let error = online.step_into(0.05, 0.0, &[1e200, 0.0], &mut sink);
+    let stop = sink.0.expect("it has stopped");
+    assert_eq!((stop.sample, error), (5, Err(OnlineError::Stopped(stop))));
+    let again = online.step(0.06, 0.0, &[0.0, 0.0]).map(|_| ()).expect_err("it has stopped").to_string();
+    assert_eq!(
+        again,
+        "the filter has stopped at sample 5: a measurement is so far from what the filter expects that its likelihood is zero"
+    );
+    assert_eq!(online.stop(), Some(stop));
+}
+
+#[test]
+fn a_filter_can_be_sent_to_another_thread() {
+    let mut online = OnlineFilter::new(&of(FilterKind::RBPF), 0).expect("the scenario is possible");
+    let done = std::thread::spawn(move || {
+        online.step(0.0, 0.0, &[0.0, 0.0]).expect("it goes on");
+        online.done()
+    });
+    assert_eq!(done.join().expect("it goes on"), 1);
+}

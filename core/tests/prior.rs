@@ -1,0 +1,162 @@
+//! The belief before the update, which a sink can ask for.
+
+use kalmanscope_core::sink::{Sample, Sink};
+use kalmanscope_core::{Channel, FilterKind, Hold, Pass, Quantity, Run, Scenario, Sensor, Stop};
+
+/// The numbers of a sample.
+#[derive(Clone, Debug)]
+struct Kept {
+    mean: Vec<f64>,
+    cov: Vec<f64>,
+    prior_mean: Vec<f64>,
+    prior_cov: Vec<f64>,
+    innovation: Vec<f64>,
+    innovation_cov: Vec<f64>,
+    gain: Vec<f64>,
+}
+
+/// Keeps every sample.
+struct All {
+    wants_prior: bool,
+    samples: Vec<Kept>,
+}
+
+impl Sink for All {
+    fn push(&mut self, sample: &Sample<'_>) {
+        self.samples.push(Kept {
+            mean: sample.mean.to_vec(),
+            cov: sample.cov.to_vec(),
+            prior_mean: sample.prior_mean.to_vec(),
+            prior_cov: sample.prior_cov.to_vec(),
+            innovation: sample.innovation.to_vec(),
+            innovation_cov: sample.innovation_cov.to_vec(),
+            gain: sample.gain.to_vec(),
+        });
+    }
+
+    fn stop_at(&mut self, stop: Stop) {
+        panic!("{stop:?}");
+    }
+
+    fn wants_prior(&self) -> bool {
+        self.wants_prior
+    }
+}
+
+fn samples(scenario: &Scenario, run: &Run, wants_prior: bool) -> Vec<Kept> {
+    let mut all = All { wants_prior, samples: Vec::new() };
+    let record = run.record();
+    Pass::new(scenario, 0, record).expect("the record fits").follow(record, record.len(), &mut all);
+    assert_eq!(all.samples.len(), record.len());
+    all.samples
+}
+
+/// A scenario with one filter of a kind, by a tuned kernel or, because of its hold, by the book.
+fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
+    let mut scenario = Scenario { duration: 3.0, hold, ..Scenario::default() };
+    scenario.filters.truncate(1);
+    (scenario.filters[0].kind, scenario.filters[0].ensemble_size) = (kind, 60);
+    scenario
+}
+
+fn run(scenario: &Scenario) -> Run {
+    let mut run = Run::new(scenario).expect("the scenario is possible");
+    run.finish();
+    run
+}
+
+/// Scenarios of every way in which a filter of a kind is computed.
+fn variants(kind: FilterKind) -> Vec<Scenario> {
+    let mut variants = vec![scenario(kind, Hold::Zero), scenario(kind, Hold::First)];
+    if kind == FilterKind::UKF {
+        variants[0].filters[0].guesses = 3;
+    }
+    variants[1].filters[0].jump = kind != FilterKind::KF && !kind.is_sampled();
+    let mut white = scenario(kind, Hold::Zero);
+    white.filters[0].augment = vec![Channel::WHITE_FORCE];
+    if white.validate().is_ok() {
+        variants.push(white);
+    }
+    variants
+}
+
+#[test]
+fn a_linear_update_leads_from_the_prior_to_the_mean() {
+    for scenario in FilterKind::ALL.into_iter().flat_map(variants) {
+        let (run, kind) = (run(&scenario), scenario.filters[0].kind);
+        let all = samples(&scenario, &run, true);
+        let first = &all[0];
+        assert_eq!((&first.prior_mean, &first.prior_cov), (&first.mean, &first.cov), "{kind:?}");
+        for (k, sample) in all.iter().enumerate().skip(1) {
+            let Kept { mean, prior_mean, prior_cov, innovation, innovation_cov, gain, .. } = sample;
+            let n = mean.len();
+            assert_eq!((prior_mean.len(), prior_cov.len()), (n, n * n));
+            for (i, &e) in innovation.iter().enumerate() {
+                let z = run.record().measured(i)[k];
+                assert!((z - prior_mean[i] - e).abs() < 1e-12, "{kind:?} {k}: e = z - H y⁻");
+                let variance = innovation_cov[3 * i] - prior_cov[i * (n + 1)];
+                let r = scenario.filters[0].sensor_std[i].powi(2);
+                assert!((variance - r).abs() < 1e-10, "{kind:?} {k}: S = H P⁻ Hᵀ + R, {variance} {r}");
+            }
+            if kind.is_sampled() {
+                continue;
+            }
+            for i in 0..n {
+                let moved: f64 = innovation.iter().enumerate().map(|(j, e)| gain[j * n + i] * e).sum();
+                assert!((prior_mean[i] + moved - mean[i]).abs() < 1e-12, "{kind:?} {k} {i}: y = y⁻ + K e");
+            }
+            for i in 0..n {
+                for j in 0..n {
+                    // P = P⁻ - K H P⁻, H of the first two components.
+                    let told: f64 = (0..2).map(|s| gain[s * n + i] * prior_cov[s * n + j]).sum();
+                    let expected = prior_cov[j * n + i] - told;
+                    assert!((expected - sample.cov[j * n + i]).abs() < 1e-10, "{kind:?} {k} {i} {j}: P = (I - K H) P⁻");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sink_that_does_not_ask_gets_none_and_the_same_estimates() {
+    for scenario in FilterKind::ALL.into_iter().flat_map(variants) {
+        let run = run(&scenario);
+        let (with, without) = (samples(&scenario, &run, true), samples(&scenario, &run, false));
+        for (k, (with, without)) in with.iter().zip(&without).enumerate() {
+            assert!(without.prior_mean.is_empty() && without.prior_cov.is_empty());
+            assert_eq!((&with.mean, &with.cov), (&without.mean, &without.cov));
+            assert_eq!(with.mean, run.estimates()[0].mean(k));
+        }
+    }
+}
+
+#[test]
+fn a_prior_is_in_the_channels_units() {
+    for hold in [Hold::Zero, Hold::First] {
+        for kind in [FilterKind::EKF, FilterKind::UKF, FilterKind::SR_UKF] {
+            let mut scenario = scenario(kind, hold);
+            scenario.filters[0].log_parameters = true;
+            // Nothing is measured at all, so that the belief is what it was before each update.
+            scenario.sensors = vec![Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 }];
+            scenario.filters[0].sensor_std = vec![0.01];
+            let run = run(&scenario);
+            let missing = {
+                let input = kalmanscope_core::record::Input {
+                    kind: scenario.input,
+                    hold,
+                    values: run.record().input().to_vec(),
+                };
+                let column = vec![f64::NAN; run.record().len()];
+                kalmanscope_core::Record::new(scenario.dt, input, vec![(Quantity::DISPLACEMENT, column)])
+            };
+            let record = missing.expect("it is a record");
+            let mut all = All { wants_prior: true, samples: Vec::new() };
+            Pass::new(&scenario, 0, &record).expect("the record fits").follow(&record, 50, &mut all);
+            for sample in &all.samples {
+                assert_eq!((&sample.prior_mean, &sample.prior_cov), (&sample.mean, &sample.cov), "{kind:?} {hold:?}");
+                let wn = sample.prior_mean[2];
+                assert!((wn - scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY]).abs() < 1e-9, "{wn}");
+            }
+        }
+    }
+}
