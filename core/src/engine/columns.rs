@@ -27,6 +27,16 @@ pub fn entry<T: Copy>(a: &[T], n: usize, i: usize, j: usize) -> T {
     if i >= j { a[j * n + i] } else { a[i * n + j] }
 }
 
+/// Makes an n × n matrix symmetric to the last bit, from its lower triangle.
+#[inline]
+pub fn mirror<T: Copy>(a: &mut [T], n: usize) {
+    for j in 1..n {
+        for i in 0..j {
+            a[j * n + i] = a[i * n + j];
+        }
+    }
+}
+
 /// `out = A x`, with A of as many rows as `out` has numbers, and a function for the k numbers of x. Two rows at a time, whose
 /// sums stay in registers.
 #[inline(always)]
@@ -160,11 +170,7 @@ pub fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize
 /// The same for a lone run of many components.
 #[inline(always)]
 fn long_congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
-    for j in 1..n {
-        for i in 0..j {
-            cov[j * n + i] = cov[i * n + j];
-        }
-    }
+    mirror(cov, n);
     multiply(half, rows, cov, motion, n);
     for j in 0..motion {
         let column = &mut cov[j * n..(j + 1) * n];

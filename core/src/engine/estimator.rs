@@ -1,5 +1,7 @@
 //! A filter of the engine for one run, reporting to its estimates.
 
+use super::belief::Belief;
+use super::columns::mirror;
 use super::filter::Filter;
 #[cfg(not(target_arch = "wasm32"))]
 use super::level::Known;
@@ -16,6 +18,8 @@ struct Followed<L> {
     /// The place of each sensor that the model has, among all sensors.
     places: Vec<usize>,
     measured: Vec<f64>,
+    /// The belief before the update, where the sink wants it.
+    prior: Belief<f64>,
     /// Innovation, its covariance and the gain, of all sensors.
     told: Told,
 }
@@ -44,8 +48,10 @@ pub(crate) fn estimator(setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
 
 fn of<L: Level + Send + 'static>(level: L, setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
     let (n, nan) = (setup.design.model.size, f64::NAN);
+    let filter = filter(level, |_| setup);
     Box::new(Followed {
-        filter: filter(level, |_| setup),
+        prior: filter.belief.clone(),
+        filter,
         places: setup.columns.clone(),
         measured: vec![nan; setup.columns.len()],
         told: Told {
@@ -59,7 +65,8 @@ fn of<L: Level + Send + 'static>(level: L, setup: &Setup, sensors: usize) -> Box
 impl<L: Level + Send> Estimator for Followed<L> {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
         let Self { filter, told, .. } = self;
-        sink.push(&told.sample(&filter.belief.mean, &filter.belief.cov, [f64::NAN; 2]));
+        let unmeasured = told.sample(&filter.belief, [f64::NAN; 2]);
+        sink.push(&if sink.wants_prior() { unmeasured.with_prior(&filter.belief) } else { unmeasured });
         Ok(())
     }
 
@@ -70,12 +77,18 @@ impl<L: Level + Send> Estimator for Followed<L> {
         measured: &[f64],
         sink: &mut dyn Sink,
     ) -> Result<(), FilterError> {
-        let Self { filter, places, measured: own, told: all } = self;
+        let Self { filter, places, measured: own, prior, told: all } = self;
         // Where the force is held, its end does not count.
         if !filter.are_finite([force_before, force]) {
             return Err(FilterError::UndefinedForce);
         }
         filter.predict([force_before, force]);
+        let wants_prior = sink.wants_prior();
+        if wants_prior {
+            prior.mean.copy_from_slice(&filter.belief.mean);
+            prior.cov.copy_from_slice(&filter.belief.cov);
+            mirror(&mut prior.cov, prior.mean.len());
+        }
         for (own, &place) in own.iter_mut().zip(&*places) {
             *own = measured[place];
         }
@@ -90,16 +103,24 @@ impl<L: Level + Send> Estimator for Followed<L> {
         mirror(&mut filter.belief.cov, n);
         let [nis, determinant] = if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] };
         let m = all.innovation.len();
-        let (belief, (innovation, innovation_cov, gain)) = filter.told();
-        if innovation.len() == m {
-            mirror(innovation_cov, m);
+        let (belief, update) = filter.told();
+        let sample = if update.active().len() == m {
+            update.complete();
+            let [innovation, innovation_cov, gain] = update.parts();
             let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
-            sink.push(&Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured });
+            Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
         } else {
-            all.take(places, filter.last().active(), filter.last().parts());
-            sink.push(&all.sample(&filter.belief.mean, &filter.belief.cov, [nis, determinant]));
-        }
+            all.take(places, update.active(), update.parts());
+            all.sample(belief, [nis, determinant])
+        };
+        sink.push(&if wants_prior { sample.with_prior(prior) } else { sample });
         Ok(())
+    }
+}
+
+impl<'a> Sample<'a> {
+    fn with_prior(self, prior: &'a Belief<f64>) -> Self {
+        Self { prior_mean: &prior.mean, prior_cov: &prior.cov, ..self }
     }
 }
 
@@ -123,18 +144,9 @@ impl Told {
         }
     }
 
-    fn sample<'a>(&'a self, mean: &'a [f64], cov: &'a [f64], [nis, determinant]: [f64; 2]) -> Sample<'a> {
+    fn sample<'a>(&'a self, belief: &'a Belief<f64>, [nis, determinant]: [f64; 2]) -> Sample<'a> {
         let Self { innovation, innovation_cov, gain } = self;
-        Sample { innovation, innovation_cov, gain, nis, determinant, ..Sample::unmeasured(mean, cov) }
-    }
-}
-
-/// Makes a matrix symmetric to the last bit, from its lower triangle.
-#[inline]
-fn mirror(matrix: &mut [f64], n: usize) {
-    for j in 1..n {
-        for i in 0..j {
-            matrix[j * n + i] = matrix[i * n + j];
-        }
+        let unmeasured = Sample::unmeasured(&belief.mean, &belief.cov);
+        Sample { innovation, innovation_cov, gain, nis, determinant, ..unmeasured }
     }
 }

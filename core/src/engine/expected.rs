@@ -261,6 +261,7 @@ impl<T: Number> Expected<T> {
 
 /// The readings of some sensors in a state; `plain` and `rate` are memory to work in.
 #[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "slices of one memory, which cannot be borrowed together")]
 fn read_all<T: Number, L: Level>(
     level: L,
     design: &Design,

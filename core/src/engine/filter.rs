@@ -103,14 +103,9 @@ impl<T: Number, L: Level> Filter<T, L> {
         update.condition(*level, design, belief, noise, Observation { force, measured }, held)
     }
 
-    /// The last update.
-    pub(super) fn last(&self) -> &Update<T> {
-        &self.update
-    }
-
-    /// The belief, and e, S and K of the last update ([`Update::parts`]).
-    pub(super) fn told(&mut self) -> (&Belief<T>, (&[T], &mut [T], &[T])) {
-        (&self.belief, self.update.parts_mut())
+    /// The belief, and the last update.
+    pub(super) fn told(&mut self) -> (&Belief<T>, &mut Update<T>) {
+        (&self.belief, &mut self.update)
     }
 
     /// Whether the forces that count in a step are finite in all lanes.

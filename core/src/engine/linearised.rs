@@ -1,6 +1,6 @@
 //! The prediction of KF and EKF: the mean moves, and the covariance with the derivative of its step.
 //!
-//! Local linearisation is here; Euler's step and that of Runge and Kutta are in [`differentiated`](super::differentiated).
+//! Local linearisation is here; Euler's step and that of Runge and Kutta are in `differentiated`.
 
 use super::belief::Belief;
 use super::columns::{add_times, apply, congruence, multiply};

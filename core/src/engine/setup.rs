@@ -20,7 +20,7 @@ pub struct Setup {
     pub design: Design,
     /// The components of the state.
     pub channels: Vec<Channel>,
-    /// Whether a kernel takes the filter where it runs alone, with other roundings.
+    /// Whether a kernel may take the filter where it runs alone, with other roundings.
     pub has_kernel: bool,
     /// The initial mean and variances.
     pub(super) mean: Vec<f64>,

@@ -76,14 +76,14 @@ impl Single {
     ///
     /// # Errors
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where sigma points cannot be drawn.
-    pub(crate) fn advance(&mut self, moments: Moments<'_>, step: &Step<f64>) -> Result<(), FilterError> {
+    pub(crate) fn advance(&mut self, mut moments: Moments<'_>, step: &Step<f64>) -> Result<(), FilterError> {
         let Self { design: Design { model, method, .. }, belief, linearised, points, .. } = self;
         belief.take(&moments);
         match *method {
             Method::Linearised(propagation, _) => linearised.advance(Baseline, propagation, model, belief, step),
             Method::SigmaPoints(rule) => rooted(points.advance(Baseline, rule, model, belief, step))?,
         }
-        belief.give(moments);
+        belief.give(&mut moments);
         Ok(())
     }
 
@@ -99,11 +99,11 @@ impl Single {
     /// Those of [`Self::advance`].
     pub(crate) fn transition_into(
         &mut self,
-        moments: Moments<'_>,
+        moments: &mut Moments<'_>,
         step: &Step<f64>,
         out: &mut [f64],
     ) -> Result<(), FilterError> {
-        self.belief.take(&moments);
+        self.belief.take(moments);
         match self.design.method {
             Method::Linearised(propagation, _) => self.step_into(propagation, moments.mean, step, out),
             Method::SigmaPoints(rule) => {
@@ -137,7 +137,7 @@ impl Single {
     /// Those of the [update](crate::filter::Filter::update).
     pub(crate) fn condition(
         &mut self,
-        moments: Moments<'_>,
+        mut moments: Moments<'_>,
         measured: Measured<'_>,
         mut report: impl FnMut(&Told<f64>, Parts<'_>),
     ) -> Result<(), FilterError> {
@@ -158,7 +158,7 @@ impl Single {
             let told = self.descend(measured.force, iterations)?;
             report(&told, self.parts());
         }
-        self.belief.give(moments);
+        self.belief.give(&mut moments);
         Ok(())
     }
 
@@ -231,7 +231,7 @@ impl Belief<f64> {
         self.cov.copy_from_slice(moments.cov);
     }
 
-    fn give(&self, moments: Moments<'_>) {
+    fn give(&self, moments: &mut Moments<'_>) {
         moments.mean.copy_from_slice(&self.mean);
         moments.cov.copy_from_slice(&self.cov);
     }

@@ -1,7 +1,7 @@
 //! The update: a belief conditioned on the measurements of one sample.
 
 use super::belief::{Belief, Noise};
-use super::columns::{add_times, divide, factor, square, take_times};
+use super::columns::{add_times, divide, factor, mirror, square, take_times};
 use super::design::Design;
 use super::expected::Expected;
 use super::fault::Held;
@@ -241,11 +241,10 @@ impl<T: Number> Update<T> {
         [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
     }
 
-    /// The same, with S to be completed.
-    pub(super) fn parts_mut(&mut self) -> (&[T], &mut [T], &[T]) {
+    /// Makes S symmetric to the last bit, from its lower triangle.
+    pub(super) fn complete(&mut self) {
         let m = self.active.len();
-        let n = self.expected.size();
-        (&self.innovation[..m], &mut self.innovation_cov[..m * m], &self.gain[..m * n])
+        mirror(&mut self.innovation_cov[..m * m], m);
     }
 
     /// H, m × n in place of what `out` holds; `false` where there is none.

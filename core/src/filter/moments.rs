@@ -94,8 +94,8 @@ impl Engine {
         model: &Model,
         readings: Option<&Arc<[Option<Reading>]>>,
     ) -> &'a mut Self {
-        let is_right = |engine: &Box<Self>| readings.is_none_or(|readings| Arc::ptr_eq(readings, &engine.readings));
-        if !engine.as_ref().is_some_and(is_right) {
+        let is_right = |engine: &Self| readings.is_none_or(|readings| Arc::ptr_eq(readings, &engine.readings));
+        if !engine.as_deref().is_some_and(is_right) {
             *engine = Some(Box::new(Self::new(way, model, readings.map_or_else(|| Arc::from([]), Arc::clone))));
         }
         engine.get_or_insert_with(|| Box::new(Self::new(way, model, Arc::from([]))))
@@ -185,7 +185,7 @@ impl Belief for Moments {
         let single = &mut Engine::of(engine, *way, model, None).single;
         // The belief stays where it is.
         let mut belief = belief.clone();
-        single.transition_into(belief.slices(), &step.of_engine(), transition.as_mut_slice())?;
+        single.transition_into(&mut belief.slices(), &step.of_engine(), transition.as_mut_slice())?;
         Ok(transition)
     }
 }

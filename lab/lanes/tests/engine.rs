@@ -149,7 +149,11 @@ fn the_engine_agrees_with_the_single_filter() {
                         let lane = &outcomes_with(Level::best(), &[run], &[]).unwrap()[0];
                         // No kernel takes these: the single filter is the engine's too.
                         if hold == Hold::First || !augment.is_empty() {
-                            assert_eq!(bits(lane), bits(&single), "{plant:?} {kind:?} {quantities:?} {hold:?} {augment:?}");
+                            assert_eq!(
+                                bits(lane),
+                                bits(&single),
+                                "{plant:?} {kind:?} {quantities:?} {hold:?} {augment:?}"
+                            );
                         }
                         if single.stop.is_some() || single.nis.per_degree() > DIVERGED {
                             diverged += 1;
