@@ -15,7 +15,8 @@ impl Scenario {
         Self::from_toml_with_remarks(text).map(|(scenario, _)| scenario)
     }
 
-    /// The same, with a sentence for each filter that has another name than in the file, where two had the same.
+    /// The same, with a sentence for each filter that has another name than in the file, where two had the same, and one for
+    /// names of an equation that are taken for parameters.
     ///
     /// # Errors
     /// Those of [`Self::from_toml`].
@@ -26,9 +27,10 @@ impl Scenario {
         if document.get("sensors").is_none() {
             scenario.take_sensors_of_record();
         }
-        let remarks = scenario.part_names();
+        let mut remarks = scenario.part_names();
         scenario.fill_in();
         scenario.validate()?;
+        remarks.extend(scenario.assumed_parameters());
         Ok((scenario, remarks))
     }
 

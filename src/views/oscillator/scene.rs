@@ -1,5 +1,6 @@
 //! Everything in the picture at one moment.
 
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::plant::Spring;
 use kalmanscope_core::{Aspect, Channel, Estimates, Quantity, Record};
@@ -14,6 +15,7 @@ use super::masses::displacement;
 use super::stage::Stage;
 use super::trail::Trail;
 
+use crate::equation::job;
 use crate::view::ViewContext;
 
 /// One moment and its stage.
@@ -32,7 +34,10 @@ impl<'a> Scene<'a> {
         let ViewContext { palette, visible, .. } = *context;
         ground(stage, painter, palette);
         let record = self.record();
-        let spring = context.session.run().scenario().plant.kind.info().spring;
+        let kind = context.session.run().scenario().plant.kind;
+        let spring = kind.info().spring;
+        // Filters may have more masses than the truth.
+        let is_known = |mass: usize| mass < kind.masses();
         let force = force::recent(record, k);
         let share = force / largest_force.max(force.abs()).max(1e-12);
         let mut before = (stage.wall, 0.0);
@@ -46,7 +51,9 @@ impl<'a> Scene<'a> {
                 let mixed = |share| palette.ground.lerp_to_gamma(line, share);
                 let at = stage.body(mass, x);
                 let ink = Ink { line, back: mixed(0.45), fill: mixed(0.08) };
-                link(stage, painter, link_kind(spring, record, x, k), before.0, at, x - before.1, ink);
+                if !is_known(mass) || kind.is_held(mass) {
+                    link(stage, painter, link_kind(spring, record, x, k), before.0, at, x - before.1, ink);
+                }
                 let mast = [at.center_top(), pos2(at.center().x, stage.arrow)];
                 painter.line_segment(mast, Stroke::new(1.2 * stage.unit, line));
                 if known.is_some() {
@@ -61,7 +68,9 @@ impl<'a> Scene<'a> {
             if let Some(readings) = self.readings(mass) {
                 cloud(stage, painter, mass, readings, truth, k, palette.measured);
             }
-            arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
+            if !is_known(mass) || kind.is_driven(mass) {
+                arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
+            }
         }
     }
 
@@ -110,10 +119,10 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Writes the equation and the measured quantities above the spring, where there is room. Returns whether the
-    /// equation fits.
-    pub(super) fn captions(&self) -> bool {
-        let Self { stage, painter, context, .. } = *self;
+    /// Writes the equation and the measured quantities above the spring, where there is room. Returns the place of the equation,
+    /// and whether all of it is there.
+    pub(super) fn captions(&self) -> Option<(Rect, bool)> {
+        let Self { stage, context, .. } = *self;
         let ViewContext { session, palette, visible, .. } = *context;
         let corner = stage.rect.left_top() + vec2(10.0, 4.0 * stage.unit);
         let far = pos2(stage.rest(0) - stage.travel - stage.body.x, stage.body(0, 0.0).top());
@@ -124,23 +133,44 @@ impl<'a> Scene<'a> {
         if !sensors.iter().any(|q| q.channel().and_then(Channel::rate).is_some()) {
             measured += ", not x";
         }
-        let equation = session.run().scenario().plant.kind.equation();
-        let mut y = room.top();
-        let mut write = |text: String| -> bool {
-            let galley = painter.layout_no_wrap(text, stage.font(), palette.weak);
-            let size = galley.size();
-            let fits = size.x <= room.width() && y + size.y <= room.bottom();
-            if fits {
-                painter.galley(pos2(room.left(), y), galley, palette.weak);
-                y += size.y;
+        let kind = session.run().scenario().plant.kind;
+        let told = match kind.own_equation() {
+            Some(own) => self.own_equation(&own.settings().equation, room),
+            None => {
+                self.write(LayoutJob::simple_singleline(kind.equation().to_owned(), stage.font(), palette.weak), room)
             }
-            fits
         };
-        let told = write(equation.to_owned());
         if visible.measured && !sensors.is_empty() {
-            write(format!("measured: {measured}"));
+            let text = format!("measured: {measured}");
+            let below = Rect::from_min_max(pos2(room.left(), told.map_or(room.top(), |(rect, _)| rect.bottom())), far);
+            self.write(LayoutJob::simple_singleline(text, stage.font(), palette.weak), below);
         }
         told
+    }
+
+    /// Writes an equation that a user typed, cut where there is too little room.
+    fn own_equation(&self, text: &str, room: Rect) -> Option<(Rect, bool)> {
+        /// Limits the room for part of an equation \[points\].
+        const LEAST: f32 = 60.0;
+        let Self { stage, painter, context, .. } = *self;
+        let font = stage.font();
+        let whole = job(text, &font, context.palette.weak);
+        self.write(whole.clone(), room).or_else(|| {
+            let row = painter.ctx().fonts_mut(|fonts| fonts.row_height(&font));
+            let rows = (room.height() / row) as usize;
+            let wrap = TextWrapping { max_width: room.width(), max_rows: rows, ..TextWrapping::default() };
+            let cut = self.write(LayoutJob { wrap, ..whole }, room);
+            cut.filter(|_| room.width() >= LEAST && rows > 0)
+        })
+    }
+
+    /// Writes text in the corner of a room, if it fits. Returns its place, and whether all of it is there.
+    fn write(&self, text: LayoutJob, room: Rect) -> Option<(Rect, bool)> {
+        let galley = self.painter.layout_job(text);
+        let fits = galley.size().x <= room.width() + 0.5 && galley.size().y <= room.height();
+        let (rect, is_whole) = (Rect::from_min_size(room.min, galley.size()), !galley.elided);
+        fits.then(|| self.painter.galley(room.min, galley, self.context.palette.weak));
+        fits.then_some((rect, is_whole))
     }
 }
 
