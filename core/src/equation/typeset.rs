@@ -48,12 +48,22 @@ enum Tie {
 
 fn tie(tree: &Tree) -> Tie {
     match tree {
+        _ if is_negative(tree) => Tie::Sum,
         Tree::Negative(_) | Tree::Binary('+' | '-', ..) => Tie::Sum,
         Tree::Binary('/', ..) => Tie::Quotient,
         Tree::Binary(..) => Tie::Product,
         Tree::Power(..) => Tie::Power,
         Tree::Number(number) if is_scaled(*number) => Tie::Product,
         Tree::Number(_) | Tree::Name(..) | Tree::Call(..) => Tie::Atom,
+    }
+}
+
+/// Whether a term begins with its sign.
+fn is_negative(tree: &Tree) -> bool {
+    match tree {
+        Tree::Negative(_) => true,
+        Tree::Binary('*' | '/', a, _) => is_negative(a),
+        _ => false,
     }
 }
 
@@ -121,15 +131,27 @@ impl Line {
                 self.put(b, Tie::Quotient);
             }
             Tree::Binary('/', a, b) => {
-                self.put(a, Tie::Product);
+                self.first_factor(a);
                 self.write("/");
                 self.put(b, Tie::Power);
             }
             Tree::Binary(_, a, b) => {
-                self.put(a, Tie::Product);
+                self.first_factor(a);
                 self.write(between(a, b));
                 self.put(b, Tie::Product);
             }
+        }
+    }
+
+    /// The first factor of a product: its sign is that of the whole.
+    fn first_factor(&mut self, tree: &Tree) {
+        match tree {
+            Tree::Negative(a) => {
+                self.write("−");
+                self.put(a, Tie::Product);
+            }
+            _ if is_negative(tree) => self.put(tree, Tie::Sum),
+            _ => self.put(tree, Tie::Product),
         }
     }
 
@@ -227,6 +249,7 @@ mod tests {
             ("x'' = a - (b - c) - -d", "ẍ = a − (b − c) − (−d)"),
             ("x'' = (-x)^2 - (a b)^2", "ẍ = (−x)^{2} − (ab)^{2}"),
             ("x'' = -(a + b) (c + d)", "ẍ = −(a + b) (c + d)"),
+            ("x'' = -(a/b) c - (-a b) d - b (-a c)", "ẍ = −(a/b) c − (−abd) − b (−ac)"),
             ("x'' = ((x))", "ẍ = x"),
             ("x'' = a * -b", "ẍ = a (−b)"),
             ("x'' = (x^2)^3", "ẍ = (x^{2})^{3}"),

@@ -1,6 +1,6 @@
 //! Everything in the picture at one moment.
 
-use egui::text::{LayoutJob, TextWrapping};
+use egui::text::LayoutJob;
 use egui::{Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::plant::Spring;
 use kalmanscope_core::{Aspect, Channel, Estimates, Quantity, Record};
@@ -17,6 +17,12 @@ use super::trail::Trail;
 
 use crate::equation::job;
 use crate::view::ViewContext;
+
+/// The distance of captions from the left \[points\].
+const CORNER: f32 = 10.0;
+
+/// Limits the share of the picture that an equation above it takes.
+const STRIP: f32 = 0.4;
 
 /// One moment and its stage.
 pub(super) struct Scene<'a> {
@@ -119,58 +125,72 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Writes the equation and the measured quantities above the spring, where there is room. Returns the place of the equation,
-    /// and whether all of it is there.
-    pub(super) fn captions(&self) -> Option<(Rect, bool)> {
-        let Self { stage, context, .. } = *self;
-        let ViewContext { session, palette, visible, .. } = *context;
-        let corner = stage.rect.left_top() + vec2(10.0, 4.0 * stage.unit);
-        let far = pos2(stage.rest(0) - stage.travel - stage.body.x, stage.body(0, 0.0).top());
-        let room = Rect::from_min_max(corner, far);
+    /// The room above the spring.
+    fn room(&self) -> Rect {
+        let stage = self.stage;
+        let corner = stage.rect.left_top() + vec2(CORNER, 4.0 * stage.unit);
+        Rect::from_min_max(corner, pos2(stage.rest(0) - stage.travel - stage.body.x, stage.body(0, 0.0).top()))
+    }
+
+    /// The plant's equation.
+    fn equation(&self) -> LayoutJob {
+        let kind = self.context.session.run().scenario().plant.kind;
+        let (font, color) = (self.stage.font(), self.context.palette.weak);
+        match kind.own_equation() {
+            Some(own) => job(&own.settings().equation, &font, color),
+            None => LayoutJob::simple_singleline(kind.equation().to_owned(), font, color),
+        }
+    }
+
+    /// The height of a strip above the picture for an equation that a user typed and that is too long for the room above the
+    /// spring; nothing where the picture would be too low under it \[points\].
+    pub(super) fn strip(&self) -> Option<f32> {
+        let (room, rect) = (self.room().size(), self.stage.rect);
+        self.context.session.run().scenario().plant.kind.own_equation()?;
+        let mut whole = self.equation();
+        let size = self.painter.layout_job(whole.clone()).size();
+        whole.wrap.max_width = rect.width() - 2.0 * CORNER;
+        let height = self.painter.layout_job(whole).size().y + 2.0;
+        ((size.x > room.x || size.y > room.y) && height < STRIP * rect.height()).then_some(height)
+    }
+
+    /// Writes the equation and the measured quantities above the spring, where there is room, or the equation in a strip above
+    /// the picture. Returns the place of the equation.
+    pub(super) fn captions(&self, strip: Option<Rect>) -> Option<Rect> {
+        let ViewContext { session, palette, visible, .. } = *self.context;
+        let room = self.room();
+        let told = match strip {
+            None => self.write(self.equation(), room),
+            Some(strip) => {
+                let mut whole = self.equation();
+                let strip = strip.shrink2(vec2(CORNER, 0.0));
+                whole.wrap.max_width = strip.width();
+                self.write(whole, strip)
+            }
+        };
         let sensors = session.run().record().sensors();
         let mut measured = sensors.iter().map(|q| q.symbol()).collect::<Vec<_>>().join(", ");
         // Of the measured quantities, only a displacement has a channel as its rate of change.
         if !sensors.iter().any(|q| q.channel().and_then(Channel::rate).is_some()) {
             measured += ", not x";
         }
-        let kind = session.run().scenario().plant.kind;
-        let told = match kind.own_equation() {
-            Some(own) => self.own_equation(&own.settings().equation, room),
-            None => {
-                self.write(LayoutJob::simple_singleline(kind.equation().to_owned(), stage.font(), palette.weak), room)
-            }
-        };
         if visible.measured && !sensors.is_empty() {
             let text = format!("measured: {measured}");
-            let below = Rect::from_min_max(pos2(room.left(), told.map_or(room.top(), |(rect, _)| rect.bottom())), far);
-            self.write(LayoutJob::simple_singleline(text, stage.font(), palette.weak), below);
+            let below = told.map_or(room, |told| room.with_min_y(told.bottom().max(room.top())));
+            self.write(LayoutJob::simple_singleline(text, self.stage.font(), palette.weak), below);
         }
         told
     }
 
-    /// Writes an equation that a user typed, cut where there is too little room.
-    fn own_equation(&self, text: &str, room: Rect) -> Option<(Rect, bool)> {
-        /// Limits the room for part of an equation \[points\].
-        const LEAST: f32 = 60.0;
-        let Self { stage, painter, context, .. } = *self;
-        let font = stage.font();
-        let whole = job(text, &font, context.palette.weak);
-        self.write(whole.clone(), room).or_else(|| {
-            let row = painter.ctx().fonts_mut(|fonts| fonts.row_height(&font));
-            let rows = (room.height() / row) as usize;
-            let wrap = TextWrapping { max_width: room.width(), max_rows: rows, ..TextWrapping::default() };
-            let cut = self.write(LayoutJob { wrap, ..whole }, room);
-            cut.filter(|_| room.width() >= LEAST && rows > 0)
-        })
-    }
-
-    /// Writes text in the corner of a room, if it fits. Returns its place, and whether all of it is there.
-    fn write(&self, text: LayoutJob, room: Rect) -> Option<(Rect, bool)> {
+    /// Writes text in the corner of a room, if it fits. Returns its place.
+    fn write(&self, text: LayoutJob, room: Rect) -> Option<Rect> {
         let galley = self.painter.layout_job(text);
-        let fits = galley.size().x <= room.width() + 0.5 && galley.size().y <= room.height();
-        let (rect, is_whole) = (Rect::from_min_size(room.min, galley.size()), !galley.elided);
-        fits.then(|| self.painter.galley(room.min, galley, self.context.palette.weak));
-        fits.then_some((rect, is_whole))
+        let place = Rect::from_min_size(room.min, galley.size());
+        let fits = place.width() <= room.width() + 0.5 && place.bottom() <= room.bottom() + 0.5;
+        fits.then(|| {
+            self.painter.galley(room.min, galley, self.context.palette.weak);
+            place
+        })
     }
 }
 
