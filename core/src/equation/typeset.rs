@@ -195,7 +195,7 @@ fn between(a: &Tree, b: &Tree) -> &'static str {
     }
     fn last(tree: &Tree) -> &Tree {
         match tree {
-            Tree::Binary('*', _, b) | Tree::Power(b, _) => last(b),
+            Tree::Binary('*', _, b) | Tree::Negative(b) | Tree::Power(b, _) => last(b),
             other => other,
         }
     }
