@@ -14,7 +14,7 @@ use crate::theme::Palette;
 const LENGTH: usize = 1000;
 
 /// The width of the window, where there is room \[points\].
-const WIDTH: f32 = 690.0;
+const WIDTH: f32 = 760.0;
 
 /// The distance of the window from the sides of the screen \[points\].
 const MARGIN: f32 = 24.0;

@@ -6,7 +6,7 @@ use kalmanscope_core::equation::{AllowedSign, EquationSettings, Numbers, Paramet
 use crate::text::{parse, significant};
 
 /// The widths of symbols, names, units, numbers and signs \[points\].
-const WIDTHS: [f32; 5] = [40.0, 112.0, 56.0, 58.0, 92.0];
+const WIDTHS: [f32; 5] = [40.0, 130.0, 56.0, 58.0, 92.0];
 
 /// What came of a row in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
