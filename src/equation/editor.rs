@@ -2,7 +2,7 @@
 
 use egui::{Context, FontId, Key, Pos2, RichText, ScrollArea, TextEdit, Ui, Window, vec2};
 use kalmanscope_core::Scenario;
-use kalmanscope_core::equation::{EquationSettings, Symbol};
+use kalmanscope_core::equation::{Equation, EquationSettings, Symbol};
 
 use super::print::job;
 use super::rows::{Done, row_ui};
@@ -81,7 +81,7 @@ impl Editor {
 
     /// Goes along with a change from elsewhere, as that of an undo.
     fn follow(&mut self, scenario: &Scenario) {
-        let now = scenario.plant.kind.own_equation().map(|own| own.settings());
+        let now = scenario.plant.kind.own_equation().map(Equation::settings);
         if now != self.taken.as_ref() {
             let (at, is_new) = (self.at, self.is_new);
             *self = Self { is_new, ..Self::new(scenario, at) };
