@@ -16,6 +16,7 @@ use egui::{ThemePreference, Ui};
 use kalmanscope_core::{Estimates, RunError, Scenario};
 
 use crate::drop;
+use crate::equation::Editor;
 use crate::export::Deliver;
 use crate::import::Import;
 use crate::inbox::{Choose, Inbox};
@@ -65,6 +66,8 @@ pub struct App {
     inviting: bool,
     /// The import of a measured record.
     importing: Option<Import>,
+    /// The equation that is being edited.
+    editor: Option<Editor>,
     /// A message, until it is dismissed.
     notice: Option<Notice>,
     /// The way to the user's files; none where there is none.
@@ -117,6 +120,7 @@ impl App {
             inviting: false,
             notice: None,
             importing: None,
+            editor: None,
             deliver: None,
             choose: None,
             inbox: Inbox::default(),

@@ -25,6 +25,8 @@ use crate::theme::{self, Palette};
 pub enum Asked {
     /// Another meaning of the measured record's columns.
     Columns,
+    /// Another equation of the plant.
+    Equation,
 }
 
 /// Shows every control, those of the settings under the paths `lit` on a lit ground. Returns whether the scenario has
@@ -69,7 +71,7 @@ pub fn controls_ui(
             ui.add_space(12.0);
             return;
         }
-        section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario));
+        section(ui, "Truth", true, |ui| plant::plant_ui(ui, scenario, &mut asked));
         section(ui, "Force", true, |ui| lit::lit(ui, "force", |ui| force::force_ui(ui, scenario)));
         section(ui, "Sensors", true, |ui| sensors::sensors_ui(ui, scenario));
         section(ui, "Record", false, |ui| general::general_ui(ui, scenario));

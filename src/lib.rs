@@ -11,6 +11,7 @@ pub mod controls;
 mod drawer;
 pub mod drop;
 pub mod elsewhere;
+mod equation;
 pub mod export;
 mod export_menu;
 pub mod figure;

@@ -45,6 +45,8 @@ pub enum Request {
     ImportFile(Box<RawFile>),
     /// Choose another meaning of the columns of the record on screen.
     ChangeColumns,
+    /// Edit the equation of the plant.
+    EditEquation,
     /// Test the identified models on the record that is being imported.
     HoldOut,
     /// Give up the import.

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
+use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::import::{Dimension, unit};
 use kalmanscope_core::{PlantKind, Quantity, VerdictKind};
 use kalmanscope_lab::tune::Goal;
@@ -292,7 +293,7 @@ pub(crate) struct ImportArgs {
     /// Put so many steps in place of one: a band-limited input, measurements missing in between
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) interpolate: usize,
-    /// The kind of plant that the filters assume
+    /// The kind of plant that the filters assume, or its equation, as "x'' + c x' + k x = f"
     #[arg(long, value_name = "KIND", default_value = "sdof", value_parser = plant)]
     pub(crate) plant: PlantKind,
 }
@@ -323,9 +324,12 @@ fn missing(text: &str) -> Result<Missing, String> {
 }
 
 fn plant(key: &str) -> Result<PlantKind, String> {
+    if key.contains('=') {
+        return PlantKind::of_equation(&EquationSettings::new(key)).map_err(|error| error.to_string());
+    }
     let all = || PlantKind::ALL.into_iter();
     let keys = || all().map(|kind| kind.info().key).collect::<Vec<_>>().join(", ");
-    all().find(|kind| kind.info().key == key).ok_or_else(|| format!("expected one of {}", keys()))
+    all().find(|kind| kind.info().key == key).ok_or_else(|| format!("expected an equation, or one of {}", keys()))
 }
 
 fn verdict(word: &str) -> Result<VerdictKind, String> {

@@ -14,10 +14,14 @@ mod own;
 mod parse;
 mod settings;
 mod solve;
+mod symbols;
 mod token;
+mod typeset;
 mod word;
 
 pub use error::EquationError;
 pub(crate) use interned::{channels, is_read};
 pub use own::Equation;
-pub use settings::{EquationSettings, ParameterSettings};
+pub use settings::{AllowedSign, EquationSettings, Numbers, ParameterSettings};
+pub use symbols::Symbol;
+pub use typeset::{Level, TextRun, typeset};

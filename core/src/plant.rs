@@ -4,6 +4,7 @@ pub mod bouc_wen;
 pub mod duffing;
 pub mod sdof;
 pub mod shear_chain;
+mod structure;
 
 use std::any::Any;
 use std::fmt;

@@ -16,6 +16,7 @@ mod gaps;
 mod hysteresis;
 mod initial;
 mod response;
+mod search;
 mod spectra;
 mod trials;
 
@@ -124,6 +125,9 @@ impl Suggestion {
     /// Guess and spread of ωₙ, ζ and gain. Returns whether the motion is a decay, and noise all the rest.
     fn motion(&mut self, record: &mut Record) -> bool {
         if !self.has_frequency() {
+            if self.own_parameters().is_some() {
+                self.size_of_motion(record);
+            }
             return false;
         }
         let Some((quantity, measured)) = motion_sensor(record) else { return false };

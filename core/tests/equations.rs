@@ -280,3 +280,56 @@ fn no_text_is_too_much() {
     let many = format!("x'' {} = f", (0..60).map(|i| format!("+ c{i} x")).collect::<String>());
     assert!(refused(&many).contains("at most 32 components"));
 }
+
+#[test]
+fn a_file_that_does_not_name_its_parameters_is_told_what_they_are_taken_for() {
+    let remarks = |text: &str| Scenario::from_toml_with_remarks(text).unwrap().1;
+    let alone =
+        "filters = [{ kind = \"ekf\", initial_mean = { k = 30.0 } }]\n[plant]\nequation = \"x'' + c x' + k x = f\"\n";
+    assert_eq!(
+        remarks(alone),
+        [
+            "of the equation, c (guess 1) and k (guess 30) are taken for parameters: `parameters` can say name, unit, guess and range"
+        ]
+    );
+    let one = format!("{alone}c = 0.2\n");
+    assert!(remarks(&one)[0].starts_with("of the equation, k (guess 30) is taken for a parameter:"));
+    assert!(remarks(&format!("{one}parameters = {{ k = {{}} }}\n")).is_empty());
+    assert!(
+        remarks("[plant]\nequation = \"x'' + 2 ζ ωₙ x' + ωₙ² x = f\"\n").is_empty(),
+        "they are those of all plants"
+    );
+    // What is written names all of them.
+    let again = Scenario::from_toml(alone).unwrap().to_toml().unwrap();
+    assert!(remarks(&again).is_empty(), "{again}");
+}
+
+#[test]
+fn filters_begin_with_the_guess_that_an_equation_gets() {
+    let mut scenario = Scenario::from_toml("[plant]\nequation = \"x'' + c x' + k x = f\"\n").unwrap();
+    let mut settings = scenario.plant.kind.own_equation().unwrap().settings().clone();
+    let of = |scenario: &Scenario, key: &str| {
+        let channel = scenario.plant.kind.channels().iter().copied().find(|channel| channel.key() == key).unwrap();
+        let filter = &scenario.filters[0];
+        (filter.initial_mean[channel], filter.initial_std[channel])
+    };
+    let c = scenario.plant.kind.parameters().next().unwrap();
+    scenario.filters[0].initial_mean[c] = 0.7;
+    (settings.parameter_mut("k").guess, settings.parameter_mut("k").std) = (Some(36.0), Some(4.0));
+    scenario.set_equation(&settings).unwrap();
+    assert_eq!((of(&scenario, "k"), of(&scenario, "c")), ((36.0, 4.0), (0.7, 0.5)));
+    settings.parameter_mut("k").range = Some([2.0, 1.0]);
+    let before = scenario.clone();
+    let error = scenario.set_equation(&settings).unwrap_err().to_string();
+    assert!(error.starts_with("the numbers of `k` are impossible"), "{error}");
+    assert_eq!(scenario, before);
+}
+
+#[test]
+fn symbols_are_internal_states_parameters_and_those_of_all_plants() {
+    let settings = EquationSettings::new("x'' + 2 ζ ωₙ x' + μ z = f; z' = x' - z");
+    let symbols = settings.symbols().unwrap();
+    let told: Vec<_> = symbols.iter().map(|one| (one.key.as_str(), one.is_parameter, one.known.is_some())).collect();
+    assert_eq!(told, [("z", false, false), ("omega_n", true, true), ("zeta", true, true), ("mu", true, false)]);
+    assert_eq!(symbols[3].shown, "μ");
+}

@@ -5,10 +5,12 @@ use kalmanscope_core::Scenario;
 use super::window::NARROW;
 use super::{App, LARGE};
 use crate::controls::number;
+use crate::equation::Editor;
 use crate::export_menu;
 use crate::layout::Layout;
 use crate::plot::time_axis::TimeAxis;
 use crate::request::{Request, ViewKind};
+use crate::text::sentence;
 use crate::theme;
 use crate::tutor::Tutor;
 
@@ -43,6 +45,9 @@ impl App {
             Request::ChooseFile => self.choose_file(ctx),
             Request::ImportFile(file) => self.import(*file),
             Request::ChangeColumns => self.change_columns(),
+            // A page that embeds this one shows plots only.
+            Request::EditEquation if self.embedded => {}
+            Request::EditEquation => self.editor = Some(Editor::new(session.scenario(), ctx.pointer_latest_pos())),
             Request::HoldOut => self.hold_out(),
             Request::CancelImport => self.importing = None,
             Request::OpenAddress(address) => self.go_to_address(&address, ctx),
@@ -88,7 +93,8 @@ impl App {
                     || session.cancel()
                     || laboratory.set_stopped(true)
                     || laboratory.seeds_mut().set_stopped(true)
-                    || laboratory.tuning_mut().cancel();
+                    || laboratory.tuning_mut().cancel()
+                    || self.editor.take().is_some();
                 if !is_done {
                     layout.leave_enlarged();
                 }
@@ -137,6 +143,9 @@ impl App {
         if scenario.record.is_some() {
             // Without a truth this is what tells whether a model is right.
             self.layout.show(ViewKind::Measured);
+        }
+        if let Some(assumed) = scenario.assumed_parameters() {
+            self.inform(&format!("{}.", sentence(&assumed)));
         }
         self.session.set_scenario(scenario);
         self.session.begin_anew();

@@ -82,6 +82,7 @@ impl App {
             notice::notice_ui(ui.ctx(), notice, centre.response.rect, &palette, &mut self.requests);
         }
         self.keys_ui(ui.ctx());
+        self.equation_ui(ui.ctx(), &palette);
         self.import_ui(ui.ctx(), &palette);
         if !self.requests.is_empty() {
             ui.ctx().request_repaint();
@@ -127,7 +128,10 @@ impl App {
             if changed {
                 requests.push(Request::Edit(Box::new(scenario)));
             }
-            requests.extend(asked.into_iter().map(|Asked::Columns| Request::ChangeColumns));
+            requests.extend(asked.into_iter().map(|asked| match asked {
+                Asked::Columns => Request::ChangeColumns,
+                Asked::Equation => Request::EditEquation,
+            }));
         };
         let Some(height) = drawer else {
             let panel = Panel::left("controls").default_size((0.29 * *width).clamp(340.0, 420.0));
@@ -194,6 +198,12 @@ impl App {
         if let Some(reading) = Reading::of(ruler, session, visible, palette) {
             reading::table_ui(ui.ctx(), &reading, requests);
         }
+    }
+
+    /// Shows the window of the plant's equation.
+    fn equation_ui(&mut self, ctx: &Context, palette: &Palette) {
+        let Self { editor, session, requests, .. } = self;
+        editor.take_if(|editor| !editor.ui(ctx, session.scenario(), palette, requests));
     }
 
     fn keys_ui(&mut self, ctx: &Context) {

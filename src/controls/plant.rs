@@ -4,16 +4,18 @@ use egui::{Button, ComboBox, Ui};
 use kalmanscope_core::channel::{Role, Sign};
 use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, augment};
 
-use super::equation;
+use super::Asked;
+use super::equation::equation_ui;
 use super::lit::lit;
 use super::number::Number;
 use super::signal::{Parameter, signal_ui};
+use crate::equation;
 
 /// Limits the natural frequency from below \[rad/s\].
 const LEAST_POSITIVE: f64 = 0.01;
 
-pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
-    lit(ui, "plant.kind", |ui| kind_ui(ui, scenario));
+pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Asked>) {
+    lit(ui, "plant.kind", |ui| kind_ui(ui, scenario, asked));
     let plant = &mut scenario.plant;
     for channel in plant.parameters().collect::<Vec<_>>() {
         lit(ui, &format!("plant.{}", channel.key()), |ui| parameter_ui(ui, plant, channel));
@@ -34,13 +36,14 @@ pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario) {
     });
 }
 
-fn kind_ui(ui: &mut Ui, scenario: &mut Scenario) {
+fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Asked>) {
     let mut kind = scenario.plant.kind;
     let combo =
         ComboBox::from_id_salt("plant").selected_text(kind.name()).width(ui.available_width()).show_ui(ui, |ui| {
             let is_own = kind.own_equation().is_some();
             if ui.selectable_label(is_own, equation::NAME).clicked() && !is_own {
                 kind = equation::first().unwrap_or(kind);
+                asked.push(Asked::Equation);
             }
             for other in PlantKind::ALL {
                 ui.selectable_value(&mut kind, other, other.name());
@@ -50,7 +53,7 @@ fn kind_ui(ui: &mut Ui, scenario: &mut Scenario) {
     if kind != scenario.plant.kind {
         scenario.set_plant(kind);
     }
-    equation::equation_ui(ui, scenario);
+    equation_ui(ui, scenario, asked);
     ui.add_space(4.0);
 }
 

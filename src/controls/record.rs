@@ -5,10 +5,12 @@ use kalmanscope_core::import::Mapping;
 use kalmanscope_core::{Hold, Scenario};
 
 use super::Asked;
+use super::equation::equation_ui;
 use crate::session::{Library, name_of};
 
 /// Shows a record's file and columns, and a button that changes their meaning.
 pub(super) fn record_ui(ui: &mut Ui, scenario: &mut Scenario, library: &Library, asked: &mut Vec<Asked>) {
+    equation_ui(ui, scenario, asked);
     let Scenario { record: Some(mapping), hold, .. } = scenario else { return };
     let name = name_of(mapping).to_owned();
     ui.label(format!("“{name}”"));

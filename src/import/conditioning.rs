@@ -6,6 +6,7 @@ use kalmanscope_core::{Hold, InputKind, PlantKind};
 
 use super::choices::{choice_ui, number_ui, optional_ui, whole_ui};
 use super::draft::Draft;
+use crate::equation;
 use crate::theme::Palette;
 
 /// The rate of a file without times, the kind of input and its course between samples, the plant.
@@ -34,7 +35,9 @@ pub(super) fn meaning_ui(ui: &mut Ui, draft: &mut Draft) {
         choice_ui(ui, "Hold of the input", &mut draft.hold, &holds);
         ui.separator();
         ui.label("the filters assume");
-        let plants = PlantKind::ALL.map(|kind| (kind, kind.name().to_owned()));
+        let own = if draft.plant.own_equation().is_some() { Some(draft.plant) } else { equation::first() };
+        let plants = PlantKind::ALL.into_iter().chain(own).map(|kind| (kind, kind.name().to_owned()));
+        let plants: Vec<_> = plants.collect();
         choice_ui(ui, "Plant of the record", &mut draft.plant, &plants);
     });
 }

@@ -43,13 +43,13 @@ impl View for Oscillator {
         Proportions::Flat
     }
 
-    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, _: &mut Vec<Request>) -> Option<f64> {
+    fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
         let (width, available) = (ui.available_width().max(1.0), ui.available_height());
         let highest = 0.3 * width;
         let height = if available > highest + LEAST_TRAIL { available } else { available.min(highest) };
         if height > 40.0 {
             ui.add_space(0.5 * (available - height));
-            oscillator_ui(ui, context, height);
+            oscillator_ui(ui, context, height, requests);
         }
         None
     }
@@ -76,7 +76,7 @@ fn first_span(run: &Run, k: usize) -> f64 {
 }
 
 /// Draws the oscillator where playback stands, as wide as `ui` and `height` high \[points\].
-fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
+fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: &mut Vec<Request>) {
     let size = vec2(ui.available_width().max(1.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let label = "The oscillator: springs, dampers and masses, with each filter's estimate of the displacement";
@@ -103,11 +103,23 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32) {
     let trail = rect.height() > 0.3 * rect.width() + 1.0;
     let height = if trail { (0.22 * rect.width()).clamp(96.0, 280.0) } else { rect.height() };
     let floor = pos2(rect.right(), rect.top() + height);
-    let stage = Stage::new(Rect::from_min_max(rect.min, floor), masses, 2_f64.powf(f64::from(zoom)));
+    let picture = Rect::from_min_max(rect.min, floor);
+    let stage = |rect| Stage::new(rect, masses, 2_f64.powf(f64::from(zoom)));
+    let whole = stage(picture);
+    let strip = Scene { stage: &whole, painter: &painter, context, k }.strip();
+    let strip = strip.map(|height| picture.with_max_y(picture.top() + height));
+    let stage = strip.map_or(whole, |strip| stage(picture.with_min_y(strip.bottom())));
     let scene = Scene { stage: &stage, painter: &painter, context, k };
     scene.masses(peak.force);
-    if !scene.captions() {
-        response.on_hover_text(session.run().scenario().plant.kind.equation());
+    let equation = session.run().scenario().plant.kind.equation();
+    let place = scene.captions(strip);
+    // Where the equation has no room, the whole picture stands for it.
+    let edit = ui.interact(place.unwrap_or(rect), response.id.with("equation"), Sense::click());
+    edit.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Edit the equation over the oscillator"));
+    let edit = edit.on_hover_cursor(egui::CursorIcon::PointingHand);
+    let hidden = if place.is_some() { String::new() } else { format!("{equation}\n") };
+    if edit.on_hover_text(format!("{hidden}Click to edit the equation")).clicked() {
+        requests.push(Request::EditEquation);
     }
     if trail {
         scene.trail(Rect::from_min_max(pos2(rect.left(), floor.y + 2.0), rect.max));

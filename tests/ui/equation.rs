@@ -14,19 +14,35 @@ fn type_into(screen: &mut Screen, text: &str) {
     screen.run_steps(2);
 }
 
-#[test]
-fn an_equation_is_typed_and_identified() {
+/// A paused screen with an equation of one's own, whose editor is open.
+fn editor() -> Screen {
     let mut screen = workbench();
     choose(&mut screen, "Kind of plant", "equation of your own");
+    screen.run_steps(3);
+    screen
+}
+
+#[test]
+fn an_equation_is_typed_and_identified() {
+    let mut screen = editor();
     assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f");
     // The parameters keep their numbers, and what is estimated is the same.
     assert!(matches!(parameter(&screen, "natural_frequency"), Some(Signal::Step(_))));
     type_into(&mut screen, " - mu x³");
-    assert!(parameter(&screen, "mu").is_none(), "it is taken with Enter, not while it is typed");
+    assert!(parameter(&screen, "mu").is_none(), "it is taken when it is complete, not while it is typed");
+    // A new symbol is offered.
     screen.key_press(Key::Enter);
+    screen.run_steps(5);
+    assert!(parameter(&screen, "mu").is_none(), "a new symbol may be a mistake");
+    assert!(screen.query_by_label_contains("μ is new: make it a parameter below").is_some());
+    set(&mut screen, "Guess of μ", 2.0);
+    assert!(parameter(&screen, "mu").is_none());
+    screen.get_by_label("Make μ a parameter").click();
     screen.run_steps(20);
     assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f - mu x³");
-    assert_eq!(parameter(&screen, "mu"), Some(Signal::Constant(1.0)));
+    assert_eq!(parameter(&screen, "mu"), Some(Signal::Constant(2.0)));
+    assert!(screen.query_by_label("Make μ a parameter").is_none());
+    assert_eq!(scenario(&screen).assumed_parameters(), None, "it is named in the file");
     set(&mut screen, "Parameter μ, value", 1.5);
     assert_eq!(parameter(&screen, "mu"), Some(Signal::Constant(1.5)));
     let session = screen.state().session();
@@ -37,8 +53,7 @@ fn an_equation_is_typed_and_identified() {
 
 #[test]
 fn a_fault_is_said_and_the_equation_from_before_stays() {
-    let mut screen = workbench();
-    choose(&mut screen, "Kind of plant", "equation of your own");
+    let mut screen = editor();
     let before = equation(&screen);
     type_into(&mut screen, " + (2 x");
     assert!(screen.query_by_label_contains("an operator or `)` is expected here, at character 35").is_some());
@@ -49,6 +64,119 @@ fn a_fault_is_said_and_the_equation_from_before_stays() {
     screen.key_press(Key::Enter);
     screen.run_steps(5);
     assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f + (2 x)");
+}
+
+/// A screen with an equation of a file, whose `k` is named and whose `c` is not.
+fn of_file(text: &str) -> Screen {
+    let mut screen = workbench();
+    screen.state_mut().open_file("own.toml", Ok(text.as_bytes().to_vec()));
+    screen.run_steps(10);
+    screen
+}
+
+const OF_FILE: &str = "duration = 10.0\n[plant]\nequation = \"x'' + c x' + k x = f\"\nparameters = { k = { guess = 30.0 } }\n\
+                       [[filters]]\nkind = \"ekf\"\n";
+
+#[test]
+fn the_equation_over_the_oscillator_opens_the_editor() {
+    let mut screen = of_file(OF_FILE);
+    assert!(screen.query_by_label("Equation of motion").is_none());
+    screen.get_by_label("Edit the equation over the oscillator").click();
+    screen.run_steps(5);
+    assert!(screen.query_by_label("Equation of motion").is_some());
+    // A built-in plant's equation can be gone on with.
+    let mut screen = workbench();
+    screen.get_by_label("Edit the equation over the oscillator").click();
+    screen.run_steps(5);
+    assert_eq!(scenario(&screen).plant.kind, PlantKind::SDOF, "nothing changes by looking");
+    type_into(&mut screen, " - x³");
+    screen.key_press(Key::Enter);
+    screen.run_steps(5);
+    assert_eq!(equation(&screen), "x'' + 2 ζ ωₙ x' + ωₙ² x = f - x³");
+}
+
+#[test]
+fn a_file_that_leaves_a_parameter_unnamed_is_told_so() {
+    let screen = of_file(OF_FILE);
+    let notice = screen.state().notice().map(str::to_owned).unwrap_or_default();
+    assert!(notice.starts_with("Of the equation, c (guess 1) is taken for a parameter"), "{notice}");
+    let named = OF_FILE.replace("{ k =", "{ c = {}, k =");
+    assert_eq!(of_file(&named).state().notice(), None);
+}
+
+#[test]
+fn parameters_are_edited_and_a_change_is_taken_back() {
+    let mut screen = of_file(OF_FILE);
+    screen.get_by_label("Edit the equation").click();
+    // A state that rests is one to go back to.
+    screen.run_steps(120);
+    let own = |screen: &Screen, key: &str| {
+        let settings = scenario(screen).plant.kind.own_equation().expect("an equation").settings();
+        settings.parameter(key).cloned().unwrap_or_default()
+    };
+    let guess = |screen: &Screen, key: &str| {
+        let channel = Channel::from_key(key).expect("a channel");
+        let filter = &scenario(screen).filters[0];
+        (filter.initial_mean[channel], filter.initial_std[channel])
+    };
+    assert_eq!(guess(&screen, "k"), (30.0, 15.0));
+    let before = scenario(&screen).clone();
+    let width = |screen: &Screen| screen.get_by_label("Equation of motion").rect().width();
+    let wide = width(&screen);
+    set(&mut screen, "Guess of k", 40.0);
+    assert_eq!((own(&screen, "k").guess, guess(&screen, "k")), (Some(40.0), (40.0, 20.0)));
+    set(&mut screen, "σ of the guess of k", 3.0);
+    set(&mut screen, "Least k", 10.0);
+    set(&mut screen, "Largest k", 80.0);
+    assert_eq!((own(&screen, "k").range, guess(&screen, "k")), (Some([10.0, 80.0]), (40.0, 3.0)));
+    choose(&mut screen, "Sign of k", "positive");
+    for (field, text) in [("Name of k", "stiffness"), ("Unit of k", "1/s²")] {
+        screen.get_by_label(field).focus();
+        screen.run_steps(2);
+        screen.get_by_label(field).type_text(text);
+        screen.run_steps(2);
+        screen.key_press(Key::Enter);
+        screen.run_steps(5);
+    }
+    let channel = *scenario(&screen).plant.kind.channels().last().expect("k");
+    assert_eq!((channel.name(), channel.unit(), channel.usual().slider), ("stiffness", "1/s²", (10.0, 80.0)));
+    assert!(screen.query_by_label("Stiffness, value").is_some(), "the settings show its name");
+    assert_eq!(width(&screen), wide, "the window keeps its width");
+    // An impossible range is said and not taken.
+    set(&mut screen, "Least k", 90.0);
+    assert!(screen.query_by_label_contains("the numbers of `k` are impossible").is_some());
+    assert_eq!(own(&screen, "k").range, Some([10.0, 80.0]));
+    screen.run_steps(120);
+    let is_back = (0..8).any(|_| {
+        screen.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        screen.run_steps(3);
+        scenario(&screen) == &before
+    });
+    assert!(is_back, "{:?}", scenario(&screen).plant.kind);
+    let shown = screen.get_by_label("Guess of k").value();
+    assert_eq!(shown.as_deref(), Some("30"), "the editor goes along");
+}
+
+#[test]
+fn every_equation_of_the_gallery_is_shown_and_edited_on_any_screen() {
+    for entry in std::fs::read_dir("assets/equations").expect("the gallery") {
+        let path = entry.expect("a file").path();
+        for size in [DESKTOP, PHONE] {
+            let mut screen = screen(size, Theme::Dark);
+            let text = std::fs::read(&path).map_err(|error| error.to_string());
+            screen.state_mut().open_file("gallery.toml", text);
+            screen.run_steps(10);
+            if let Some(place) = screen.query_by_label("Edit the equation over the oscillator") {
+                place.click();
+                screen.run_steps(5);
+                let field = screen.get_by_label("Equation of motion").rect();
+                assert!(field.left() >= 0.0 && field.right() <= size.x, "{path:?}: {field}");
+            } else {
+                panic!("{path:?} at {size}: no equation over the oscillator");
+            }
+            assert_eq!(screen.state().notice(), None, "{path:?}");
+        }
+    }
 }
 
 /// A parameter of the truth by its key.

@@ -1,7 +1,7 @@
 //! The plant of an equation.
 
 use super::error::EquationError;
-use super::settings::{EquationSettings, ParameterSettings};
+use super::settings::{EquationSettings, Numbers, ParameterSettings, size};
 use super::solve::{Component, Solved, solve};
 use super::word::{key, symbol};
 use crate::channel::{ChannelInfo, Role, Usual};
@@ -55,6 +55,11 @@ impl Equation {
         &self.settings
     }
 
+    /// Whether the motion is linear while parameters are constant.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.info.is_linear
+    }
+
     /// The equation as the engine has it.
     pub fn typed(&'static self) -> &'static Typed {
         &self.typed
@@ -82,6 +87,21 @@ impl Plant for Equation {
     }
 }
 
+/// The key of a name in files.
+fn as_key(name: &str) -> &str {
+    match name {
+        "omega_n" => "natural_frequency",
+        "zeta" => "damping_ratio",
+        other => other,
+    }
+}
+
+/// The channel that built-in plants have under a name.
+pub(super) fn of_all_plants(name: &str) -> Option<Channel> {
+    let mut channels = PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
+    channels.find(|channel| channel.key() == as_key(name))
+}
+
 /// The channel of a component: one that built-in plants have, or a new one.
 fn channel(component: &Component, known: &[(String, &ParameterSettings)]) -> Result<Channel, EquationError> {
     let (name, is_parameter) = match component {
@@ -91,16 +111,11 @@ fn channel(component: &Component, known: &[(String, &ParameterSettings)]) -> Res
         Component::Parameter(name) => (name, true),
     };
     let settings = known.iter().find(|(key, _)| key == name).map(|(_, settings)| *settings);
-    let as_key = match name.as_str() {
-        "omega_n" => "natural_frequency",
-        "zeta" => "damping_ratio",
-        other => other,
-    };
+    let as_key = as_key(name);
     if RESERVED.contains(&as_key) {
         return Err(EquationError::new(format!("`{name}` cannot be a name: a plant has a setting that is called so")));
     }
-    let of_plants = || PlantKind::ALL.iter().flat_map(|kind| kind.channels().iter().copied());
-    if let Some(channel) = of_plants().find(|channel| channel.key() == as_key) {
+    if let Some(channel) = of_all_plants(name) {
         if channel.is_parameter() != is_parameter {
             return Err(EquationError::new(format!("`{name}` means the {} already", channel.name())));
         }
@@ -119,12 +134,8 @@ fn channel(component: &Component, known: &[(String, &ParameterSettings)]) -> Res
 
 /// The data of a channel that no built-in plant has.
 fn info(name: &str, is_parameter: bool, settings: &ParameterSettings) -> Result<ChannelInfo, EquationError> {
-    let mean = settings.guess.unwrap_or(if is_parameter { 1.0 } else { 0.0 });
-    let size = if mean == 0.0 { 1.0 } else { mean.abs() };
-    let std = settings.std.unwrap_or(0.5 * size);
-    let sign = settings.sign.into();
-    let low = if sign == crate::channel::Sign::Any { -5.0 * size } else { 0.0 };
-    let [low, high] = settings.range.unwrap_or([low, 5.0 * size]);
+    let Numbers { mean, std, range: [low, high] } = settings.numbers(is_parameter);
+    let (size, sign) = (size(mean), settings.sign.into());
     let numbers = [mean, std, low, high];
     if !numbers.iter().all(|number| number.abs() <= LARGEST) || std < 0.0 || low >= high {
         return Err(EquationError::new(format!(

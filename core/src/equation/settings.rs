@@ -66,6 +66,32 @@ pub enum AllowedSign {
     Positive,
 }
 
+/// The numbers of a parameter or an internal state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Numbers {
+    /// The guess.
+    pub mean: f64,
+    /// The standard deviation of the guess.
+    pub std: f64,
+    /// The limits of the slider.
+    pub range: [f64; 2],
+}
+
+impl ParameterSettings {
+    /// The numbers, the usual ones where they are left out.
+    pub fn numbers(&self, is_parameter: bool) -> Numbers {
+        let mean = self.guess.unwrap_or(if is_parameter { 1.0 } else { 0.0 });
+        let size = size(mean);
+        let low = if self.sign == AllowedSign::Any { -5.0 * size } else { 0.0 };
+        Numbers { mean, std: self.std.unwrap_or(0.5 * size), range: self.range.unwrap_or([low, 5.0 * size]) }
+    }
+}
+
+/// The size of what has this mean.
+pub(super) fn size(mean: f64) -> f64 {
+    if mean == 0.0 { 1.0 } else { mean.abs() }
+}
+
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over a reference")]
 fn is_any(sign: &AllowedSign) -> bool {
     *sign == AllowedSign::Any
@@ -85,6 +111,17 @@ impl EquationSettings {
     /// An equation whose parameters have the usual numbers.
     pub fn new(equation: impl Into<String>) -> Self {
         Self { equation: equation.into(), parameters: BTreeMap::new() }
+    }
+
+    /// The settings of a parameter or an internal state by its key, if there are some.
+    pub fn parameter(&self, of: &str) -> Option<&ParameterSettings> {
+        self.parameters.iter().find(|(name, _)| key(name) == of).map(|(_, one)| one)
+    }
+
+    /// The same, to be changed: the usual ones where there are none.
+    pub fn parameter_mut(&mut self, of: &str) -> &mut ParameterSettings {
+        let name = self.parameters.keys().find(|name| key(name) == of).cloned();
+        self.parameters.entry(name.unwrap_or_else(|| of.to_owned())).or_default()
     }
 
     /// The same without the numbers of parameters that the equation has not, if it is one.

@@ -125,24 +125,36 @@ pub(super) fn key(typed: &str) -> String {
     }
 }
 
+/// The letters of a key and its subscript: `omega_n` is ω and n, `x1` is x and 1.
+pub(super) fn parts(key: &str) -> (String, String) {
+    let (name, below) = key.split_once('_').unwrap_or_else(|| {
+        let letters = key.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        key.split_at(letters)
+    });
+    let letter = GREEK.iter().chain(&CAPITAL).find(|(_, greek)| *greek == name);
+    (letter.map_or_else(|| name.to_owned(), |(greek, _)| greek.to_string()), below.to_owned())
+}
+
 /// The symbol of a key: `omega_n` is shown as `ωₙ`.
 pub(super) fn symbol(key: &str) -> String {
-    let (letter, below) = match key.split_once('_') {
-        Some((letter, below)) => (letter, below.to_owned()),
-        None => {
-            let letter = key.trim_end_matches(|c: char| c.is_ascii_digit());
-            (letter, key[letter.len()..].to_owned())
-        }
-    };
-    let letter = GREEK.iter().chain(&CAPITAL).find(|(_, name)| *name == letter);
-    let first = letter.map_or_else(
-        || key[..key.len() - below.len()].trim_end_matches('_').to_owned(),
-        |(greek, _)| greek.to_string(),
-    );
+    let (first, below) = parts(key);
     let small = |c: char| ('\u{2080}'..='\u{209c}').chain('ᵢ'..='ᵥ').find(|&small| subscript(small) == Some(c));
     match below.chars().map(small).collect::<Option<String>>() {
         Some(below) => first + &below,
         None => format!("{first}_{below}"),
+    }
+}
+
+/// A letter with up to two dots: one character where there is one, else with combining dots.
+pub(super) fn dots(letter: char, count: usize) -> String {
+    match (letter, count) {
+        (_, 0) => letter.to_string(),
+        ('x', 1) => "ẋ".to_owned(),
+        ('x', 2) => "ẍ".to_owned(),
+        ('z', 1) => "ż".to_owned(),
+        ('y', 2) => "ÿ".to_owned(),
+        (_, 1) => format!("{letter}\u{307}"),
+        _ => format!("{letter}\u{308}"),
     }
 }
 

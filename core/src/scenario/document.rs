@@ -57,9 +57,10 @@ impl Scenario {
         if document.get("sensors").is_none() {
             scenario.take_sensors_of_record();
         }
-        let remarks = scenario.part_names();
+        let mut remarks = scenario.part_names();
         scenario.fill_in();
         scenario.validate()?;
+        remarks.extend(scenario.assumed_parameters());
         Ok((scenario, remarks))
     }
 

@@ -47,6 +47,11 @@ impl Plant {
         set.or_else(|| (channel.is_parameter() && !channel.is_augmentation()).then(usual))
     }
 
+    /// Whether a channel has a signal of its own, not the usual value.
+    pub(crate) fn has_own(&self, channel: Channel) -> bool {
+        self.signals.iter().any(|(own, _)| *own == channel)
+    }
+
     /// The signal of a parameter or an augmentation, to be changed. Without one, it first gets the usual value.
     pub fn parameter_mut(&mut self, channel: Channel) -> Option<&mut Signal> {
         if !channel.is_parameter() {

@@ -13,7 +13,8 @@ impl Scenario {
         Self::from_toml_with_remarks(text).map(|(scenario, _)| scenario)
     }
 
-    /// The same, with a sentence for each filter that has another name than in the file, where two had the same.
+    /// The same, with a sentence for each filter that has another name than in the file, where two had the same, and one for
+    /// names of an equation that are taken for parameters.
     ///
     /// # Errors
     /// Those of [`Self::from_toml`].

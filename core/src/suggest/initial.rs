@@ -75,6 +75,8 @@ impl Suggestion {
 
     /// A gain that is far from 1 goes into the mapping; the filters estimate what is left of it.
     fn gain(&mut self, record: &mut Record, gain: Option<f64>) {
+        // What the fit leaves to the gain may be what the equation has besides an oscillator.
+        let gain = gain.filter(|_| self.own_parameters().is_none());
         let Some(gain) = gain.filter(|gain| gain.is_finite() && *gain != 0.0) else { return };
         if (gain - 1.0).abs() < 0.02 {
             return;

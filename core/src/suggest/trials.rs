@@ -4,6 +4,7 @@ use super::Suggestion;
 use super::ambient::{Ambient, has_no_input};
 use super::follow::{first_alone, follow, follow_freely, likelihood, surprise};
 use super::gaps::Lost;
+use super::search::Search;
 use crate::in_slices::InSlices;
 use crate::{Record, Run, Running, Scenario};
 
@@ -26,7 +27,8 @@ pub(super) const SHARES: [f64; 11] = [0.0, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1
 /// ([`crate::filter::White`]) is tried too. Where the scenario has a mapping, means are removed and a large gain
 /// goes into the mapping; the record is then to be read again.
 ///
-/// Settings of plants without a natural frequency are left as they are, but for R and Q.
+/// Of an equation that a user typed, the parameters that spectra do not tell are searched where there is an input: a filter begins
+/// from points in their ranges. Settings of other plants without a natural frequency are left as they are, but for R and Q.
 pub struct Suggest {
     suggestion: Suggestion,
     record: Record,
@@ -36,6 +38,7 @@ pub struct Suggest {
     trial: Option<Run>,
     /// The free run of the trial's model.
     free: Option<Running>,
+    search: Option<Search>,
     likelihoods: Vec<(f64, f64)>,
     ambient: Option<Ambient>,
     /// The errors of the free run with the settings so far, and those with other settings.
@@ -48,6 +51,8 @@ enum Stage {
     Data,
     /// A filter with these fills the gaps, and they are read again.
     Gaps,
+    /// The likelihood from other start values of an equation's parameters.
+    Search,
     /// The likelihood with one of the shares.
     Likelihood(usize),
     /// The likelihood with a white force, where there is no input.
@@ -70,16 +75,21 @@ impl Suggest {
     /// Suggestions for a scenario on a record, before the first look at it.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
-        let (trial, free, likelihoods, ambient, errors) = Default::default();
+        let (trial, free, search, likelihoods, ambient, errors) = Default::default();
         let gaps = None;
-        Self { suggestion, record, gaps, stage: Stage::Data, trial, free, likelihoods, ambient, errors }
+        Self { suggestion, record, gaps, stage: Stage::Data, trial, free, search, likelihoods, ambient, errors }
     }
 
     /// Looks at the data, whose gaps are filled if they are told: noise, guess and spread.
     fn begin(&mut self, lost: Option<&Lost>) {
         // Without a mapping the record stays as it is, and the filters know its offsets.
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
-        self.suggestion.remove_means(&mut self.record);
+        if self.suggestion.knows_zero() {
+            let reason = "the means of input and readings stay: an equation that is not linear says where zero is";
+            self.suggestion.reasons.push(reason.to_owned());
+        } else {
+            self.suggestion.remove_means(&mut self.record);
+        }
         let before = has_no_input(&self.record).then(|| self.suggestion.clone());
         self.suggestion.sensor_noise(&self.record, lost);
         let is_decay = self.suggestion.motion(&mut self.record);
@@ -99,6 +109,15 @@ impl Suggest {
         (self.suggestion, self.record) = (given, filled);
         self.begin(Some(&lost));
         lost.lose(&mut self.record);
+    }
+
+    /// Begins to search the parameters of an equation, if there is an input that tells them.
+    fn begin_search(&mut self) -> Stage {
+        self.search = Search::of(&self.suggestion);
+        if has_no_input(&self.record) {
+            self.search.take().into_iter().for_each(|search| search.give_up(&mut self.suggestion));
+        }
+        Stage::Search
     }
 
     /// The samples of a trial.
@@ -131,6 +150,7 @@ impl InSlices for Suggest {
         let all = (SHARES.len() + 3) as f64;
         match self.stage {
             Stage::Data | Stage::Gaps => 0.0,
+            Stage::Search => self.search.as_ref().map_or(1.0, Search::progress) / all,
             Stage::Likelihood(place) => (1 + place) as f64 / all,
             Stage::WhiteForce => {
                 let done = self.ambient.as_ref().map_or(1.0, Ambient::progress);
@@ -152,7 +172,7 @@ impl InSlices for Suggest {
                     self.gaps = lost.map(|lost| Gaps { lost, record, given });
                     match (self.suggestion.scenario.filters.is_empty(), &self.gaps) {
                         (true, _) => Stage::Done,
-                        (false, None) => Stage::Likelihood(0),
+                        (false, None) => self.begin_search(),
                         (false, Some(_)) => Stage::Gaps,
                     }
                 }
@@ -162,7 +182,20 @@ impl InSlices for Suggest {
                         None => return false,
                         Some(run) => self.fill(run.as_ref()),
                     }
-                    Stage::Likelihood(0)
+                    self.begin_search()
+                }
+                Stage::Search => {
+                    let (samples, scenario) = (self.likely(), &self.suggestion.scenario);
+                    let Some(search) = self.search.as_mut().filter(|search| !search.is_done()) else {
+                        self.search.take().into_iter().for_each(|search| search.finish(&mut self.suggestion));
+                        self.stage = Stage::Likelihood(0);
+                        continue;
+                    };
+                    match follow(&mut self.trial, || search.scenario(scenario), &self.record, samples, while_time) {
+                        None => return false,
+                        Some(run) => search.take(run),
+                    }
+                    Stage::Search
                 }
                 Stage::Likelihood(place) => {
                     let share = SHARES[place];

@@ -1,5 +1,6 @@
 //! Everything in the picture at one moment.
 
+use egui::text::LayoutJob;
 use egui::{Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::plant::Spring;
 use kalmanscope_core::{Aspect, Channel, Estimates, Quantity, Record};
@@ -14,7 +15,14 @@ use super::masses::displacement;
 use super::stage::Stage;
 use super::trail::Trail;
 
+use crate::equation::job;
 use crate::view::ViewContext;
+
+/// The distance of captions from the left \[points\].
+const CORNER: f32 = 10.0;
+
+/// Limits the share of the picture that an equation above it takes.
+const STRIP: f32 = 0.4;
 
 /// One moment and its stage.
 pub(super) struct Scene<'a> {
@@ -32,7 +40,10 @@ impl<'a> Scene<'a> {
         let ViewContext { palette, visible, .. } = *context;
         ground(stage, painter, palette);
         let record = self.record();
-        let spring = context.session.run().scenario().plant.kind.info().spring;
+        let kind = context.session.run().scenario().plant.kind;
+        let spring = kind.info().spring;
+        // Filters may have more masses than the truth.
+        let is_known = |mass: usize| mass < kind.masses();
         let force = force::recent(record, k);
         let share = force / largest_force.max(force.abs()).max(1e-12);
         let mut before = (stage.wall, 0.0);
@@ -46,7 +57,9 @@ impl<'a> Scene<'a> {
                 let mixed = |share| palette.ground.lerp_to_gamma(line, share);
                 let at = stage.body(mass, x);
                 let ink = Ink { line, back: mixed(0.45), fill: mixed(0.08) };
-                link(stage, painter, link_kind(spring, record, x, k), before.0, at, x - before.1, ink);
+                if !is_known(mass) || kind.is_held(mass) {
+                    link(stage, painter, link_kind(spring, record, x, k), before.0, at, x - before.1, ink);
+                }
                 let mast = [at.center_top(), pos2(at.center().x, stage.arrow)];
                 painter.line_segment(mast, Stroke::new(1.2 * stage.unit, line));
                 if known.is_some() {
@@ -61,7 +74,9 @@ impl<'a> Scene<'a> {
             if let Some(readings) = self.readings(mass) {
                 cloud(stage, painter, mass, readings, truth, k, palette.measured);
             }
-            arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
+            if !is_known(mass) || kind.is_driven(mass) {
+                arrow(stage, painter, stage.body(mass, before.1).center().x, share, palette.force);
+            }
         }
     }
 
@@ -110,37 +125,72 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// Writes the equation and the measured quantities above the spring, where there is room. Returns whether the
-    /// equation fits.
-    pub(super) fn captions(&self) -> bool {
-        let Self { stage, painter, context, .. } = *self;
-        let ViewContext { session, palette, visible, .. } = *context;
-        let corner = stage.rect.left_top() + vec2(10.0, 4.0 * stage.unit);
-        let far = pos2(stage.rest(0) - stage.travel - stage.body.x, stage.body(0, 0.0).top());
-        let room = Rect::from_min_max(corner, far);
+    /// The room above the spring.
+    fn room(&self) -> Rect {
+        let stage = self.stage;
+        let corner = stage.rect.left_top() + vec2(CORNER, 4.0 * stage.unit);
+        Rect::from_min_max(corner, pos2(stage.rest(0) - stage.travel - stage.body.x, stage.body(0, 0.0).top()))
+    }
+
+    /// The plant's equation.
+    fn equation(&self) -> LayoutJob {
+        let kind = self.context.session.run().scenario().plant.kind;
+        let (font, color) = (self.stage.font(), self.context.palette.weak);
+        match kind.own_equation() {
+            Some(own) => job(&own.settings().equation, &font, color),
+            None => LayoutJob::simple_singleline(kind.equation().to_owned(), font, color),
+        }
+    }
+
+    /// The height of a strip above the picture for an equation that a user typed and that is too long for the room above the
+    /// spring; nothing where the picture would be too low under it \[points\].
+    pub(super) fn strip(&self) -> Option<f32> {
+        let (room, rect) = (self.room().size(), self.stage.rect);
+        self.context.session.run().scenario().plant.kind.own_equation()?;
+        let mut whole = self.equation();
+        let size = self.painter.layout_job(whole.clone()).size();
+        whole.wrap.max_width = rect.width() - 2.0 * CORNER;
+        let height = self.painter.layout_job(whole).size().y + 2.0;
+        ((size.x > room.x || size.y > room.y) && height < STRIP * rect.height()).then_some(height)
+    }
+
+    /// Writes the equation and the measured quantities above the spring, where there is room, or the equation in a strip above
+    /// the picture. Returns the place of the equation.
+    pub(super) fn captions(&self, strip: Option<Rect>) -> Option<Rect> {
+        let ViewContext { session, palette, visible, .. } = *self.context;
+        let room = self.room();
+        let told = match strip {
+            None => self.write(self.equation(), room),
+            Some(strip) => {
+                let mut whole = self.equation();
+                let strip = strip.shrink2(vec2(CORNER, 0.0));
+                whole.wrap.max_width = strip.width();
+                self.write(whole, strip)
+            }
+        };
         let sensors = session.run().record().sensors();
         let mut measured = sensors.iter().map(|q| q.symbol()).collect::<Vec<_>>().join(", ");
         // Of the measured quantities, only a displacement has a channel as its rate of change.
         if !sensors.iter().any(|q| q.channel().and_then(Channel::rate).is_some()) {
             measured += ", not x";
         }
-        let equation = session.run().scenario().plant.kind.equation();
-        let mut y = room.top();
-        let mut write = |text: String| -> bool {
-            let galley = painter.layout_no_wrap(text, stage.font(), palette.weak);
-            let size = galley.size();
-            let fits = size.x <= room.width() && y + size.y <= room.bottom();
-            if fits {
-                painter.galley(pos2(room.left(), y), galley, palette.weak);
-                y += size.y;
-            }
-            fits
-        };
-        let told = write(equation.to_owned());
         if visible.measured && !sensors.is_empty() {
-            write(format!("measured: {measured}"));
+            let text = format!("measured: {measured}");
+            let below = told.map_or(room, |told| room.with_min_y(told.bottom().max(room.top())));
+            self.write(LayoutJob::simple_singleline(text, self.stage.font(), palette.weak), below);
         }
         told
+    }
+
+    /// Writes text in the corner of a room, if it fits. Returns its place.
+    fn write(&self, text: LayoutJob, room: Rect) -> Option<Rect> {
+        let galley = self.painter.layout_job(text);
+        let place = Rect::from_min_size(room.min, galley.size());
+        let fits = place.width() <= room.width() + 0.5 && place.bottom() <= room.bottom() + 0.5;
+        fits.then(|| {
+            self.painter.galley(room.min, galley, self.context.palette.weak);
+            place
+        })
     }
 }
 

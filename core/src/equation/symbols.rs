@@ -1,0 +1,86 @@
+//! The names of an equation: what the program takes each for.
+
+use super::error::EquationError;
+use super::own::of_all_plants;
+use super::settings::EquationSettings;
+use super::solve::{Component, solve};
+use super::word::symbol;
+use crate::{Channel, PlantKind, Scenario};
+
+/// A name of an equation that is neither a displacement nor the force.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Symbol {
+    /// The key in files.
+    pub key: String,
+    /// The name as it is shown.
+    pub shown: String,
+    /// Whether it is a parameter; an internal state if not.
+    pub is_parameter: bool,
+    /// The channel of built-in plants that it means; its numbers are those of all plants.
+    pub known: Option<Channel>,
+}
+
+impl EquationSettings {
+    /// The internal states and the parameters of the equation, in the order of its state.
+    ///
+    /// # Errors
+    /// [`EquationError`] where the text is no equation.
+    pub fn symbols(&self) -> Result<Vec<Symbol>, EquationError> {
+        let of = |component| {
+            let (key, is_parameter) = match component {
+                Component::Internal(key) => (key, false),
+                Component::Parameter(key) => (key, true),
+                Component::Displacement(_) | Component::Velocity(_) => return None,
+            };
+            Some(Symbol { shown: symbol(&key), known: of_all_plants(&key), key, is_parameter })
+        };
+        Ok(solve(&self.equation)?.components.into_iter().filter_map(of).collect())
+    }
+}
+
+impl Scenario {
+    /// Takes an equation as the truth's plant. Filters begin with its guesses, where these are others than those from before.
+    ///
+    /// # Errors
+    /// [`EquationError`] where it is no plant; nothing changes then.
+    pub fn set_equation(&mut self, settings: &EquationSettings) -> Result<(), EquationError> {
+        let kind = PlantKind::of_equation(settings)?;
+        let before = self.plant.kind.channels();
+        self.set_plant(kind);
+        for &channel in kind.channels() {
+            let Some(old) = before.iter().find(|old| **old == channel).map(|old| old.usual()) else { continue };
+            let new = channel.usual();
+            for filter in &mut self.filters {
+                if old.mean != new.mean {
+                    filter.initial_mean[channel] = new.mean;
+                }
+                if old.std != new.std {
+                    filter.initial_std[channel] = new.std;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Says which names of the truth's equation are taken for parameters though neither `parameters` nor a value names them, and
+    /// with which guess; `None` where there are none.
+    pub fn assumed_parameters(&self) -> Option<String> {
+        let settings = self.plant.kind.own_equation()?.settings();
+        let is_named = |channel: Channel| settings.parameter(channel.key()).is_some() || self.plant.has_own(channel);
+        let symbols = settings.symbols().ok()?;
+        let is_own = |channel: &Channel| {
+            symbols.iter().any(|one| one.is_parameter && one.known.is_none() && one.key == channel.key())
+        };
+        let guess = |channel: Channel| {
+            let first = self.filters.iter().find(|filter| filter.plant.is_none());
+            first.map_or(channel.usual().mean, |filter| filter.initial_mean[channel])
+        };
+        let assumed = self.plant.kind.parameters().filter(|channel| is_own(channel) && !is_named(*channel));
+        let told: Vec<String> =
+            assumed.map(|channel| format!("{} (guess {})", channel.symbol(), guess(channel))).collect();
+        let (last, others) = told.split_last()?;
+        let all = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
+        let is = if others.is_empty() { "is taken for a parameter" } else { "are taken for parameters" };
+        Some(format!("of the equation, {all} {is}: `parameters` can say name, unit, guess and range"))
+    }
+}

@@ -1,0 +1,32 @@
+//! A typeset equation as text on screen.
+
+use egui::text::LayoutJob;
+use egui::{Align, Color32, FontId, TextFormat};
+use kalmanscope_core::equation::{Level, typeset};
+
+/// The size of powers and subscripts, relative to that of the line.
+const SMALL: f32 = 0.72;
+
+/// An equation of text, a line for each equation, powers raised and subscripts lowered. A text that is no equation, as that of
+/// some built-in plants, stays as it is.
+pub(crate) fn job(text: &str, font: &FontId, color: Color32) -> LayoutJob {
+    let Ok(lines) = typeset(text) else {
+        return LayoutJob::simple(text.to_owned(), font.clone(), color, f32::INFINITY);
+    };
+    let small = FontId::new(SMALL * font.size, font.family.clone());
+    let mut job = LayoutJob::default();
+    for (place, line) in lines.iter().enumerate() {
+        if place > 0 {
+            job.append("\n", 0.0, TextFormat::simple(font.clone(), color));
+        }
+        for run in line {
+            let (font, valign) = match run.level {
+                Level::Line => (font, Align::Center),
+                Level::Above => (&small, Align::TOP),
+                Level::Below => (&small, Align::BOTTOM),
+            };
+            job.append(&run.text, 0.0, TextFormat { valign, ..TextFormat::simple(font.clone(), color) });
+        }
+    }
+    job
+}
