@@ -1,0 +1,49 @@
+//! Counts the instructions of filter steps by callgrind, and compares them with `table.toml`: code that falls out of its
+//! instruction set has the right numbers and several times the instructions.
+//!
+//! ```text
+//! cargo test --profile counting -p kalmanscope-lanes --test instructions                  all cases beside the table
+//! cargo test --profile counting -p kalmanscope-lanes --test instructions -- Duffing UKF   those whose names have these words
+//! cargo test --profile counting -p kalmanscope-lanes --test instructions -- --update      writes the table
+//! ```
+//!
+//! Needs valgrind, whose counts are the same on a busy machine. The profile is that of a release: with fewer optimisations AVX2
+//! saves little beside the moves of memory, and its loss is not seen. Counts depend on the compiler too: the table says which
+//! one it is of.
+
+mod cases;
+mod counting;
+mod table;
+
+use std::process::ExitCode;
+
+/// The argument of the process whose instructions are counted.
+const WORK: &str = "--work";
+
+fn main() -> ExitCode {
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    let mut take = |option: &str| {
+        let before = words.len();
+        words.retain(|word| word != option);
+        words.len() < before
+    };
+    let (is_work, is_update) = (take(WORK), take("--update"));
+    let chosen = cases::chosen(&words);
+    if is_work {
+        counting::work(&chosen);
+        return ExitCode::SUCCESS;
+    }
+    let done = match (is_update, words.is_empty()) {
+        _ if cfg!(debug_assertions) => Err("the table is of a release: count with `--profile counting`".to_owned()),
+        (true, false) => Err("the table is written as a whole: leave out the names".to_owned()),
+        (true, true) => table::write(&chosen),
+        (false, is_whole) => table::compare(&chosen, &words, is_whole),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("{reason}");
+            ExitCode::FAILURE
+        }
+    }
+}
