@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 pub use givens::{add_to_root, rotate, rotation};
 pub use ldl::Ldl;
 pub use product::{
-    add_all_columns, add_product, multiply, multiply_rows, multiply_sparse, multiply_symmetric, multiply_transposed,
+    add_product, multiply, multiply_sparse, multiply_symmetric, multiply_transposed,
 };
 pub use root::{RootError, lower_root, lower_root_into};
 

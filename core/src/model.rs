@@ -289,11 +289,6 @@ impl Model {
         gain.into_iter().chain(self.offset.map(one)).chain(self.unknown.map(one)).chain(self.white.map(one))
     }
 
-    /// The place of the input gain, whose column of the Jacobian is that of the force times the force.
-    pub fn gain_place(&self) -> Option<usize> {
-        self.gain
-    }
-
     /// `∂g/∂F`, n numbers: the force enters additively.
     pub fn by_force(&self, state: &[f64]) -> Vector {
         let mut by_force = Vector::zeros(self.size());

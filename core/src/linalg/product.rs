@@ -1,21 +1,16 @@
 //! Products of matrices, written into memory that is there already.
 
-use super::{Matrix, Vector, fit};
+use super::{Matrix, fit};
 
 /// Makes `out` the product `A B`.
 pub fn multiply(out: &mut Matrix, a: &Matrix, b: &Matrix) {
-    multiply_rows(out, a.nrows(), a, b);
-}
-
-/// Makes `out` the first `rows` rows of `A B`.
-pub fn multiply_rows(out: &mut Matrix, rows: usize, a: &Matrix, b: &Matrix) {
+    let (rows, inner) = a.shape();
     fit(out, rows, b.ncols());
     out.as_mut_slice().fill(0.0);
-    let (lead, inner) = a.shape();
     for j in 0..b.ncols() {
         let factors = &b.as_slice()[j * inner..][..inner];
         let column = &mut out.as_mut_slice()[j * rows..][..rows];
-        add_columns(column, a.as_slice(), lead, factors.iter().copied());
+        add_columns(column, a.as_slice(), rows, factors.iter().copied());
     }
 }
 
@@ -64,11 +59,6 @@ pub fn multiply_symmetric(out: &mut Matrix, w: f64, a: &Matrix, b: &Matrix) {
     }
 }
 
-/// `Σ w aₖ`: the sum of a matrix's columns, each `w` times.
-pub fn add_all_columns(sum: &mut Vector, w: f64, a: &Matrix) {
-    add_columns(sum.as_mut_slice(), a.as_slice(), a.nrows(), std::iter::repeat_n(w, a.ncols()));
-}
-
 /// Adds columns to a sum, each times its factor; a column begins `lead` numbers after the one before. Four at a time: the
 /// sum is read and written a quarter as often.
 #[inline]
@@ -106,8 +96,6 @@ mod tests {
             let (a, b) = (of(n + 1, n, 0.3), of(n, 6, 0.9));
             multiply(&mut out, &a, &b);
             assert!((&out - &a * &b).amax() < 1e-14);
-            multiply_rows(&mut out, n, &a, &b);
-            assert!((&out - (&a * &b).rows(0, n)).amax() < 1e-14);
             let c = of(5, n, -0.4);
             multiply_transposed(&mut out, &a, &c);
             assert!((&out - &a * c.transpose()).amax() < 1e-14);
@@ -117,9 +105,6 @@ mod tests {
             let mut lower = Matrix::zeros(n + 1, n + 1);
             multiply_symmetric(&mut lower, 0.7, &a, &a);
             assert!((&lower - (&a * a.transpose() * 0.7).lower_triangle()).amax() < 1e-14);
-            let mut sum = Vector::zeros(n + 1);
-            add_all_columns(&mut sum, 0.7, &a);
-            assert!((sum - a.column_sum() * 0.7).amax() < 1e-14);
         }
     }
 }
