@@ -16,7 +16,7 @@ pub(crate) struct Case {
 /// The cases whose names have all of these words.
 pub(crate) fn chosen(words: &[String]) -> Vec<Case> {
     let mut cases = all();
-    cases.retain(|case| words.iter().all(|word| case.name.split(' ').any(|other| other == word)));
+    cases.retain(|case| words.iter().all(|word| case.name.split([' ', ',']).any(|other| other == word)));
     cases
 }
 

@@ -35,6 +35,7 @@ fn main() -> ExitCode {
     }
     let done = match (is_update, words.is_empty()) {
         _ if cfg!(debug_assertions) => Err("the table is of a release: count with `--profile counting`".to_owned()),
+        _ if chosen.is_empty() => Err(format!("no case has the words {}", words.join(" "))),
         (true, false) => Err("the table is written as a whole: leave out the names".to_owned()),
         (true, true) => table::write(&chosen),
         (false, is_whole) => table::compare(&chosen, &words, is_whole),
