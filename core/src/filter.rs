@@ -328,7 +328,7 @@ impl<B: Belief + ?Sized> Filter<B> {
             widening.enumerate().filter(is_kept).for_each(|(i, variance)| process[(i, i)] += variance);
         }
         let noise = wide.as_ref().unwrap_or(noise);
-        let (steps, renewed) = white.map_or((*substeps, 0), |white| white.steps(*substeps));
+        let (steps, renewed) = white.map_or((*substeps, 0), |white| white.course.steps(*substeps));
         if steps == 1 {
             before(model, belief, Part::Step(whole))?;
             belief.predict(model, whole, noise)?;

@@ -9,9 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 pub use givens::{add_to_root, rotate, rotation};
 pub use ldl::Ldl;
-pub use product::{
-    add_product, multiply, multiply_sparse, multiply_symmetric, multiply_transposed,
-};
+pub use product::{add_product, multiply, multiply_sparse, multiply_symmetric, multiply_transposed};
 pub use root::{RootError, lower_root, lower_root_into};
 
 /// A column of numbers.

@@ -44,6 +44,16 @@ impl<T: Number> Belief<T> {
         }
     }
 
+    /// Makes variances zero that are so but for rounding, and may have come out on the wrong side.
+    #[inline(always)]
+    pub fn clamp(&mut self) {
+        let n = self.size();
+        for j in 0..n {
+            let variance = self.cov[j * n + j];
+            self.cov[j * n + j] = T::select(variance.lt(T::of(0.0)), T::of(0.0), variance);
+        }
+    }
+
     /// Makes a component another one, which has mean zero and this variance and knows nothing of the others.
     #[inline(always)]
     pub fn renew(&mut self, place: usize, variance: T) {

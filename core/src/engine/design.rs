@@ -34,6 +34,8 @@ pub struct Design {
     pub dt: f64,
     /// Whether the recorded force is linear between samples.
     pub has_slope: bool,
+    /// The number of steps from a sample to the next.
+    pub substeps: usize,
     /// The reading of each sensor.
     pub readings: Vec<Reading>,
     /// The place of a white force and its course between samples.

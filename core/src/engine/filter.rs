@@ -16,7 +16,6 @@ use super::sigma_points::SigmaPoints;
 use super::step::Step;
 use super::update::{Observation, Told, Update};
 use crate::FilterError;
-use crate::filter::Course;
 
 /// Filters of one design, one a lane, with their memory: a step needs no other.
 #[derive(Clone, Debug)]
@@ -52,34 +51,38 @@ impl<T: Number, L: Level> Filter<T, L> {
         }
     }
 
-    /// Carries the beliefs over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\].
+    /// Carries the beliefs over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\]. The noise
+    /// is added in the last of its parts.
     ///
-    /// A white force is another one from the next sample on, or from the middle of the step ([`Course`]).
+    /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](crate::filter::Course)).
     #[inline(always)]
     pub fn predict(&mut self, forces: [T; 2]) {
-        let Design { has_slope, dt, white, .. } = self.design;
+        let Design { has_slope, dt, substeps, white, .. } = self.design;
         let [begin, end] = forces;
         let whole = Step { forces: [begin, if has_slope { end } else { begin }], has_slope, dt };
-        if let Some((place, Course::Centred)) = white {
-            let [first, second] = whole.halves();
-            let begun = self.advance(&first);
-            self.belief.renew(place, self.white);
-            let rooted = self.advance(&second);
-            self.held.predicted = Rooted {
-                holds: begun.holds & rooted.holds,
-                is_finite: begun.is_finite & (!begun.holds | rooted.is_finite),
+        let (parts, renewed) = white.map_or((substeps, 0), |(_, course)| course.steps(substeps));
+        let yes = T::Mask::of(true);
+        let mut held = Rooted { holds: yes, is_finite: yes };
+        for i in 0..parts {
+            let rooted = if parts == 1 { self.advance(&whole) } else { self.advance(&whole.part(i, parts)) };
+            held = Rooted {
+                holds: held.holds & rooted.holds,
+                is_finite: held.is_finite & (!held.holds | rooted.is_finite),
             };
-        } else {
-            self.held.predicted = self.advance(&whole);
+            let Self { level, belief, noise, .. } = self;
+            if i + 1 == parts {
+                level.apart(
+                    #[inline(always)]
+                    || belief.spread(*level, noise),
+                );
+            } else {
+                belief.clamp();
+            }
+            if let Some((place, _)) = white.filter(|_| i + 1 == renewed) {
+                self.belief.renew(place, self.white);
+            }
         }
-        let Self { level, belief, noise, .. } = self;
-        level.apart(
-            #[inline(always)]
-            || belief.spread(*level, noise),
-        );
-        if let Some((place, Course::Held | Course::Continuous)) = white {
-            self.belief.renew(place, self.white);
-        }
+        self.held.predicted = held;
     }
 
     /// Moves the beliefs, without noise.

@@ -39,10 +39,9 @@ pub struct Setup {
 
 impl Setup {
     /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
-    /// components, with any augmentations, that adapts nothing, does not jump, has one guess, takes one step from a sample to the
-    /// next and has no logarithms. What others do as
-    /// fast is left to them: plain filters of an oscillator, which have lanes of their own, and the plain KF and EKF of a chain,
-    /// whose kernel knows its structure.
+    /// components, with any augmentations, that adapts nothing, does not jump, has one guess and no logarithms. What others do
+    /// as fast is left to them: plain filters of an oscillator, which have lanes of their own, and the plain KF and EKF of a
+    /// chain, whose kernel knows its structure.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -79,13 +78,14 @@ impl Setup {
             method,
             dt: context.dt,
             has_slope: context.hold == Hold::First,
+            substeps: settings.substeps.max(1),
             readings: sensors.iter().map(|(_, reading, _)| reading.clone()).collect(),
             white: white.map(|white| (white.place, white.course)),
         };
         can_begin(&initial, noise).then(|| Self {
             design,
             channels: book.channels().to_vec(),
-            has_kernel: kernel::estimator::serves(settings, context),
+            has_kernel: settings.substeps == 1 && kernel::estimator::serves(settings, context),
             mean: initial.mean.as_slice().to_vec(),
             variance: initial.cov.diagonal().as_slice().to_vec(),
             process: noise.process.diagonal().as_slice().to_vec(),
@@ -104,7 +104,6 @@ fn is_usual(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
         && !settings.adaptation.is_on()
         && !settings.jump
         && settings.guesses == 1
-        && settings.substeps == 1
         && context.model(settings).size() <= MOST
 }
 
@@ -114,7 +113,8 @@ fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bo
     const WITH_STRUCTURE: [PlantKind; 3] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4];
     let plant = settings.plant.unwrap_or(context.plant);
     let is_linearised = [FilterKind::KF, FilterKind::EKF].contains(&settings.kind);
-    (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
+    settings.substeps == 1
+        && (WITH_LANES.contains(&plant) || (is_linearised && WITH_STRUCTURE.contains(&plant)))
         && kernel::estimator::serves(settings, context)
 }
 

@@ -68,7 +68,7 @@ impl Single {
             update: Update::new(&model, sensors),
             measured: vec![f64::NAN; sensors],
             held: Held::new(),
-            design: Design { model, method, dt: 0.0, has_slope: true, readings, white: None },
+            design: Design { model, method, dt: 0.0, has_slope: true, substeps: 1, readings, white: None },
         }
     }
 

@@ -20,10 +20,14 @@ impl<T: Number> Step<T> {
         (self.forces[1] - self.forces[0]) * (1.0 / self.dt)
     }
 
-    /// The two halves of the step.
-    pub fn halves(&self) -> [Self; 2] {
+    /// A part of the step, of this many that take the same time.
+    pub fn part(&self, i: usize, parts: usize) -> Self {
         let [begin, end] = self.forces;
-        let middle = begin + (end - begin) * 0.5;
-        [[begin, middle], [middle, end]].map(|forces| Self { forces, dt: 0.5 * self.dt, ..*self })
+        let force = |i: usize| match i {
+            0 => begin,
+            i if i == parts => end,
+            i => begin + (end - begin) * (i as f64 / parts as f64),
+        };
+        Self { forces: [force(i), force(i + 1)], dt: self.dt / parts as f64, ..*self }
     }
 }

@@ -50,6 +50,16 @@ pub enum Course {
     Centred,
 }
 
+impl Course {
+    /// The number of steps of a prediction of `substeps` steps, and after how many of them w is another.
+    pub(crate) fn steps(self, substeps: usize) -> (usize, usize) {
+        match self {
+            Self::Held | Self::Continuous => (substeps, substeps),
+            Self::Centred => (2 * substeps.div_ceil(2), substeps.div_ceil(2)),
+        }
+    }
+}
+
 impl White {
     /// The white force of a filter with these settings and sensors, if it has one.
     pub(super) fn of(model: &Model, settings: &FilterSettings, hold: Hold, sensors: &[Quantity]) -> Option<Self> {
@@ -80,14 +90,6 @@ impl White {
             for &(j, b) in &moved {
                 process[(i, j)] += variance * a * b;
             }
-        }
-    }
-
-    /// The number of steps of a prediction of `substeps` steps, and after how many of them w is another.
-    pub(super) fn steps(self, substeps: usize) -> (usize, usize) {
-        match self.course {
-            Course::Held | Course::Continuous => (substeps, substeps),
-            Course::Centred => (2 * substeps.div_ceil(2), substeps.div_ceil(2)),
         }
     }
 

@@ -16,7 +16,8 @@ use kalmanscope_core::engine::{self, Setup};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::score::{Look, Outcome};
 use kalmanscope_core::{
-    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Record, Run, Scenario, Values,
+    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Run,
+    Scenario, Values,
 };
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use outcome_bits::bits;
@@ -131,9 +132,17 @@ fn the_engine_agrees_with_the_single_filter() {
     let (mut compared, mut diverged) = (0, 0);
     for plant in PLANTS {
         for (quantities, hold) in sensors.into_iter().flat_map(|q| [(q, Hold::Zero), (q, Hold::First)]) {
-            for augment in augmentations {
+            for (nth, augment) in augmentations.into_iter().enumerate() {
                 let mut scenario = truth(plant, quantities, augment, hold);
                 (scenario.duration, scenario.filters[0].fading, scenario.filters[0].input_delay) = (0.3, 1.002, 1);
+                let filter = &mut scenario.filters[0];
+                match nth {
+                    1 => filter.propagation = Propagation::RungeKutta,
+                    3 => filter.substeps = 3,
+                    4 => filter.substeps = 2,
+                    5 => filter.eta = 0.02,
+                    _ => {}
+                }
                 let record = simulated(&scenario);
                 for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::CKF] {
                     scenario.filters[0].kind = kind;
