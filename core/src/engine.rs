@@ -26,6 +26,7 @@
 
 pub mod belief;
 pub mod columns;
+pub mod course;
 pub mod design;
 mod differentiated;
 pub mod dual;
@@ -43,7 +44,9 @@ pub mod linearised;
 pub mod list;
 pub mod model;
 pub mod number;
+mod plain;
 pub mod plants;
+pub mod propagation;
 pub mod run;
 pub mod runge_kutta;
 mod scores;

@@ -10,6 +10,7 @@
 //! the registry below lists them.
 
 mod adaptation;
+mod correction;
 mod ensemble;
 pub(crate) mod estimator;
 mod gaussian;
@@ -26,6 +27,7 @@ mod noise;
 mod observation;
 mod particles;
 mod propagation;
+mod rule;
 mod sigma_points;
 pub(crate) mod smoother;
 mod square_root;
@@ -45,9 +47,10 @@ use crate::quantity::Quantity;
 
 pub use crate::random::Normal;
 pub use adaptation::Adaptation;
+pub use correction::Correction;
 pub use ensemble::Ensemble;
 pub use gaussian::Gaussian;
-pub use kalman::{Correction, Expected};
+pub use kalman::Expected;
 pub use kind::{FilterInfo, FilterKind};
 pub use linear::KalmanFilter;
 pub use marginalised::Marginalised;
@@ -57,7 +60,7 @@ pub use noise::Noise;
 pub use observation::Observation;
 pub use particles::Particles;
 pub use propagation::Propagation;
-pub use sigma_points::Rule;
+pub use rule::Rule;
 pub use square_root::SquareRoot;
 pub use step::Step;
 pub use system::{Shape, SystemError};

@@ -1,8 +1,8 @@
 //! What the runs of a batch share.
 
+use super::course::Course;
 use super::model::Model;
-use crate::Propagation;
-use crate::filter::Course;
+use super::propagation::Propagation;
 use crate::model::Reading;
 
 /// Where sigma points are and what they weigh.

@@ -54,7 +54,7 @@ impl<T: Number, L: Level> Filter<T, L> {
     /// Carries the beliefs over one step, from a sample to the next, with the recorded forces over mass of both \[m/s²\]. The noise
     /// is added in the last of its parts.
     ///
-    /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](crate::filter::Course)).
+    /// A white force is another one from the next sample on, or from the middle of the step ([`Course`](super::course::Course)).
     #[inline(always)]
     pub fn predict(&mut self, forces: [T; 2]) {
         let Design { has_slope, dt, substeps, white, .. } = self.design;

@@ -9,8 +9,8 @@ use super::impulse::Impulse;
 use super::level::Level;
 use super::model::{Derivatives, Model};
 use super::number::Number;
+use super::propagation::Propagation;
 use super::step::Step;
-use crate::Propagation;
 
 /// The step from the mean, and memory to work in.
 #[derive(Clone, Debug)]

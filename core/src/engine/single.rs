@@ -7,11 +7,12 @@ use super::fault::{Held, of_root};
 use super::level::Baseline;
 use super::linearised::Linearised;
 use super::model::Model;
+use super::propagation::Propagation;
 use super::sigma_points::SigmaPoints;
 use super::step::Step;
 use super::update::{Observation, Told, Update};
+use crate::FilterError;
 use crate::model::Reading;
-use crate::{FilterError, Propagation};
 
 /// Mean and covariance, n and n × n numbers; of the covariance the lower triangle counts.
 #[derive(Debug)]

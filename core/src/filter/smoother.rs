@@ -21,8 +21,9 @@
 //! Source: Bierman (1973), Fixed interval smoothing with discrete measurements; Rauch, Tung and Striebel (1965), Maximum
 //! likelihood estimates of linear dynamic systems; Särkkä (2008), Unscented Rauch-Tung-Striebel smoother.
 
+use super::correction::Last;
 use super::estimator::{InUnits, build_filter, initial_belief};
-use super::kalman::{self, Last};
+use super::kalman;
 use super::{Correction, Filter, FilterError, Gaussian, Part};
 use crate::estimator::FilterContext;
 use crate::linalg::{Ldl, Matrix, Vector, multiply, multiply_symmetric};

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::kalman::{self, Last};
+use super::correction::Last;
+use super::kalman;
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Observation, Rule, Step};
 use crate::Model;
 use crate::integrate::RungeKutta;
