@@ -71,24 +71,53 @@ enum What {
     Divide,
     Negative,
     Call(Function),
+    /// a + c, with a constant c.
+    Offset(f64),
+    /// c a
+    Scale(f64),
+}
+
+impl What {
+    /// What an operation does, and the numbers that it needs. A constant that is added or multiplied needs no register.
+    fn of(operation: Operation, operations: &[Operation]) -> (Self, [Option<Node>; 2]) {
+        let constant = |node: Node| match operations[node.place()] {
+            Operation::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        };
+        match operation {
+            Operation::Constant(bits) => (Self::Constant(f64::from_bits(bits)), [None, None]),
+            // An input stands in its register.
+            Operation::Input(_) => (Self::Add, [None, None]),
+            Operation::Add(a, b) => match (constant(a), constant(b)) {
+                (_, Some(c)) => (Self::Offset(c), [Some(a), None]),
+                (Some(c), None) => (Self::Offset(c), [Some(b), None]),
+                (None, None) => (Self::Add, [Some(a), Some(b)]),
+            },
+            Operation::Subtract(a, b) => match constant(b) {
+                Some(c) => (Self::Offset(-c), [Some(a), None]),
+                None => (Self::Subtract, [Some(a), Some(b)]),
+            },
+            Operation::Multiply(a, b) => match (constant(a), constant(b)) {
+                (_, Some(c)) => (Self::Scale(c), [Some(a), None]),
+                (Some(c), None) => (Self::Scale(c), [Some(b), None]),
+                (None, None) => (Self::Multiply, [Some(a), Some(b)]),
+            },
+            Operation::Divide(a, b) => (Self::Divide, [Some(a), Some(b)]),
+            Operation::Negative(a) => (Self::Negative, [Some(a), None]),
+            Operation::Call(function, a) => (Self::Call(function), [Some(a), None]),
+        }
+    }
 }
 
 impl List {
     /// The list that computes some outputs, each with a place that it goes to; none where they need more registers than there are.
     pub fn new(operations: &[Operation], inputs: usize, outputs: &[(usize, Node)]) -> Option<Self> {
-        let uses = |operation: Operation| match operation {
-            Operation::Constant(_) | Operation::Input(_) => [None, None],
-            Operation::Add(a, b) | Operation::Subtract(a, b) | Operation::Multiply(a, b) | Operation::Divide(a, b) => {
-                [Some(a), Some(b)]
-            }
-            Operation::Negative(a) | Operation::Call(_, a) => [Some(a), None],
-        };
         // From the last operation back: what is needed, and by which operation last.
         let mut last: Vec<Option<usize>> = vec![None; operations.len()];
         outputs.iter().for_each(|(_, node)| last[node.place()] = Some(usize::MAX));
         for (place, &operation) in operations.iter().enumerate().rev() {
             if last[place].is_some() {
-                for node in uses(operation).into_iter().flatten() {
+                for node in What::of(operation, operations).1.into_iter().flatten() {
                     let entry = &mut last[node.place()];
                     *entry = entry.or(Some(place));
                 }
@@ -102,16 +131,7 @@ impl List {
                 of[place] = u8::try_from(input).ok()?;
                 continue;
             }
-            let what = match operation {
-                Operation::Constant(bits) => What::Constant(f64::from_bits(bits)),
-                Operation::Input(_) | Operation::Add(..) => What::Add,
-                Operation::Subtract(..) => What::Subtract,
-                Operation::Multiply(..) => What::Multiply,
-                Operation::Divide(..) => What::Divide,
-                Operation::Negative(_) => What::Negative,
-                Operation::Call(function, _) => What::Call(function),
-            };
-            let [a, b] = uses(operation);
+            let (what, [a, b]) = What::of(operation, operations);
             let register = |node: Option<Node>| node.map_or(0, |node| of[node.place()]);
             let (ra, rb) = (register(a), register(b));
             for node in a.into_iter().chain(b.filter(|_| a != b)) {
@@ -139,7 +159,8 @@ impl List {
     pub fn run<T: Real>(&self, inputs: &[T], last: T, take: impl FnMut(usize, T)) {
         // Memory is cleared at each call: no more of it than is needed.
         match self.registers {
-            0..=16 => self.run_in::<T, 16>(inputs, last, take),
+            0..=8 => self.run_in::<T, 8>(inputs, last, take),
+            9..=16 => self.run_in::<T, 16>(inputs, last, take),
             17..=48 => self.run_in::<T, 48>(inputs, last, take),
             _ => self.run_in::<T, REGISTERS>(inputs, last, take),
         }
@@ -161,6 +182,8 @@ impl List {
                 What::Divide => a / b,
                 What::Negative => -a,
                 What::Call(function) => a.call(*function),
+                What::Offset(c) => a + *c,
+                What::Scale(c) => a * *c,
             };
         }
         for (to, register) in &self.outputs {
