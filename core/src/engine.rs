@@ -31,6 +31,7 @@ pub mod design;
 mod differentiated;
 pub mod dual;
 mod error_square;
+#[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod estimator;
 mod expected;
 pub mod exponential;

@@ -336,11 +336,9 @@ impl<B: Belief + ?Sized> Filter<B> {
             before(model, belief, Part::Step(whole))?;
             belief.predict(model, whole, noise)?;
         } else {
-            let share = |i: usize| i as f64 / steps as f64;
             let silent = Noise { process: Matrix::zeros(model.size(), model.size()), sensors: Vec::new(), fading: 1.0 };
             for i in 0..steps {
-                let forces = [whole.force(share(i)), whole.force(share(i + 1))];
-                let part = Step { forces, dt: whole.dt / steps as f64 };
+                let part = whole.part(i, steps);
                 before(model, belief, Part::Step(part))?;
                 belief.predict(model, part, if i + 1 < steps { &silent } else { noise })?;
                 if let Some(white) = white.filter(|_| i + 1 == renewed && renewed < steps) {

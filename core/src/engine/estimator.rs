@@ -3,9 +3,7 @@
 use super::belief::Belief;
 use super::columns::mirror;
 use super::filter::Filter;
-#[cfg(not(target_arch = "wasm32"))]
-use super::level::Known;
-use super::level::{Baseline, Level};
+use super::level::{Baseline, Known, Level};
 use super::run::filter;
 use super::setup::Setup;
 use crate::FilterError;
@@ -35,12 +33,8 @@ struct Told {
 pub(crate) fn estimator(setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
     let model = &setup.design.model;
     match (model.size, model.moving()) {
-        // A page leaves these out, to be smaller.
-        #[cfg(not(target_arch = "wasm32"))]
         (4, 2) => of(Known::<_, 4, 2>(Baseline), setup, sensors),
-        #[cfg(not(target_arch = "wasm32"))]
         (5, 2) => of(Known::<_, 5, 2>(Baseline), setup, sensors),
-        #[cfg(not(target_arch = "wasm32"))]
         (6, 2) => of(Known::<_, 6, 2>(Baseline), setup, sensors),
         _ => of(Baseline, setup, sensors),
     }

@@ -1,6 +1,7 @@
 //! The number of one run.
 
 use super::function::Function;
+#[cfg(not(target_arch = "wasm32"))]
 use super::lanes::Lanes;
 use super::number::{Mask, Number, Real};
 
@@ -40,19 +41,40 @@ impl Mask for bool {
 
 impl Number for f64 {
     type Mask = bool;
+    #[cfg(not(target_arch = "wasm32"))]
     type Pack = Lanes<4>;
+    // A page has one way only, to be smaller.
+    #[cfg(target_arch = "wasm32")]
+    type Pack = Self;
 
     const LANES: usize = 1;
+    #[cfg(not(target_arch = "wasm32"))]
     const POINTS: usize = 4;
+    #[cfg(target_arch = "wasm32")]
+    const POINTS: usize = 1;
 
+    #[cfg(not(target_arch = "wasm32"))]
     #[inline(always)]
     fn pack(of: impl Fn(usize) -> Self) -> Self::Pack {
         Lanes([of(0), of(1), of(2), of(3)])
     }
 
+    #[cfg(target_arch = "wasm32")]
+    #[inline(always)]
+    fn pack(of: impl Fn(usize) -> Self) -> Self::Pack {
+        of(0)
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
     #[inline(always)]
     fn of_pack(pack: Self::Pack, point: usize) -> Self {
         pack.0[point]
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    #[inline(always)]
+    fn of_pack(pack: Self::Pack, _: usize) -> Self {
+        pack
     }
 
     #[inline(always)]

@@ -20,6 +20,17 @@ impl Step {
         begin + (end - begin) * share
     }
 
+    /// A part of the step, of this many that take the same time.
+    pub(super) fn part(&self, i: usize, parts: usize) -> Self {
+        let [begin, end] = self.forces;
+        let force = |i: usize| match i {
+            0 => begin,
+            i if i == parts => end,
+            i => self.force(i as f64 / parts as f64),
+        };
+        Self { forces: [force(i), force(i + 1)], dt: self.dt / parts as f64 }
+    }
+
     /// The slope of the force over mass \[m/s³\].
     pub fn slope(&self) -> f64 {
         let [begin, end] = self.forces;
