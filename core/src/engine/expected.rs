@@ -87,10 +87,7 @@ impl<T: Number> Expected<T> {
                 || self.transform(level, rule, design, belief, active, force),
             );
         } else {
-            level.apart(
-                #[inline(always)]
-                || self.derivatives.take(level, &design.model, &belief.mean, force),
-            );
+            self.derivatives.take(level, &design.model, &belief.mean, force);
             level.apart(
                 #[inline(always)]
                 || self.linearise(level, design, belief, active, force, None),

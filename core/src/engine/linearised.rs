@@ -101,10 +101,7 @@ impl<T: Number> Linearised<T> {
     /// the matrix exponential.
     #[inline(always)]
     fn linearise<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
-        level.apart(
-            #[inline(always)]
-            || self.derivatives.take(level, model, mean, step.forces[0]),
-        );
+        self.derivatives.take(level, model, mean, step.forces[0]);
         if level.moving(model.moving()) == 2 && model.is_oscillator() {
             level.apart(
                 #[inline(always)]

@@ -168,9 +168,17 @@ impl<T: Number> Derivatives<T> {
         }
     }
 
-    /// Takes them in a state under this recorded force.
+    /// Takes them in a state under this recorded force, in a function of its own: it is long, and called from many places.
     #[inline(always)]
     pub fn take<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
+        level.apart(
+            #[inline(always)]
+            || self.take_inside(level, model, state, force),
+        );
+    }
+
+    #[inline(always)]
+    fn take_inside<L: Level>(&mut self, level: L, model: &Model, state: &[T], force: T) {
         let Self { rate, columns, plain, duals } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (state, rate, columns) = (&state[..n], &mut rate[..moving], &mut columns[..moving * n]);
