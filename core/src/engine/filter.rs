@@ -106,16 +106,19 @@ impl<T: Number, L: Level> Filter<T, L> {
         update.condition(*level, design, belief, noise, Observation { force, measured }, held)
     }
 
+    #[cfg(not(target_arch = "wasm32"))]
     /// The belief, and the last update.
     pub(super) fn told(&mut self) -> (&Belief<T>, &mut Update<T>) {
         (&self.belief, &mut self.update)
     }
 
+    #[cfg(not(target_arch = "wasm32"))]
     /// Whether the forces that count in a step are finite in all lanes.
     pub(super) fn are_finite(&self, [begin, end]: [T; 2]) -> bool {
         begin.is_finite().all() && (!self.design.has_slope || end.is_finite().all())
     }
 
+    #[cfg(not(target_arch = "wasm32"))]
     /// Whether sigma points could be drawn for the last prediction in a lane.
     pub(super) fn is_predicted(&self, lane: usize) -> bool {
         self.held.predicted.holds.lane(lane)

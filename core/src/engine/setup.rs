@@ -20,8 +20,6 @@ pub struct Setup {
     pub design: Design,
     /// The components of the state.
     pub channels: Vec<Channel>,
-    /// Whether a kernel may take the filter where it runs alone, with other roundings.
-    pub has_kernel: bool,
     /// The initial mean and variances.
     pub(super) mean: Vec<f64>,
     pub(super) variance: Vec<f64>,
@@ -85,7 +83,6 @@ impl Setup {
         can_begin(&initial, noise).then(|| Self {
             design,
             channels: book.channels().to_vec(),
-            has_kernel: settings.substeps == 1 && kernel::estimator::serves(settings, context),
             mean: initial.mean.as_slice().to_vec(),
             variance: initial.cov.diagonal().as_slice().to_vec(),
             process: noise.process.diagonal().as_slice().to_vec(),

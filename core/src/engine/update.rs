@@ -241,6 +241,7 @@ impl<T: Number> Update<T> {
         [&self.innovation[..m], &self.innovation_cov[..m * m], &self.gain[..m * n]]
     }
 
+    #[cfg(not(target_arch = "wasm32"))]
     /// Makes S symmetric to the last bit, from its lower triangle.
     pub(super) fn complete(&mut self) {
         let m = self.active.len();
