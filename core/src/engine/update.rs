@@ -1,7 +1,7 @@
 //! The update: a belief conditioned on the measurements of one sample.
 
 use super::belief::{Belief, Noise};
-use super::columns::{add_times, divide, factor, mirror, square, take_times};
+use super::columns::{add_times, divide, factor, square, take_times};
 use super::design::Design;
 use super::expected::Expected;
 use super::fault::Held;
@@ -245,7 +245,7 @@ impl<T: Number> Update<T> {
     /// Makes S symmetric to the last bit, from its lower triangle.
     pub(super) fn complete(&mut self) {
         let m = self.active.len();
-        mirror(&mut self.innovation_cov[..m * m], m);
+        super::columns::mirror(&mut self.innovation_cov[..m * m], m);
     }
 
     /// H, m × n in place of what `out` holds; `false` where there is none.
