@@ -97,7 +97,7 @@ impl Correction {
         }
     }
 
-    /// Writes down e, S with its factor, and K, of which there are those of the sensors that measured, each in its place.
+    /// Writes down e, S with its factor, and K. Only sensors that measured have them; each goes to the place of its sensor.
     pub fn report(
         &mut self,
         observation: &Observation,

@@ -1,4 +1,4 @@
-//! What acts on which mass of a plant, as its equations say.
+//! Reads from a plant's equations which springs and forces act on which mass.
 
 use super::PlantKind;
 use crate::Channel;
