@@ -3,7 +3,7 @@
 use super::belief::Belief;
 use super::columns::{Rooted, add_times, entry, lower_root};
 use super::design::{Design, Method, Rule};
-use super::level::Level;
+use super::level::{Count, Level};
 use super::model::{Derivatives, Model, gradient, read};
 use super::number::{Mask, Number};
 use crate::model::Reading;
@@ -66,9 +66,10 @@ impl<T: Number> Expected<T> {
     /// Takes the prediction of some sensors' measurements while this recorded force acts. Sigma points through a linear function
     /// give its exact moments, which H gives for less. Returns the lanes for which points can be drawn.
     #[inline(always)]
-    pub(super) fn take<L: Level>(
+    pub(super) fn take<L: Level, C: Count>(
         &mut self,
         level: L,
+        count: C,
         design: &Design,
         belief: &Belief<T>,
         active: &[usize],
@@ -78,19 +79,19 @@ impl<T: Number> Expected<T> {
         if design.readings.iter().all(Reading::is_of_components) {
             level.apart(
                 #[inline(always)]
-                || self.linearise(level, design, belief, active, force, None),
+                || self.linearise(level, count, design, belief, active, force, None),
             );
         } else if let Method::SigmaPoints(rule) = design.method {
             self.is_linear = false;
             return level.apart(
                 #[inline(always)]
-                || self.transform(level, rule, design, belief, active, force),
+                || self.transform(level, count, rule, design, belief, active, force),
             );
         } else {
             self.derivatives.take(level, &design.model, &belief.mean, force);
             level.apart(
                 #[inline(always)]
-                || self.linearise(level, design, belief, active, force, None),
+                || self.linearise(level, count, design, belief, active, force, None),
             );
         }
         Rooted { holds: T::Mask::of(true), is_finite: T::Mask::of(true) }
@@ -107,7 +108,7 @@ impl<T: Number> Expected<T> {
         at: &[T],
     ) {
         self.derivatives.take(level, &design.model, at, force);
-        self.linearise(level, design, belief, active, force, Some(at));
+        self.linearise(level, active.len(), design, belief, active, force, Some(at));
     }
 
     /// H of a sensor, n numbers in place of what `out` holds.
@@ -130,16 +131,19 @@ impl<T: Number> Expected<T> {
 
     /// As an EKF has it: h at the mean, or from another state, and H.
     #[inline(always)]
-    fn linearise<L: Level>(
+    #[expect(clippy::too_many_arguments, reason = "those of the update")]
+    fn linearise<L: Level, C: Count>(
         &mut self,
         level: L,
+        count: C,
         design: &Design,
         belief: &Belief<T>,
         active: &[usize],
         force: T,
         at: Option<&[T]>,
     ) {
-        let (n, m, Design { model, readings, .. }) = (level.size(self.size()), active.len(), design);
+        let (n, m, Design { model, readings, .. }) = (level.size(self.size()), count.number(), design);
+        let active = &active[..m];
         for (row, &sensor) in active.iter().enumerate() {
             let reading = &readings[sensor];
             let rate = &self.derivatives.rate;
@@ -160,26 +164,43 @@ impl<T: Number> Expected<T> {
         for (row, &sensor) in active.iter().enumerate() {
             for column in 0..=row {
                 let cross = &self.cross[column * n..(column + 1) * n];
-                let mut sum = T::of(0.0);
-                if readings[sensor].is_of_components() {
-                    for &(place, factor) in readings[sensor].components() {
-                        sum = sum + cross[place] * factor;
-                    }
-                } else {
-                    for k in 0..n {
-                        sum = sum + self.rows[row * n + k] * cross[k];
-                    }
-                }
-                self.cov[column * m + row] = sum;
+                self.cov[column * m + row] = self.times(&readings[sensor], row, cross);
             }
         }
+    }
+
+    /// `h x` of the row h of H that belongs to a sensor, with n numbers x.
+    #[inline(always)]
+    fn times(&self, reading: &Reading, row: usize, x: &[T]) -> T {
+        if let Some(place) = reading.component() {
+            return x[place];
+        }
+        let mut sum = T::of(0.0);
+        if reading.is_of_components() {
+            for &(place, factor) in reading.components() {
+                sum = sum + x[place] * factor;
+            }
+        } else {
+            let n = x.len();
+            for k in 0..n {
+                sum = sum + self.rows[row * n + k] * x[k];
+            }
+        }
+        sum
     }
 
     /// `P hᵀ` of the row h of H that belongs to a sensor, n numbers.
     #[inline(always)]
     pub(super) fn times_cov(&self, reading: &Reading, row: usize, cov: &[T], out: &mut [T]) {
         let n = out.len();
-        if reading.is_of_components() {
+        if let Some(place) = reading.component() {
+            // The compiler may know the first columns.
+            match place {
+                0 => copy_column(cov, n, 0, out),
+                1 => copy_column(cov, n, 1, out),
+                _ => copy_column(cov, n, place, out),
+            }
+        } else if reading.is_of_components() {
             for i in 0..n {
                 let mut sum = T::of(0.0);
                 for &(place, factor) in reading.components() {
@@ -205,9 +226,11 @@ impl<T: Number> Expected<T> {
     /// h = h(y⁻) + s,  s = Σ W d,  S = Σ W d dᵀ + o s sᵀ,  P⁻ Hᵀ = Σ W (χ - y⁻) dᵀ,  d = h(χ) - h(y⁻)
     /// ```
     #[inline(always)]
-    fn transform<L: Level>(
+    #[expect(clippy::too_many_arguments, reason = "those of the update")]
+    fn transform<L: Level, C: Count>(
         &mut self,
         level: L,
+        count: C,
         rule: Rule,
         design: &Design,
         belief: &Belief<T>,
@@ -216,7 +239,8 @@ impl<T: Number> Expected<T> {
     ) -> Rooted<T::Mask> {
         let Self { mean: expected, cov, cross, derivatives, points, .. } = self;
         let Points { root, state, high, low, shift } = points;
-        let (n, m) = (level.size(state.len()), active.len());
+        let (n, m) = (level.size(state.len()), count.number());
+        let active = &active[..m];
         let (mean, root, state) = (&belief.mean[..n], &mut root[..n * n], &mut state[..n]);
         let Derivatives { rate, plain, .. } = derivatives;
         let rooted = lower_root(&belief.cov[..n * n], root, n);
@@ -253,6 +277,14 @@ impl<T: Number> Expected<T> {
             }
         }
         rooted
+    }
+}
+
+/// A column of a symmetric n × n matrix.
+#[inline(always)]
+fn copy_column<T: Copy>(a: &[T], n: usize, j: usize, out: &mut [T]) {
+    for i in 0..n {
+        out[i] = entry(a, n, i, j);
     }
 }
 

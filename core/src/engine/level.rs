@@ -2,8 +2,11 @@
 
 /// A set of instructions. A program that knows of better ones while it runs brings a set of its own.
 pub trait Level: Copy {
+    /// Whether the compiler knows the sizes.
+    const IS_KNOWN: bool = false;
+
     /// Does some work in a function of its own, compiled for these instructions: so that a step is some functions of moderate
-    /// size, each once in the program.
+    /// size, each once in the program. Sizes are asked for inside: the compiler does not know the numbers that work brings along.
     fn apart<R>(self, work: impl FnOnce() -> R) -> R;
 
     /// n, which the compiler may know.
@@ -24,6 +27,8 @@ pub trait Level: Copy {
 pub struct Known<L, const N: usize, const M: usize>(pub L);
 
 impl<L: Level, const N: usize, const M: usize> Level for Known<L, N, M> {
+    const IS_KNOWN: bool = true;
+
     #[inline(always)]
     fn apart<R>(self, work: impl FnOnce() -> R) -> R {
         self.0.apart(work)
@@ -48,5 +53,29 @@ impl Level for Baseline {
     #[inline(never)]
     fn apart<R>(self, work: impl FnOnce() -> R) -> R {
         work()
+    }
+}
+
+/// The number of sensors that measure, which the compiler may know.
+pub trait Count: Copy {
+    /// m
+    fn number(self) -> usize;
+}
+
+impl Count for usize {
+    #[inline(always)]
+    fn number(self) -> usize {
+        self
+    }
+}
+
+/// M sensors.
+#[derive(Clone, Copy, Debug)]
+pub struct Exactly<const M: usize>;
+
+impl<const M: usize> Count for Exactly<M> {
+    #[inline(always)]
+    fn number(self) -> usize {
+        M
     }
 }

@@ -56,10 +56,11 @@ impl<T: Number> Linearised<T> {
         step: &Step<T>,
     ) {
         self.step(level, propagation, model, &mut belief.mean, step);
-        let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         level.apart(
             #[inline(always)]
             || {
+                // Inside: what a closure takes along is not known to the compiler.
+                let (n, moving) = (level.size(model.size), level.moving(model.moving()));
                 let (rows, half) = (&self.rows[..moving * n], &mut self.half[..moving * n]);
                 congruence(rows, &mut belief.cov[..n * n], half, n, moving);
             },

@@ -16,11 +16,9 @@ pub struct SigmaPoints<T: Number> {
     root: Vec<T>,
     /// The points' even parts: a row of n numbers for each component that moves.
     even: Vec<T>,
-    /// What moves, of the centre and then of the points on both sides of it, pair by pair.
-    images: Vec<T>,
     shift: Vec<T>,
-    /// Some points, and the memory in which they move.
-    state: Vec<T::Pack>,
+    /// The points, n numbers for each pack of them. The centre comes first, then those on both sides of it, pair by pair.
+    points: Vec<T::Pack>,
     method: RungeKutta<T::Pack>,
 }
 
@@ -32,9 +30,8 @@ impl<T: Number> SigmaPoints<T> {
         Self {
             root: zeros(n * n),
             even: zeros(moving * n),
-            images: zeros(moving * (2 * n + 1)),
             shift: zeros(moving),
-            state: vec![T::Pack::of(0.0); n],
+            points: vec![T::Pack::of(0.0); (2 * n + 1).div_ceil(T::POINTS) * n],
             method: RungeKutta::new(model),
         }
     }
@@ -60,13 +57,18 @@ impl<T: Number> SigmaPoints<T> {
         belief: &mut Belief<T>,
         step: &Step<T>,
     ) -> Rooted<T::Mask> {
-        let n = level.size(model.size);
         let rooted = level.apart(
             #[inline(always)]
-            || lower_root(&belief.cov[..n * n], &mut self.root[..n * n], n),
+            || self.draw(level, rule, model, belief),
         );
-        for first in (0..=2 * n).step_by(T::POINTS) {
-            self.move_pack(level, rule, model, &belief.mean, first, step);
+        let forces = step.forces.map(|force| T::pack(|_| force));
+        let step = Step { forces, has_slope: step.has_slope, dt: step.dt };
+        let Self { points, method, .. } = self;
+        for points in points.chunks_exact_mut(level.size(model.size)) {
+            level.apart(
+                #[inline(always)]
+                || method.advance(level, model, points, &step),
+            );
         }
         level.apart(
             #[inline(always)]
@@ -83,53 +85,47 @@ impl<T: Number> SigmaPoints<T> {
         &self.root
     }
 
-    /// Moves as many points as go at once, from the first of them on. The centre comes first, then the points on both sides of
-    /// it, pair by pair.
+    /// Draws the points of a belief.
     #[inline(always)]
-    fn move_pack<L: Level>(&mut self, level: L, rule: Rule, model: &Model, mean: &[T], first: usize, step: &Step<T>) {
-        let Self { root, images, state, method, .. } = self;
-        let (n, moving) = (level.size(model.size), level.moving(model.moving()));
+    fn draw<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &Belief<T>) -> Rooted<T::Mask> {
+        let n = level.size(model.size);
+        let (mean, root) = (&belief.mean[..n], &mut self.root[..n * n]);
+        let rooted = lower_root(&belief.cov[..n * n], root, n);
         let distance = rule.spread.sqrt();
-        level.apart(
-            #[inline(always)]
-            || {
-                let (mean, root, state) = (&mean[..n], &root[..n * n], &mut state[..n]);
-                for i in 0..n {
-                    state[i] = T::pack(
-                        #[inline(always)]
-                        |k| match first + k {
-                            point if point == 0 || point > 2 * n => mean[i],
-                            point if point % 2 == 1 => mean[i] + root[(point - 1) / 2 * n + i] * distance,
-                            point => mean[i] - root[(point - 1) / 2 * n + i] * distance,
-                        },
-                    );
-                }
-                let forces = step.forces.map(
+        let packs = (2 * n + 1).div_ceil(T::POINTS);
+        for (pack, points) in self.points[..packs * n].chunks_exact_mut(n).enumerate() {
+            for i in 0..n {
+                points[i] = T::pack(
                     #[inline(always)]
-                    |force| T::pack(|_| force),
+                    |k| match pack * T::POINTS + k {
+                        point if point == 0 || point > 2 * n => mean[i],
+                        point if point % 2 == 1 => mean[i] + root[(point - 1) / 2 * n + i] * distance,
+                        point => mean[i] - root[(point - 1) / 2 * n + i] * distance,
+                    },
                 );
-                method.advance(level, model, state, &Step { forces, has_slope: step.has_slope, dt: step.dt });
-                for (k, image) in images[first * moving..].chunks_exact_mut(moving).take(T::POINTS).enumerate() {
-                    for i in 0..moving {
-                        image[i] = T::of_pack(state[i], k);
-                    }
-                }
-            },
-        );
+            }
+        }
+        rooted
+    }
+
+    /// A component of a point.
+    #[inline(always)]
+    fn of_point(points: &[T::Pack], n: usize, point: usize, i: usize) -> T {
+        T::of_pack(points[point / T::POINTS * n + i], point % T::POINTS)
     }
 
     /// Takes the odd and even parts of what moves, by which `Σ` needs no weights.
     #[inline(always)]
     fn take_parts<L: Level>(&mut self, level: L, rule: Rule, model: &Model) {
-        let Self { root, even, images, .. } = self;
+        let Self { root, even, points, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let half = 0.5 / rule.spread.sqrt();
-        let (centre, pairs) = images[..moving * (2 * n + 1)].split_at(moving);
         let even = &mut even[..moving * n];
-        for (point, pair) in pairs.chunks_exact(2 * moving).enumerate() {
+        for point in 0..n {
             for i in 0..moving {
-                let (high, low) = (pair[i], pair[moving + i]);
-                even[i * n + point] = (high + low - centre[i] * 2.0) * half;
+                let of = |point: usize| Self::of_point(points, n, point, i);
+                let (high, low) = (of(2 * point + 1), of(2 * point + 2));
+                even[i * n + point] = (high + low - of(0) * 2.0) * half;
                 root[point * n + i] = (high - low) * half;
             }
         }
@@ -138,11 +134,11 @@ impl<T: Number> SigmaPoints<T> {
     /// The mean and covariance of the points that have moved.
     #[inline(always)]
     fn sum<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &mut Belief<T>) {
-        let Self { root: odd, even, images, shift, .. } = self;
+        let Self { root: odd, even, points, shift, .. } = self;
         let (n, moving) = (level.size(model.size), level.moving(model.moving()));
         let (mean, cov) = (&mut belief.mean[..n], &mut belief.cov[..n * n]);
         let (odd, even) = (&odd[..n * n], &even[..moving * n]);
-        let (centre, shift) = (&images[..moving], &mut shift[..moving]);
+        let shift = &mut shift[..moving];
         let inverse = 1.0 / rule.spread.sqrt();
         for j in 0..moving {
             let mut sum = even[j * n];
@@ -150,15 +146,24 @@ impl<T: Number> SigmaPoints<T> {
                 sum = sum + even[j * n + point];
             }
             shift[j] = sum * inverse;
-            mean[j] = centre[j] + shift[j];
+            mean[j] = Self::of_point(points, n, 0, j) + shift[j];
         }
         for j in 0..moving {
             let column = &mut cov[j * n + j..(j + 1) * n];
             for i in j..n {
                 column[i - j] = odd[i] * odd[j];
             }
-            for point in 1..n {
-                add_times(column, odd[point * n + j], &odd[point * n + j..(point + 1) * n]);
+            // Lanes sum in registers, a lone run several numbers of a column at a time.
+            if T::LANES == 1 {
+                for point in 1..n {
+                    add_times(column, odd[point * n + j], &odd[point * n + j..(point + 1) * n]);
+                }
+            } else {
+                for i in j..n {
+                    for point in 1..n {
+                        column[i - j] = column[i - j] + odd[point * n + i] * odd[point * n + j];
+                    }
+                }
             }
             for i in j..moving {
                 let mut sum = column[i - j];

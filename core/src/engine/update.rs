@@ -5,7 +5,7 @@ use super::columns::{add_times, divide, factor, square, take_times};
 use super::design::Design;
 use super::expected::Expected;
 use super::fault::Held;
-use super::level::Level;
+use super::level::{Count, Exactly, Level};
 use super::model::Model;
 use super::number::{Mask, Number};
 
@@ -77,10 +77,9 @@ impl<T: Number> Update<T> {
         observation: Observation<'_, T>,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
-        let Self { active, expected, .. } = self;
-        let Observation { force, measured } = observation;
+        let active = &mut self.active;
         active.clear();
-        for (sensor, value) in measured.iter().enumerate() {
+        for (sensor, value) in observation.measured.iter().enumerate() {
             // Not a number in any lane.
             if !(!value.is_number()).all() {
                 active.push(sensor);
@@ -92,12 +91,32 @@ impl<T: Number> Update<T> {
                 || untold(level, belief, held),
             );
         }
-        held.expected = expected.take(level, design, belief, active, force);
+        match active.len() {
+            1 if L::IS_KNOWN => self.take_in(level, Exactly::<1>, design, belief, noise, observation, held),
+            2 if L::IS_KNOWN => self.take_in(level, Exactly::<2>, design, belief, noise, observation, held),
+            count => self.take_in(level, count, design, belief, noise, observation, held),
+        }
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "those of the update, and the number of sensors")]
+    fn take_in<L: Level, C: Count>(
+        &mut self,
+        level: L,
+        count: C,
+        design: &Design,
+        belief: &mut Belief<T>,
+        noise: &Noise<T>,
+        observation: Observation<'_, T>,
+        held: &mut Held<T::Mask>,
+    ) -> Told<T> {
+        let Self { active, expected, .. } = self;
+        held.expected = expected.take(level, count, design, belief, active, observation.force);
         level.apart(
             #[inline(always)]
             || {
-                let measured = self.compare(level, noise, measured);
-                self.correct(level, design, belief, measured, held)
+                let measured = self.compare(level, count, noise, observation.measured);
+                self.correct(level, count, design, belief, measured, held)
             },
         )
     }
@@ -117,19 +136,20 @@ impl<T: Number> Update<T> {
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
         let Observation { force, measured } = observation;
+        let count = self.active.len();
         self.expected.take_at(level, design, belief, &self.active, force, at);
-        let count = self.compare(level, noise, measured);
-        self.correct(level, design, belief, count, held)
+        let number = self.compare(level, count, noise, measured);
+        self.correct(level, count, design, belief, number, held)
     }
 
     /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. A sensor that does not measure in some lanes has a row of its own there,
     /// which tells nothing: e = 0, R = 1, without covariance.
     #[inline(always)]
-    fn compare<L: Level>(&mut self, level: L, noise: &Noise<T>, measured: &[T]) -> T {
+    fn compare<L: Level, C: Count>(&mut self, level: L, count: C, noise: &Noise<T>, measured: &[T]) -> T {
         let Self { active, expected, innovation_cov: s, innovation, variances, .. } = self;
-        let (m, n) = (active.len(), level.size(expected.size()));
+        let (m, n) = (count.number(), level.size(expected.size()));
         let (zero, one) = (T::of(0.0), T::of(1.0));
-        let mut count = zero;
+        let mut told = zero;
         s[..m * m].copy_from_slice(&expected.cov[..m * m]);
         for row in 0..m {
             let value = measured[active[row]];
@@ -137,10 +157,10 @@ impl<T: Number> Update<T> {
             innovation[row] = value - expected.mean[row];
             variances[row] = noise.sensors[active[row]];
             if is_there.all() {
-                count = count + one;
+                told = told + one;
                 continue;
             }
-            count = count + T::select(is_there, one, zero);
+            told = told + T::select(is_there, one, zero);
             innovation[row] = T::select(is_there, innovation[row], zero);
             variances[row] = T::select(is_there, variances[row], one);
             for cross in &mut expected.cross[row * n..(row + 1) * n] {
@@ -154,25 +174,27 @@ impl<T: Number> Update<T> {
         for row in 0..m {
             s[row * m + row] = s[row * m + row] + variances[row];
         }
-        count
+        told
     }
 
     /// `K = P⁻ Hᵀ S⁻¹`, `y = y⁻ + K e` and the covariance.
     ///
     /// Source: Kalman (1960), A new approach to linear filtering and prediction problems.
     #[inline(always)]
-    fn correct<L: Level>(
+    fn correct<L: Level, C: Count>(
         &mut self,
         level: L,
+        count: C,
         design: &Design,
         belief: &mut Belief<T>,
         measured: T,
         held: &mut Held<T::Mask>,
     ) -> Told<T> {
-        let Self { active, expected, innovation_cov, factor: lower, innovation, white, gain, .. } = self;
-        let (m, n) = (active.len(), level.size(belief.size()));
+        let Self { expected, innovation_cov, factor: lower, innovation, white, gain, .. } = self;
+        let (m, n) = (count.number(), level.size(belief.size()));
         let gain = &mut gain[..m * n];
         lower[..m * m].copy_from_slice(&innovation_cov[..m * m]);
+        let lower = &mut lower[..m * m];
         let (determinant, factored) = factor(lower, m);
         gain.copy_from_slice(&expected.cross[..m * n]);
         divide(lower, m, gain, n);
@@ -182,9 +204,9 @@ impl<T: Number> Update<T> {
         white[..m].copy_from_slice(&innovation[..m]);
         let nis = square(lower, m, &mut white[..m]);
         if expected.is_linear {
-            self.joseph(level, design, belief);
+            self.joseph(level, count, design, belief);
         } else {
-            self.subtract(level, belief);
+            self.subtract(level, count, belief);
         }
         [held.is_finite, held.is_positive] = belief.check(level);
         (held.factored, held.is_likely) = (factored, nis.is_finite());
@@ -200,24 +222,25 @@ impl<T: Number> Update<T> {
     ///
     /// Source: Bucy and Joseph (1968), *Filtering for Stochastic Processes with Applications to Guidance*.
     #[inline(always)]
-    fn joseph<L: Level>(&mut self, level: L, design: &Design, belief: &mut Belief<T>) {
+    fn joseph<L: Level, C: Count>(&mut self, level: L, count: C, design: &Design, belief: &mut Belief<T>) {
         let Self { active, expected, variances, gain, excess, .. } = self;
-        let n = level.size(belief.size());
+        let (m, n) = (count.number(), level.size(belief.size()));
         let cov = &mut belief.cov[..n * n];
-        subtract_products(cov, gain, &expected.cross, n, active.len());
-        for (row, &sensor) in active.iter().enumerate() {
+        subtract_products(cov, gain, &expected.cross, n, m);
+        for row in 0..m {
+            let sensor = active[row];
             let (excess, gain) = (&mut excess[row * n..(row + 1) * n], &gain[row * n..(row + 1) * n]);
             expected.times_cov(&design.readings[sensor], row, cov, excess);
             take_times(excess, variances[row], gain);
         }
-        subtract_products(cov, excess, gain, n, active.len());
+        subtract_products(cov, excess, gain, n, m);
     }
 
     /// Makes of P the covariance `P - K S Kᵀ`, where there is no H.
     #[inline(always)]
-    fn subtract<L: Level>(&mut self, level: L, belief: &mut Belief<T>) {
-        let Self { active, innovation_cov: s, gain, excess, .. } = self;
-        let (m, n) = (active.len(), level.size(belief.size()));
+    fn subtract<L: Level, C: Count>(&mut self, level: L, count: C, belief: &mut Belief<T>) {
+        let Self { innovation_cov: s, gain, excess, .. } = self;
+        let (m, n) = (count.number(), level.size(belief.size()));
         for row in 0..m {
             let excess = &mut excess[row * n..(row + 1) * n];
             excess.fill(T::of(0.0));
@@ -285,6 +308,7 @@ fn untold<T: Number, L: Level>(level: L, belief: &Belief<T>, held: &mut Held<T::
 /// Makes of the lower triangle of X, n × n, that of `X - A Bᵀ`, where A and B have `columns` columns; two at a time.
 #[inline(always)]
 fn subtract_products<T: Number>(x: &mut [T], a: &[T], b: &[T], n: usize, columns: usize) {
+    let (a, b) = (&a[..n * columns], &b[..n * columns]);
     let mut k = 0;
     while k < columns {
         let is_pair = k + 1 < columns;
