@@ -93,8 +93,8 @@ impl<L: Level + Send> Estimator for Followed<L> {
         if !told.holds {
             return Err(filter.reason(0));
         }
-        let n = filter.belief.size();
-        mirror(&mut filter.belief.cov, n);
+        let n = filter.size();
+        mirror(&mut filter.belief.cov[..n * n], n);
         let [nis, determinant] = if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] };
         let m = all.innovation.len();
         let (belief, update) = filter.told();

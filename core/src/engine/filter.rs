@@ -106,6 +106,13 @@ impl<T: Number, L: Level> Filter<T, L> {
         update.condition(*level, design, belief, noise, Observation { force, measured }, held)
     }
 
+    /// n
+    #[cfg(not(target_arch = "wasm32"))]
+    #[inline(always)]
+    pub(super) fn size(&self) -> usize {
+        self.level.size(self.belief.size())
+    }
+
     #[cfg(not(target_arch = "wasm32"))]
     /// The belief, and the last update.
     pub(super) fn told(&mut self) -> (&Belief<T>, &mut Update<T>) {

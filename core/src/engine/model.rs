@@ -215,6 +215,9 @@ impl<T: Number> Derivatives<T> {
 /// `h(y, f)` in a state that moves at this rate, in the unit of the sensor's quantity.
 #[inline(always)]
 pub fn read<T: Number>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
+    if let Some(place) = reading.component() {
+        return state[place];
+    }
     let mut sum = T::of(0.0);
     for &(place, factor) in reading.components() {
         sum = sum + state[place] * factor;

@@ -36,6 +36,9 @@ pub trait Rates<T>: Copy {
     /// The number of components that move, which come first.
     fn moving(self) -> usize;
 
+    /// [`Equation::IS_SMALL`]
+    fn is_small(self) -> bool;
+
     /// [`Equation::rate`]
     fn rates(self, state: &[T], force: T, rate: &mut [T]);
 }
@@ -49,6 +52,11 @@ impl<E: Equation, T: Number> Rates<T> for E {
     #[inline(always)]
     fn moving(self) -> usize {
         self.motion()
+    }
+
+    #[inline(always)]
+    fn is_small(self) -> bool {
+        Self::IS_SMALL
     }
 
     #[inline(always)]

@@ -36,13 +36,41 @@ impl<T: Number> RungeKutta<T> {
 
     #[inline(always)]
     fn advance_by(&mut self, equation: impl Rates<T>, model: &Model, state: &mut [T], step: &Step<T>) {
-        // The compiler knows how many components of a small plant move.
-        let moving = if model.eta == 0.0 { equation.moving() } else { model.moving() };
-        let dt = step.dt;
-        let Self { start, rates: [k1, k2, k3, k4], plain } = self;
-        let start = &mut start[..moving];
-        let [k1, k2, k3, k4] = [&mut k1[..moving], &mut k2[..moving], &mut k3[..moving], &mut k4[..moving]];
-        let [begin, end] = step.forces;
+        let Self { start, rates, plain } = self;
+        let whole = Whole { equation, model, step };
+        if equation.is_small() && model.eta == 0.0 {
+            // The compiler knows how many components of a small plant move, and sees through numbers of their own.
+            let (moving, zeros) = (equation.moving(), [T::of(0.0); FEW]);
+            let [mut start, mut k1, mut k2, mut k3, mut k4] = [zeros; 5];
+            let rates = [&mut k1[..moving], &mut k2[..moving], &mut k3[..moving], &mut k4[..moving]];
+            whole.advance(state, plain, &mut start[..moving], rates);
+        } else {
+            let moving = model.moving();
+            let rates = rates.each_mut().map(
+                #[inline(always)]
+                |rate| &mut rate[..moving],
+            );
+            whole.advance(state, plain, &mut start[..moving], rates);
+        }
+    }
+}
+
+/// The components that move, of a plant of which the compiler knows them, are at most so many.
+const FEW: usize = 3;
+
+/// A step of an equation in its model.
+struct Whole<'a, E, T> {
+    equation: E,
+    model: &'a Model,
+    step: &'a Step<T>,
+}
+
+impl<T: Number, E: Rates<T>> Whole<'_, E, T> {
+    /// Moves a state; the others are memory, four rates among them.
+    #[inline(always)]
+    fn advance(self, state: &mut [T], plain: &mut [T], start: &mut [T], [k1, k2, k3, k4]: [&mut [T]; 4]) {
+        let Self { equation, model, step } = self;
+        let (moving, dt, [begin, end]) = (start.len(), step.dt, step.forces);
         let middle = begin + (end - begin) * 0.5;
         start.copy_from_slice(&state[..moving]);
         model.rate_by(equation, state, begin, plain, k1);

@@ -14,12 +14,14 @@ pub struct Reading {
     rates: Vec<(usize, f64)>,
     /// The factor of the ground's acceleration.
     ground: f64,
+    /// The component that it reads as it is, if it reads one alone.
+    component: Option<usize>,
 }
 
 impl Model {
     /// Where a sensor for `quantity` reads, if the plant has it.
     pub fn reading(&self, quantity: Quantity) -> Option<Reading> {
-        let mut reading = Reading { state: Vec::new(), rates: Vec::new(), ground: 0.0 };
+        let mut reading = Reading { state: Vec::new(), rates: Vec::new(), ground: 0.0, component: None };
         for (term, factor) in quantity.reads() {
             match term {
                 Term::State(channel) => reading.state.push((self.place(channel)?, factor)),
@@ -31,6 +33,10 @@ impl Model {
         if let Some(bias) = self.place(quantity.bias()) {
             reading.state.push((bias, 1.0));
         }
+        reading.component = match (&reading.state[..], &reading.rates[..], reading.ground) {
+            (&[(place, 1.0)], [], 0.0) => Some(place),
+            _ => None,
+        };
         Some(reading)
     }
 
@@ -50,7 +56,7 @@ impl Model {
 
     /// [`Self::read`] in a state that moves at this rate, which only readings of rates look at.
     pub fn read_moving(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
-        let Reading { state: components, rates, ground } = reading;
+        let Reading { state: components, rates, ground, .. } = reading;
         let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
         sum += rates.iter().map(|&(place, factor)| factor * rate[place]).sum::<f64>();
         if *ground != 0.0 {
@@ -77,7 +83,7 @@ impl Model {
         force: f64,
         mut add: impl FnMut(usize, f64),
     ) {
-        let Reading { state: components, rates, ground } = reading;
+        let Reading { state: components, rates, ground, .. } = reading;
         for &(place, factor) in components {
             add(place, factor);
         }
@@ -112,11 +118,9 @@ impl Reading {
     }
 
     /// The component that it reads as it is, if it reads one alone.
+    #[inline(always)]
     pub fn component(&self) -> Option<usize> {
-        match (&self.state[..], &self.rates[..], self.ground) {
-            (&[(place, 1.0)], [], 0.0) => Some(place),
-            _ => None,
-        }
+        self.component
     }
 
     /// The component whose rate it reads as it is, if it reads that alone.

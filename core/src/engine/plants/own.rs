@@ -37,6 +37,10 @@ impl<T: Number> Rates<T> for Own {
         self.0.motion()
     }
 
+    fn is_small(self) -> bool {
+        false
+    }
+
     fn rates(self, state: &[T], force: T, rate: &mut [T]) {
         let Self(kind) = self;
         let (mut numbers, mut rates) = (vec![0.0; kind.channels().len()], vec![0.0; kind.motion()]);
