@@ -32,8 +32,7 @@ impl<T: Number> Linearised<T> {
     #[inline(always)]
     pub(super) fn runge_kutta<L: Level>(&mut self, level: L, model: &Model, mean: &mut [T], step: &Step<T>) {
         let moving = model.moving();
-        let [begin_force, end_force] = step.forces;
-        let middle_force = begin_force + (end_force - begin_force) * 0.5;
+        let [begin_force, middle_force, end_force] = step.thrice();
         self.begun.copy_from_slice(mean);
         begin(&mut self.rows, moving);
         self.half.fill(T::of(0.0));

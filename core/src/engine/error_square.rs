@@ -2,6 +2,7 @@
 
 use super::belief::Belief;
 use super::columns::entry;
+use super::level::Level;
 use super::number::{Mask, Number};
 
 /// Limits the rounding error of an estimate over a long record, relative to its largest value.
@@ -40,16 +41,23 @@ impl<T: Number> ErrorSquare<T> {
     /// none, P is not positive definite or e is not a number. A variance is at least that of the rounding error.
     ///
     /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.1.2.
+    ///
+    /// The places may be those of the `WHOLE` state.
     #[inline(always)]
-    pub(super) fn of(&mut self, belief: &Belief<T>) -> (T, T) {
+    pub(super) fn of<L: Level, const WHOLE: bool>(&mut self, level: L, belief: &Belief<T>) -> (T, T) {
         let Self { places, errors, sizes, variances, factor } = self;
         let (zero, one) = (T::of(0.0), T::of(1.0));
-        let (count, n) = (places.len(), belief.size());
+        let n = level.size(belief.size());
+        let count = if WHOLE { n } else { places.len() };
+        let (mean, cov) = (&belief.mean[..n], &belief.cov[..n * n]);
+        let (errors, sizes) = (&mut errors[..count], &mut sizes[..count]);
+        let (variances, factor) = (&mut variances[..count], &mut factor[..count * count]);
         for j in 0..count {
+            let place = |at: usize| if WHOLE { at } else { places[at] };
             for i in j..count {
-                factor[j * count + i] = entry(&belief.cov, n, places[i], places[j]);
+                factor[j * count + i] = entry(cov, n, place(i), place(j));
             }
-            sizes[j] = sizes[j].max(belief.mean[places[j]].abs());
+            sizes[j] = sizes[j].max(mean[place(j)].abs());
             let floor = sizes[j] * sizes[j] * (ROUNDING * ROUNDING);
             let variance = factor[j * count + j];
             variances[j] = T::select(zero.lt(variance), variance + floor, zero);

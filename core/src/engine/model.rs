@@ -118,15 +118,20 @@ impl Model {
 
     /// The state, logarithms undone.
     #[inline(always)]
-    fn plain<'a, T: Number>(&self, state: &'a [T], plain: &'a mut [T]) -> &'a [T] {
+    pub(super) fn plain<'a, T: Number>(&self, state: &'a [T], plain: &'a mut [T]) -> &'a [T] {
         if self.logarithms.is_empty() {
             return state;
         }
+        self.plain_into(state, plain);
+        plain
+    }
+
+    #[inline(always)]
+    pub(super) fn plain_into<T: Number>(&self, state: &[T], plain: &mut [T]) {
         plain.copy_from_slice(state);
         for &place in &self.logarithms {
             plain[place] = plain[place].call(Function::Exp);
         }
-        plain
     }
 
     /// The rates of parameters that decay.

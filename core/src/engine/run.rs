@@ -156,10 +156,7 @@ impl<T: Number, L: Level> Batch<T, L> {
                 }
             }
             let Self { level, scores, filter, .. } = &mut self;
-            level.apart(
-                #[inline(always)]
-                || scores.take_belief(&filter.belief, &truth),
-            );
+            scores.take_belief(*level, &filter.belief, &truth);
             while samples.next_if_eq(&k).is_some() {
                 self.look();
             }

@@ -3,7 +3,7 @@
 use super::level::Level;
 use super::model::Model;
 use super::number::Number;
-use super::plants::{Rates, fits, with_equation};
+use super::plants::{FEW, Rates, fits, with_equation};
 use super::step::Step;
 
 /// The memory of a Runge-Kutta step: where it begins, four rates, and a state without logarithms.
@@ -36,53 +36,74 @@ impl<T: Number> RungeKutta<T> {
 
     #[inline(always)]
     fn advance_by(&mut self, equation: impl Rates<T>, model: &Model, state: &mut [T], step: &Step<T>) {
-        let Self { start, rates, plain } = self;
-        let whole = Whole { equation, model, step };
-        if equation.is_small() && model.eta == 0.0 {
-            // The compiler knows how many components of a small plant move, and sees through numbers of their own.
-            let (moving, zeros) = (equation.moving(), [T::of(0.0); FEW]);
-            let [mut start, mut k1, mut k2, mut k3, mut k4] = [zeros; 5];
-            let rates = [&mut k1[..moving], &mut k2[..moving], &mut k3[..moving], &mut k4[..moving]];
-            whole.advance(state, plain, &mut start[..moving], rates);
-        } else {
-            let moving = model.moving();
-            let rates = rates.each_mut().map(
+        let Self { start, rates: [k1, k2, k3, k4], plain } = self;
+        if model.eta != 0.0 {
+            classical(
                 #[inline(always)]
-                |rate| &mut rate[..moving],
+                |state, force, rate| model.rate_by(equation, state, force, plain, rate),
+                state,
+                step.thrice(),
+                step.dt,
+                [start, k1, k2, k3, k4],
             );
-            whole.advance(state, plain, &mut start[..moving], rates);
+            return;
         }
+        // Only the motion moves: parameters, and the parts of the force that are estimated, stay.
+        let (moving, own) = (equation.moving(), equation.components());
+        let forces = step.thrice().map(
+            #[inline(always)]
+            |force| model.acting(state, force),
+        );
+        // The compiler sees through numbers of a small plant's own.
+        let mut small = [[T::of(0.0); FEW]; 6];
+        let [here, memory @ ..] = if equation.is_small() {
+            let [here, start, k1, k2, k3, k4] = small.each_mut().map(
+                #[inline(always)]
+                |numbers| &mut numbers[..own],
+            );
+            here.copy_from_slice(&model.plain(state, plain)[..own]);
+            [here, start, k1, k2, k3, k4]
+        } else {
+            model.plain_into(state, plain);
+            [&mut plain[..own], &mut start[..], k1, k2, k3, k4]
+        };
+        let memory = memory.map(
+            #[inline(always)]
+            |numbers| &mut numbers[..moving],
+        );
+        classical(
+            #[inline(always)]
+            |state, force, rate| equation.rates(state, force, rate),
+            here,
+            forces,
+            step.dt,
+            memory,
+        );
+        state[..moving].copy_from_slice(&here[..moving]);
     }
 }
 
-/// The components that move, of a plant of which the compiler knows them, are at most so many.
-const FEW: usize = 3;
-
-/// A step of an equation in its model.
-struct Whole<'a, E, T> {
-    equation: E,
-    model: &'a Model,
-    step: &'a Step<T>,
-}
-
-impl<T: Number, E: Rates<T>> Whole<'_, E, T> {
-    /// Moves a state; the others are memory, four rates among them.
-    #[inline(always)]
-    fn advance(self, state: &mut [T], plain: &mut [T], start: &mut [T], [k1, k2, k3, k4]: [&mut [T]; 4]) {
-        let Self { equation, model, step } = self;
-        let (moving, dt, [begin, end]) = (start.len(), step.dt, step.forces);
-        let middle = begin + (end - begin) * 0.5;
-        start.copy_from_slice(&state[..moving]);
-        model.rate_by(equation, state, begin, plain, k1);
-        put(state, start, k1, 0.5 * dt);
-        model.rate_by(equation, state, middle, plain, k2);
-        put(state, start, k2, 0.5 * dt);
-        model.rate_by(equation, state, middle, plain, k3);
-        put(state, start, k3, dt);
-        model.rate_by(equation, state, end, plain, k4);
-        for i in 0..moving {
-            state[i] = start[i] + (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (dt / 6.0);
-        }
+/// Moves a state by a step under the forces at its beginning, in its middle and at its end. The memory is for where it begins,
+/// and four rates, of as many numbers as move.
+#[inline(always)]
+fn classical<T: Number>(
+    mut rate: impl FnMut(&[T], T, &mut [T]),
+    state: &mut [T],
+    [begin, middle, end]: [T; 3],
+    dt: f64,
+    [start, k1, k2, k3, k4]: [&mut [T]; 5],
+) {
+    let moving = start.len();
+    start.copy_from_slice(&state[..moving]);
+    rate(state, begin, k1);
+    put(state, start, k1, 0.5 * dt);
+    rate(state, middle, k2);
+    put(state, start, k2, 0.5 * dt);
+    rate(state, middle, k3);
+    put(state, start, k3, dt);
+    rate(state, end, k4);
+    for i in 0..moving {
+        state[i] = start[i] + (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (dt / 6.0);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::belief::Belief;
 use super::error_square::ErrorSquare;
+use super::level::Level;
 use super::number::{Mask, Number};
 use super::update::Told;
 use crate::diagnostics::{Tally, Total};
@@ -99,10 +100,25 @@ impl<T: Number> Scores<T> {
 
     /// Takes in the belief at the next sample, beside the truth of the channels that have one.
     #[inline(always)]
-    pub(super) fn take_belief(&mut self, belief: &Belief<T>, truth: &[T]) {
+    pub(super) fn take_belief<L: Level>(&mut self, level: L, belief: &Belief<T>, truth: &[T]) {
+        let is_whole = self.tracked.len() == level.size(belief.size());
+        level.apart(
+            #[inline(always)]
+            || match is_whole {
+                true if L::IS_KNOWN => self.take_tracked::<L, true>(level, belief, truth),
+                _ => self.take_tracked::<L, false>(level, belief, truth),
+            },
+        );
+    }
+
+    /// The same, where the truth of the whole state is known or not.
+    #[inline(always)]
+    fn take_tracked<L: Level, const WHOLE: bool>(&mut self, level: L, belief: &Belief<T>, truth: &[T]) {
         let Self { frequency, last_fifth, samples, tracked, square, nees, last, mean, variance, .. } = self;
-        let n = belief.size();
-        mean.copy_from_slice(&belief.mean);
+        let n = level.size(belief.size());
+        let count = if WHOLE { n } else { tracked.len() };
+        let (tracked, mean, variance) = (&mut tracked[..count], &mut mean[..n], &mut variance[..n]);
+        mean.copy_from_slice(&belief.mean[..n]);
         for i in 0..n {
             variance[i] = belief.cov[i * n + i];
         }
@@ -112,7 +128,8 @@ impl<T: Number> Scores<T> {
         }
         let is_recent = *samples >= *last_fifth;
         for (at, (tracked, &truth)) in tracked.iter_mut().zip(truth).enumerate() {
-            let (place, sign) = (tracked.place, if tracked.channel.is_mirrored() { sign } else { T::of(1.0) });
+            let sign = if tracked.channel.is_mirrored() { sign } else { T::of(1.0) };
+            let place = if WHOLE { at } else { tracked.place };
             let error = mean[place] - sign * truth;
             tracked.take(error, truth, variance[place], *samples, is_recent);
             tracked.error = sign * error;
@@ -124,7 +141,7 @@ impl<T: Number> Scores<T> {
         *samples += 1;
         last[0] = T::of(f64::NAN);
         if !tracked.is_empty() {
-            let (sum, degrees) = square.of(belief);
+            let (sum, degrees) = square.of::<L, WHOLE>(level, belief);
             let counts = T::of(0.0).lt(degrees);
             nees.add(T::select(counts, sum, T::of(0.0)), degrees);
             last[0] = T::select(counts, sum, last[0]);

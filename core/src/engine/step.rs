@@ -20,6 +20,13 @@ impl<T: Number> Step<T> {
         (self.forces[1] - self.forces[0]) * (1.0 / self.dt)
     }
 
+    /// The forces at its beginning, in its middle and at its end.
+    #[inline(always)]
+    pub fn thrice(&self) -> [T; 3] {
+        let [begin, end] = self.forces;
+        [begin, begin + (end - begin) * 0.5, end]
+    }
+
     /// A part of the step, of this many that take the same time.
     pub fn part(&self, i: usize, parts: usize) -> Self {
         let [begin, end] = self.forces;

@@ -21,7 +21,7 @@ pub(crate) use native::{run, serves};
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
-    use kalmanscope_core::engine::level::Baseline;
+    use kalmanscope_core::engine::level::{Baseline, Known};
     use kalmanscope_core::engine::{self, Run, Setup, lanes};
 
     use super::{LaneRun, Level, Outcome, RunError};
@@ -105,8 +105,18 @@ mod native {
         if level > Level::Baseline
             && let Some(token) = fearless_simd::Level::new().as_avx2()
         {
-            return engine::outcomes::<Lanes, _>(Avx2(token), batch, samples);
+            return of_size(Avx2(token), batch, samples);
         }
-        engine::outcomes::<Lanes, _>(Baseline, batch, samples)
+        of_size(Baseline, batch, samples)
+    }
+
+    /// The usual oscillators have sizes that the compiler knows.
+    fn of_size(level: impl engine::level::Level, batch: &[Run<'_>], samples: &[usize]) -> Vec<Outcome> {
+        let model = &batch[0].setup.design.model;
+        match (model.size, model.moving()) {
+            (4, 2) => engine::outcomes::<Lanes, _>(Known::<_, 4, 2>(level), batch, samples),
+            (5, 2) => engine::outcomes::<Lanes, _>(Known::<_, 5, 2>(level), batch, samples),
+            _ => engine::outcomes::<Lanes, _>(level, batch, samples),
+        }
     }
 }
