@@ -175,6 +175,11 @@ impl PlantKind {
         (0..MAX_MASSES).take_while(|&mass| self.channels().contains(&Channel::displacement(mass))).count()
     }
 
+    /// Whether it is a chain of masses of the registry.
+    pub(crate) fn is_chain(self) -> bool {
+        self.masses() > 1 && Self::ALL.contains(&self)
+    }
+
     /// The plant's parameters.
     pub fn parameters(self) -> impl Iterator<Item = Channel> {
         self.channels().iter().copied().filter(|c| c.is_parameter())

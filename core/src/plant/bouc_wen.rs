@@ -3,7 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
-use crate::engine::plants::{Equation, bouc_wen};
+use crate::engine::plants::{Equation, bouc_wen, jacobian};
 
 /// Bouc-Wen hysteresis with the exponent n and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
 ///
@@ -20,48 +20,23 @@ use crate::engine::plants::{Equation, bouc_wen};
 #[derive(Clone, Copy, Debug)]
 pub struct BoucWen {
     info: &'static PlantInfo,
-    memory: Memory,
+    rate: fn(&[f64], f64, &mut [f64]),
+    jacobian: fn(&[f64], &mut [f64]),
 }
 
 impl BoucWen {
     /// Exponent 2.
-    pub const TWO: Self = Self { info: &TWO, memory: Memory { rate: rate_of_two, slopes: slopes_of_two } };
+    pub const TWO: Self = Self {
+        info: &TWO,
+        rate: |state, force, rate| bouc_wen::BoucWen.rate(state, force, rate),
+        jacobian: |state, out| jacobian(bouc_wen::BoucWen, state, out),
+    };
     /// Exponent 1, with β₁ and γ₁.
-    pub const ONE: Self = Self { info: &ONE, memory: Memory { rate: rate_of_one, slopes: slopes_of_one } };
-}
-
-/// The exponent's part.
-#[derive(Clone, Copy, Debug)]
-struct Memory {
-    /// The rates of what moves.
-    rate: fn(&[f64], f64, &mut [f64]),
-    /// The derivatives of ż, of `[v, z, β, γ]`. At the kinks `v = 0` and `z = 0` they are those for positive v and z.
-    slopes: fn([f64; 4]) -> [f64; 4],
-}
-
-fn rate_of_two(state: &[f64], force: f64, rate: &mut [f64]) {
-    bouc_wen::BoucWen.rate(state, force, rate);
-}
-
-fn slopes_of_two([v, z, beta, gamma]: [f64; 4]) -> [f64; 4] {
-    let by_v = 1.0 - (beta * side(v) * z.abs() + gamma * z) * z;
-    let by_z = -2.0 * (beta * v.abs() * z.abs() + gamma * v * z);
-    [by_v, by_z, -v.abs() * z.abs() * z, -v * z * z]
-}
-
-fn rate_of_one(state: &[f64], force: f64, rate: &mut [f64]) {
-    bouc_wen::BoucWenOne.rate(state, force, rate);
-}
-
-fn slopes_of_one([v, z, beta, gamma]: [f64; 4]) -> [f64; 4] {
-    let by_v = 1.0 - beta * side(v) * z - gamma * z.abs();
-    let by_z = -beta * v.abs() - gamma * v * side(z);
-    [by_v, by_z, -v.abs() * z, -v * z.abs()]
-}
-
-/// The derivative of `|x|`.
-fn side(x: f64) -> f64 {
-    if x < 0.0 { -1.0 } else { 1.0 }
+    pub const ONE: Self = Self {
+        info: &ONE,
+        rate: |state, force, rate| bouc_wen::BoucWenOne.rate(state, force, rate),
+        jacobian: |state, out| jacobian(bouc_wen::BoucWenOne, state, out),
+    };
 }
 
 impl Plant for BoucWen {
@@ -70,21 +45,12 @@ impl Plant for BoucWen {
     }
 
     fn motion_rate(&self, state: &[f64], force: f64, rate: &mut [f64]) {
-        (self.memory.rate)(state, force, rate);
+        (self.rate)(state, force, rate);
     }
 
-    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
-        let &[x, v, z, wn, zeta, alpha, beta, gamma, ..] = state else { return };
-        let (position, rest) = jacobian.split_at_mut(8);
-        let (velocity, memory) = rest.split_at_mut(8);
-        position[1] = 1.0;
-        velocity[0] = -wn * wn * alpha;
-        velocity[1] = -2.0 * zeta * wn;
-        velocity[2] = -wn * wn * (1.0 - alpha);
-        velocity[3] = -2.0 * (zeta * v + wn * (z + alpha * (x - z)));
-        velocity[4] = -2.0 * wn * v;
-        velocity[5] = -wn * wn * (x - z);
-        [memory[1], memory[2], memory[6], memory[7]] = (self.memory.slopes)([v, z, beta, gamma]);
+    /// At the kinks `v = 0` and `z = 0` the derivatives are those for positive v and z.
+    fn motion_jacobian(&self, state: &[f64], out: &mut [f64]) {
+        (self.jacobian)(state, out);
     }
 }
 

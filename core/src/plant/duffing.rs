@@ -3,7 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
-use crate::engine::plants::{Equation, duffing};
+use crate::engine::plants::{Equation, duffing, jacobian};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
 ///
@@ -59,13 +59,7 @@ impl Plant for Duffing {
         duffing::Duffing.rate(state, force, rate);
     }
 
-    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
-        let &[x, v, wn, zeta, mu, ..] = state else { return };
-        let by_displacement = -wn * wn - 3.0 * mu * x * x;
-        #[rustfmt::skip]
-        jacobian.copy_from_slice(&[
-            0.0,             1.0,              0.0,                        0.0,           0.0,
-            by_displacement, -2.0 * zeta * wn, -2.0 * (wn * x + zeta * v), -2.0 * wn * v, -x * x * x,
-        ]);
+    fn motion_jacobian(&self, state: &[f64], out: &mut [f64]) {
+        jacobian(duffing::Duffing, state, out);
     }
 }

@@ -3,7 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
-use crate::engine::plants::{Equation, sdof};
+use crate::engine::plants::{Equation, jacobian, sdof};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
 ///
@@ -63,12 +63,7 @@ impl Plant for Sdof {
         sdof::Sdof.rate(state, force, rate);
     }
 
-    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
-        let &[x, v, wn, zeta, ..] = state else { return };
-        #[rustfmt::skip]
-        jacobian.copy_from_slice(&[
-            0.0,      1.0,              0.0,                        0.0,
-            -wn * wn, -2.0 * zeta * wn, -2.0 * (wn * x + zeta * v), -2.0 * wn * v,
-        ]);
+    fn motion_jacobian(&self, state: &[f64], out: &mut [f64]) {
+        jacobian(sdof::Sdof, state, out);
     }
 }

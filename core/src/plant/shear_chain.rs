@@ -3,7 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by_mass};
-use crate::engine::plants::{Equation, shear_chain};
+use crate::engine::plants::{Equation, jacobian, shear_chain};
 
 /// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
 /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
@@ -131,28 +131,7 @@ impl<const MASSES: usize> Plant for ShearChain<MASSES> {
         shear_chain::ShearChain { masses: MASSES }.rate(state, force, rate);
     }
 
-    fn motion_jacobian(&self, state: &[f64], jacobian: &mut [f64]) {
-        let n = 3 * MASSES + 1;
-        let damping = state[3 * MASSES];
-        for i in 0..MASSES {
-            jacobian[i * n + MASSES + i] = 1.0;
-            let stiffness = state[2 * MASSES + i];
-            let below = i.checked_sub(1);
-            let drift = state[i] - below.map_or(0.0, |b| state[b]);
-            let drift_rate = state[MASSES + i] - below.map_or(0.0, |b| state[MASSES + b]);
-            // The storey's force pulls the mass above it down and the one below it up.
-            for (mass, sign) in [(Some(i), -1.0), (below, 1.0)] {
-                let Some(mass) = mass else { continue };
-                let row = &mut jacobian[(MASSES + mass) * n..][..n];
-                row[i] += sign * stiffness;
-                row[MASSES + i] += sign * damping;
-                if let Some(b) = below {
-                    row[b] -= sign * stiffness;
-                    row[MASSES + b] -= sign * damping;
-                }
-                row[2 * MASSES + i] = sign * drift;
-                row[3 * MASSES] += sign * drift_rate;
-            }
-        }
+    fn motion_jacobian(&self, state: &[f64], out: &mut [f64]) {
+        jacobian(shear_chain::ShearChain { masses: MASSES }, state, out);
     }
 }
