@@ -50,10 +50,9 @@ impl<T: Number> RungeKutta<T> {
         }
         // Only the motion moves: parameters, and the parts of the force that are estimated, stay.
         let (moving, own) = (equation.moving(), equation.components());
-        let forces = step.thrice().map(
-            #[inline(always)]
-            |force| model.acting(state, force),
-        );
+        let [begin, middle, end] = step.thrice();
+        // One by one: an array's own `map` is not always inlined.
+        let forces = [model.acting(state, begin), model.acting(state, middle), model.acting(state, end)];
         // The compiler sees through numbers of a small plant's own.
         let mut small = [[T::of(0.0); FEW]; 6];
         let [here, memory @ ..] = if equation.is_small() {

@@ -61,7 +61,8 @@ impl<T: Number> SigmaPoints<T> {
             #[inline(always)]
             || self.draw(level, rule, model, belief),
         );
-        let forces = step.forces.map(|force| T::pack(|_| force));
+        let [begin, end] = step.forces;
+        let forces = [T::pack(|_| begin), T::pack(|_| end)];
         let step = Step { forces, has_slope: step.has_slope, dt: step.dt };
         let Self { points, method, .. } = self;
         for points in points.chunks_exact_mut(level.size(model.size)) {
