@@ -75,6 +75,7 @@ pub mod quantity;
 pub mod record;
 pub mod remarks;
 pub mod run;
+mod sample;
 pub mod scenario;
 pub mod score;
 pub mod signal;
