@@ -1,0 +1,54 @@
+//! The built command, called as from a script.
+#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
+
+mod lessons;
+mod records;
+mod refused;
+mod run;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+const SAMPLE: &str = include_str!("../../../core/tests/sample.toml");
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn file(folder: &TempDir, name: &str, text: &str) -> PathBuf {
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn command() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    command.arg("run");
+    command
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+/// Runs a command that must succeed with nothing on standard error; returns its standard output.
+#[track_caller]
+fn succeeds(command: &mut Command) -> String {
+    let Output { status, stdout, stderr } = command.output().unwrap();
+    assert_eq!((status.code(), text(&stderr).as_str()), (Some(0), ""), "{command:?}");
+    text(&stdout)
+}
+
+/// Runs a command that must fail with this code; returns standard output and standard error.
+#[track_caller]
+fn fails(command: &mut Command, code: i32) -> (String, String) {
+    let Output { status, stdout, stderr } = command.output().unwrap();
+    assert_eq!(status.code(), Some(code), "{command:?}: {}", text(&stderr));
+    (text(&stdout), text(&stderr))
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap()
+}
