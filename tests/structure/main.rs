@@ -1,5 +1,7 @@
-//! The structure of the workspace: which module imports which.
+//! The structure of the workspace: which module imports which, and whether the documents fit each other and the program.
 
+mod documents;
+mod gallery;
 mod graph;
 mod imports;
 mod rings;
@@ -15,6 +17,11 @@ const EXCEPTIONS: [(&str, &[&str], &str); 1] = [(
     &["adapter", "program"],
     "the adapter owns the programs, and the programs report failures to the adapter's device",
 )];
+
+/// The folder of the workspace.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
 
 /// The folders of the crates, relative to that of the workspace: those with a `Cargo.toml` and a folder `src`.
 fn crates(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -32,7 +39,7 @@ fn crates(folder: &Path, found: &mut Vec<PathBuf>) {
 
 #[test]
 fn no_module_imports_one_that_imports_it() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = root();
     let mut folders = Vec::new();
     crates(root, &mut folders);
     assert!(folders.len() >= 8, "{folders:?}");
