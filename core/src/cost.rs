@@ -33,7 +33,7 @@ impl FilterSettings {
 }
 
 /// Time that one member of an ensemble takes for one sample where no kernel serves the filter \[ns\]: by the number of its
-/// components for a step, and by their square for the sample's covariance and the draws. Measured by `core/tests/heavy.rs`.
+/// components for a step, and by their square for the sample's covariance and the draws. Measured by `cargo bench --bench measurements -- largest`.
 const OF_COMPONENT: f64 = 250.0;
 const OF_COVARIANCE: f64 = 12.0;
 

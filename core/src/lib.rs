@@ -98,6 +98,7 @@ mod estimator;
 mod fourier;
 mod gaussian_likelihood;
 mod guesses;
+mod hash;
 mod log_sum;
 mod random;
 mod run_error;

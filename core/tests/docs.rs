@@ -53,15 +53,10 @@ fn quoted(text: &str) -> Vec<&str> {
     text.split('`').skip(1).step_by(2).collect()
 }
 
-/// The message for a text, which is refused.
-#[track_caller]
-fn refused(text: &str) -> String {
-    Scenario::from_toml(text).expect_err(text).to_string()
-}
-
 /// The keys that a message says there are.
+#[track_caller]
 fn expected(text: &str) -> Vec<String> {
-    let message = refused(text);
+    let message = Scenario::from_toml(text).expect_err(text).to_string();
     let (_, keys) = message.split_once("expected ").unwrap_or_else(|| panic!("{message}"));
     quoted(keys).into_iter().map(str::to_owned).collect()
 }
@@ -114,17 +109,12 @@ fn defaults_are_those_of_the_tables() {
 
 #[test]
 fn shapes_of_signals_and_forces_have_their_keys() {
-    let signals = |shape: &str| format!("[plant]\nnatural_frequency.{shape}.unknown = 1");
-    let forces = |shape: &str| format!("[force]\n{shape}.unknown = 1");
-    let tables: [(&str, &dyn Fn(&str) -> String); 2] = [("Signals", &signals), ("The input", &forces)];
-    for (heading, text) in tables {
+    for (heading, table) in [("Signals", "plant.natural_frequency"), ("The input", "force")] {
         let rows = rows(heading);
         let shapes: Vec<&str> = rows.iter().map(|row| row[0].trim_matches('`')).collect();
-        let known =
-            refused(if heading == "Signals" { "plant.natural_frequency.unknown = 1" } else { "force.unknown = 1" });
-        assert_eq!(shapes, quoted(known.split_once("expected ").expect(&known).1), "{heading}");
-        for row in rows.iter().filter(|row| row[0] != "`none`") {
-            assert_eq!(quoted(row[1]), expected(&text(row[0].trim_matches('`'))), "{heading}: {}", row[0]);
+        assert_eq!(shapes, expected(&format!("{table}.unknown = 1")), "{heading}");
+        for (row, shape) in rows.iter().zip(shapes).filter(|(_, shape)| *shape != "none") {
+            assert_eq!(quoted(row[1]), expected(&format!("{table}.{shape}.unknown = 1")), "{heading}: {shape}");
         }
     }
 }

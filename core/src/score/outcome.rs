@@ -1,6 +1,7 @@
 //! The result of a filter's run over a record, as plain numbers.
 
 use super::{ChannelScore, Look};
+use crate::diagnostics::accuracy::is_lost;
 use crate::diagnostics::{Tally, Total};
 use crate::{Channel, Stop};
 
@@ -72,7 +73,6 @@ impl ChannelSums {
     pub fn is_lost(&self) -> bool {
         let Self { first_error, largest_truth, recent: (squares, samples), std, initial_std, .. } = *self;
         let rmse = (squares / f64::from(samples)).sqrt();
-        let bound = largest_truth.max(first_error).max(2.0 * initial_std);
-        std > 0.0 && rmse > LOST * std && rmse > bound
+        is_lost(rmse, std, LOST, largest_truth.max(first_error), initial_std)
     }
 }
