@@ -10,6 +10,7 @@ mod legend;
 mod pen;
 mod pixels;
 mod svg;
+mod svg_attributes;
 mod svg_text;
 
 use egui::Vec2;

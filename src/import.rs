@@ -138,14 +138,6 @@ impl Import {
         }
     }
 
-    /// The meaning of the columns as it is being chosen, for tests to change.
-    pub fn draft_mut(&mut self) -> Option<&mut Draft> {
-        match &mut self.stage {
-            Stage::Asking(draft) => Some(draft),
-            _ => None,
-        }
-    }
-
     /// Takes the choices: makes start values, or opens the record at once.
     fn accept(&mut self, record: Record, scenario: Scenario) -> Option<Opened> {
         let Stage::Asking(draft) = std::mem::replace(&mut self.stage, Stage::Failed(String::new())) else {

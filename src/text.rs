@@ -6,28 +6,7 @@ use kalmanscope_core::Channel;
 
 /// A number with `digits` significant digits, in fixed-point notation where that is short, else with an exponent.
 pub fn significant(x: f64, digits: usize) -> String {
-    if x == 0.0 {
-        return "0".to_owned();
-    }
-    if !x.is_finite() {
-        return if x.is_nan() {
-            "–".to_owned()
-        } else if x > 0.0 {
-            "∞".to_owned()
-        } else {
-            "−∞".to_owned()
-        };
-    }
-    let exponent = x.abs().log10().floor() as i32;
-    let text = if (-4..6).contains(&exponent) {
-        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
-        trimmed(&format!("{x:.decimals$}"))
-    } else {
-        let text = format!("{x:.*e}", digits - 1);
-        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-        format!("{}e{exponent}", trimmed(mantissa))
-    };
-    text.replace('-', "−")
+    kalmanscope_cli::significant(x, digits, 6).replace('-', "−")
 }
 
 /// The same, padded with zeros so that its width is constant.
@@ -77,10 +56,6 @@ pub fn parse_clock(text: &str) -> Option<f64> {
 /// Number of decimals for a channel's usual values.
 pub fn decimals(channel: Channel) -> usize {
     channel.usual().decimals
-}
-
-fn trimmed(text: &str) -> String {
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text.to_owned() }
 }
 
 #[cfg(test)]

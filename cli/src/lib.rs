@@ -43,6 +43,7 @@ pub use estimates_csv::{harmless, write_estimates};
 #[cfg(feature = "program")]
 pub use in_turn::last_estimates;
 pub use markup::escaped;
+pub use number::significant;
 #[cfg(feature = "plots")]
 pub use plot::{PlotError, plot_svg, svg};
 #[cfg(feature = "plots")]

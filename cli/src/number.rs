@@ -80,17 +80,32 @@ pub(crate) fn short(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A number to about six digits, without trailing zeros.
-pub(crate) fn plain(value: f64) -> String {
+/// A number with this many significant digits and without trailing zeros: in fixed-point notation from 1e-4 to below
+/// `10^most`, else with an exponent.
+pub fn significant(value: f64, digits: usize, most: i32) -> String {
+    if let Some(sign) = no_number(value) {
+        return sign.to_owned();
+    }
     if value == 0.0 {
         return "0".to_owned();
     }
-    if !(1e-4..1e9).contains(&value.abs()) {
-        return scientific(value, 3);
+    let exponent = value.abs().log10().floor() as i32;
+    if (-4..most).contains(&exponent) {
+        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
+        return trimmed(&format!("{value:.decimals$}")).to_owned();
     }
-    let decimals = (5.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    let text = format!("{value:.*e}", digits - 1);
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    format!("{}e{exponent}", trimmed(mantissa))
+}
+
+fn trimmed(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}
+
+/// A number to six digits, without trailing zeros.
+pub(crate) fn plain(value: f64) -> String {
+    significant(value, 6, 9)
 }
 
 #[cfg(test)]
@@ -140,6 +155,6 @@ mod tests {
     #[test]
     fn plain_numbers_have_no_needless_zeros() {
         let shown = [0.01, 60.0, 6000.0, 1.0 / 3.0, 1e-7, 123_456_789.4, -4.8, 1e12].map(plain);
-        assert_eq!(shown, ["0.01", "60", "6000", "0.333333", "1.000e-7", "123456789", "-4.8", "1.000e12"]);
+        assert_eq!(shown, ["0.01", "60", "6000", "0.333333", "1e-7", "123456789", "-4.8", "1e12"]);
     }
 }

@@ -24,8 +24,16 @@ pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
     one * (settings.substeps.max(1) * settings.guesses.max(1)) as f64
 }
 
+impl FilterSettings {
+    /// The time that it takes for one sample of a truth of this kind on an ordinary processor, to within a factor of three
+    /// \[ns\].
+    pub fn time_of_step(&self, truth: PlantKind) -> f64 {
+        of_step(self, truth)
+    }
+}
+
 /// Time that one member of an ensemble takes for one sample where no kernel serves the filter \[ns\]: by the number of its
-/// components for a step, and by their square for the sample's covariance and the draws. Measured by `core/tests/heavy.rs`.
+/// components for a step, and by their square for the sample's covariance and the draws. Measured by `cargo bench --bench measurements -- largest`.
 const OF_COMPONENT: f64 = 250.0;
 const OF_COVARIANCE: f64 = 12.0;
 

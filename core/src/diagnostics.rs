@@ -3,7 +3,7 @@
 pub(crate) mod accuracy;
 pub mod chi_squared;
 mod gamma;
-mod likelihood;
+pub(crate) mod likelihood;
 pub(crate) mod nees;
 mod range_sums;
 mod summary;
@@ -130,7 +130,8 @@ impl Diagnostics {
             let innovation = estimates.innovation(k);
             let measured = innovation.iter().filter(|innovation| !innovation.is_nan()).count();
             nis.push(estimates.nis()[k], measured as u32);
-            likelihood.push(estimates, k);
+            let determinant = estimates.determinant()[k];
+            likelihood.push(determinant, || estimates.ln_determinant(k), || estimates.log_likelihood(k));
             let (m, cov) = (whiteness.len(), estimates.innovation_cov(k));
             for (i, (whiteness, &innovation)) in whiteness.iter_mut().zip(innovation).enumerate() {
                 whiteness.push(innovation / cov[i * (m + 1)].sqrt());
@@ -183,8 +184,8 @@ impl Diagnostics {
         let is_lost = |(at, known): (usize, &accuracy::TrackedChannel)| {
             let rmse = self.accuracy.within(at, recent.clone()).rmse();
             let (first, std) = (estimates.initial_std(known.place), estimates.std(last, known.place));
-            let bound = known.largest_truth.max(known.first_error).max(2.0 * first);
-            (std > 0.0 && rmse > limit * std && rmse > bound).then_some((known.channel, rmse / std, rmse))
+            let seen = known.largest_truth.max(known.first_error);
+            accuracy::is_lost(rmse, std, limit, seen, first).then_some((known.channel, rmse / std, rmse))
         };
         self.accuracy.known().iter().enumerate().filter_map(is_lost).collect()
     }

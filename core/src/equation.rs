@@ -12,6 +12,7 @@ mod error;
 mod interned;
 mod own;
 mod parse;
+mod plant_kind;
 mod settings;
 mod solve;
 mod symbols;

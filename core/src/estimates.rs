@@ -4,6 +4,7 @@ mod columns;
 mod growth;
 
 use crate::by_channel::ByChannel;
+use crate::hash::Hash;
 use crate::remarks::{Monitor, Remark, Trouble};
 use crate::scenario::SMOOTHED;
 use crate::{
@@ -314,11 +315,9 @@ impl Estimates {
 
     /// A hash of every bit of the means and covariances that are kept (64-bit FNV-1a), to compare platforms.
     pub fn checksum(&self) -> u64 {
-        self.mean
-            .iter()
-            .chain(&self.cov)
-            .flat_map(|x| x.to_bits().to_le_bytes())
-            .fold(0xcbf2_9ce4_8422_2325, |hash, b| (hash ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3))
+        let mut hash = Hash::default();
+        self.mean.iter().chain(&self.cov).for_each(|x| hash.add(&x.to_bits().to_le_bytes()));
+        hash.value()
     }
 }
 

@@ -51,7 +51,7 @@ pub use correction::Correction;
 pub use ensemble::Ensemble;
 pub use gaussian::Gaussian;
 pub use kalman::Expected;
-pub use kind::{FilterInfo, FilterKind};
+pub use kind::{FilterInfo, FilterKind, MethodSettings};
 pub use linear::KalmanFilter;
 pub use marginalised::Marginalised;
 pub use measurement_model::MeasurementModel;

@@ -6,16 +6,10 @@ pub mod sdof;
 pub mod shear_chain;
 mod structure;
 
-use std::any::Any;
+use std::any::{Any, TypeId};
 use std::fmt;
-use std::sync::LazyLock;
-
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::channel::MAX_MASSES;
-use crate::equation::EquationSettings;
 use crate::quantity::Term;
 use crate::{Channel, Quantity};
 
@@ -127,7 +121,13 @@ impl PlantKind {
 
     /// Whether it is a user's own with a key of the registry: a file would mean the other one.
     pub(crate) fn is_impostor(self) -> bool {
-        Self::from_key(self.key()).is_some_and(|known| known != self)
+        Self::from_key(self.key()).is_some_and(|known| known.type_id() != self.type_id())
+    }
+
+    /// The type of the plant.
+    pub(crate) fn type_id(self) -> TypeId {
+        let plant: &dyn Any = self.0;
+        plant.type_id()
     }
 
     /// The plant itself.
@@ -205,57 +205,9 @@ impl Default for PlantKind {
     }
 }
 
-impl PartialEq for PlantKind {
-    /// Plants are equal by their key and their type: one of your own is not that of the registry whose key it has.
-    fn eq(&self, other: &Self) -> bool {
-        let types: [&dyn Any; 2] = [self.0, other.0];
-        let equations =
-            [self.own_equation(), other.own_equation()].map(|one| one.map(crate::equation::Equation::settings));
-        self.key() == other.key() && types[0].type_id() == types[1].type_id() && equations[0] == equations[1]
-    }
-}
-
-impl Eq for PlantKind {}
-
 impl fmt::Debug for PlantKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.key())
-    }
-}
-
-impl Serialize for PlantKind {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.own_equation() {
-            Some(equation) => equation.settings().serialize(serializer),
-            None => serializer.serialize_str(self.key()),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for PlantKind {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Kind;
-
-        impl<'de> Visitor<'de> for Kind {
-            type Value = PlantKind;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the key of a plant, or a table with an equation")
-            }
-
-            fn visit_str<E: de::Error>(self, key: &str) -> Result<PlantKind, E> {
-                static KEYS: LazyLock<Vec<&'static str>> =
-                    LazyLock::new(|| PlantKind::ALL.iter().map(|kind| kind.key()).collect());
-                PlantKind::from_key(key).ok_or_else(|| de::Error::unknown_variant(key, &KEYS))
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<PlantKind, A::Error> {
-                let settings = EquationSettings::deserialize(MapAccessDeserializer::new(map))?;
-                PlantKind::of_equation(&settings).map_err(de::Error::custom)
-            }
-        }
-
-        deserializer.deserialize_any(Kind)
     }
 }
 

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::quantity::MAX_SENSORS;
-use crate::sink::{AssumedNoise, Sample};
+use crate::sample::{AssumedNoise, Sample};
 use crate::{Channel, FilterSettings, PlantKind, Quantity, Values};
 
 /// A problem that does not stop the filter.

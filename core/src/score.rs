@@ -6,11 +6,11 @@ mod scored_pass;
 
 use crate::diagnostics::Total;
 use crate::diagnostics::accuracy::{TrackedChannel, sign_of};
+use crate::diagnostics::likelihood::Likelihood;
 use crate::diagnostics::nees::ErrorSquare;
-use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
-use crate::log_sum::LogSum;
+use crate::gaussian_likelihood::ln_determinant;
 use crate::sink::{Sample, Sink};
-use crate::{Channel, Estimates, FilterKind, Record, Stop};
+use crate::{Channel, Estimates, Record, Stop};
 
 pub use look::Look;
 #[doc(hidden)]
@@ -35,7 +35,6 @@ pub use scored_pass::ScoredPass;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scores {
-    kind: FilterKind,
     channels: usize,
     /// The place of the natural frequency, whose sign determines the canonical form.
     frequency: Option<usize>,
@@ -56,8 +55,7 @@ pub struct Scores {
     nis: Total,
     /// NEES and NIS of the last sample; NaN without a known truth, or a measurement.
     last_squares: [f64; 2],
-    ln_determinants: LogSum,
-    particles: f64,
+    likelihood: Likelihood,
     stop: Option<Stop>,
 }
 
@@ -89,7 +87,6 @@ impl Scores {
         let mut square = ErrorSquare::default();
         square.restart(known.iter().map(|known| known.place));
         Self {
-            kind: history.kind(),
             channels: history.channels().len(),
             frequency: history.place(Channel::NATURAL_FREQUENCY),
             sensors: history.sensors().len(),
@@ -105,8 +102,7 @@ impl Scores {
             nees: Total::default(),
             nis: Total::default(),
             last_squares: [f64::NAN; 2],
-            ln_determinants: LogSum::ZERO,
-            particles: 0.0,
+            likelihood: Likelihood::new(history.kind()),
             stop: None,
         }
     }
@@ -150,11 +146,7 @@ impl Scores {
 
     /// Sum of the log likelihoods of all samples with a measurement.
     pub fn log_likelihood(&self) -> f64 {
-        match (self.kind.has_own_likelihood(), self.nis.degrees) {
-            (true, _) => self.particles,
-            (false, 0) => 0.0,
-            (false, degrees) => log_likelihood(self.nis.sum, self.ln_determinants.value(), degrees),
-        }
+        self.likelihood.value(self.nis)
     }
 
     /// The accuracy of a channel; `None` where the truth is not known.
@@ -209,9 +201,9 @@ pub struct Scoring<'a> {
 impl Sink for Scoring<'_> {
     fn push(&mut self, sample: &Sample<'_>) {
         let Self { scores, record } = self;
-        let Scores { kind, channels, frequency, sensors, samples, known, last, recent, last_fifth, errors, .. } =
+        let Scores { channels, frequency, sensors, samples, known, last, recent, last_fifth, errors, .. } =
             &mut **scores;
-        let (n, kind, sensors) = (*channels, *kind, *sensors);
+        let (n, sensors) = (*channels, *sensors);
         let Some(k) = samples.checked_sub(record.forgotten()) else { return };
         let sign = sign_of(sample.mean, *frequency);
         for (at, known) in known.iter_mut().enumerate() {
@@ -235,32 +227,16 @@ impl Sink for Scoring<'_> {
         for (place, variance) in scores.variance.iter_mut().enumerate() {
             *variance = sample.cov[place * (n + 1)];
         }
-        let Scores { errors, square, nees, nis, last_squares, ln_determinants, particles, .. } = &mut **scores;
+        let Scores { errors, square, nees, nis, last_squares, likelihood, .. } = &mut **scores;
         let (square, degrees) = square.of(errors, sample.mean, sample.cov);
         *last_squares = [if degrees > 0 { square } else { f64::NAN }, sample.nis];
-        add(nees, square, degrees);
-        let measured = sample.innovation.iter().map(|e| u32::from(!e.is_nan())).sum();
-        add(nis, sample.nis, measured);
-        if sample.determinant.is_nan() {
-            return;
-        }
-        if kind.has_own_likelihood() {
-            *particles += sample.log_likelihood;
-        } else {
-            let ln = || ln_determinant(sample.determinant, sample.innovation_cov, sensors);
-            ln_determinants.add(sample.determinant, ln);
-        }
+        nees.add(square, degrees);
+        nis.add(sample.nis, sample.innovation.iter().map(|e| u32::from(!e.is_nan())).sum());
+        let ln = || ln_determinant(sample.determinant, sample.innovation_cov, sensors);
+        likelihood.push(sample.determinant, ln, || sample.log_likelihood);
     }
 
     fn stop_at(&mut self, stop: Stop) {
         self.scores.stop = Some(stop);
-    }
-}
-
-fn add(total: &mut Total, square: f64, degrees: u32) {
-    if degrees > 0 {
-        total.sum += square;
-        total.degrees += degrees;
-        total.samples += 1;
     }
 }

@@ -4,77 +4,16 @@
 
 #[path = "common/ambient.rs"]
 mod ambient;
+#[path = "common/ambient_end.rs"]
+mod ambient_end;
 #[path = "common/random.rs"]
 mod random;
 
-use ambient::{Accelerometer, Ambient};
+use ambient::Accelerometer;
+use ambient_end::{End, SETS, building, end, mass};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::suggest::{scenario_for, suggest};
-use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Hold, InputKind, Quantity, Record, Run, VerdictKind};
-
-/// The end of a filter on a record.
-struct End {
-    /// Relative errors of ωₙ and ζ, and the same in standard deviations.
-    errors: [f64; 2],
-    sigmas: [f64; 2],
-    /// Relative errors of the first guess.
-    guess: [f64; 2],
-    /// Whether a white force was taken for the cause of the motion.
-    is_white: bool,
-    verdict: VerdictKind,
-    text: String,
-    /// The reasons of the start values.
-    reasons: String,
-}
-
-/// The end of one of the suggested filters.
-fn end(ambient: &Ambient, place: usize) -> End {
-    let record = ambient.record();
-    let suggestion = suggest(&scenario_for(&record), &record);
-    let filter = &suggestion.scenario.filters[place];
-    let force = filter.augment.contains(&Channel::WHITE_FORCE).then(|| filter.process_std[Channel::WHITE_FORCE]);
-    let truth = [ambient.natural_frequency, ambient.damping_ratio];
-    let channels = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
-    let guess = [0, 1].map(|i| filter.initial_mean[channels[i]] / truth[i] - 1.0);
-    let mut run = Run::on_record(&suggestion.scenario, record.clone().into()).unwrap();
-    run.finish();
-    let estimates = &run.estimates()[place];
-    let last = estimates.len() - 1;
-    let places = channels.map(|channel| estimates.place(channel).unwrap());
-    let errors = [0, 1].map(|i| estimates.mean(last)[places[i]] / truth[i] - 1.0);
-    let stds = [0, 1].map(|i| estimates.std(last, places[i]) / truth[i]);
-    let diagnosis = Diagnosis::new(&Diagnostics::new(estimates, &record), estimates, &record, None).unwrap();
-    let verdict = diagnosis.verdict.unwrap().kind;
-    let text = format!(
-        "guess {:+.2} % {:+.0} %, end {:+.2} % {:+.0} % (σ {:.2} % {:.0} %), {:?}, force {force:?}, R {:?}, {}",
-        100.0 * guess[0],
-        100.0 * guess[1],
-        100.0 * errors[0],
-        100.0 * errors[1],
-        100.0 * stds[0],
-        100.0 * stds[1],
-        suggestion.scenario.hold,
-        filter.sensor_std,
-        verdict.name(),
-    );
-    let is_white = force.is_some();
-    let (sigmas, reasons) = ([0, 1].map(|i| errors[i] / stds[i]), suggestion.reasons.join("\n"));
-    End { errors, sigmas, guess, verdict, is_white, text, reasons }
-}
-
-/// Twenty minutes at 20 Hz, or ten at 50 Hz.
-fn building(rate: f64, sensors: &[Quantity], accelerometer: Accelerometer, seed: u64) -> Ambient {
-    Ambient {
-        natural_frequency: std::f64::consts::TAU * 1.2,
-        damping_ratio: 0.04,
-        rate,
-        seconds: if rate < 30.0 { 1200.0 } else { 600.0 },
-        sensors: sensors.to_vec(),
-        accelerometer,
-        noise: 0.01,
-        seed,
-    }
-}
+use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record, VerdictKind};
 
 /// An end that is right: within half a per cent of ωₙ, or three standard deviations where the record tells no more, within a
 /// fifth of ζ, and consistent. `most` limits the error of ζ in standard deviations.
@@ -162,92 +101,4 @@ fn a_decay_needs_no_force() {
     let filter = &suggestion.scenario.filters[0];
     assert!(!filter.augment.contains(&Channel::WHITE_FORCE), "{:?}", suggestion.reasons);
     assert!((filter.initial_mean[Channel::NATURAL_FREQUENCY] / wn - 1.0).abs() < 0.02, "{:?}", suggestion.reasons);
-}
-
-const SETS: [&[Quantity]; 4] = [
-    &[Quantity::DISPLACEMENT],
-    &[Quantity::VELOCITY],
-    &[Quantity::ACCELERATION],
-    &[Quantity::DISPLACEMENT, Quantity::ACCELERATION],
-];
-
-/// `cargo test -p kalmanscope-core --test ambient -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement of minutes"]
-fn ambient_records_of_many_kinds() {
-    for rate in [20.0, 50.0] {
-        for sensors in SETS {
-            use Accelerometer::{BandLimited, Filtered, Held, Instant, Mean};
-            let kinds = if sensors.contains(&Quantity::ACCELERATION) {
-                &[Mean, BandLimited, Filtered, Instant, Held][..]
-            } else {
-                &[Mean]
-            };
-            for &kind in kinds {
-                let ends: Vec<End> = (1300..1306).map(|seed| end(&building(rate, sensors, kind, seed), 0)).collect();
-                let names: Vec<&str> = sensors.iter().map(|sensor| sensor.key()).collect();
-                report(&format!("{rate} Hz {} {kind:?}", names.join("+")), &ends);
-            }
-        }
-    }
-}
-
-/// An accelerometer beside a displacement: `cargo test -p kalmanscope-core --test ambient -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement of minutes"]
-fn two_sensors_of_a_building() {
-    for rate in [20.0, 50.0] {
-        for kind in [Accelerometer::Mean, Accelerometer::BandLimited, Accelerometer::Filtered, Accelerometer::Instant] {
-            let ends: Vec<End> = (1350..1354).map(|seed| end(&building(rate, SETS[3], kind, seed), 0)).collect();
-            report(&format!("{rate} Hz displacement+acceleration {kind:?}"), &ends);
-        }
-    }
-}
-
-fn report(name: &str, ends: &[End]) {
-    let n = ends.len() as f64;
-    let rms = |of: &dyn Fn(&End) -> f64| (ends.iter().map(|end| of(end).powi(2)).sum::<f64>() / n).sqrt();
-    let mean = |of: &dyn Fn(&End) -> f64| ends.iter().map(of).sum::<f64>() / n;
-    let good = ends.iter().filter(|end| end.verdict == VerdictKind::Consistent).count();
-    println!(
-        "{name}: guess rms {:.2} % {:.0} %; end mean {:+.2} % {:+.1} %, rms {:.2} % {:.1} %, in σ {:.1} {:.1}, within 0.5 %/20 %: {}, \
-         consistent {good} of {n}",
-        100.0 * rms(&|end| end.guess[0]),
-        100.0 * rms(&|end| end.guess[1]),
-        100.0 * mean(&|end| end.errors[0]),
-        100.0 * mean(&|end| end.errors[1]),
-        100.0 * rms(&|end| end.errors[0]),
-        100.0 * rms(&|end| end.errors[1]),
-        rms(&|end| end.sigmas[0]),
-        rms(&|end| end.sigmas[1]),
-        ends.iter().filter(|end| end.errors[0].abs() < 0.005 && end.errors[1].abs() < 0.2).count(),
-    );
-    println!("    a low pass is said of {} of {n}", ends.iter().filter(|end| end.reasons.contains("low-pass")).count());
-    ends.iter().take(2).for_each(|end| println!("    {}", end.text));
-}
-
-/// `cargo test -p kalmanscope-core --test ambient -- --ignored --nocapture`
-#[test]
-#[ignore = "a measurement of minutes"]
-fn masses_of_three_hertz() {
-    for kind in [Accelerometer::Mean, Accelerometer::BandLimited, Accelerometer::Filtered, Accelerometer::Instant] {
-        for rate in [50.0, 100.0] {
-            let ends: Vec<End> = (1300..1308).map(|seed| end(&mass(kind, rate, seed), 0)).collect();
-            report(&format!("3.1 Hz, {rate} Hz, {kind:?}"), &ends);
-        }
-    }
-}
-
-/// Three minutes of an accelerometer on a light mass.
-fn mass(accelerometer: Accelerometer, rate: f64, seed: u64) -> Ambient {
-    Ambient {
-        natural_frequency: 19.478,
-        damping_ratio: 0.02,
-        rate,
-        seconds: 180.0,
-        sensors: vec![Quantity::ACCELERATION],
-        accelerometer,
-        noise: 0.02,
-        seed,
-    }
 }

@@ -1,6 +1,9 @@
 //! Scenarios that were once judged wrongly, each with the verdict that it must have.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::diagnosis::VerdictKind::{
@@ -9,17 +12,12 @@ use kalmanscope_core::diagnosis::VerdictKind::{
 use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Knob, Verdict};
 use kalmanscope_core::record::Input;
 use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Quantity, Record, Run, Scenario};
+use run::finished;
 
 macro_rules! finding {
     ($name:literal) => {
         Scenario::from_toml(include_str!(concat!("findings/", $name, ".toml"))).unwrap()
     };
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
 }
 
 fn diagnosis(estimates: &Estimates, record: &Record) -> Diagnosis {

@@ -1,8 +1,12 @@
 //! Inputs that are recorded late or early: filters that know, filters that do not, and the cause that is named.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/gaps.rs"]
+mod gaps;
+
 use std::sync::Arc;
 
+use gaps::with_gaps;
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::record::Input;
 use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Quantity, Record, Run, Scenario};
@@ -35,13 +39,8 @@ fn rebuilt(record: &Record, input: Vec<f64>, measured: Vec<(Quantity, Vec<f64>)>
 }
 
 /// The same record with every third measurement missing, and all of them for a while.
-fn with_gaps(record: &Record) -> Record {
-    let mut measured = columns(record);
-    for (place, (_, values)) in measured.iter_mut().enumerate() {
-        let missing = |k: usize| (k + place).is_multiple_of(3) || (300..360).contains(&k);
-        values.iter_mut().enumerate().filter(|(k, _)| missing(*k)).for_each(|(_, value)| *value = f64::NAN);
-    }
-    rebuilt(record, record.input().to_vec(), measured)
+fn with_holes(record: &Record) -> Record {
+    with_gaps(record, |place, k| (k + place).is_multiple_of(3) || (300..360).contains(&k))
 }
 
 fn estimates(scenario: &Scenario, record: &Record) -> Estimates {
@@ -63,7 +62,7 @@ fn findings(scenario: &Scenario, record: &Record) -> Vec<Finding> {
 fn a_filter_that_knows_the_delay_is_one_on_an_input_that_is_moved() {
     for delay in DELAYS {
         let mut scenario = scenario(delay, 7);
-        let late = with_gaps(&record(&scenario));
+        let late = with_holes(&record(&scenario));
         scenario.filters[0].input_delay = delay;
         let known = estimates(&scenario, &late);
         scenario.filters[0].input_delay = 0;
@@ -84,7 +83,7 @@ fn a_delay_is_named_with_its_sign_and_its_number_also_with_gaps() {
         for seed in 1_000_000..1_000_003 {
             let scenario = scenario(delay, seed);
             let whole = record(&scenario);
-            for record in [with_gaps(&whole), whole] {
+            for record in [with_holes(&whole), whole] {
                 let found = findings(&scenario, &record);
                 let named = found.iter().position(|finding| finding.suspect.cause.key == "input_delay");
                 if delay == 0 {

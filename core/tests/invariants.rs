@@ -1,16 +1,17 @@
 //! Invariants of every valid scenario.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/gaps.rs"]
+mod gaps;
 #[path = "common/run.rs"]
 mod run;
 
 use std::sync::Arc;
 
+use gaps::with_gaps;
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Record, Run, Scenario, Sensor, Signal,
-    Values,
+    Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Run, Scenario, Sensor, Signal, Values,
 };
 
 use proptest::prelude::*;
@@ -145,20 +146,6 @@ fn scenario() -> impl Strategy<Value = Scenario> {
             record: None,
         })
     })
-}
-
-/// The record with some measurements left out.
-fn with_gaps(record: &Record, missing: impl Fn(usize, usize) -> bool) -> Record {
-    let mut text = "t,force".to_owned();
-    record.sensors().iter().for_each(|s| text += &format!(",{}", s.key()));
-    for k in 0..record.len() {
-        text += &format!("\n{:e},{:e}", record.time(k), record.force(k));
-        for sensor in 0..record.sensors().len() {
-            let cell = if missing(sensor, k) { String::new() } else { format!("{:e}", record.measured(sensor)[k]) };
-            text += &format!(",{cell}");
-        }
-    }
-    Record::read_csv(text.as_bytes(), record.sensors()).unwrap()
 }
 
 fn beliefs(estimates: &Estimates) -> Vec<u64> {

@@ -1,6 +1,9 @@
 //! Jobs give the same bits as a run in one go, for any slices.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
+#[path = "common/run.rs"]
+mod run;
+
 use std::sync::Arc;
 
 use kalmanscope_core::record::Input;
@@ -8,6 +11,7 @@ use kalmanscope_core::{
     FilterKind, FilterSettings, Hold, InputKind, Job, Quantity, Record, Run, RunError, Scenario, Source, Study, Update,
     Wanted,
 };
+use run::finished;
 
 const WINDOW: usize = 100_000;
 
@@ -30,12 +34,6 @@ fn scenario() -> Scenario {
         filter.id = id;
     }
     scenario
-}
-
-fn finished(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run
 }
 
 fn study(scenario: &Scenario, source: Source, window: usize) -> Study {

@@ -18,7 +18,8 @@ fn a_step_by_the_book_reserves_no_memory() {
                 let initial = Gaussian::independent(mean, &Vector::repeat(n, 0.01));
                 let process = Matrix::identity(n, n) * 1e-8;
                 let noise = Noise { process, sensors: vec![1e-4, 1e-2], fading: 1.002 };
-                let belief = (kind.info().begin)(initial, &settings, Normal::from_seed(1)).expect("it has a root");
+                let belief =
+                    (kind.info().begin)(initial, &settings.method(), Normal::from_seed(1)).expect("it has a root");
                 let sensors = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
                 let learns = Adaptation::default();
                 let mut filter = Filter::new(model, belief, 0.01, Hold::First, noise, &sensors, learns);

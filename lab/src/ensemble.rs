@@ -1,13 +1,13 @@
 //! Many runs of one scenario, which differ in the values of some settings.
 
 use kalmanscope_core::{Channel, Document, DocumentError, RunError, Scenario};
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::axis::{Axis, AxisError};
+use crate::order;
+use crate::plan::Plan;
 use crate::setting::{Setting, UnknownSetting};
 use crate::trace::Trace;
-use crate::{Measure, order};
 
 /// The most cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;
@@ -21,27 +21,6 @@ pub struct Ensemble {
     scenario: Scenario,
     plan: Plan,
     settings: Vec<Setting>,
-}
-
-/// The axes, filters and measures of an ensemble, beside its scenario: plain data for files and messages.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Plan {
-    /// The places of the filters to score, from 0 on.
-    pub filters: Vec<usize>,
-    /// The scores to take.
-    pub measures: Vec<Measure>,
-    /// The number of times, equally spaced over the record, at which each run is looked at: for Monte Carlo.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub times: usize,
-    /// The settings to vary, in the order of the cells; without one there is a single cell.
-    #[serde(default)]
-    pub axes: Vec<Axis>,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
-fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 /// The reason why an ensemble is impossible.
@@ -244,6 +223,7 @@ pub fn channels(scenario: &Scenario, filters: &[usize]) -> Vec<Channel> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Measure;
 
     fn ensemble(axes: &[&str]) -> Result<Ensemble, EnsembleError> {
         let axes = axes.iter().map(|text| Axis::parse(text).unwrap()).collect();

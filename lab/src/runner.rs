@@ -6,8 +6,9 @@ use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate::Simulator;
 use kalmanscope_core::{Pass, Record, Scenario, Source};
 
-use crate::ensemble::{Ensemble, EnsembleError, Plan};
+use crate::ensemble::{Ensemble, EnsembleError};
 use crate::outcome;
+use crate::plan::Plan;
 use crate::setting::record_gain;
 
 /// The records that are kept for the next cells.

@@ -3,7 +3,7 @@
 use kalmanscope_core::score::Look;
 use kalmanscope_core::{Channel, Scenario};
 
-use crate::Plan;
+use crate::plan::Plan;
 
 /// The places of a run's numbers at the plan's times, within a cell's row: for each filter and each time NEES, NIS, and error
 /// and standard deviation of each of the filter's channels. NaN where there is none, as after a filter has stopped.

@@ -13,7 +13,7 @@ use kalmanscope_core::{FilterSettings, InputKind, PlantKind};
 /// EnKF, PF         4 times the size of the ensemble
 /// ```
 pub fn evaluations_per_step(settings: &FilterSettings, truth: PlantKind) -> usize {
-    (settings.kind.info().evaluations)(settings, settings.model(truth, InputKind::Force).size())
+    (settings.kind.info().evaluations)(&settings.method(), settings.model(truth, InputKind::Force).size())
 }
 
 #[cfg(test)]

@@ -25,12 +25,14 @@ mod evaluate;
 mod file;
 mod lesson;
 mod library;
+mod limits;
 mod map;
 mod measure;
 mod outcome;
 mod path;
 mod question;
 pub mod records;
+mod shares;
 mod value;
 mod verify;
 

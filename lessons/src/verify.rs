@@ -7,7 +7,7 @@ use kalmanscope_core::{Scenario, Source};
 
 use crate::check::Check;
 use crate::value::Value;
-use crate::{Claim, Lesson, LessonError, Outcome, cells, records};
+use crate::{Claim, Lesson, LessonError, Outcome, records, shares};
 
 /// Runs a lesson with each seed and evaluates its checks, in the order of the file. A measured record is the same with
 /// each seed.
@@ -48,7 +48,7 @@ pub fn verify_with(
             let mut tried: Vec<&mut Claim> =
                 claims.iter_mut().filter(|claim| claim.step == number && claim.check.is_about(seed)).collect();
             let checks: Vec<&Check> = tried.iter().map(|claim| &claim.check).collect();
-            let shares = cells::shares(&checks, scenario, &run).map_err(|error| error.in_step(number))?;
+            let shares = shares::shares(&checks, scenario, &run).map_err(|error| error.in_step(number))?;
             for (claim, share) in tried.iter_mut().zip(shares) {
                 let value = share.map_or_else(|| claim.check.value(now, &before), |share| Ok(Value::Number(share)));
                 claim.values.push((seed, value.map_err(|error| error.in_step(number))?));

@@ -94,9 +94,4 @@ impl App {
         self.notice = problem.clone().map(Into::into);
         self.session.explain(reasons, problem);
     }
-
-    /// The import under way.
-    pub fn import_mut(&mut self) -> Option<&mut Import> {
-        self.importing.as_mut()
-    }
 }

@@ -6,6 +6,7 @@ use egui::epaint::{BandShape, ColorMode, CubicBezierShape, PathStroke, Quadratic
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Stroke};
 
 use super::Figure;
+use super::svg_attributes::{number, paint};
 use super::svg_text::text;
 
 /// The text of an SVG file: as large as the figure, with a white ground.
@@ -181,24 +182,6 @@ fn style(fill: Color32, stroke: Stroke) -> String {
     style
 }
 
-/// The attributes of a colour.
-pub(super) fn paint(attribute: &str, color: Color32) -> String {
-    if color == Color32::TRANSPARENT {
-        return format!(" {attribute}=\"none\"");
-    }
-    let [r, g, b, a] = color.to_srgba_unmultiplied();
-    let opacity =
-        if a < 255 { format!(" {attribute}-opacity=\"{}\"", number(f32::from(a) / 255.0)) } else { String::new() };
-    format!(" {attribute}=\"#{r:02x}{g:02x}{b:02x}\"{opacity}")
-}
-
 fn at(point: Pos2) -> String {
     format!("{} {}", number(point.x), number(point.y))
-}
-
-/// A number to two decimals, without zeros at its end.
-pub(super) fn number(value: f32) -> String {
-    let text = format!("{value:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }

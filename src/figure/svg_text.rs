@@ -7,7 +7,7 @@ use egui::text::TextFormat;
 use egui::{Color32, FontFamily};
 use kalmanscope_cli::escaped;
 
-use super::svg::{number, paint};
+use super::svg_attributes::{number, paint};
 
 /// The elements of a text: one for each row and format.
 pub(super) fn text(shape: &TextShape) -> String {

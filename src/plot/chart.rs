@@ -30,6 +30,7 @@ use crate::request::Request;
 const TICKS_FADE: egui::Rangef = egui::Rangef { min: 14.0, max: 18.0 };
 
 /// One chart: its heading and its layers.
+#[derive(Default)]
 pub(crate) struct Chart<'a> {
     /// Unique among all charts on screen.
     pub(crate) key: String,

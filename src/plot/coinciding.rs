@@ -147,7 +147,7 @@ mod tests {
     const N: usize = 400;
 
     fn line(values: &[f64]) -> Layer<'_> {
-        Layer::Line { series: Series::of(values), color: Color32::RED, width: 2.0, dashed: false, bounds: false }
+        Layer::line(Series::of(values), Color32::RED, 2.0)
     }
 
     fn runs_of(layers: &[Layer<'_>]) -> Vec<Vec<Range<usize>>> {

@@ -22,6 +22,18 @@ pub(crate) enum Layer<'a> {
     Level { value: f64, color: Color32, label: &'static str },
 }
 
+impl<'a> Layer<'a> {
+    /// A solid line. The vertical axis may leave out its outliers.
+    pub(crate) fn line(series: Series<'a>, color: Color32, width: f32) -> Self {
+        Self::Line { series, color, width, dashed: false, bounds: false }
+    }
+
+    /// A dashed line. The vertical axis may leave out its outliers.
+    pub(crate) fn dashed(series: Series<'a>, color: Color32, width: f32) -> Self {
+        Self::Line { series, color, width, dashed: true, bounds: false }
+    }
+}
+
 /// The width of the line of the filter at this place; the first has the width `first`. Each line is a little thinner
 /// than the one below it \[points\].
 pub(crate) fn line_width(place: usize, first: f32) -> f32 {

@@ -100,7 +100,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     let truth_before = session.before().and_then(|before| before.truth(channel, session.scenario()));
     if let Some(truth) = truth_before.filter(|_| visible.truth) {
         let series = Series::of(truth);
-        layers.push(Layer::Line { series, color: palette.weak, width: 1.2, dashed: true, bounds: false });
+        layers.push(Layer::dashed(series, palette.weak, 1.2));
     }
     let lines: Vec<u32> =
         context.filters().filter(|(_, of)| of.place(channel).is_some()).map(|(_, of)| of.id()).collect();
@@ -113,23 +113,15 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     }
     for (place, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
-        layers.push(Layer::Line {
-            series: Series::of(estimates.canonical_means(at)),
-            color: palette.shade(estimates.color()),
-            width: line_width(place, ESTIMATE),
-            dashed: false,
-            bounds: false,
-        });
+        layers.push(Layer::line(
+            Series::of(estimates.canonical_means(at)),
+            palette.shade(estimates.color()),
+            line_width(place, ESTIMATE),
+        ));
     }
     for estimates in session.smoothed().iter().filter(|of| visible.filter(of.id())) {
         let Some(at) = estimates.place(channel) else { continue };
-        layers.push(Layer::Line {
-            series: Series::of(estimates.canonical_means(at)),
-            color: palette.shade(estimates.color()),
-            width: 1.4,
-            dashed: true,
-            bounds: false,
-        });
+        layers.push(Layer::dashed(Series::of(estimates.canonical_means(at)), palette.shade(estimates.color()), 1.4));
     }
     Chart {
         key: channel.key().to_owned(),
@@ -141,8 +133,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         layers,
         handles: handles::of_channel(channel, context).into_iter().chain(handles::of_noise(channel, context)).collect(),
         last_row,
-        least: None,
-        logarithmic: false,
+        ..Chart::default()
     }
 }
 

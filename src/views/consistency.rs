@@ -116,14 +116,11 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>, last_row: bool) -> Char
         }
     }
     for (place, estimates, diagnostics) in context.diagnostics() {
-        layers.push(Layer::Line {
-            series: Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples))
-                .through(f64::log10),
-            color: palette.shade(estimates.color()),
-            width: line_width(place, 2.0),
-            dashed: false,
-            bounds: false,
-        });
+        layers.push(Layer::line(
+            Series::made(diagnostics.len(), move |samples| moving(diagnostics, window, samples)).through(f64::log10),
+            palette.shade(estimates.color()),
+            line_width(place, 2.0),
+        ));
     }
     Chart {
         key: symbol.to_owned(),
@@ -133,9 +130,9 @@ fn chart<'a>(square: &Square, context: &ViewContext<'a>, last_row: bool) -> Char
         unit: "",
         readouts: readouts(&columns(square, context), axis.readout(session)),
         layers,
-        handles: Vec::new(),
         last_row,
         least: Some((-0.5, 0.5)),
         logarithmic: true,
+        ..Chart::default()
     }
 }

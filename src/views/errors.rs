@@ -104,27 +104,23 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
     for (place, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         let means = estimates.canonical_means(at);
-        layers.push(Layer::Line {
-            series: Series::new(means.len(), move |samples| {
+        layers.push(Layer::line(
+            Series::new(means.len(), move |samples| {
                 means[samples.clone()].iter().zip(&truth[samples]).map(|(mean, truth)| mean - truth)
             }),
-            color: palette.shade(estimates.color()),
-            width: line_width(place, 2.0),
-            dashed: false,
-            bounds: false,
-        });
+            palette.shade(estimates.color()),
+            line_width(place, 2.0),
+        ));
     }
     for Bound { bound, filters } in session.bounds().iter().filter(|_| visible.bands) {
         let Some((_, estimates)) = context.filters().find(|(_, of)| filters.contains(&of.id())) else { continue };
         let Some(at) = bound.place(channel) else { continue };
         for sign in [-2.0, 2.0] {
-            layers.push(Layer::Line {
-                series: Series::new(bound.len(), move |samples| samples.map(move |k| sign * bound.std(k, at))),
-                color: palette.shade(estimates.color()),
-                width: 1.0,
-                dashed: true,
-                bounds: false,
-            });
+            layers.push(Layer::dashed(
+                Series::new(bound.len(), move |samples| samples.map(move |k| sign * bound.std(k, at))),
+                palette.shade(estimates.color()),
+                1.0,
+            ));
         }
     }
     Chart {
@@ -135,9 +131,7 @@ fn chart<'a>(channel: Channel, context: &ViewContext<'a>, last_row: bool) -> Cha
         unit: context.unit(channel.unit()),
         readouts: readouts(&columns(channel, context), axis.readout(session)),
         layers,
-        handles: Vec::new(),
         last_row,
-        least: None,
-        logarithmic: false,
+        ..Chart::default()
     }
 }

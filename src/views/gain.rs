@@ -111,13 +111,11 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
     for (_, estimates) in context.filters() {
         let Some(at) = estimates.place(channel) else { continue };
         let value = move |k: usize| change(estimates, (sensor, at), is_measured, k);
-        layers.push(Layer::Line {
-            series: Series::new(estimates.len(), move |samples| samples.map(value)),
-            color: palette.shade(estimates.color()),
-            width: 1.2,
-            dashed: false,
-            bounds: false,
-        });
+        layers.push(Layer::line(
+            Series::new(estimates.len(), move |samples| samples.map(value)),
+            palette.shade(estimates.color()),
+            1.2,
+        ));
     }
     Chart {
         key: format!("gain of {} from {sensor}", channel.key()),
@@ -127,9 +125,7 @@ fn chart<'a>(channel: Channel, sensor: usize, context: &ViewContext<'a>, last_ro
         unit: if is_measured { "" } else { context.unit(channel.unit()) },
         readouts: readouts(&columns(channel, sensor, context), axis.readout(session)),
         layers,
-        handles: Vec::new(),
         last_row,
-        least: None,
-        logarithmic: false,
+        ..Chart::default()
     }
 }

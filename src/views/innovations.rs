@@ -106,13 +106,11 @@ fn chart<'a>(
     }
     layers.push(Layer::Level { value: 0.0, color: palette.weak, label: "" });
     for &estimates in filters {
-        layers.push(Layer::Line {
-            series: Series::new(estimates.len(), move |samples| samples.map(move |k| estimates.innovation(k)[sensor])),
-            color: palette.shade(estimates.color()).gamma_multiply(0.8),
-            width: 0.8,
-            dashed: false,
-            bounds: false,
-        });
+        layers.push(Layer::line(
+            Series::new(estimates.len(), move |samples| samples.map(move |k| estimates.innovation(k)[sensor])),
+            palette.shade(estimates.color()).gamma_multiply(0.8),
+            0.8,
+        ));
     }
     let of = match filters {
         [one] if context.filters().nth(1).is_some() => format!(", {}", one.name()),
@@ -128,7 +126,6 @@ fn chart<'a>(
         layers,
         handles: handles::of_sensor(sensor, quantity, filters, context),
         last_row,
-        least: None,
-        logarithmic: false,
+        ..Chart::default()
     }
 }

@@ -104,23 +104,15 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
     }
     for (place, estimates) in context.filters() {
         let Some(values) = predicted(estimates, all, quantity) else { continue };
-        layers.push(Layer::Line {
-            series: Series::new(estimates.len().min(all.len()), move |samples| samples.map(values)),
-            color: palette.shade(estimates.color()).gamma_multiply(0.7),
-            width: line_width(place, PREDICTED),
-            dashed: false,
-            bounds: false,
-        });
+        layers.push(Layer::line(
+            Series::new(estimates.len().min(all.len()), move |samples| samples.map(values)),
+            palette.shade(estimates.color()).gamma_multiply(0.7),
+            line_width(place, PREDICTED),
+        ));
     }
     for (place, estimates) in context.filters() {
         if let Some(free) = session.free_run(place) {
-            layers.push(Layer::Line {
-                series: Series::of(&free.predicted[sensor]),
-                color: palette.shade(estimates.color()),
-                width: 1.4,
-                dashed: true,
-                bounds: false,
-            });
+            layers.push(Layer::dashed(Series::of(&free.predicted[sensor]), palette.shade(estimates.color()), 1.4));
         }
     }
     let k = axis.readout(session);
@@ -134,10 +126,8 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
         unit: context.unit(quantity.unit()),
         readouts: readouts.into_iter().collect(),
         layers,
-        handles: Vec::new(),
         last_row,
-        least: None,
-        logarithmic: false,
+        ..Chart::default()
     }
 }
 
@@ -151,13 +141,11 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last
         let Some(free) = session.free_run(place) else { continue };
         let values = move |k: usize| all[k] - free.predicted[sensor][k];
         let color = palette.shade(estimates.color());
-        layers.push(Layer::Line {
-            series: Series::new(free.predicted[sensor].len().min(all.len()), move |samples| samples.map(values)),
+        layers.push(Layer::line(
+            Series::new(free.predicted[sensor].len().min(all.len()), move |samples| samples.map(values)),
             color,
-            width: 1.0,
-            dashed: false,
-            bounds: false,
-        });
+            1.0,
+        ));
         if let Some(fit) = free.fits[sensor] {
             let text = format!("{} rms, fit {:.1} %", significant(fit.rms, 3), fit.percent);
             readouts.push(Readout::new(text, color, format!("free run of {}", estimates.name())));
@@ -177,9 +165,7 @@ fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last
         unit: context.unit(quantity.unit()),
         readouts,
         layers,
-        handles: Vec::new(),
         last_row,
-        least: None,
-        logarithmic: false,
+        ..Chart::default()
     }
 }

@@ -4,6 +4,7 @@ mod bands;
 mod curves;
 mod head;
 mod histogram;
+mod last_estimates;
 mod legend;
 mod over_time;
 
@@ -132,5 +133,5 @@ fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_ol
         Rect::from_min_max(pos2(area.left(), top), area.max)
     };
     let mut child = ui.new_child(UiBuilder::new().id_salt("histogram").max_rect(room));
-    histogram::histogram_ui(&mut child, room, curves, context);
+    last_estimates::last_estimates_ui(&mut child, room, curves, context);
 }

@@ -90,6 +90,12 @@ impl TrackedChannel {
     }
 }
 
+/// Whether a truth is lost by errors of this size: more than `limit` standard deviations, than the truth or the first error ever
+/// was, and than was thought possible at first.
+pub(crate) fn is_lost(rmse: f64, std: f64, limit: f64, seen: f64, initial_std: f64) -> bool {
+    std > 0.0 && rmse > limit * std && rmse > seen.max(2.0 * initial_std)
+}
+
 /// The sign of the mirrored channels of a mean: -1 where the natural frequency is negative.
 #[inline]
 pub(crate) fn sign_of(mean: &[f64], frequency: Option<usize>) -> f64 {

@@ -17,6 +17,14 @@ pub struct Total {
 }
 
 impl Total {
+    /// Adds a sample with `degrees` numbers squared, or without any.
+    #[inline]
+    pub(crate) fn add(&mut self, square: f64, degrees: u32) {
+        self.sum += if degrees > 0 { square } else { 0.0 };
+        self.degrees += degrees;
+        self.samples += u32::from(degrees > 0);
+    }
+
     /// The mean over the samples that contribute; NaN if none does.
     pub fn mean(self) -> f64 {
         self.sum / f64::from(self.samples)
@@ -68,11 +76,8 @@ impl Totals {
     #[inline]
     pub(super) fn push(&mut self, square: f64, degrees: u32) {
         let Self { whole, squares, counts } = self;
-        let square = if degrees > 0 { square } else { 0.0 };
-        whole.sum += square;
-        whole.degrees += degrees;
-        whole.samples += u32::from(degrees > 0);
-        squares.push([square]);
+        whole.add(square, degrees);
+        squares.push([if degrees > 0 { square } else { 0.0 }]);
         counts.push((whole.degrees, whole.samples));
     }
 

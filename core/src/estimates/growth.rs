@@ -2,7 +2,7 @@
 
 use super::{Estimates, Stop};
 use crate::Channel;
-use crate::sink::Sample;
+use crate::sample::Sample;
 use crate::waste::Piecewise;
 
 /// Reserve memory for at most this many samples; the vectors of longer runs grow.

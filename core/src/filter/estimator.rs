@@ -155,7 +155,7 @@ pub(super) fn initial_belief(
     context: &FilterContext<'_>,
 ) -> Result<Box<dyn Belief>, FilterError> {
     let normal = Normal::new(context.seed, Purpose::Ensemble(context.stream));
-    (settings.kind.info().begin)(initial_gaussian(&context.model(settings), settings), settings, normal)
+    (settings.kind.info().begin)(initial_gaussian(&context.model(settings), settings), &settings.method(), normal)
 }
 
 /// Mean and covariance that some settings begin with, in the model's state.

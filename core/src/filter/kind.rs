@@ -5,8 +5,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use super::{Belief, FilterError, Gaussian, Normal};
-use crate::FilterSettings;
+use super::{Belief, FilterError, Gaussian, Normal, Propagation};
 
 /// All that is known of a kind of filter.
 #[derive(Debug)]
@@ -25,14 +24,25 @@ pub struct FilterInfo {
     /// any other follows from NIS and S.
     pub has_own_likelihood: bool,
     /// The number of times that a filter with these settings evaluates `g(y, f)` of an n-component state in one prediction.
-    pub evaluations: fn(&FilterSettings, usize) -> usize,
+    pub evaluations: fn(&MethodSettings, usize) -> usize,
     /// The belief that a filter with these settings begins with, from its mean and covariance; random numbers, if it needs
     /// any, come from the stream.
     pub begin: Begin,
 }
 
+/// The settings that a method of filtering reads, beside model, belief and noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MethodSettings {
+    /// The propagation of the mean of a KF, EKF or IEKF.
+    pub propagation: Propagation,
+    /// Limits the linearisations of the sensors in one update of an IEKF.
+    pub iterations: usize,
+    /// The number of members of an EnKF, or of particles of a PF or RBPF.
+    pub ensemble_size: usize,
+}
+
 /// Makes the belief that a filter begins with.
-pub type Begin = fn(Gaussian, &FilterSettings, Normal) -> Result<Box<dyn Belief>, FilterError>;
+pub type Begin = fn(Gaussian, &MethodSettings, Normal) -> Result<Box<dyn Belief>, FilterError>;
 
 /// A kind of filter, by what it is called.
 #[derive(Clone, Copy)]

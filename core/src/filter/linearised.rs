@@ -1,11 +1,10 @@
 //! First-order linearisation at the mean: KF, EKF and iterated EKF.
 
 use super::propagation::Propagation;
-use super::{FilterInfo, Moments};
-use crate::FilterSettings;
+use super::{FilterInfo, MethodSettings, Moments};
 
 /// A Jacobian counts as n evaluations, one a column, as it would take by differences.
-fn evaluations(settings: &FilterSettings, n: usize) -> usize {
+fn evaluations(settings: &MethodSettings, n: usize) -> usize {
     match settings.propagation {
         Propagation::LocalLinearisation | Propagation::Euler => 1 + n,
         Propagation::RungeKutta => 4 * (1 + n),

@@ -3,10 +3,13 @@
 use std::borrow::Cow;
 
 use super::particles::{bandwidth_square, weighted_mean};
-use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Moments, Noise, Normal, Observation, Step, kalman};
+use super::{
+    Belief, Correction, FilterError, FilterInfo, Gaussian, MethodSettings, Moments, Noise, Normal, Observation, Step,
+    kalman,
+};
 use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
 use crate::linalg::{Ldl, Matrix, Vector, lower_root, symmetric};
-use crate::{FilterSettings, Model, Propagation};
+use crate::{Model, Propagation};
 
 /// The Rao-Blackwellised particle filter: a particle has values of the plant's parameters θ, and beside them a Kalman filter
 /// of the motion x and the augmentations, which takes θ for known. With a linear plant that filter is exact, so that chance has
@@ -328,7 +331,7 @@ fn standard(n: usize, normal: &mut Normal) -> Vector {
 }
 
 /// A Jacobian counts as n evaluations, one a column.
-fn evaluations(settings: &FilterSettings, n: usize) -> usize {
+fn evaluations(settings: &MethodSettings, n: usize) -> usize {
     settings.ensemble_size * (1 + n)
 }
 

@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use super::Identified;
-use super::course::Course;
-use super::running::CHUNK;
+use super::course::{CHUNK, Course};
 use crate::Record;
 use crate::linalg::{Matrix, Vector};
 use crate::model::Reading;

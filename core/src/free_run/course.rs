@@ -5,6 +5,9 @@ use crate::Record;
 use crate::model::Hold;
 use crate::simulate::response::Response;
 
+/// The samples between two looks at the clock: at most about a millisecond.
+pub(super) const CHUNK: usize = 64;
+
 /// A motion under way.
 pub(super) struct Course {
     response: Response,

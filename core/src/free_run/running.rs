@@ -3,14 +3,11 @@
 use std::ops::Range;
 
 use super::beginning::Beginning;
-use super::course::Course;
+use super::course::{CHUNK, Course};
 use super::{FreeRun, Identified, fit};
 use crate::Record;
 use crate::model::Reading;
 use crate::simulate::response::HALVED;
-
-/// The samples between two looks at the clock: at most about a millisecond.
-pub(super) const CHUNK: usize = 64;
 
 /// A free run under way. The record is the same in all calls; the result does not depend on how the work is divided.
 pub struct Running {

@@ -4,9 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::values;
 use super::{FilterColor, Values};
-use crate::cost;
 use crate::document::{is_default, is_one};
-use crate::filter::{Adaptation, FilterKind, Propagation};
+use crate::filter::{Adaptation, FilterKind, MethodSettings, Propagation};
 use crate::model::{InputKind, Model};
 use crate::{Channel, PlantKind};
 
@@ -118,10 +117,10 @@ impl FilterSettings {
         model.decaying(eta).with_logarithms(self.log_parameters).driven_by(input)
     }
 
-    /// The time that it takes for one sample of a truth of this kind on an ordinary processor, to within a factor of three
-    /// \[ns\].
-    pub fn time_of_step(&self, truth: PlantKind) -> f64 {
-        cost::of_step(self, truth)
+    /// The settings that its method reads.
+    pub fn method(&self) -> MethodSettings {
+        let Self { propagation, iterations, ensemble_size, .. } = *self;
+        MethodSettings { propagation, iterations, ensemble_size }
     }
 
     /// Whether the filter takes a channel as known and exact, whatever its standard deviations: a KF does so for the

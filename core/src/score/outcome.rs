@@ -1,8 +1,9 @@
 //! The result of a filter's run over a record, as plain numbers.
 
-use super::{ChannelScore, Look, ScoredPass};
+use super::{ChannelScore, Look};
+use crate::diagnostics::accuracy::is_lost;
 use crate::diagnostics::{Tally, Total};
-use crate::{Channel, Record, RunError, Scenario, Stop};
+use crate::{Channel, Stop};
 
 /// The result of one filter's run over one record.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,39 +28,6 @@ pub struct Outcome {
     pub std: Vec<f64>,
     /// The filter at the samples that were asked for, as far as it came.
     pub looks: Vec<Look>,
-}
-
-impl Outcome {
-    /// Runs the filter at `place` of a scenario over the whole of a record.
-    ///
-    /// ```
-    /// use kalmanscope_core::score::Outcome;
-    /// use kalmanscope_core::{Run, Scenario};
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
-    /// let mut run = Run::new(&scenario)?;
-    /// run.finish();
-    /// let outcome = Outcome::of(&scenario, 0, run.record())?;
-    /// assert_eq!(outcome.mean, run.estimates()[0].mean(500));
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
-    /// # Errors
-    /// Those of [`Pass::new`](crate::Pass::new).
-    pub fn of(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
-        Self::at(scenario, place, record, &[])
-    }
-
-    /// [`Self::of`], with a look at the filter at each of these samples, which are in order.
-    ///
-    /// # Errors
-    /// Those of [`Pass::new`](crate::Pass::new).
-    pub fn at(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
-        let mut pass = ScoredPass::new(scenario, place, record, samples)?;
-        pass.advance(record, usize::MAX);
-        Ok(pass.outcome())
-    }
 }
 
 /// Limits the error, in standard deviations: above it, and above the truth and the initial uncertainty, the truth is
@@ -105,7 +73,6 @@ impl ChannelSums {
     pub fn is_lost(&self) -> bool {
         let Self { first_error, largest_truth, recent: (squares, samples), std, initial_std, .. } = *self;
         let rmse = (squares / f64::from(samples)).sqrt();
-        let bound = largest_truth.max(first_error).max(2.0 * initial_std);
-        std > 0.0 && rmse > LOST * std && rmse > bound
+        is_lost(rmse, std, LOST, largest_truth.max(first_error), initial_std)
     }
 }

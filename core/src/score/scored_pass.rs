@@ -51,3 +51,36 @@ impl ScoredPass {
         Outcome { looks: self.looks, ..self.scores.outcome() }
     }
 }
+
+impl Outcome {
+    /// Runs the filter at `place` of a scenario over the whole of a record.
+    ///
+    /// ```
+    /// use kalmanscope_core::score::Outcome;
+    /// use kalmanscope_core::{Run, Scenario};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let scenario = Scenario { duration: 5.0, ..Scenario::default() };
+    /// let mut run = Run::new(&scenario)?;
+    /// run.finish();
+    /// let outcome = Outcome::of(&scenario, 0, run.record())?;
+    /// assert_eq!(outcome.mean, run.estimates()[0].mean(500));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`](crate::Pass::new).
+    pub fn of(scenario: &Scenario, place: usize, record: &Record) -> Result<Self, RunError> {
+        Self::at(scenario, place, record, &[])
+    }
+
+    /// [`Self::of`], with a look at the filter at each of these samples, which are in order.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`](crate::Pass::new).
+    pub fn at(scenario: &Scenario, place: usize, record: &Record, samples: &[usize]) -> Result<Self, RunError> {
+        let mut pass = ScoredPass::new(scenario, place, record, samples)?;
+        pass.advance(record, usize::MAX);
+        Ok(pass.outcome())
+    }
+}

@@ -15,6 +15,7 @@ pub(crate) enum Accelerometer {
     /// A Butterworth filter of fourth order at 0.4 of the rate comes before the sample.
     Filtered,
     /// Nothing keeps aliases away: the sample is that of the instant.
+    #[allow(dead_code, reason = "the measurements take it, and the tests do not")]
     Instant,
     /// The force is held from its sample to the next, and the sample is that of the instant.
     Held,

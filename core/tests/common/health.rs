@@ -1,7 +1,11 @@
 //! Invariants of every scenario file and of every sample of every run, for the tests and the fuzzer.
 
+#[path = "gaps.rs"]
+mod gaps;
+
 use std::sync::Arc;
 
+use gaps::with_gaps;
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
 use kalmanscope_core::{
@@ -40,7 +44,9 @@ pub(crate) fn check_scenario(scenario: &Scenario, gap: u8) -> Result<usize, Stri
         if whole.len() < 2 {
             return Ok(0);
         }
-        let record = with_gaps(whole.record(), gap)?;
+        let scattered =
+            |sensor: usize, k: usize| ((k as u32 * 4 + sensor as u32).wrapping_mul(0x9e37_79b9) >> 24) as u8;
+        let record = with_gaps(whole.record(), |sensor, k| scattered(sensor, k) < gap);
         Run::on_record(scenario, Arc::new(record)).map_err(|e| e.to_string())?
     };
     let mut steps = 0;
@@ -72,25 +78,6 @@ pub(crate) fn check_scenario(scenario: &Scenario, gap: u8) -> Result<usize, Stri
         check_remarks(estimates, &wound_up[i]).map_err(|what| format!("{}: {what}", estimates.name()))?;
     }
     Ok(steps)
-}
-
-/// The record with some measurements left out.
-fn with_gaps(record: &Record, gap: u8) -> Result<Record, String> {
-    let input = match record.input_kind() {
-        InputKind::Force => "force",
-        InputKind::GroundAcceleration => "ground_acceleration",
-    };
-    let mut text = format!("t,{input}");
-    record.sensors().iter().for_each(|s| text += &format!(",{}", s.key()));
-    for k in 0..record.len() {
-        text += &format!("\n{:e},{:e}", record.time(k), record.input()[k]);
-        for sensor in 0..record.sensors().len() {
-            let scattered = ((k as u32 * 4 + sensor as u32).wrapping_mul(0x9e37_79b9) >> 24) as u8;
-            let cell = if scattered < gap { String::new() } else { format!("{:e}", record.measured(sensor)[k]) };
-            text += &format!(",{cell}");
-        }
-    }
-    Record::read_csv(text.as_bytes(), record.sensors()).map_err(|e| e.to_string())
 }
 
 fn check_record(record: &Record, k: usize) -> Finding {

@@ -1,10 +1,6 @@
 //! The scenarios of the oracles.
 
-use std::sync::Arc;
-
-use kalmanscope_core::{
-    Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Record, Scenario, Sensor, Signal,
-};
+use kalmanscope_core::{Channel, Estimates, FilterKind, FilterSettings, PlantKind, Quantity, Scenario, Sensor, Signal};
 
 use crate::textbook::Sample;
 
@@ -26,20 +22,6 @@ pub(crate) fn scenario(plant: PlantKind, kind: FilterKind) -> Scenario {
         ..FilterSettings::default()
     }];
     scenario
-}
-
-/// The record with some measurements left out.
-pub(crate) fn with_gaps(record: &Record, missing: impl Fn(usize, usize) -> bool) -> Arc<Record> {
-    let mut text = "t,force".to_owned();
-    record.sensors().iter().for_each(|s| text += &format!(",{}", s.key()));
-    for k in 0..record.len() {
-        text += &format!("\n{:e},{:e}", record.time(k), record.force(k));
-        for sensor in 0..record.sensors().len() {
-            let cell = if missing(sensor, k) { String::new() } else { format!("{:e}", record.measured(sensor)[k]) };
-            text += &format!(",{cell}");
-        }
-    }
-    Arc::new(Record::read_csv(text.as_bytes(), record.sensors()).unwrap())
 }
 
 /// The largest deviation of some estimates from the textbook's: means and covariances relative to standard deviations,

@@ -2,7 +2,8 @@
 
 use kalmanscope_core::{Adaptation, FilterKind, FilterSettings, PlantKind, Propagation, Quantity, Run, Scenario};
 
-use crate::cases::{deviation, scenario, with_gaps};
+use crate::cases::{deviation, scenario};
+use crate::gaps::with_gaps;
 use crate::plants::written;
 use crate::run::finished;
 use crate::textbook::filter;
@@ -107,7 +108,7 @@ fn records_with_gaps() {
             // Missing is the first sensor, the second, or both in turn.
             let record =
                 with_gaps(finished(&scenario).record(), |sensor, k| (k / 7 + sensor).is_multiple_of(3) || k % 50 < 9);
-            let mut run = Run::on_record(&scenario, record.clone()).unwrap();
+            let mut run = Run::on_record(&scenario, record.clone().into()).unwrap();
             run.finish();
             let deviation = deviation(&run.estimates()[0], &filter(&scenario, 0, &record));
             assert!(deviation < TOLERANCE, "{} of a {}: {deviation}", kind.name(), plant.name());

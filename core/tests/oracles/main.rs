@@ -4,6 +4,8 @@
 mod cases;
 mod chains;
 mod from_papers;
+#[path = "../common/gaps.rs"]
+mod gaps;
 mod identification;
 mod limits;
 mod matrix;

@@ -1,24 +1,18 @@
 //! Long work on one thing in a worker, a portion after the other.
 
 use js_sys::Array;
-use wasm_bindgen::JsValue;
 
 use crate::file::{file, loaded_message};
 use crate::filter::Filter;
 use crate::scope::{Watch, Words, send};
 use crate::slices::Slices;
 use crate::suggestion::{suggest, suggestion_message};
+use crate::work::Work;
 
 /// Long work on one thing.
 pub struct Errand {
     number: f64,
     work: Box<dyn Work>,
-}
-
-/// A kind of such work.
-pub(crate) trait Work {
-    /// Does the next `count` portions, and returns the part to send. The browser does not copy buffers in `handed_over`.
-    fn go_on(&mut self, count: usize, handed_over: &Array) -> JsValue;
 }
 
 impl Errand {
@@ -47,11 +41,4 @@ impl Errand {
         let part = self.work.go_on(words.get(2).as_f64().unwrap_or(0.0) as usize, &handed_over);
         send(&Array::of4(&"part".into(), &self.number.into(), &part, &watch.time().into()), &handed_over);
     }
-}
-
-/// The numbers of a message, whose buffer is handed over.
-pub(crate) fn numbers(values: &[f64], handed_over: &Array) -> JsValue {
-    let values = js_sys::Float64Array::from(values);
-    handed_over.push(&values.buffer());
-    values.into()
 }

@@ -4,9 +4,9 @@ use js_sys::{Array, Float64Array};
 use kalmanscope_core::{Document, Pass, Record, Scenario, Tape};
 use wasm_bindgen::{JsCast as _, JsValue};
 
-use crate::errand::{Work, numbers};
 use crate::record::{filtered, scenario_and_record};
 use crate::scope::Words;
+use crate::work::{Work, numbers};
 
 /// A filter over a record, in a worker.
 pub(crate) struct Filter {

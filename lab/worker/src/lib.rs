@@ -27,6 +27,7 @@ mod record;
 mod scope;
 mod slices;
 mod suggestion;
+mod work;
 
 pub use errand::Errand;
 pub use file::{file_message, loaded};

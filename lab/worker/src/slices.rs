@@ -4,7 +4,7 @@ use js_sys::Array;
 use kalmanscope_core::InSlices;
 use wasm_bindgen::JsValue;
 
-use crate::errand::Work;
+use crate::work::Work;
 
 /// Work with an outcome, until that has been sent.
 pub(crate) struct Slices<S: InSlices> {

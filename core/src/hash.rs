@@ -1,4 +1,4 @@
-//! A hash of a file's bytes.
+//! A hash of bytes.
 
 /// A hash of a file's bytes (FNV-1a, 64 bits), to tell whether a file is the same one; it is no protection against
 /// forgery. The bytes may come in pieces.
@@ -16,6 +16,11 @@ impl Hash {
     pub fn add(&mut self, bytes: &[u8]) {
         let Self(sum) = self;
         *sum = bytes.iter().fold(*sum, |sum, &byte| (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3));
+    }
+
+    /// The hash of the bytes so far.
+    pub(crate) fn value(self) -> u64 {
+        self.0
     }
 
     /// The hash of the bytes so far, in hexadecimal.

@@ -1,23 +1,16 @@
 //! `run --fix`: the scenario with a remedy.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
-
-use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+use crate::{ended, file as write, program};
+
 /// Runs the command in a folder; returns its exit code and what it wrote.
 fn run(folder: &TempDir, args: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
-    let Output { status, stdout, stderr } = command.current_dir(folder.path()).arg("run").args(args).output().unwrap();
-    (status.code(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
+    ended(program().current_dir(folder.path()).arg("run").args(args))
 }
 
 fn read(folder: &TempDir, name: &str) -> String {
-    std::fs::read_to_string(folder.path().join(name)).unwrap()
-}
-
-fn write(folder: &TempDir, name: &str, text: &str) {
-    std::fs::write(folder.path().join(name), text).unwrap();
+    crate::read(&folder.path().join(name))
 }
 
 /// Two faults: a gain, and an R that is too small; beside a filter that is right but for the gain, with a longer table in one line.

@@ -1,5 +1,4 @@
 //! Sweeps of the built command: tables, shards, and going on after an end by force.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -9,16 +8,16 @@ use std::time::Duration;
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use tempfile::TempDir;
 
+use crate::{file, program};
+
 const SCENARIO: &str = "duration = 4.0\n[plant]\nnatural_frequency = 6.0\n";
 
 fn scenario(folder: &TempDir, text: &str) -> PathBuf {
-    let path = folder.path().join("scenario.toml");
-    std::fs::write(&path, text).unwrap();
-    path
+    file(folder, "scenario.toml", text)
 }
 
 fn sweep(scenario: &Path, out: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    let mut command = program();
     command.arg("sweep").arg(scenario).arg("--out").arg(out).args(arguments);
     command
 }
@@ -202,7 +201,7 @@ fn a_record_comes_from_standard_input() {
     let folder = tempfile::tempdir().unwrap();
     let path = scenario(&folder, SCENARIO);
     let record = folder.path().join("record.csv");
-    let mut run = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    let mut run = program();
     assert!(run.arg("run").arg(&path).arg("--quiet").arg("--record-out").arg(&record).status().unwrap().success());
     let grid = ["--vary", "filters.*.process_std=0.1:10:3:log", "--score", "nis"];
     let of_file = [&grid[..], &["--record", record.to_str().unwrap()]].concat();

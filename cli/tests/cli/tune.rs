@@ -1,10 +1,11 @@
 //! Tuning by the built command.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use kalmanscope_core::Scenario;
+
+use crate::program;
 
 /// A filter that takes its sensor for five times as noisy as it is.
 const SCENARIO: &str = "duration = 20.0\n[plant]\nnatural_frequency = 6.0\n[[sensors]]\nmeasures = \"displacement\"\n\
@@ -14,7 +15,7 @@ const SCENARIO: &str = "duration = 20.0\n[plant]\nnatural_frequency = 6.0\n[[sen
 fn tune(folder: &Path, arguments: &[&str]) -> Output {
     let scenario = folder.join("scenario.toml");
     std::fs::write(&scenario, SCENARIO).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    let mut command = program();
     command.arg("tune").arg(scenario).args(arguments).output().unwrap()
 }
 

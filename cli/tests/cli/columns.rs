@@ -1,17 +1,15 @@
 //! Columns in `import` and `run`: meanings, numbers for missing readings, units, formats.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
 use tempfile::TempDir;
 
+use crate::{ended, file as write, program};
+
 /// Runs the program. Returns exit code, standard output and standard error.
 fn cli(arguments: &[&str], file: &Path) -> (i32, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
-    let Output { status, stdout, stderr } = command.args(arguments).arg(file).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (status.code().unwrap(), text(stdout), text(stderr))
+    let (code, stdout, stderr) = ended(program().args(arguments).arg(file));
+    (code.unwrap(), stdout, stderr)
 }
 
 #[track_caller]
@@ -19,12 +17,6 @@ fn import(arguments: &[&str], file: &Path) -> (String, String) {
     let (code, toml, said) = cli(&[&["import"], arguments].concat(), file);
     assert_eq!(code, 0, "{said}");
     (toml, said)
-}
-
-fn write(folder: &TempDir, name: &str, text: &str) -> PathBuf {
-    let path = folder.path().join(name);
-    std::fs::write(&path, text).unwrap();
-    path
 }
 
 /// The free decay of an oscillator at sample `k` of a hundred in a second.

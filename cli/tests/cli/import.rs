@@ -1,36 +1,31 @@
 //! Measured records on the command line, from the file to the free run.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 use tempfile::TempDir;
+
+use crate::{ended, program};
 
 const SCENARIO: &str = "duration = 60.0\ndt = 0.04\nhold = \"first\"\nseed = 5\n[plant]\nnatural_frequency = 6.0\n\
                         [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.002\n[[filters]]\nkind = \"ekf\"\n";
 
 fn command(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
+    let mut command = program();
     command.args(arguments);
     command
 }
 
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
-
 #[track_caller]
 fn succeeds(command: &mut Command) -> (String, String) {
-    let Output { status, stdout, stderr } = command.output().unwrap();
-    assert_eq!(status.code(), Some(0), "{command:?}: {}", text(&stderr));
-    (text(&stdout), text(&stderr))
+    let (code, stdout, stderr) = ended(command);
+    assert_eq!(code, Some(0), "{command:?}: {stderr}");
+    (stdout, stderr)
 }
 
 #[track_caller]
 fn fails(command: &mut Command) -> String {
-    let Output { status, stderr, .. } = command.output().unwrap();
-    assert_eq!(status.code(), Some(2), "{command:?}");
-    text(&stderr)
+    crate::fails(command, 2).1
 }
 
 /// A simulated record as a spreadsheet writes it: semicolons, decimal commas, millimetres, a line of units.

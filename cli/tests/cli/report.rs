@@ -1,28 +1,27 @@
 //! Reports, pictures and estimates of the built command.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::path::Path;
-use std::process::{Command, Output};
 
 use tempfile::TempDir;
+
+use crate::{ended, file, program};
 
 /// Runs the command in a folder; it must succeed.
 #[track_caller]
 fn succeeds(folder: &TempDir, args: &[&str]) -> String {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli"));
-    let Output { status, stdout, stderr } = command.current_dir(folder.path()).args(args).output().unwrap();
-    assert!(status.success(), "{args:?}: {}", String::from_utf8_lossy(&stderr));
-    String::from_utf8(stdout).unwrap()
+    let (code, stdout, stderr) = ended(program().current_dir(folder.path()).args(args));
+    assert_eq!(code, Some(0), "{args:?}: {stderr}");
+    stdout
 }
 
 fn folder(scenario: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("scenario.toml"), scenario).unwrap();
+    file(&folder, "scenario.toml", scenario);
     folder
 }
 
 fn read(folder: &TempDir, name: &str) -> String {
-    std::fs::read_to_string(folder.path().join(name)).unwrap()
+    crate::read(&folder.path().join(name))
 }
 
 /// A filter that is too sure of its sensor, so that it has a verdict, evidence and causes.

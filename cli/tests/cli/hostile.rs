@@ -1,9 +1,9 @@
 //! Scenarios that broke something, through the built command: each ends in words, with outputs that can be read.
-#![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+
+use crate::{ended, program};
 
 /// The scenarios of `tests/hostile`.
 fn scenarios() -> Vec<PathBuf> {
@@ -18,13 +18,11 @@ fn scenarios() -> Vec<PathBuf> {
 /// standard output.
 #[track_caller]
 fn call(arguments: &[&str]) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_kalmanscope-cli")).args(arguments).output().unwrap();
-    let Output { status, stdout, stderr } = output;
-    let stderr = String::from_utf8(stderr).unwrap();
-    let is_refused = status.code() == Some(2) && stderr.starts_with("error: ") && arguments.contains(&"--record");
-    assert!(matches!(status.code(), Some(0 | 1)) || is_refused, "{arguments:?}: {status}\n{stderr}");
+    let (code, stdout, stderr) = ended(program().args(arguments));
+    let is_refused = code == Some(2) && stderr.starts_with("error: ") && arguments.contains(&"--record");
+    assert!(matches!(code, Some(0 | 1)) || is_refused, "{arguments:?}: {code:?}\n{stderr}");
     assert!(!stderr.contains("panicked"), "{arguments:?}: {stderr}");
-    String::from_utf8(stdout).unwrap()
+    stdout
 }
 
 /// Whether people can read the numbers of a text.

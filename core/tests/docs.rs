@@ -1,0 +1,168 @@
+//! The tables of the documents are those of the program: filters, plants, and every key of a scenario.
+
+use kalmanscope_core::{Channel, FilterKind, PlantKind, Quantity, Scenario};
+
+const FILTERS: &str = include_str!("../../docs/filters.md");
+const PLANTS: &str = include_str!("../../docs/plants.md");
+const FORMAT: &str = include_str!("../../docs/scenario-format.md");
+
+/// The rows of the table under a heading line.
+fn table(page: &'static str, heading: &str) -> Vec<&'static str> {
+    let lines = page.lines().skip_while(|line| *line != heading).skip(2);
+    lines.take_while(|line| line.starts_with('|')).collect()
+}
+
+#[test]
+fn every_filter_is_in_its_table() {
+    let row = |kind: FilterKind| {
+        format!("| `{}` | {} | {} | {} |", kind.key(), kind.name(), kind.description(), kind.reference())
+    };
+    assert_eq!(table(FILTERS, "| kind | filter | what it does | reference |"), FilterKind::ALL.map(row));
+}
+
+#[test]
+fn every_plant_is_in_its_table() {
+    let row = |key: String, name: String, parameters: String, kind: PlantKind| {
+        let equation = kind.equation().replace('|', "\\|");
+        format!("| {key} | {name} | {equation} | {parameters} | {} |", kind.reference())
+    };
+    let single = |kind: &PlantKind| {
+        let parameters: Vec<&str> = kind.parameters().map(Channel::symbol).collect();
+        row(format!("`{}`", kind.key()), kind.name().to_owned(), parameters.join(", "), *kind)
+    };
+    // All chains share a row.
+    let (chains, others): (Vec<PlantKind>, Vec<PlantKind>) = PlantKind::ALL.iter().partition(|kind| kind.masses() > 1);
+    let (first, last) = (chains[0], chains[chains.len() - 1]);
+    let key = format!("`{}` … `{}`", first.key(), last.key());
+    let name = format!("{} … {}", first.name(), last.name());
+    let rows: Vec<String> =
+        others.iter().map(single).chain([row(key, name, "κ₁, κ₂, … c".to_owned(), first)]).collect();
+    assert_eq!(table(PLANTS, "| kind | plant | motion per mass | parameters | reference |"), rows);
+}
+
+/// The rows of the first table behind a heading of the page on the format, cell by cell.
+fn rows(heading: &str) -> Vec<Vec<&'static str>> {
+    let behind =
+        FORMAT.lines().skip_while(|line| line.trim_start_matches('#').trim() != heading || !line.starts_with('#'));
+    let lines = behind.skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
+    lines.skip(2).map(|line| line.trim_matches('|').split(" | ").map(str::trim).collect()).collect()
+}
+
+/// The words in backquotes.
+fn quoted(text: &str) -> Vec<&str> {
+    text.split('`').skip(1).step_by(2).collect()
+}
+
+/// The keys that a message says there are.
+#[track_caller]
+fn expected(text: &str) -> Vec<String> {
+    let message = Scenario::from_toml(text).expect_err(text).to_string();
+    let (_, keys) = message.split_once("expected ").unwrap_or_else(|| panic!("{message}"));
+    quoted(keys).into_iter().map(str::to_owned).collect()
+}
+
+/// Each table of keys, with a text whose message lists them, and the table in which they stand.
+const TABLES: [(&str, &str, &str); 9] = [
+    ("A scenario", "unknown = 1", ""),
+    ("Sensors", "[[sensors]]\nunknown = 1", ""),
+    ("Filters", "[[filters]]\nunknown = 1", "[[filters]]"),
+    ("Learning noise", "[[filters]]\nadaptation.unknown = 1", "[[filters]]\n[filters.adaptation]"),
+    ("Parameters of an equation", "[plant]\nequation = \"x'' = f\"\nparameters.a.unknown = 1", ""),
+    ("A measured record", "[record]\nunknown = 1", "[record]\nfile = \"a\""),
+    ("Times", "[record]\ntime.unknown = 1", "[record]\nfile = \"a\"\n[record.time]\nrate = 1.0"),
+    ("A column", "[record]\ninput.unknown = 1", "[record]\nfile = \"a\"\n[record.input]\ncolumn = \"b\""),
+    ("The form of a file", "[record]\ndialect.unknown = 1", ""),
+];
+
+#[test]
+fn every_key_is_in_its_table() {
+    for (heading, text, _) in TABLES {
+        let keys: Vec<String> = rows(heading).iter().map(|row| row[0].trim_matches('`').to_owned()).collect();
+        assert_eq!(keys, expected(text), "{heading}");
+    }
+    let keys: Vec<&str> = rows("The truth").iter().map(|row| row[0].trim_matches('`')).collect();
+    assert_eq!(keys, expected("[plant]\nunknown = 1")[..keys.len()]);
+    assert!(expected("[plant]\nunknown = 1")[keys.len()..].iter().all(|key| Channel::from_key(key).is_some()));
+}
+
+/// A default in backquotes says the same as no value.
+#[test]
+fn defaults_are_those_of_the_tables() {
+    let parsed = |text: &str| Scenario::from_toml(text).unwrap_or_else(|error| panic!("{text}\n{error}"));
+    let mut tried = 0;
+    for (heading, _, table) in TABLES.into_iter().chain([("The truth", "", "[plant]")]) {
+        // Tables that are empty here need another scenario to stand in.
+        if ["Sensors", "Parameters of an equation", "The form of a file"].contains(&heading) {
+            continue;
+        }
+        for row in rows(heading) {
+            let [key, value] = [row[0].trim_matches('`'), row[1]];
+            if let Some(value) = value.strip_prefix('`') {
+                let text = format!("{table}\n{key} = {}", value.trim_end_matches('`'));
+                assert_eq!(parsed(&text), parsed(table), "{text}");
+                tried += 1;
+            }
+        }
+    }
+    assert!(tried > 30, "{tried}");
+}
+
+#[test]
+fn shapes_of_signals_and_forces_have_their_keys() {
+    for (heading, table) in [("Signals", "plant.natural_frequency"), ("The input", "force")] {
+        let rows = rows(heading);
+        let shapes: Vec<&str> = rows.iter().map(|row| row[0].trim_matches('`')).collect();
+        assert_eq!(shapes, expected(&format!("{table}.unknown = 1")), "{heading}");
+        for (row, shape) in rows.iter().zip(shapes).filter(|(_, shape)| *shape != "none") {
+            assert_eq!(quoted(row[1]), expected(&format!("{table}.{shape}.unknown = 1")), "{heading}: {shape}");
+        }
+    }
+}
+
+#[test]
+fn every_channel_and_quantity_is_in_its_table() {
+    let unit = |unit: &'static str| if unit.is_empty() { "-" } else { unit };
+    let channel = |channel: &Channel| {
+        format!("| `{}` | {} | {} | {} |", channel.key(), channel.name(), channel.symbol(), unit(channel.unit()))
+    };
+    let channels: Vec<String> = Channel::all().iter().filter(|channel| channel.mass() == 0).map(channel).collect();
+    assert_eq!(table(FORMAT, "| channel | name | symbol | unit |"), channels, "{}", channels.join("\n"));
+    let quantity = |quantity: &Quantity| {
+        let info = quantity.aspect().info();
+        format!("| `{}` | {} | {} |", info.keys[0], info.symbols[0], unit(info.unit))
+    };
+    let quantities: Vec<String> = Quantity::all().iter().map(quantity).collect();
+    let of_first: Vec<String> = quantities.into_iter().fold(Vec::new(), |mut kept, row| {
+        if !kept.contains(&row) {
+            kept.push(row);
+        }
+        kept
+    });
+    assert_eq!(table(FORMAT, "| quantity | symbol | unit |"), of_first, "{}", of_first.join("\n"));
+}
+
+/// The examples of the documents can be read.
+#[test]
+fn examples_can_be_read() {
+    let pages = [FORMAT, FILTERS, PLANTS, include_str!("../../docs/equations.md")];
+    let mut read = 0;
+    for example in pages.iter().flat_map(|page| page.split("```toml\n").skip(1)) {
+        let (text, _) = example.split_once("```").expect("an example ends");
+        assert_eq!(Scenario::from_toml(text).err(), None, "{text}");
+        read += 1;
+    }
+    assert!(read >= 3, "{read}");
+}
+
+#[test]
+fn keys_are_those_of_scenario_files() {
+    for kind in FilterKind::ALL {
+        assert_eq!(toml::Value::try_from(kind), Ok(kind.key().into()));
+    }
+    for kind in PlantKind::ALL {
+        assert_eq!(toml::Value::try_from(kind), Ok(kind.key().into()));
+    }
+    for channel in Channel::all() {
+        assert_eq!(toml::Value::try_from(channel), Ok(channel.key().into()));
+    }
+}
