@@ -36,7 +36,9 @@ mod rows;
 mod shader;
 mod signal;
 mod tape;
+mod text;
+mod unroll;
 
 pub use adapter::{Gpu, Software};
-pub use batch::{GpuRun, serves};
+pub use batch::{GpuRun, program, serves};
 pub use error::GpuError;
