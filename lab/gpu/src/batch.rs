@@ -31,7 +31,7 @@ pub struct GpuRun<'a> {
     pub record: &'a Record,
 }
 
-/// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 16 components, of any plant that the program has
+/// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the program has
 /// or that is an equation, with all that the engine serves ([`Setup::of_any`]), sensors with noise, and numbers that single
 /// precision can hold. A record knows the truth of the first components of the state, or of none.
 pub fn serves(run: &GpuRun<'_>) -> bool {

@@ -22,9 +22,9 @@ const GROWTH: f64 = 8.0;
 /// Limits the programs that are kept: an equation that is typed anew is another one.
 const MOST_PROGRAMS: usize = 24;
 
-/// Limits the time of a dispatch: after it the device is taken for lost.
+/// Limits the time of a dispatch, the first of which some drivers compile the program in: after it the device is taken for lost.
 #[cfg(not(target_arch = "wasm32"))]
-const PATIENCE: Duration = Duration::from_secs(30);
+const PATIENCE: Duration = Duration::from_secs(90);
 
 /// The device, and the programs that it has.
 pub(crate) struct Programs {

@@ -14,8 +14,9 @@ use crate::unroll::unrolled;
 /// The number of threads in a group, as `main.wgsl` has it.
 pub(crate) const GROUP: u32 = 64;
 
-/// Limits the components of a state whose numbers stand in registers: beyond, programs become too long.
-const FEW: usize = 8;
+/// Limits the components of a state. Its numbers stand in registers, where loops are written out; of more components programs
+/// become too long.
+pub(crate) const MOST: usize = 9;
 
 const COMMON: [&str; 8] = [
     include_str!("shader/layout.wgsl"),
@@ -41,6 +42,9 @@ impl Program {
     /// plant has no list, or a constant is beyond single precision.
     pub(crate) fn new(design: &Design, channels: &[Channel], known: usize) -> Option<Self> {
         let Design { model, method, readings, .. } = design;
+        if model.size > MOST {
+            return None;
+        }
         let notes = Notes::of(model, readings)?;
         let shape = Shape { size: model.size, sensors: readings.len(), known };
         let is_linear = readings.iter().all(Reading::is_of_components);
@@ -74,13 +78,12 @@ impl Program {
             pushes?.join(", ")
         ));
         let numbers = whole(design, channels, shape);
+        let has_parts = numbers.iter().any(|&(name, count)| name == "PARTS" && count > 1);
         for part in parts {
             text.push('\n');
-            if shape.size <= FEW {
-                text.push_str(&unrolled(part, &numbers));
-            } else {
-                text.push_str(part);
-            }
+            // A step in one part is written out too.
+            let part = if has_parts { part.to_owned() } else { part.replace("part += 1u", "part++") };
+            text.push_str(&unrolled(&part, &numbers));
         }
         Some(Self { text, shape })
     }
@@ -131,7 +134,8 @@ fn mirrored(channels: &[Channel], known: usize) -> usize {
     bits.map(|(place, _)| 1 << place).sum()
 }
 
-/// The functions of some numbers, and of their derivatives by the state: a row for each number.
+/// The functions of some numbers, and of their derivatives by the state: a row for each number. A row of the readings' derivatives
+/// has few entries, and is multiplied by the rest of the mean, and by L, entry by entry.
 fn derived(mut notes: Notes, name: &str, [count, product]: [&str; 2], nodes: &[Node]) -> Option<String> {
     let size = notes.size;
     let outputs: Vec<(usize, Node)> = nodes.iter().copied().enumerate().collect();
@@ -149,7 +153,37 @@ fn derived(mut notes: Notes, name: &str, [count, product]: [&str; 2], nodes: &[N
     }
     let text = Text { builder: &notes.builder, size };
     let values = text.values(name, &format!("array<f32, {count}>"), &outputs)?;
-    Some(values + &text.values(&format!("{name}_by"), &format!("array<f32, {product}>"), &entries)?)
+    let mut all = values + &text.values(&format!("{name}_by"), &format!("array<f32, {product}>"), &entries)?;
+    if name == "readings" {
+        let of_row = |row: usize, first: usize| {
+            let entries = entries.iter().map(move |(place, _)| *place);
+            entries.filter(move |place| place / size == row && place % size >= first)
+        };
+        let rests: Vec<(usize, Vec<String>)> = (0..nodes.len())
+            .map(|row| (row, of_row(row, 0).map(|at| format!("by[{at}] * (*b).rest[{}]", at % size)).collect()))
+            .collect();
+        let root = |at: usize, j: usize| {
+            let i = at % size;
+            format!("by[{at}] * (*b).root[{}]", i * (i + 1) / 2 + j)
+        };
+        let through: Vec<(usize, Vec<String>)> = (0..nodes.len() * size)
+            .map(|at| (at, of_row(at / size, at % size).map(|place| root(place, at % size)).collect()))
+            .collect();
+        all.push_str(&sums("readings_of_rest", "S", &rests));
+        all.push_str(&sums("readings_through", "READ", &through));
+    }
+    Some(all)
+}
+
+/// A function of sums of products with the derivatives `by`, each with its place.
+fn sums(name: &str, count: &str, sums: &[(usize, Vec<String>)]) -> String {
+    let array = format!("array<f32, {count}>");
+    let mut text =
+        format!("fn {name}(b: ptr<function, Belief>, by: array<f32, READ>) -> {array} {{\n  var out: {array};\n");
+    for (place, terms) in sums.iter().filter(|(_, terms)| !terms.is_empty()) {
+        text.push_str(&format!("  out[{place}] = {};\n", terms.join(" + ")));
+    }
+    text + "  return out;\n}\n"
 }
 
 /// The functions of some numbers, and of their changes.

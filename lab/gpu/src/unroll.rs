@@ -20,10 +20,14 @@ struct Unroller {
 
 impl Unroller {
     fn write(&mut self, lines: &[&str], out: &mut String) {
-        let mut next = 0;
+        let (mut next, outside) = (0, self.variables.len());
         while let Some(line) = lines.get(next) {
             next += 1;
             let line = self.substituted(line);
+            if let Some((name, value)) = self.constant(&line) {
+                self.variables.push((name, value));
+                continue;
+            }
             let Some((variable, range)) = self.counted(&line) else {
                 out.push_str(&line);
                 out.push('\n');
@@ -39,6 +43,13 @@ impl Unroller {
             }
             next += length + 1;
         }
+        self.variables.truncate(outside);
+    }
+
+    /// The name and the value of a constant in a loop.
+    fn constant(&self, line: &str) -> Option<(String, usize)> {
+        let (name, value) = line.trim().strip_prefix("let ")?.strip_suffix(';')?.split_once(" = ")?;
+        (!self.variables.is_empty()).then_some((name.to_owned(), self.value(value)?))
     }
 
     /// The variable of a loop, and its values.
@@ -54,22 +65,44 @@ impl Unroller {
         Some((variable.to_owned(), self.value(first)?..self.value(end)? + more))
     }
 
-    /// The value of a sum of numbers and constants.
+    /// The value of sums of products of numbers and constants, less others, or of the place of an entry of a triangle.
     fn value(&self, text: &str) -> Option<usize> {
-        let term = |term: &str| {
-            let known = self.known.iter().find(|(name, _)| name == term).map(|(_, value)| *value);
-            known.or_else(|| term.strip_suffix('u')?.parse().ok())
+        if let Some(places) = text.strip_prefix("at(").and_then(|text| text.strip_suffix(')')) {
+            let (row, column) = places.split_once(", ")?;
+            let row = self.value(row)?;
+            return Some(row * (row + 1) / 2 + self.value(column)?);
+        }
+        let factor = |factor: &str| {
+            let known = self.known.iter().find(|(name, _)| name == factor).map(|(_, value)| *value);
+            known.or_else(|| factor.strip_suffix('u')?.parse().ok())
         };
-        text.split(" + ").map(|text| term(text.trim())).sum()
+        let sum =
+            |text: &str| text.split(" + ").map(|term| term.split(" * ").map(factor).product::<Option<usize>>()).sum();
+        let mut parts = text.split(" - ").map(sum);
+        let first: usize = parts.next()??;
+        parts.try_fold(first, |rest, less: Option<usize>| rest.checked_sub(less?))
     }
 
-    /// A line with the values of the loops' variables in place of their names.
+    /// A line with the values of the loops' variables in place of their names, and those of indices.
     fn substituted(&self, line: &str) -> String {
-        let mut out = String::with_capacity(line.len());
+        if self.variables.is_empty() {
+            return line.to_owned();
+        }
+        let mut named = String::with_capacity(line.len());
         for word in words(line) {
             match self.variables.iter().rev().find(|(name, _)| name == word) {
-                Some((_, value)) => write!(out, "{value}u").unwrap_or_default(),
-                None => out.push_str(word),
+                Some((_, value)) => write!(named, "{value}u").unwrap_or_default(),
+                None => named.push_str(word),
+            }
+        }
+        let mut out = String::with_capacity(named.len());
+        let mut pieces = named.split('[');
+        out.push_str(pieces.next().unwrap_or_default());
+        for piece in pieces {
+            out.push('[');
+            match piece.split_once(']').and_then(|(index, rest)| Some((self.value(index)?, rest))) {
+                Some((value, rest)) => write!(out, "{value}u]{rest}").unwrap_or_default(),
+                None => out.push_str(piece),
             }
         }
         out
@@ -112,10 +145,8 @@ mod tests {
 
     #[test]
     fn loops_with_constant_bounds_are_written_out() {
-        let text =
-            "for (var i = 0u; i < N; i++) {\n  for (var k = i + 1u; k <= N; k++) {\n    a[i] += b.i * k;\n  }\n}\n";
-        let expected =
-            "{\n{\n    a[0u] += b.i * 1u;\n}\n{\n    a[0u] += b.i * 2u;\n}\n}\n{\n{\n    a[1u] += b.i * 2u;\n}\n}\n";
+        let text = "for (var i = 0u; i < N; i++) {\n  for (var k = i + 1u; k <= N; k++) {\n    a[i * N + k] += b.i * c[at(k, i)];\n  }\n}\n";
+        let expected = "{\n{\n    a[1u] += b.i * c[1u];\n}\n{\n    a[2u] += b.i * c[3u];\n}\n}\n{\n{\n    a[4u] += b.i * c[4u];\n}\n}\n";
         assert_eq!(unrolled(text, &[("N", 2)]), expected);
     }
 

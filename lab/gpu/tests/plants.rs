@@ -14,8 +14,8 @@ use kalmanscope_core::{
 use kalmanscope_gpu::{GpuRun, serves};
 use kalmanscope_lab::simulate;
 
-/// The filters of an ensemble.
-const FILTERS: usize = 64;
+/// The filters of an ensemble: not a whole number of groups of threads.
+const FILTERS: usize = 70;
 
 /// Scenarios whose filters differ by their guesses of the parameters.
 fn guesses(mut scenario: Scenario, kind: FilterKind) -> Vec<Scenario> {
@@ -48,7 +48,7 @@ fn tally(name: &str, scenarios: &[Scenario]) -> Tally {
     let record = simulate(&scenarios[0]);
     let run = |scenario| GpuRun { scenario, place: 0, record: &record };
     let runs: Vec<GpuRun<'_>> = scenarios.iter().map(run).collect();
-    assert!(runs.iter().all(serves), "{name}");
+    assert!(serves(&runs[0]), "{name}");
     let begin = Instant::now();
     let outcomes = pollster::block_on(gpu().outcomes(&runs, &|| true)).unwrap();
     let time = begin.elapsed();

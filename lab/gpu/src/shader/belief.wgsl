@@ -48,28 +48,27 @@ fn set_root(b: ptr<function, Belief>, a: ptr<function, array<f32, SQUARE>>, nois
     for (var k = 0u; k <= j; k++) {
       square += (*noise)[at(j, k)] * (*noise)[at(j, k)];
     }
-    var length = select(square, pivot, is_finite(square));
     // A row of zeros is that of a component that is known for certain.
-    if (is_positive(square)) {
-      length = select(-sqrt(square), sqrt(square), pivot < 0.0);
-      let head = pivot - length;
-      let inverse = 1.0 / abs(length * head);
-      for (var i = j + 1u; i < N; i++) {
-        var share = head * (*a)[i * N + j];
-        for (var k = j + 1u; k < N; k++) {
-          share += (*a)[j * N + k] * (*a)[i * N + k];
-        }
-        for (var k = 0u; k <= j; k++) {
-          share += (*noise)[at(j, k)] * (*noise)[at(i, k)];
-        }
-        share *= inverse;
-        (*a)[i * N + j] -= head * share;
-        for (var k = j + 1u; k < N; k++) {
-          (*a)[i * N + k] -= (*a)[j * N + k] * share;
-        }
-        for (var k = 0u; k <= j; k++) {
-          (*noise)[at(i, k)] -= (*noise)[at(j, k)] * share;
-        }
+    let is_there = is_positive(square);
+    let far = select(-sqrt(square), sqrt(square), pivot < 0.0);
+    let length = select(select(square, pivot, is_finite(square)), far, is_there);
+    let head = select(0.0, pivot - far, is_there);
+    let inverse = select(0.0, 1.0 / abs(far * head), is_there);
+    for (var i = j + 1u; i < N; i++) {
+      var share = head * (*a)[i * N + j];
+      for (var k = j + 1u; k < N; k++) {
+        share += (*a)[j * N + k] * (*a)[i * N + k];
+      }
+      for (var k = 0u; k <= j; k++) {
+        share += (*noise)[at(j, k)] * (*noise)[at(i, k)];
+      }
+      share *= inverse;
+      (*a)[i * N + j] -= head * share;
+      for (var k = j + 1u; k < N; k++) {
+        (*a)[i * N + k] -= (*a)[j * N + k] * share;
+      }
+      for (var k = 0u; k <= j; k++) {
+        (*noise)[at(i, k)] -= (*noise)[at(j, k)] * share;
       }
     }
     (*b).root[at(j, j)] = length;

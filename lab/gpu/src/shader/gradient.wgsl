@@ -1,20 +1,14 @@
 // Readings that are linear, or linearised at the prediction.
-fn expect(b: ptr<function, Belief>, k: u32, run: u32) -> Expected {
-  let force = samples[k].force;
+fn expect(b: ptr<function, Belief>, sample: ptr<function, Sample>, cell: ptr<function, Cell>) -> Expected {
+  let force = (*sample).force;
   var reading = readings((*b).mean, force);
-  var by = readings_by((*b).mean, force);
+  let by = readings_by((*b).mean, force);
+  var rest = readings_of_rest(b, by);
   var e: Expected;
-  e.noise = cells[run].noise;
+  e.through = readings_through(b, by);
+  e.noise = (*cell).noise;
   for (var s = 0u; s < S; s++) {
-    e.error[s] = samples[k].measured[s] - reading[s];
-    for (var j = 0u; j < N; j++) {
-      e.error[s] -= by[s * N + j] * (*b).rest[j];
-      var sum = 0.0;
-      for (var i = j; i < N; i++) {
-        sum += by[s * N + i] * (*b).root[at(i, j)];
-      }
-      e.through[s * N + j] = sum;
-    }
+    e.error[s] = (*sample).measured[s] - reading[s] - rest[s];
   }
   return e;
 }

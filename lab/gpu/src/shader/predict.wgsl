@@ -1,6 +1,6 @@
 // From a sample to the next, in one part or several. Noise is added in the last one, and a white force is another one after some
 // of them.
-fn predict(b: ptr<function, Belief>, before: f32, after: f32, run: u32) {
+fn predict(b: ptr<function, Belief>, before: f32, after: f32, cell: ptr<function, Cell>) {
   let change = select(0.0, after - before, HAS_SLOPE);
   for (var part = 0u; part < PARTS; part += 1u) {
     let is_last = part + 1u == PARTS;
@@ -11,9 +11,9 @@ fn predict(b: ptr<function, Belief>, before: f32, after: f32, run: u32) {
     var noise: array<f32, TRIANGLE>;
     var fading = 1.0;
     if (is_last) {
-      fading = cells[run].fading;
+      fading = (*cell).fading;
       for (var i = 0u; i < N; i++) {
-        noise[at(i, i)] = cells[run].process[i];
+        noise[at(i, i)] = (*cell).process[i];
       }
     }
     advance(b, vec2(begin, end), settings.dt / f32(PARTS), fading, &a, &noise);
@@ -23,7 +23,7 @@ fn predict(b: ptr<function, Belief>, before: f32, after: f32, run: u32) {
       }
     }
     if (part + 1u == RENEWED) {
-      renew(b, &a, &noise, WHITE, cells[run].white);
+      renew(b, &a, &noise, WHITE, (*cell).white);
     }
     set_root(b, &a, &noise);
   }

@@ -6,13 +6,13 @@ const SETTLED = 0.05;
 // Limits a pivot, as a share of the standard deviation: a smaller one is zero to rounding.
 const SMALLEST = 1e-7;
 
-// Takes in the belief at sample k, which stands at a place.
-fn compare(state: ptr<function, State>, b: ptr<function, Belief>, place: u32, k: u32) {
+// Takes in the belief at sample k.
+fn compare(state: ptr<function, State>, b: ptr<function, Belief>, sample: ptr<function, Sample>, k: u32) {
   // A negative natural frequency is the same oscillator as its mirror image.
   let is_mirrored = MIRRORED != 0u && is_negative((*b).mean[FREQUENCY]);
   var error: array<f32, K>;
   for (var i = 0u; i < K; i++) {
-    let truth = samples[place].truth[i];
+    let truth = (*sample).truth[i];
     let own = select(truth, -truth, is_mirrored && ((MIRRORED >> i) & 1u) != 0u);
     error[i] = ((*b).mean[i] - own) + (*b).rest[i];
     let square = error[i] * error[i];
@@ -36,15 +36,15 @@ fn add_nees(state: ptr<function, State>, b: ptr<function, Belief>, all: array<f3
   for (var i = 0u; i < K; i++) {
     let size = variance(b, i);
     let pivot = (*b).root[at(i, i)];
-    if (is_positive(size)) {
-      for (var j = 0u; j < i; j++) {
-        error[i] -= (*b).root[at(i, j)] * white[j];
-      }
-      is_whole = is_whole && abs(pivot) > SMALLEST * sqrt(size);
-      white[i] = error[i] / pivot;
-      sum += white[i] * white[i];
-      degrees += 1u;
+    let counts = is_positive(size);
+    let is_own_whole = abs(pivot) > SMALLEST * sqrt(size);
+    for (var j = 0u; j < i; j++) {
+      error[i] -= (*b).root[at(i, j)] * white[j];
     }
+    white[i] = select(0.0, error[i] / pivot, counts && is_own_whole);
+    sum += white[i] * white[i];
+    is_whole = is_whole && (is_own_whole || !counts);
+    degrees += select(0u, 1u, counts);
   }
   if (is_whole && degrees > 0u && is_finite(sum)) {
     (*state).few_nees += sum;

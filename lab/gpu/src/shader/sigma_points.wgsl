@@ -1,11 +1,22 @@
 // UKF and CKF: sigma points, each moved by one Runge-Kutta step. Points are held as deviations from the mean, and moved by what
 // the step makes of deviations: the difference of two steps would lose most of its digits.
 
-// A column of L, as many times as long.
-fn column(b: ptr<function, Belief>, j: u32, length: f32) -> array<f32, N> {
+// The columns of L as deviations, one after the other. Loops over them are not written out, so that a program has a step once.
+fn columns_of(b: ptr<function, Belief>) -> array<f32, SQUARE> {
+  var columns: array<f32, SQUARE>;
+  for (var i = 0u; i < N; i++) {
+    for (var j = 0u; j <= i; j++) {
+      columns[j * N + i] = (*b).root[at(i, j)];
+    }
+  }
+  return columns;
+}
+
+// A deviation along a column.
+fn along(columns: ptr<function, array<f32, SQUARE>>, j: u32, length: f32) -> array<f32, N> {
   var deviation: array<f32, N>;
-  for (var i = j; i < N; i++) {
-    deviation[i] = (*b).root[at(i, j)] * length;
+  for (var i = 0u; i < N; i++) {
+    deviation[i] = (*columns)[j * N + i] * length;
   }
   return deviation;
 }
@@ -60,18 +71,28 @@ fn advance(
     }
     stages[s] = y;
   }
+  // Half the differences of opposite points, and of their sums, column by column.
+  var columns = columns_of(b);
+  var odd: array<f32, BY>;
+  var even: array<f32, BY>;
+  for (var j = 0u; j < N; j += 1u) {
+    for (var side = 0u; side < 2u; side += 1u) {
+      let sign = 1.0 - 2.0 * f32(side);
+      let change = moved(&stages, along(&columns, j, sign * DISTANCE), forces, dt);
+      for (var i = 0u; i < M; i++) {
+        odd[j * M + i] += sign * change[i] * (0.5 / DISTANCE);
+        even[j * M + i] += change[i] * (0.5 / DISTANCE);
+      }
+    }
+  }
   // Rows of what is added to P: what points make that is not linear in their distance, its sum, and the process noise.
   var curved: array<f32, M * WIDTH>;
   var shift: array<f32, M>;
-  for (var j = 0u; j < N; j++) {
-    let near = column(b, j, 1.0);
-    var high = moved(&stages, column(b, j, DISTANCE), forces, dt);
-    var low = moved(&stages, column(b, j, -DISTANCE), forces, dt);
-    for (var i = 0u; i < M; i++) {
-      (*a)[i * N + j] = (near[i] + (high[i] - low[i]) * (0.5 / DISTANCE)) * fading;
-      let both = (high[i] + low[i]) * (0.5 / DISTANCE);
-      curved[i * WIDTH + j] = both * fading;
-      shift[i] += both / DISTANCE;
+  for (var i = 0u; i < M; i++) {
+    for (var j = 0u; j < N; j++) {
+      (*a)[i * N + j] = (columns[j * N + i] + odd[j * M + i]) * fading;
+      curved[i * WIDTH + j] = even[j * M + i] * fading;
+      shift[i] += even[j * M + i] / DISTANCE;
     }
   }
   for (var i = 0u; i < M; i++) {

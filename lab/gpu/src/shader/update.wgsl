@@ -15,8 +15,8 @@ struct Correction {
   reason: u32,
 }
 
-fn is_present(k: u32, s: u32) -> bool {
-  return (samples[k].present & (1u << s)) != 0u;
+fn is_present(present: u32, s: u32) -> bool {
+  return (present & (1u << s)) != 0u;
 }
 
 // Takes an innovation of this variance, which is positive, into NIS and det S.
@@ -29,11 +29,13 @@ fn weigh(correction: ptr<function, Correction>, innovation: f32, variance: f32) 
   (*correction).exponent += i32(bits >> 23u) - 127 + select(0, 1, carries);
 }
 
-// Conditions the belief on the reading of a sensor, and the readings that are expected of the others.
+// Conditions the belief on the reading of a sensor, and the readings that are expected of the others. A reading that is missing
+// is one that depends on nothing.
 //
 // Source: Carlson (1973), Fast triangular formulation of the square root filter, AIAA Journal 11.
-fn correct(b: ptr<function, Belief>, e: ptr<function, Expected>, correction: ptr<function, Correction>, s: u32) {
-  let noise = (*e).noise[s];
+fn correct(b: ptr<function, Belief>, e: ptr<function, Expected>, correction: ptr<function, Correction>, s: u32, is_there: bool) {
+  let noise = select(1.0, (*e).noise[s], is_there);
+  let innovation = select(0.0, (*e).error[s], is_there);
   // The factor of each column of L, and of what is taken from it.
   var scale: array<f32, N>;
   var share: array<f32, N>;
@@ -41,17 +43,15 @@ fn correct(b: ptr<function, Belief>, e: ptr<function, Expected>, correction: ptr
   var variance = noise;
   for (var n = 0u; n < N; n++) {
     let j = N - 1u - n;
-    through[j] = (*e).through[s * N + j];
+    through[j] = select(0.0, (*e).through[s * N + j], is_there);
     let more = variance + through[j] * through[j];
     scale[j] = sqrt(variance / more);
     share[j] = through[j] / variance;
     variance = more;
   }
-  if (!is_positive(noise) || !is_positive(variance)) {
+  if ((*correction).reason == 0u && (!is_positive(noise) || !is_positive(variance))) {
     (*correction).reason = select(NOT_FINITE, SINGULAR, is_finite(variance));
-    return;
   }
-  let innovation = (*e).error[s];
   weigh(correction, innovation, variance);
   let weighted = innovation / variance;
   for (var i = 0u; i < N; i++) {
@@ -76,15 +76,11 @@ fn correct(b: ptr<function, Belief>, e: ptr<function, Expected>, correction: ptr
   }
 }
 
-fn update(b: ptr<function, Belief>, k: u32, run: u32, start: Correction) -> Correction {
+fn update(b: ptr<function, Belief>, sample: ptr<function, Sample>, cell: ptr<function, Cell>, start: Correction) -> Correction {
   var correction = start;
-  if (samples[k].present != 0u) {
-    var e = expect(b, k, run);
-    for (var s = 0u; s < S; s++) {
-      if (is_present(k, s) && correction.reason == 0u) {
-        correct(b, &e, &correction, s);
-      }
-    }
+  var e = expect(b, sample, cell);
+  for (var s = 0u; s < S; s++) {
+    correct(b, &e, &correction, s, is_present((*sample).present, s));
   }
   if (correction.reason == 0u && !(is_valid(b) && is_finite(correction.nis))) {
     correction.reason = NOT_FINITE;
