@@ -178,6 +178,36 @@ fn surroundings_of_a_plant_are_served() {
     }
 }
 
+/// A force that is another one at each sample, or in the middle between samples.
+#[test]
+fn white_forces_are_served() {
+    for (kind, hold) in [(FilterKind::EKF, Hold::First), (FilterKind::UKF, Hold::Zero)] {
+        let quantities = [Quantity::DISPLACEMENT, Quantity::ACCELERATION];
+        let mut scenarios = guesses(built_in(PlantKind::SDOF, &quantities, &[], hold), kind);
+        for Scenario { filters, .. } in &mut scenarios {
+            filters[0].augment.push(Channel::WHITE_FORCE);
+            filters[0].process_std[Channel::WHITE_FORCE] = 0.3;
+            filters[0].initial_std[Channel::WHITE_FORCE] = 0.3;
+        }
+        let name = format!("white force, {kind:?}, {hold:?}");
+        tally(&name, &scenarios).assert(&name);
+    }
+}
+
+/// Guesses from which many filters lose the truth.
+#[test]
+fn filters_that_are_lost_are_lost_on_both() {
+    for kind in KINDS {
+        let mut scenarios = guesses(built_in(PlantKind::DUFFING, &[Quantity::DISPLACEMENT], &[], Hold::Zero), kind);
+        for (nth, scenario) in scenarios.iter_mut().enumerate() {
+            scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] *= 0.1 + nth as f64 * 0.1;
+        }
+        let Tally { runs, same, kept, .. } = tally(&format!("lost, {kind:?}"), &scenarios);
+        assert!(same as f64 >= 0.9 * runs as f64, "{kind:?}: {same} of {runs}");
+        assert!(same - kept >= runs / 10, "{kind:?}: {} lost", same - kept);
+    }
+}
+
 /// Parts of a step, and parameters that decay.
 #[test]
 fn settings_of_a_filter_are_served() {
