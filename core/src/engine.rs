@@ -9,6 +9,7 @@
 //!   expected, update       the measurements, and the belief after them
 //!   fault                  why a step does not hold
 //! run, scores              a whole record, and what it tells
+//! list, builder, notes     equations as lists of operations
 //! setup                    the filter of a scenario
 //! estimator                one run, which reports sample by sample
 //! single                   one run, whose belief stands elsewhere
@@ -25,6 +26,7 @@
 )]
 
 pub mod belief;
+pub mod builder;
 pub mod columns;
 pub mod course;
 pub mod design;
@@ -44,6 +46,7 @@ pub mod level;
 pub mod linearised;
 pub mod list;
 pub mod model;
+pub mod notes;
 pub mod number;
 mod plain;
 pub mod plants;

@@ -7,7 +7,6 @@
 //! `x'' + 2 ζ ωₙ x' + ωₙ² x + μ x³ = f`: masses are `x`, or `x1`, `x2`, …; a component that moves with one prime (`z' = …`) is an
 //! internal state; `f` is the force over mass; every other name is a parameter. Several equations are apart by `;`.
 
-mod builder;
 mod error;
 mod interned;
 mod own;

@@ -21,7 +21,7 @@ pub enum Course {
 
 impl Course {
     /// The number of steps of a prediction of `substeps` steps, and after how many of them w is another.
-    pub(crate) fn steps(self, substeps: usize) -> (usize, usize) {
+    pub fn steps(self, substeps: usize) -> (usize, usize) {
         match self {
             Self::Held | Self::Continuous => (substeps, substeps),
             Self::Centred => (2 * substeps.div_ceil(2), substeps.div_ceil(2)),

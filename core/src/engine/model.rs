@@ -136,7 +136,7 @@ impl Model {
 
     /// The rates of parameters that decay.
     #[inline(always)]
-    fn decay<T: Number>(&self, plain: &[T], rate: &mut [T]) {
+    pub(super) fn decay<T: Real>(&self, plain: &[T], rate: &mut [T]) {
         if self.eta == 0.0 {
             return;
         }
@@ -219,7 +219,7 @@ impl<T: Number> Derivatives<T> {
 
 /// `h(y, f)` in a state that moves at this rate, in the unit of the sensor's quantity.
 #[inline(always)]
-pub fn read<T: Number>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
+pub fn read<T: Real>(model: &Model, reading: &Reading, state: &[T], rate: &[T], force: T) -> T {
     if let Some(place) = reading.component() {
         return state[place];
     }

@@ -84,9 +84,12 @@ pub enum Plant {
     Own(own::Own),
 }
 
-/// Does something with the equation of a plant.
+/// Does something with the equation of a plant, and something else with a plant of a program's own, which has none.
 macro_rules! with_equation {
     ($plant:expr, $equation:ident => $do:expr) => {
+        $crate::engine::plants::with_equation!($plant, $equation => $do, $equation => $do)
+    };
+    ($plant:expr, $equation:ident => $do:expr, $own:pat => $other:expr) => {
         match $plant {
             $crate::engine::plants::Plant::Sdof => {
                 let $equation = $crate::engine::plants::sdof::Sdof;
@@ -112,10 +115,7 @@ macro_rules! with_equation {
                 let $equation = typed;
                 $do
             }
-            $crate::engine::plants::Plant::Own(own) => {
-                let $equation = own;
-                $do
-            }
+            $crate::engine::plants::Plant::Own($own) => $other,
         }
     };
 }

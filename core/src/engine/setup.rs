@@ -20,19 +20,22 @@ pub struct Setup {
     pub design: Design,
     /// The components of the state.
     pub channels: Vec<Channel>,
-    /// The initial mean and variances.
-    pub(super) mean: Vec<f64>,
-    pub(super) variance: Vec<f64>,
-    /// The diagonal of Q, and that of R.
-    pub(super) process: Vec<f64>,
-    pub(super) sensors: Vec<f64>,
-    pub(super) fading: f64,
+    /// The initial mean.
+    pub mean: Vec<f64>,
+    /// The initial variances.
+    pub variance: Vec<f64>,
+    /// The diagonal of Q.
+    pub process: Vec<f64>,
+    /// The diagonal of R.
+    pub sensors: Vec<f64>,
+    /// The fading factor λ.
+    pub fading: f64,
     /// The variance of the white force.
-    pub(super) white: f64,
+    pub white: f64,
     /// The record's column for each sensor.
-    pub(crate) columns: Vec<usize>,
+    pub columns: Vec<usize>,
     /// The number of samples after which the plant feels the input.
-    pub(super) input_delay: i32,
+    pub input_delay: i32,
 }
 
 impl Setup {
@@ -44,12 +47,29 @@ impl Setup {
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
+        Self::unless(scenario, place, record, is_done_as_fast)
+    }
+
+    /// The same with the plain filters that others do as fast.
+    ///
+    /// # Errors
+    /// Those of [`Pass::new`](crate::Pass::new).
+    pub fn of_any(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
+        Self::unless(scenario, place, record, |_, _| false)
+    }
+
+    fn unless(
+        scenario: &Scenario,
+        place: usize,
+        record: &Record,
+        is_left: impl Fn(&FilterSettings, &FilterContext<'_>) -> bool,
+    ) -> Result<Option<Self>, RunError> {
         scenario.validate()?;
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         let columns = sensor_places(scenario, record)?;
         let quantities: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
         let context = FilterContext::new(scenario, &quantities, record.dt(), settings);
-        if is_done_as_fast(settings, &context) || !is_finite(record, &columns) {
+        if is_left(settings, &context) || !is_finite(record, &columns) {
             return Ok(None);
         }
         Ok(Self::of(settings, &context, columns))

@@ -17,9 +17,6 @@ const DEPTH: usize = 40;
 /// Limits the equations of a plant.
 const EQUATIONS: usize = 30;
 
-/// Limits a whole power that is a product.
-pub(super) const LARGEST_PRODUCT: f64 = 8.0;
-
 /// A term.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Tree {

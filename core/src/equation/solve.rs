@@ -4,10 +4,10 @@
 //! left - right = r + s h = 0,  h = -r / s
 //! ```
 
-use super::builder::Builder;
 use super::error::EquationError;
 use super::parse::{Sides, Tree, parse};
 use crate::channel::MAX_MASSES;
+use crate::engine::builder::Builder;
 use crate::engine::list::Node;
 use crate::engine::plants::typed::Typed;
 

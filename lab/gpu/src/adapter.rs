@@ -140,14 +140,14 @@ fn name_of(info: &AdapterInfo) -> String {
 fn limits(adapter: &Adapter) -> Limits {
     let own = adapter.limits();
     Limits {
-        max_buffer_size: own.max_buffer_size.min(LARGEST),
-        max_storage_buffer_binding_size: own.max_storage_buffer_binding_size.min(LARGEST),
+        max_buffer_size: own.max_buffer_size.min(LARGEST_BUFFER),
+        max_storage_buffer_binding_size: own.max_storage_buffer_binding_size.min(LARGEST_BUFFER),
         ..Limits::downlevel_defaults()
     }
 }
 
 /// Limits a buffer \[bytes\].
-const LARGEST: u64 = 128 << 20;
+pub(crate) const LARGEST_BUFFER: u64 = 128 << 20;
 
 #[cfg(test)]
 mod tests {

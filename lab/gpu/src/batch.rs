@@ -1,15 +1,17 @@
 //! Runs in batches of those that are alike.
 
-use kalmanscope_core::kernel::abreast::{Method, OscillatorFilter};
+use kalmanscope_core::engine::Setup;
+use kalmanscope_core::engine::design::Design;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Record, Scenario};
+use kalmanscope_core::{Channel, Record, Scenario};
 
-use crate::adapter::Gpu;
+use crate::adapter::{Gpu, LARGEST_BUFFER};
 use crate::error::GpuError;
-use crate::layout::{Cell, Sample, Settings};
+use crate::layout::{Cell, Settings};
 use crate::outcome::{Ran, outcome};
 use crate::program::Job;
-use crate::tape::{CHANNELS, LARGEST, Tape, knows_truth, place_of};
+use crate::shader::Program;
+use crate::tape::{LARGEST, Tape, known};
 
 /// Limits the runs of a batch, and the samples of its records.
 const MOST_RUNS: usize = 1 << 16;
@@ -29,55 +31,55 @@ pub struct GpuRun<'a> {
     pub record: &'a Record,
 }
 
-/// Whether a run goes to the graphics processor: a KF, EKF or UKF of the linear oscillator with at most one sensor each of
-/// displacement, velocity and acceleration, with or without fading and a delay of the input, under an input that is held,
-/// with parameters that do not decay, sensors with noise, and numbers that single precision can hold.
+/// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the program has
+/// or that is an equation, with all that the engine serves ([`Setup::of_any`]), sensors with noise, and numbers that single
+/// precision can hold. A record knows the truth of the first components of the state, or of none.
 pub fn serves(run: &GpuRun<'_>) -> bool {
-    prepare(run).is_some()
+    program(run).is_some()
 }
 
-/// The filter of a run, if it goes to the graphics processor.
-fn prepare(run: &GpuRun<'_>) -> Option<OscillatorFilter> {
+/// The program of a run in WGSL; none where it is not served.
+pub fn program(run: &GpuRun<'_>) -> Option<String> {
+    let (setup, known) = prepare(run)?;
+    Program::new(&setup.design, &setup.channels, known).map(|program| program.text)
+}
+
+/// The filter of a run and the number of its channels whose truth is known, if its numbers are such as to go to the graphics
+/// processor.
+fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
     let GpuRun { scenario, place, record } = *run;
-    let filter = <OscillatorFilter>::new(scenario, place, record).ok()??;
-    let outputs: Vec<_> = filter.outputs.iter().flatten().map(|&output| place_of(output)).collect();
-    let each_once = outputs.iter().enumerate().all(|(at, output)| output.is_some() && !outputs[..at].contains(output));
-    let is_truth_whole = knows_truth(record) || CHANNELS.iter().all(|&channel| record.truth(channel).is_none());
-    let is_fine = |variance: f64| variance == 0.0 || (SMALLEST..=LARGEST * LARGEST).contains(&variance);
-    let noise = &filter.noise;
-    let numbers_are_fine = filter.initial.mean.iter().all(|mean| mean.abs() <= LARGEST)
-        && (0..4).all(|i| is_fine(filter.initial.cov[(i, i)]) && is_fine(noise.process[(i, i)]))
-        && noise.sensors.iter().take(filter.outputs.len()).all(|&variance| variance > 0.0 && is_fine(variance));
-    let is_usual = each_once
-        && filter.plant.eta == 0.0
-        && is_truth_whole
-        && numbers_are_fine
-        && record.forgotten() == 0
-        && (1..=MOST_SAMPLES).contains(&record.len());
-    is_usual.then_some(filter)
+    let setup = Setup::of_any(scenario, place, record).ok()??;
+    let known = known(&setup.channels, record)?;
+    let is_fine = |variance: &f64| *variance == 0.0 || (SMALLEST..=LARGEST * LARGEST).contains(variance);
+    let variances = || setup.variance.iter().chain(&setup.process).chain(&setup.sensors).chain([&setup.white]);
+    let numbers_are_fine = setup.mean.iter().all(|mean| mean.abs() <= LARGEST)
+        && variances().all(is_fine)
+        && setup.sensors.iter().all(|&variance| variance > 0.0);
+    (numbers_are_fine && (1..=MOST_SAMPLES).contains(&record.len())).then_some((setup, known))
 }
 
 /// The properties that all runs of a batch must share.
 #[derive(PartialEq)]
 struct Kind {
-    method: Method,
-    dt: f64,
+    design: Design,
+    channels: Vec<Channel>,
+    known: usize,
     samples: usize,
-    knows_truth: bool,
 }
 
 /// A run that goes to the graphics processor, by its place among all.
 struct Member<'a> {
     place: usize,
-    filter: OscillatorFilter,
+    setup: Setup,
     record: &'a Record,
     /// The place of its tape.
     tape: usize,
 }
 
-/// The runs of one kind, as many as go at once.
+/// The runs of one kind, as many as go at once; none goes where they have no program.
 struct Batch<'a> {
     kind: Kind,
+    program: Option<Program>,
     members: Vec<Member<'a>>,
     tapes: Vec<Tape>,
 }
@@ -94,25 +96,22 @@ impl Gpu {
         is_wanted: &dyn Fn() -> bool,
     ) -> Result<Vec<Option<Outcome>>, GpuError> {
         let mut outcomes = vec![None; runs.len()];
-        for batch in batches(runs) {
-            let Batch { kind: Kind { method, dt, samples, knows_truth }, members, tapes } = &batch;
+        for Batch { kind, program, members, tapes } in &batches(runs) {
+            let Some(program) = program else { continue };
             let settings = Settings {
                 begin: 0,
-                end: *samples as u32,
+                end: kind.samples as u32,
                 runs: members.len() as u32,
-                recent: (samples * 4 / 5) as u32,
-                knows_truth: *knows_truth,
-                dt: *dt,
+                recent: (kind.samples * 4 / 5) as u32,
+                dt: kind.design.dt,
             };
-            let job = Job {
-                method: *method,
-                settings,
-                samples: tapes.iter().flat_map(|tape| &tape.words).copied().collect(),
-                cells: members.iter().flat_map(|member| cell(member, *samples).words()).collect(),
-            };
+            let mut cells = Vec::new();
+            members.iter().for_each(|member| cell(member, kind.samples).put(&mut cells));
+            let samples = tapes.iter().flat_map(|tape| &tape.words).copied().collect();
+            let job = Job { program, settings, samples, cells };
             let states = self.programs.run(&job, &self.trouble, is_wanted).await?;
             for (member, state) in members.iter().zip(&states) {
-                let ran = Ran { filter: &member.filter, record: member.record, tape: &tapes[member.tape] };
+                let ran = Ran { setup: &member.setup, record: member.record, tape: &tapes[member.tape] };
                 outcomes[member.place] = Some(outcome(&ran, state));
             }
         }
@@ -120,66 +119,64 @@ impl Gpu {
     }
 }
 
+impl Batch<'_> {
+    /// Whether there is room for one more run, with a record of its own.
+    fn has_room(&self) -> bool {
+        let words = (LARGEST_BUFFER / 4) as usize;
+        self.program.as_ref().is_none_or(|Program { shape, .. }| {
+            let most_runs = MOST_RUNS.min(words / shape.state());
+            let most_samples = MOST_SAMPLES.min(words / shape.sample());
+            self.members.len() < most_runs
+                && (self.tapes.is_empty() || (self.tapes.len() + 1) * self.kind.samples <= most_samples)
+        })
+    }
+}
+
 /// The batches of the runs that are served.
 fn batches<'a>(runs: &[GpuRun<'a>]) -> Vec<Batch<'a>> {
     let mut batches: Vec<Batch<'a>> = Vec::new();
     for (place, run) in runs.iter().enumerate() {
-        let Some(filter) = prepare(run) else { continue };
-        let kind = Kind {
-            method: filter.method,
-            dt: filter.dt,
-            samples: run.record.len(),
-            knows_truth: knows_truth(run.record),
+        let Some((setup, known)) = prepare(run) else { continue };
+        let samples = run.record.len();
+        let is_its = |batch: &&mut Batch<'_>| {
+            let Kind { design, channels, known: others, samples: length } = &batch.kind;
+            (design, channels, *others, *length) == (&setup.design, &setup.channels, known, samples) && batch.has_room()
         };
-        let has_room = |batch: &&mut Batch<'_>| {
-            batch.kind == kind
-                && batch.members.len() < MOST_RUNS
-                && (batch.tapes.len() + 1) * batch.kind.samples <= MOST_SAMPLES
-        };
-        let batch = match batches.iter_mut().rev().find(has_room) {
+        let batch = match batches.iter_mut().rev().find(is_its) {
             Some(batch) => batch,
             None => {
-                batches.push(Batch { kind, members: Vec::new(), tapes: Vec::new() });
+                let program = Program::new(&setup.design, &setup.channels, known);
+                let (design, channels) = (setup.design.clone(), setup.channels.clone());
+                let kind = Kind { design, channels, known, samples };
+                batches.push(Batch { kind, program, members: Vec::new(), tapes: Vec::new() });
                 let Some(batch) = batches.last_mut() else { continue };
                 batch
             }
         };
+        if batch.program.is_none() {
+            continue;
+        }
         let same = |member: &&Member<'_>| {
-            let (other, own) = (&member.filter, &filter);
+            let (other, own) = (&member.setup, &setup);
             std::ptr::eq(member.record, run.record)
-                && (&other.columns, &other.outputs, other.input_delay) == (&own.columns, &own.outputs, own.input_delay)
+                && (&other.columns, other.input_delay) == (&own.columns, own.input_delay)
         };
         let tape = match batch.members.iter().rev().find(same) {
             Some(member) => member.tape,
             None => {
-                let Some(tape) = Tape::new(&filter, run.record) else { continue };
+                let Some(tape) = Tape::new(&setup, run.record, known) else { continue };
                 batch.tapes.push(tape);
                 batch.tapes.len() - 1
             }
         };
-        batch.members.push(Member { place, filter, record: run.record, tape });
+        batch.members.push(Member { place, setup, record: run.record, tape });
     }
     batches.retain(|batch| !batch.members.is_empty());
     batches
 }
 
-fn cell(member: &Member<'_>, samples: usize) -> Cell {
-    let OscillatorFilter { initial, noise, outputs, .. } = &member.filter;
-    let mut sensors = [0.0; 3];
-    for (place, output) in outputs.iter().enumerate() {
-        if let Some(at) = output.and_then(place_of) {
-            sensors[at] = noise.sensors[place];
-        }
-    }
-    Cell {
-        mean: [0, 1, 2, 3].map(|i| initial.mean[i]),
-        initial_std: [0, 1, 2, 3].map(|i| initial.cov[(i, i)].sqrt()),
-        process: [0, 1, 2, 3].map(|i| noise.process[(i, i)].sqrt()),
-        noise: sensors,
-        fading: noise.fading.sqrt(),
-        first: (member.tape * samples) as u32,
-    }
+fn cell<'a>(member: &'a Member<'_>, samples: usize) -> Cell<'a> {
+    let Setup { mean, variance, process, sensors, fading, white, .. } = &member.setup;
+    let first = (member.tape * samples) as u32;
+    Cell { mean, variance, process, sensors, fading: *fading, white: *white, first }
 }
-
-/// The number of words of all tapes fits a buffer.
-const _: () = assert!(MOST_SAMPLES * Sample::WORDS * 4 <= 128 << 20);

@@ -1,5 +1,36 @@
 //! The structures of `shader/layout.wgsl` as words of 32 bits.
 
+/// The sizes of a program's structures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shape {
+    /// n, the number of components.
+    pub(crate) size: usize,
+    pub(crate) sensors: usize,
+    /// The number of components, from the first on, whose truth is known.
+    pub(crate) known: usize,
+}
+
+/// The words of a state besides its belief and the sums of channels, and of those of a channel.
+const SUMS: usize = 10;
+const TRACKED: usize = 6;
+
+impl Shape {
+    /// The number of entries of L.
+    pub(crate) fn triangle(self) -> usize {
+        self.size * (self.size + 1) / 2
+    }
+
+    /// The words of a sample. A structure has no array without entries.
+    pub(crate) fn sample(self) -> usize {
+        2 + self.sensors.max(1) + self.known.max(1)
+    }
+
+    /// The words of a state.
+    pub(crate) fn state(self) -> usize {
+        2 * self.size + self.triangle() + TRACKED * self.known.max(1) + SUMS
+    }
+}
+
 /// The numbers of a dispatch.
 #[derive(Clone, Copy)]
 pub(crate) struct Settings {
@@ -7,82 +38,72 @@ pub(crate) struct Settings {
     pub(crate) end: u32,
     pub(crate) runs: u32,
     pub(crate) recent: u32,
-    pub(crate) knows_truth: bool,
     pub(crate) dt: f64,
 }
 
 impl Settings {
     pub(crate) fn words(self) -> [u32; 8] {
-        let Self { begin, end, runs, recent, knows_truth, dt } = self;
-        [begin, end, runs, recent, u32::from(knows_truth), bits(dt), 0, 0]
+        let Self { begin, end, runs, recent, dt } = self;
+        [begin, end, runs, recent, bits(dt), 0, 0, 0]
     }
 }
 
-/// A sample of a record.
-#[derive(Clone, Copy)]
-pub(crate) struct Sample {
-    pub(crate) truth: [f64; 4],
-    /// Displacement, velocity, acceleration; NaN where there is none.
-    pub(crate) measured: [f64; 3],
-    pub(crate) force: f64,
-}
-
-impl Sample {
-    /// The number of words.
-    pub(crate) const WORDS: usize = 12;
-
-    pub(crate) fn words(self) -> [u32; Self::WORDS] {
-        let Self { truth: [x, v, wn, zeta], measured, force } = self;
-        let mut present = 0;
-        for (place, number) in measured.iter().enumerate() {
-            present |= u32::from(!number.is_nan()) << place;
-        }
-        let [a, b, c] = measured.map(|number| if number.is_nan() { 0.0 } else { number });
-        let [x, v, wn, zeta, a, b, c, force] = [x, v, wn, zeta, a, b, c, force].map(bits);
-        [x, v, wn, zeta, a, b, c, force, present, 0, 0, 0]
+/// Appends a sample of a record. Measurements are NaN where there is none.
+pub(crate) fn put_sample(words: &mut Vec<u32>, force: f64, measured: &[f64], truth: &[f64]) {
+    let mut present = 0;
+    for (place, number) in measured.iter().enumerate() {
+        present |= u32::from(!number.is_nan()) << place;
     }
+    words.extend([bits(force), present]);
+    words.extend(measured.iter().map(|&number| if number.is_nan() { 0 } else { bits(number) }));
+    words.extend(measured.is_empty().then_some(0));
+    words.extend(truth.iter().copied().map(bits));
+    words.extend(truth.is_empty().then_some(0));
 }
 
 /// A filter before its first sample.
 #[derive(Clone, Copy)]
-pub(crate) struct Cell {
-    pub(crate) mean: [f64; 4],
-    pub(crate) initial_std: [f64; 4],
-    /// The root of Q's diagonal.
-    pub(crate) process: [f64; 4],
-    /// R of displacement, velocity, acceleration.
-    pub(crate) noise: [f64; 3],
-    /// The root of the fading factor.
+pub(crate) struct Cell<'a> {
+    pub(crate) mean: &'a [f64],
+    pub(crate) variance: &'a [f64],
+    /// The diagonals of Q and R.
+    pub(crate) process: &'a [f64],
+    pub(crate) sensors: &'a [f64],
     pub(crate) fading: f64,
+    /// The variance of the white force.
+    pub(crate) white: f64,
     /// The place of its record's first sample.
     pub(crate) first: u32,
 }
 
-impl Cell {
-    /// The number of words.
-    pub(crate) const WORDS: usize = 20;
-
-    pub(crate) fn words(self) -> [u32; Self::WORDS] {
-        let Self { mean, initial_std, process, noise, fading, first } = self;
-        let mut words = [0; Self::WORDS];
-        let numbers = mean.into_iter().chain(initial_std).chain(process).chain(noise).chain([fading]);
-        for (word, number) in words.iter_mut().zip(numbers) {
-            *word = bits(number);
-        }
-        words[16] = first;
-        words
+impl Cell<'_> {
+    /// Appends it.
+    pub(crate) fn put(self, words: &mut Vec<u32>) {
+        let Self { mean, variance, process, sensors, fading, white, first } = self;
+        let root = |&number: &f64| bits(number.sqrt());
+        words.extend(mean.iter().copied().map(bits));
+        words.extend(variance.iter().chain(process).map(root));
+        words.extend(sensors.iter().copied().map(bits));
+        words.extend(sensors.is_empty().then_some(0));
+        words.extend([root(&fading), root(&white), first]);
     }
 }
 
-/// A filter with its sums.
+/// The sums of a channel whose truth is known.
 #[derive(Clone, Copy, Debug)]
+pub(crate) struct Tracked {
+    pub(crate) squares: f64,
+    pub(crate) recent: f64,
+    pub(crate) inside: u32,
+    pub(crate) settled: u32,
+}
+
+/// A filter with its sums.
+#[derive(Clone, Debug)]
 pub(crate) struct State {
-    pub(crate) mean: [f64; 4],
-    pub(crate) variance: [f64; 4],
-    pub(crate) squares: [f64; 4],
-    pub(crate) recent: [f64; 4],
-    pub(crate) inside: [u32; 4],
-    pub(crate) settled: [u32; 4],
+    pub(crate) mean: Vec<f64>,
+    pub(crate) variance: Vec<f64>,
+    pub(crate) tracked: Vec<Tracked>,
     pub(crate) nis: f64,
     pub(crate) nees: f64,
     pub(crate) ln_determinants: f64,
@@ -94,33 +115,39 @@ pub(crate) struct State {
 }
 
 impl State {
-    /// The number of words.
-    pub(crate) const WORDS: usize = 56;
-
-    /// From as many words.
-    pub(crate) fn read(words: &[u32]) -> Self {
+    /// From as many words as a state has.
+    pub(crate) fn read(shape: Shape, words: &[u32]) -> Self {
+        let n = shape.size;
         let number = |at: usize| f64::from(f32::from_bits(words[at]));
-        let numbers = |at: usize| [0, 1, 2, 3].map(|i| number(at + i));
         // The sum of a number in two parts.
-        let both = |at: usize, other: usize| [0, 1, 2, 3].map(|i| number(at + i) + number(other + i));
-        let counts = |at: usize| [0, 1, 2, 3].map(|i| words[at + i]);
-        let square = |row: &[usize]| row.iter().map(|&at| number(at) * number(at)).sum::<f64>();
-        let sums = numbers(44);
+        let both = |at: usize, other: usize| number(at) + number(other);
+        let root = 2 * n;
+        let variance = |row: usize| {
+            let first = root + row * (row + 1) / 2;
+            (first..=first + row).map(|at| number(at) * number(at)).sum()
+        };
+        let first = root + shape.triangle();
+        let tracked = |place: usize| {
+            let at = first + TRACKED * place;
+            Tracked {
+                squares: both(at, at + 1),
+                recent: both(at + 2, at + 3),
+                inside: words[at + 4],
+                settled: words[at + 5],
+            }
+        };
+        let sums = first + TRACKED * shape.known.max(1);
         Self {
-            mean: both(0, 4),
-            // The rows of L.
-            variance: [square(&[8]), square(&[9, 12]), square(&[10, 13, 15]), square(&[11, 14, 16, 17])],
-            squares: both(20, 24),
-            recent: both(28, 32),
-            inside: counts(36),
-            settled: counts(40),
-            nis: sums[0] + sums[2],
-            nees: sums[1] + sums[3],
-            ln_determinants: number(48).ln() + f64::from(words[49].cast_signed()) * std::f64::consts::LN_2,
-            nees_degrees: words[50],
-            nees_samples: words[51],
-            stopped: words[52],
-            reason: words[53],
+            mean: (0..n).map(|i| both(i, n + i)).collect(),
+            variance: (0..n).map(variance).collect(),
+            tracked: (0..shape.known).map(tracked).collect(),
+            nis: both(sums, sums + 1),
+            nees: both(sums + 2, sums + 3),
+            nees_degrees: words[sums + 4],
+            nees_samples: words[sums + 5],
+            ln_determinants: number(sums + 6).ln() + f64::from(words[sums + 7].cast_signed()) * std::f64::consts::LN_2,
+            stopped: words[sums + 8],
+            reason: words[sums + 9],
         }
     }
 }

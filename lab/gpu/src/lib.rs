@@ -1,11 +1,13 @@
 //! Maps of Kalman filters on a graphics processor: the runs of a map side by side, one thread a run, in single precision.
 //!
 //! ```text
+//! plant, sensors ──notes──▶ list of operations ──text──▶ WGSL ──┐
 //! runs ──alike──▶ Batch ──words──▶ shader, some samples a dispatch ──states──▶ outcomes
 //!    └ what it does not serve: the caller's processor
 //! ```
 //!
-//! KF, EKF and UKF of the linear oscillator go there ([`serves`]). Sums, like everything else, are of `f32`, so the numbers differ
+//! KF, EKF, UKF and CKF of built-in plants and of equations go there, with up to nine components ([`serves`]). The program of a kind of
+//! filters is written from the list of operations that their plant and sensors take ([`program`]), and compiled once. Sums, like everything else, are of `f32`, so the numbers differ
 //! from those of the core: errors by some thousandths where a filter has converged. Where rounding makes a filter's
 //! path another one, as at the border of the guesses from which it converges, the results differ altogether.
 //!
@@ -36,7 +38,9 @@ mod rows;
 mod shader;
 mod signal;
 mod tape;
+mod text;
+mod unroll;
 
 pub use adapter::{Gpu, Software};
-pub use batch::{GpuRun, serves};
+pub use batch::{GpuRun, program, serves};
 pub use error::GpuError;

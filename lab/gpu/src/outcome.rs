@@ -1,16 +1,17 @@
 //! From the shader's sums to the outcome of a run.
 
 use kalmanscope_core::diagnostics::{Tally, Total};
-use kalmanscope_core::kernel::abreast::{OscillatorFilter, log_likelihood};
+use kalmanscope_core::engine::Setup;
+use kalmanscope_core::kernel::abreast::log_likelihood;
 use kalmanscope_core::score::{ChannelSums, Outcome};
 use kalmanscope_core::{Channel, FilterError, Record, Stop};
 
-use crate::layout::State;
-use crate::tape::{CHANNELS, Tape};
+use crate::layout::{State, Tracked};
+use crate::tape::Tape;
 
 /// A run that has been done.
 pub(crate) struct Ran<'a> {
-    pub(crate) filter: &'a OscillatorFilter,
+    pub(crate) setup: &'a Setup,
     pub(crate) record: &'a Record,
     pub(crate) tape: &'a Tape,
 }
@@ -29,38 +30,40 @@ pub(crate) fn outcome(ran: &Ran<'_>, state: &State) -> Outcome {
         stop,
         diverged: stop.is_some() || sums.iter().any(|(_, sums)| sums.is_lost()),
         channels: sums.iter().filter_map(|(channel, sums)| Some((*channel, sums.score(samples)?))).collect(),
-        mean: state.mean.to_vec(),
-        std: state.variance.map(f64::sqrt).to_vec(),
+        mean: state.mean.clone(),
+        std: state.variance.iter().map(|variance| variance.sqrt()).collect(),
         looks: Vec::new(),
     }
 }
 
 /// The sums of the channels whose truth is known.
 fn channels(ran: &Ran<'_>, state: &State, samples: usize) -> Vec<(Channel, ChannelSums)> {
-    let Some(largest_truth) = ran.tape.largest_truth.get(samples - 1) else { return Vec::new() };
-    let initial = &ran.filter.initial;
-    let recent = samples.saturating_sub(ran.record.len() * 4 / 5) as u32;
-    let of = |place: usize| {
-        let channel = CHANNELS[place];
-        let truth = |k: usize| ran.record.truth(channel).map_or(f64::NAN, |truth| truth[k]);
+    let Ran { setup, record, tape } = ran;
+    let known = state.tracked.len();
+    let recent = samples.saturating_sub(record.len() * 4 / 5) as u32;
+    let frequency = setup.channels.iter().position(|&channel| channel == Channel::NATURAL_FREQUENCY);
+    let of = |(place, tracked): (usize, &Tracked)| {
+        let channel = setup.channels[place];
+        let truth = |k: usize| record.truth(channel).map_or(f64::NAN, |truth| truth[k]);
         // In canonical form, in which the natural frequency is not negative.
-        let error = |mean: f64, frequency: f64, k: usize| {
-            let sign = if channel.is_mirrored() && frequency < 0.0 { -1.0 } else { 1.0 };
-            sign * mean - truth(k)
+        let error = |mean: &[f64], k: usize| {
+            let is_negative = frequency.is_some_and(|place| mean[place] < 0.0);
+            let sign = if channel.is_mirrored() && is_negative { -1.0 } else { 1.0 };
+            sign * mean[place] - truth(k)
         };
         let sums = ChannelSums {
-            total: Tally { squares: state.squares[place], known: samples as u32, inside: state.inside[place] },
-            first_error: error(initial.mean[place], initial.mean[2], 0).abs(),
-            largest_truth: largest_truth[place],
-            settled: state.settled[place] as usize,
-            recent: (state.recent[place], recent),
-            error: error(state.mean[place], state.mean[2], samples - 1),
+            total: Tally { squares: tracked.squares, known: samples as u32, inside: tracked.inside },
+            first_error: error(&setup.mean, 0).abs(),
+            largest_truth: tape.largest_truth[(samples - 1) * known + place],
+            settled: tracked.settled as usize,
+            recent: (tracked.recent, recent),
+            error: error(&state.mean, samples - 1),
             std: state.variance[place].sqrt(),
-            initial_std: initial.cov[(place, place)].sqrt(),
+            initial_std: setup.variance[place].sqrt(),
         };
         (channel, sums)
     };
-    (0..CHANNELS.len()).map(of).collect()
+    state.tracked.iter().enumerate().map(of).collect()
 }
 
 /// As `belief.wgsl` numbers them.

@@ -1,13 +1,15 @@
 //! The filters' programs on a device: buffers, and dispatches of some samples each.
 
-use kalmanscope_core::kernel::abreast::Method;
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
 use web_time::{Duration, Instant};
 use wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline, Device, MapMode, Queue};
 
 use crate::adapter::Trouble;
 use crate::error::GpuError;
-use crate::layout::{Cell, Settings, State};
-use crate::shader::{GROUP, source};
+use crate::layout::{Settings, State};
+use crate::shader::{GROUP, Program};
 use crate::signal::Signal;
 
 /// The aim for the time of a dispatch: drivers reset a device that is busy with one for seconds, and pictures of the system wait.
@@ -17,21 +19,24 @@ const DISPATCH: Duration = Duration::from_millis(50);
 const FIRST: u32 = 64;
 const GROWTH: f64 = 8.0;
 
-/// Limits the time of a dispatch: after it the device is taken for lost.
-#[cfg(not(target_arch = "wasm32"))]
-const PATIENCE: Duration = Duration::from_secs(30);
+/// Limits the programs that are kept: an equation that is typed anew is another one.
+const MOST_PROGRAMS: usize = 24;
 
-/// The programs, compiled.
+/// Limits the time of a dispatch, the first of which some drivers compile the program in: after it the device is taken for lost.
+#[cfg(not(target_arch = "wasm32"))]
+const PATIENCE: Duration = Duration::from_secs(90);
+
+/// The device, and the programs that it has.
 pub(crate) struct Programs {
     device: Device,
     queue: Queue,
-    linearised: ComputePipeline,
-    sigma_points: ComputePipeline,
+    /// The programs that have been compiled, by their text.
+    pipelines: Mutex<HashMap<String, ComputePipeline>>,
 }
 
 /// Runs of one kind.
-pub(crate) struct Job {
-    pub(crate) method: Method,
+pub(crate) struct Job<'a> {
+    pub(crate) program: &'a Program,
     /// `end` is the number of samples.
     pub(crate) settings: Settings,
     pub(crate) samples: Vec<u32>,
@@ -47,9 +52,7 @@ struct Buffers {
 
 impl Programs {
     pub(crate) fn new(device: Device, queue: Queue) -> Self {
-        let [linearised, sigma_points] =
-            [Method::Linearised, Method::SigmaPoints].map(|method| pipeline(&device, method));
-        Self { device, queue, linearised, sigma_points }
+        Self { device, queue, pipelines: Mutex::default() }
     }
 
     /// Does a job. `is_wanted` is asked before each dispatch.
@@ -58,11 +61,13 @@ impl Programs {
     /// [`GpuError::Failed`] and [`GpuError::Unwanted`].
     pub(crate) async fn run(
         &self,
-        job: &Job,
+        job: &Job<'_>,
         trouble: &Trouble,
         is_wanted: &dyn Fn() -> bool,
     ) -> Result<Vec<State>, GpuError> {
-        let buffers = self.buffers(job);
+        let pipeline = self.pipeline(&job.program.text);
+        trouble.check()?;
+        let buffers = self.buffers(job, &pipeline);
         let samples = job.settings.end;
         let (mut begin, mut portion) = (0, FIRST);
         while begin < samples {
@@ -71,7 +76,7 @@ impl Programs {
             }
             let end = begin.saturating_add(portion).min(samples);
             let time = Instant::now();
-            self.dispatch(job, &buffers, begin, end);
+            self.dispatch(job, &pipeline, &buffers, begin, end);
             self.done(trouble).await?;
             let factor = DISPATCH.as_secs_f64() / time.elapsed().as_secs_f64().max(1e-6);
             portion = ((f64::from(portion) * factor.min(GROWTH)) as u32).max(1);
@@ -80,7 +85,7 @@ impl Programs {
         self.read(&buffers.states, job, trouble).await
     }
 
-    fn buffers(&self, job: &Job) -> Buffers {
+    fn buffers(&self, job: &Job<'_>, pipeline: &ComputePipeline) -> Buffers {
         let filled = |words: &[u32]| {
             let buffer = self.buffer(words.len() as u64 * 4, BufferUsages::STORAGE | BufferUsages::COPY_DST);
             self.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
@@ -94,7 +99,7 @@ impl Programs {
             .zip(0..)
             .map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
-        let layout = self.pipeline(job.method).get_bind_group_layout(0);
+        let layout = pipeline.get_bind_group_layout(0);
         let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries };
         let group = self.device.create_bind_group(&descriptor);
         Buffers { settings, states, group }
@@ -104,20 +109,27 @@ impl Programs {
         self.device.create_buffer(&BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
     }
 
-    fn pipeline(&self, method: Method) -> &ComputePipeline {
-        match method {
-            Method::Linearised => &self.linearised,
-            Method::SigmaPoints => &self.sigma_points,
+    /// A program, compiled once.
+    fn pipeline(&self, text: &str) -> ComputePipeline {
+        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(pipeline) = pipelines.get(text) {
+            return pipeline.clone();
         }
+        if pipelines.len() >= MOST_PROGRAMS {
+            pipelines.clear();
+        }
+        let pipeline = pipeline(&self.device, text);
+        pipelines.insert(text.to_owned(), pipeline.clone());
+        pipeline
     }
 
-    fn dispatch(&self, job: &Job, buffers: &Buffers, begin: u32, end: u32) {
+    fn dispatch(&self, job: &Job<'_>, pipeline: &ComputePipeline, buffers: &Buffers, begin: u32, end: u32) {
         let settings = Settings { begin, end, ..job.settings };
         self.queue.write_buffer(&buffers.settings, 0, bytemuck::cast_slice(&settings.words()));
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(self.pipeline(job.method));
+            pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &buffers.group, &[]);
             pass.dispatch_workgroups(job.settings.runs.div_ceil(GROUP), 1, 1);
         }
@@ -135,7 +147,7 @@ impl Programs {
         trouble.check()
     }
 
-    async fn read(&self, states: &Buffer, job: &Job, trouble: &Trouble) -> Result<Vec<State>, GpuError> {
+    async fn read(&self, states: &Buffer, job: &Job<'_>, trouble: &Trouble) -> Result<Vec<State>, GpuError> {
         let size = size_of_states(job);
         let copy = self.buffer(size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -149,7 +161,8 @@ impl Programs {
         signal.get().await.map_err(failed)?;
         let view = copy.slice(..).get_mapped_range().map_err(failed)?;
         let words: &[u32] = bytemuck::cast_slice(&view);
-        Ok(words.chunks_exact(State::WORDS).map(State::read).collect())
+        let shape = job.program.shape;
+        Ok(words.chunks_exact(shape.state()).map(|words| State::read(shape, words)).collect())
     }
 
     /// Lets callbacks come: natively by waiting for the device, in a browser they come by themselves.
@@ -166,8 +179,8 @@ impl Programs {
     }
 }
 
-fn pipeline(device: &Device, method: Method) -> ComputePipeline {
-    let source = wgpu::ShaderSource::Wgsl(source(method).into());
+fn pipeline(device: &Device, text: &str) -> ComputePipeline {
+    let source = wgpu::ShaderSource::Wgsl(text.into());
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source });
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: None,
@@ -179,8 +192,8 @@ fn pipeline(device: &Device, method: Method) -> ComputePipeline {
     })
 }
 
-fn size_of_states(job: &Job) -> u64 {
-    (job.cells.len() / Cell::WORDS * State::WORDS * 4) as u64
+fn size_of_states(job: &Job<'_>) -> u64 {
+    u64::from(job.settings.runs) * job.program.shape.state() as u64 * 4
 }
 
 fn failed(error: impl std::fmt::Display) -> GpuError {

@@ -1,49 +1,195 @@
-//! The programs in WGSL, put together from their parts.
+//! The programs in WGSL, put together from their parts and the lists of a plant and its sensors.
 
-use kalmanscope_core::kernel::abreast::Method;
+use kalmanscope_core::Channel;
+use kalmanscope_core::engine::design::{Design, Method};
+use kalmanscope_core::engine::list::Node;
+use kalmanscope_core::engine::notes::Notes;
+use kalmanscope_core::engine::propagation::Propagation;
+use kalmanscope_core::model::Reading;
 
-const BEGINNING: [&str; 4] = [
-    include_str!("shader/layout.wgsl"),
-    include_str!("shader/numbers.wgsl"),
-    include_str!("shader/belief.wgsl"),
-    include_str!("shader/oscillator.wgsl"),
-];
-
-const END: [&str; 3] =
-    [include_str!("shader/update.wgsl"), include_str!("shader/scores.wgsl"), include_str!("shader/main.wgsl")];
+use crate::layout::Shape;
+use crate::text::{Text, literal};
+use crate::unroll::unrolled;
 
 /// The number of threads in a group, as `main.wgsl` has it.
 pub(crate) const GROUP: u32 = 64;
 
-/// The program of a method.
-pub(crate) fn source(method: Method) -> String {
-    let own = match method {
-        Method::Linearised => include_str!("shader/linearised.wgsl"),
-        Method::SigmaPoints => include_str!("shader/sigma_points.wgsl"),
-    };
-    let parts = BEGINNING.into_iter().chain([own]).chain(END);
-    parts.collect::<Vec<_>>().join("\n")
+/// Limits the components of a state. Its numbers stand in registers, where loops are written out; of more components programs
+/// become too long.
+pub(crate) const MOST: usize = 9;
+
+const COMMON: [&str; 8] = [
+    include_str!("shader/layout.wgsl"),
+    include_str!("shader/numbers.wgsl"),
+    include_str!("shader/functions.wgsl"),
+    include_str!("shader/belief.wgsl"),
+    include_str!("shader/predict.wgsl"),
+    include_str!("shader/update.wgsl"),
+    include_str!("shader/scores.wgsl"),
+    include_str!("shader/main.wgsl"),
+];
+
+/// The program of some filters.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Program {
+    /// The text in WGSL.
+    pub(crate) text: String,
+    pub(crate) shape: Shape,
 }
 
-#[cfg(test)]
-mod tests {
-    use naga::back::{hlsl, msl};
-    use naga::valid::{Capabilities, ValidationFlags, Validator};
+impl Program {
+    /// The program of filters of a design with these channels, of which the truth of the first `known` is known. None where the
+    /// plant has no list, or a constant is beyond single precision.
+    pub(crate) fn new(design: &Design, channels: &[Channel], known: usize) -> Option<Self> {
+        let Design { model, method, readings, .. } = design;
+        if model.size > MOST {
+            return None;
+        }
+        let notes = Notes::of(model, readings)?;
+        let shape = Shape { size: model.size, sensors: readings.len(), known };
+        let is_linear = readings.iter().all(Reading::is_of_components);
+        let mut text = constants(design, channels, shape)?;
+        let mut parts = COMMON.to_vec();
+        match method {
+            Method::Linearised(propagation, _) => {
+                parts.push(include_str!("shader/linearised.wgsl"));
+                parts.push(match propagation {
+                    Propagation::LocalLinearisation if model.is_oscillator() => include_str!("shader/oscillator.wgsl"),
+                    Propagation::LocalLinearisation => include_str!("shader/exponential.wgsl"),
+                    Propagation::Euler | Propagation::RungeKutta => include_str!("shader/stages.wgsl"),
+                });
+                text.push_str(&derived(notes.clone(), "rates", ["M", "BY"], &notes.rates)?);
+            }
+            Method::SigmaPoints(_) => {
+                parts.push(include_str!("shader/sigma_points.wgsl"));
+                text.push_str(&apart(&notes, "rates", "M", &notes.rates)?);
+            }
+        }
+        if is_linear || matches!(method, Method::Linearised(..)) {
+            parts.push(include_str!("shader/gradient.wgsl"));
+            text.push_str(&derived(notes.clone(), "readings", ["S", "READ"], &notes.readings)?);
+        } else {
+            parts.push(include_str!("shader/points.wgsl"));
+            text.push_str(&apart(&notes, "readings", "S", &notes.readings)?);
+        }
+        let pushes: Option<Vec<String>> = model.by_force.iter().map(|&by| literal(by)).collect();
+        text.push_str(&format!(
+            "fn rates_by_force() -> array<f32, M> {{\n  return array<f32, M>({});\n}}\n",
+            pushes?.join(", ")
+        ));
+        let numbers = whole(design, channels, shape);
+        let has_parts = numbers.iter().any(|&(name, count)| name == "PARTS" && count > 1);
+        for part in parts {
+            text.push('\n');
+            // A step in one part is written out too.
+            let part = if has_parts { part.to_owned() } else { part.replace("part += 1u", "part++") };
+            text.push_str(&unrolled(&part, &numbers));
+        }
+        Some(Self { text, shape })
+    }
+}
 
-    use super::*;
+/// The whole numbers that all parts have.
+fn whole(design: &Design, channels: &[Channel], shape: Shape) -> [(&'static str, usize); 17] {
+    let Design { model, method, substeps, white, .. } = design;
+    let (n, moving, sensors, known) = (shape.size, model.moving(), shape.sensors.max(1), shape.known.max(1));
+    [
+        ("N", n),
+        ("M", moving),
+        ("S", sensors),
+        ("K", known),
+        ("TRIANGLE", shape.triangle()),
+        ("SQUARE", n * n),
+        ("BLOCK", moving * moving),
+        ("BY", moving * n),
+        ("READ", sensors * n),
+        ("WIDTH", n + 1 + moving),
+        ("GAIN", model.gain.unwrap_or(n)),
+        ("PARTS", white.map_or(*substeps, |(_, course)| course.steps(*substeps).0)),
+        ("RENEWED", white.map_or(0, |(_, course)| course.steps(*substeps).1)),
+        ("WHITE", white.map_or(0, |(place, _)| place)),
+        ("FREQUENCY", channels.iter().position(|&channel| channel == Channel::NATURAL_FREQUENCY).unwrap_or(0)),
+        ("MIRRORED", mirrored(channels, shape.known)),
+        ("STAGES", if *method == Method::Linearised(Propagation::Euler, 1) { 1 } else { 4 }),
+    ]
+}
 
-    /// Metal and Direct3D, on which no test runs, get programs in their languages.
-    #[test]
-    fn programs_can_be_put_into_the_languages_of_all_systems() {
-        for method in [Method::Linearised, Method::SigmaPoints] {
-            let module = naga::front::wgsl::parse_str(&source(method)).unwrap();
-            let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).unwrap();
-            let options = msl::Options { lang_version: (2, 0), ..msl::Options::default() };
-            let (metal, _) = msl::write_string(&module, &info, &options, &msl::PipelineOptions::default()).unwrap();
-            let mut direct = String::new();
-            let (options, pipeline) = (hlsl::Options::default(), hlsl::PipelineOptions::default());
-            hlsl::Writer::new(&mut direct, &options, &pipeline).write(&module, &info, None).unwrap();
-            assert!(metal.contains("kernel void") && direct.contains("[numthreads(64, 1, 1)]"));
+/// The constants that all parts have.
+fn constants(design: &Design, channels: &[Channel], shape: Shape) -> Option<String> {
+    let Design { method, has_slope, .. } = design;
+    let whole = whole(design, channels, shape);
+    let mut text: String = whole.iter().map(|(name, number)| format!("const {name} = {number}u;\n")).collect();
+    text.push_str(&format!("const HAS_SLOPE = {has_slope};\nconst KNOWS_TRUTH = {};\n", shape.known > 0));
+    if let Method::SigmaPoints(rule) = method {
+        let (distance, offset) = (literal(rule.spread.sqrt())?, literal(rule.offset)?);
+        text.push_str(&format!("const DISTANCE = {distance};\nconst OFFSET = {offset};\n"));
+    }
+    Some(text)
+}
+
+/// A bit for each channel of known truth that changes its sign with the natural frequency.
+fn mirrored(channels: &[Channel], known: usize) -> usize {
+    let has_frequency = channels.contains(&Channel::NATURAL_FREQUENCY);
+    let bits = channels.iter().take(known).enumerate().filter(|(_, channel)| has_frequency && channel.is_mirrored());
+    bits.map(|(place, _)| 1 << place).sum()
+}
+
+/// The functions of some numbers, and of their derivatives by the state: a row for each number. A row of the readings' derivatives
+/// has few entries, and is multiplied by the rest of the mean, and by L, entry by entry.
+fn derived(mut notes: Notes, name: &str, [count, product]: [&str; 2], nodes: &[Node]) -> Option<String> {
+    let size = notes.size;
+    let outputs: Vec<(usize, Node)> = nodes.iter().copied().enumerate().collect();
+    let mut entries = Vec::new();
+    for &(row, node) in &outputs {
+        for component in 0..size {
+            let entry = notes.builder.derivative(node, component);
+            if notes.builder.value(entry) != Some(0.0) {
+                entries.push((row * size + component, entry));
+            }
         }
     }
+    if notes.builder.is_too_long() {
+        return None;
+    }
+    let text = Text { builder: &notes.builder, size };
+    let values = text.values(name, &format!("array<f32, {count}>"), &outputs)?;
+    let mut all = values + &text.values(&format!("{name}_by"), &format!("array<f32, {product}>"), &entries)?;
+    if name == "readings" {
+        let of_row = |row: usize, first: usize| {
+            let entries = entries.iter().map(move |(place, _)| *place);
+            entries.filter(move |place| place / size == row && place % size >= first)
+        };
+        let rests: Vec<(usize, Vec<String>)> = (0..nodes.len())
+            .map(|row| (row, of_row(row, 0).map(|at| format!("by[{at}] * (*b).rest[{}]", at % size)).collect()))
+            .collect();
+        let root = |at: usize, j: usize| {
+            let i = at % size;
+            format!("by[{at}] * (*b).root[{}]", i * (i + 1) / 2 + j)
+        };
+        let through: Vec<(usize, Vec<String>)> = (0..nodes.len() * size)
+            .map(|at| (at, of_row(at / size, at % size).map(|place| root(place, at % size)).collect()))
+            .collect();
+        all.push_str(&sums("readings_of_rest", "S", &rests));
+        all.push_str(&sums("readings_through", "READ", &through));
+    }
+    Some(all)
+}
+
+/// A function of sums of products with the derivatives `by`, each with its place.
+fn sums(name: &str, count: &str, sums: &[(usize, Vec<String>)]) -> String {
+    let array = format!("array<f32, {count}>");
+    let mut text =
+        format!("fn {name}(b: ptr<function, Belief>, by: array<f32, READ>) -> {array} {{\n  var out: {array};\n");
+    for (place, terms) in sums.iter().filter(|(_, terms)| !terms.is_empty()) {
+        text.push_str(&format!("  out[{place}] = {};\n", terms.join(" + ")));
+    }
+    text + "  return out;\n}\n"
+}
+
+/// The functions of some numbers, and of their changes.
+fn apart(notes: &Notes, name: &str, count: &str, nodes: &[Node]) -> Option<String> {
+    let outputs: Vec<(usize, Node)> = nodes.iter().copied().enumerate().collect();
+    let text = Text { builder: &notes.builder, size: notes.size };
+    let array = format!("array<f32, {count}>");
+    Some(text.values(name, &array, &outputs)? + &text.differences(&format!("{name}_apart"), &array, &outputs)?)
 }

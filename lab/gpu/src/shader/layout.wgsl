@@ -1,4 +1,4 @@
-// The buffers. `layout.rs` has the same structures.
+// The buffers. `layout.rs` has the same structures. N components, of which M move, S sensors, and the truth of the first K.
 
 struct Settings {
   // This dispatch does the samples from `begin` to before `end`.
@@ -7,54 +7,67 @@ struct Settings {
   runs: u32,
   // The first sample of the record's last fifth.
   recent: u32,
-  // Whether the truth is known: 0 or 1.
-  knows_truth: u32,
+  // The time between samples.
   dt: f32,
   // 0
   zero: u32,
 }
 
 struct Sample {
-  truth: vec4<f32>,
-  // Displacement, velocity, acceleration.
-  measured: vec3<f32>,
   // Force over mass.
   force: f32,
   // A bit for each sensor with a measurement.
   present: u32,
+  measured: array<f32, S>,
+  truth: array<f32, K>,
 }
 
 struct Cell {
-  mean: vec4<f32>,
-  initial_std: vec4<f32>,
+  mean: array<f32, N>,
+  initial_std: array<f32, N>,
   // The root of Q's diagonal.
-  process: vec4<f32>,
-  // R of displacement, velocity, acceleration.
-  noise: vec3<f32>,
+  process: array<f32, N>,
+  // R's diagonal.
+  noise: array<f32, S>,
   // The root of the fading factor.
   fading: f32,
+  // The standard deviation of the white force.
+  white: f32,
   // The place of the record's first sample.
   first: u32,
 }
 
-// Sums are in two parts: of the last few samples, and of all before.
-struct State {
-  mean: vec4<f32>,
+// A belief: mean, and the rows of the lower triangular root L of the covariance P = L L'. In single precision a root keeps what
+// a covariance loses to rounding: P cannot become indefinite, and small variances beside large ones stay.
+struct Belief {
+  mean: array<f32, N>,
   // Rounding of the mean that has not been added yet.
-  rest: vec4<f32>,
-  // Columns of L: 00 10 20 30, 11 21 31 22, 32 33.
-  root: array<vec4<f32>, 3>,
-  squares: array<vec4<f32>, 2>,
-  recent: array<vec4<f32>, 2>,
-  inside: vec4<u32>,
-  settled: vec4<u32>,
-  // NIS, NEES, and both of the last few samples.
-  sums: vec4<f32>,
+  rest: array<f32, N>,
+  root: array<f32, TRIANGLE>,
+}
+
+// The sums of a channel whose truth is known. Those of squares are in two parts: of all but the last few samples, and of these.
+struct Tracked {
+  squares: f32,
+  few_squares: f32,
+  recent: f32,
+  few_recent: f32,
+  inside: u32,
+  settled: u32,
+}
+
+struct State {
+  belief: Belief,
+  tracked: array<Tracked, K>,
+  nis: f32,
+  few_nis: f32,
+  nees: f32,
+  few_nees: f32,
+  nees_degrees: u32,
+  nees_samples: u32,
   // det S is `product` times two to the power of `exponent`.
   product: f32,
   exponent: i32,
-  nees_degrees: u32,
-  nees_samples: u32,
   // The sample at which the filter stopped, 0 if it has not; and why.
   stopped: u32,
   reason: u32,

@@ -1,69 +1,36 @@
-// KF and EKF: the state and its covariance by the solution that is exact where the oscillator is linear.
+// KF and EKF. The rows of the derivative of a step, of which the others are those of an identity, and how the mean moves.
+struct Flow {
+  rows: array<f32, BY>,
+  shift: array<f32, M>,
+}
 
-// h'' = a h + b h', h(0) = 0, h'(0) = 1, and q, its integral: as the core has it, with fewer terms.
-fn response(a: f32, b: f32, dt: f32) -> vec2<f32> {
-  let size = max(sqrt(abs(a)), abs(b)) * dt;
-  var doublings = 0u;
-  if (size > 0.25) {
-    // A step that is too long to halve gives no finite number anyway.
-    doublings = u32(clamp(ceil(log2(4.0 * size)), 0.0, 64.0));
+fn advance(
+  b: ptr<function, Belief>,
+  forces: vec2<f32>,
+  dt: f32,
+  fading: f32,
+  a: ptr<function, array<f32, SQUARE>>,
+  noise: ptr<function, array<f32, TRIANGLE>>,
+) {
+  var flow = flow_of((*b).mean, forces, dt);
+  for (var i = 0u; i < M; i++) {
+    move_by(b, i, flow.shift[i]);
+    for (var j = 0u; j < N; j++) {
+      var sum = 0.0;
+      for (var k = j; k < N; k++) {
+        sum += flow.rows[i * N + k] * (*b).root[at(k, j)];
+      }
+      (*a)[i * N + j] = sum * fading;
+    }
   }
-  let t = dt * exp2(-f32(doublings));
-  let alpha = a * t * t;
-  let beta = b * t;
-  let c2 = beta * beta + alpha;
-  let c3 = beta * c2 + alpha * beta;
-  let c4 = beta * c3 + alpha * c2;
-  let c5 = beta * c4 + alpha * c3;
-  let c6 = beta * c5 + alpha * c4;
-  let c7 = beta * c6 + alpha * c5;
-  var h = t * (1.0 + (beta / 2.0 + (c2 / 6.0 + (c3 / 24.0 + (c4 / 120.0 + (c5 / 720.0 + (c6 / 5040.0 + c7 / 40320.0)))))));
-  var q = t * t * (0.5 + (beta / 6.0 + (c2 / 24.0 + (c3 / 120.0 + (c4 / 720.0 + (c5 / 5040.0 + (c6 / 40320.0 + c7 / 362880.0)))))));
-  for (var i = 0u; i < doublings; i++) {
-    let doubled = vec2(h * (2.0 + 2.0 * a * q + b * h), q * (2.0 + a * q) + h * h);
-    h = doubled.x;
-    q = doubled.y;
+}
+
+// The effect of a slope of the recorded force on what moves, and on its derivative by the input gain.
+fn feel(flow: ptr<function, Flow>, y: array<f32, N>, effect: array<f32, M>) {
+  var own = effect;
+  var state = y;
+  for (var i = 0u; i < M; i++) {
+    (*flow).shift[i] += own[i] * select(1.0, state[min(GAIN, N - 1u)], GAIN < N);
+    (*flow).rows[i * N + min(GAIN, N - 1u)] += select(0.0, own[i], GAIN < N);
   }
-  return vec2(h, q);
-}
-
-fn predict(belief: ptr<function, Belief>, force: f32, cell: Cell) {
-  let y = (*belief).mean;
-  let by = acceleration_by(y);
-  let a = by.x;
-  let b = by.y;
-  let rate = acceleration(y, force);
-  let hq = response(a, b, settings.dt);
-  let h = hq.x;
-  let q = hq.y;
-  // The first two rows of the transition matrix; the others are those of the identity.
-  let row0 = vec4(1.0 + a * q, h, q * by.z, q * by.w);
-  let row1 = vec4(a * h, 1.0 + a * q + b * h, h * by.z, h * by.w);
-  move_by(belief, vec4((h - b * q) * y.y + q * rate, a * q * y.y + h * rate, 0.0, 0.0));
-  let fading = cell.fading;
-  let rows = Rows(
-    through_root(*belief, row0) * fading,
-    through_root(*belief, row1) * fading,
-    vec4((*belief).l0.z, (*belief).l1.y, (*belief).l2.x, 0.0) * fading,
-    vec4((*belief).l0.w, (*belief).l1.z, (*belief).l2.y, (*belief).l3) * fading,
-  );
-  let noise = cell.process;
-  set_root(belief, rows, Rows(
-    vec4(noise.x, 0.0, 0.0, 0.0),
-    vec4(0.0, noise.y, 0.0, 0.0),
-    vec4(0.0, 0.0, noise.z, 0.0),
-    vec4(0.0, 0.0, 0.0, noise.w),
-  ));
-}
-
-// The expected acceleration, its dependence on the state through L, and the variance that it has besides.
-struct Reading {
-  mean: f32,
-  through: vec4<f32>,
-  variance: f32,
-}
-
-fn look(belief: Belief, force: f32) -> Reading {
-  let row = acceleration_by(belief.mean);
-  return Reading(acceleration(belief.mean, force), through_root(belief, row), 0.0);
 }

@@ -3,52 +3,41 @@
 // The number of samples whose sums are taken before they are added to those of all samples.
 const FEW = 64u;
 
-fn begin(cell: Cell) -> State {
+fn begin(cell: ptr<function, Cell>) -> State {
   var state: State;
-  state.mean = cell.mean;
-  state.root[0].x = cell.initial_std.x;
-  state.root[1].x = cell.initial_std.y;
-  state.root[1].w = cell.initial_std.z;
-  state.root[2].y = cell.initial_std.w;
+  state.belief.mean = (*cell).mean;
+  for (var i = 0u; i < N; i++) {
+    state.belief.root[at(i, i)] = (*cell).initial_std[i];
+  }
   state.product = 1.0;
   return state;
 }
 
-fn belief_of(state: State) -> Belief {
-  let second = state.root[1];
-  let third = state.root[2];
-  return Belief(state.mean, state.rest, state.root[0], second.xyz, vec2(second.w, third.x), third.y);
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-  let run = id.x;
-  if (run >= settings.runs) {
-    return;
-  }
-  let cell = cells[run];
+  // Threads without a run do the last one again: some compilers are slow, and wrong, where threads of a group do nothing.
+  let run = min(id.x, settings.runs - 1u);
+  var cell = cells[run];
   var state: State;
   if (settings.begin == 0u) {
-    state = begin(cell);
+    state = begin(&cell);
   } else {
     state = states[run];
   }
-  if (state.stopped != 0u) {
-    return;
-  }
-  var belief = belief_of(state);
+  var belief = state.belief;
   var k = settings.begin;
   if (k == 0u) {
-    if (settings.knows_truth != 0u) {
-      compare(&state, belief, samples[cell.first].truth, 0u);
+    var sample = samples[cell.first];
+    if (KNOWS_TRUTH) {
+      compare(&state, &belief, &sample, 0u);
     }
     k = 1u;
   }
-  for (; k < settings.end; k++) {
-    let sample = samples[cell.first + k];
+  for (; k < settings.end && state.stopped == 0u; k++) {
     let before = belief;
-    predict(&belief, samples[cell.first + k - 1u].force, cell);
-    let correction = update(&belief, sample, cell, Correction(0.0, state.product, state.exponent, 0u));
+    var sample = samples[cell.first + k];
+    predict(&belief, samples[cell.first + k - 1u].force, sample.force, &cell);
+    let correction = update(&belief, &sample, &cell, Correction(0.0, state.product, state.exponent, 0u));
     if (correction.reason != 0u) {
       belief = before;
       state.stopped = k;
@@ -57,18 +46,16 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     state.product = correction.product;
     state.exponent = correction.exponent;
-    state.sums.z += correction.nis;
-    if (settings.knows_truth != 0u) {
-      compare(&state, belief, sample.truth, k);
+    state.few_nis += correction.nis;
+    if (KNOWS_TRUTH) {
+      compare(&state, &belief, &sample, k);
     }
     if (k % FEW == FEW - 1u) {
       gather(&state);
     }
   }
-  state.mean = belief.mean;
-  state.rest = belief.rest;
-  state.root[0] = belief.l0;
-  state.root[1] = vec4(belief.l1, belief.l2.x);
-  state.root[2] = vec4(belief.l2.y, belief.l3, 0.0, 0.0);
-  states[run] = state;
+  state.belief = belief;
+  if (id.x == run) {
+    states[run] = state;
+  }
 }

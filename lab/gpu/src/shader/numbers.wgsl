@@ -15,11 +15,11 @@ fn is_negative(v: f32) -> bool {
   return bitcast<u32>(v) > 0x80000000u;
 }
 
-fn is_finite4(v: vec4<f32>) -> bool {
-  return is_finite(v.x) && is_finite(v.y) && is_finite(v.z) && is_finite(v.w);
+// The same number, which compilers cannot know: they take (a + b) - a for b, and what b has lost to rounding is gone.
+fn rounded(v: f32) -> f32 {
+  return bitcast<f32>(bitcast<u32>(v) | settings.zero);
 }
 
-// The same number, which compilers cannot know: they take (a + b) - a for b, and what b has lost to rounding is gone.
-fn rounded(v: vec4<f32>) -> vec4<f32> {
-  return bitcast<vec4<f32>>(bitcast<vec4<u32>>(v) | vec4(settings.zero));
+fn not_a_number() -> f32 {
+  return bitcast<f32>(0x7fc00000u | settings.zero);
 }

@@ -1,5 +1,11 @@
-// The update by one sensor after the other, which is the same as by all at once, since their noise is independent: first the
-// acceleration, whose reading is linearised, or sampled, at the prediction.
+// The update by one sensor after the other, which is the same as by all at once, since their noise is independent.
+
+// The innovations of all sensors, how their readings depend on the state through L, and the variance of their noise.
+struct Expected {
+  error: array<f32, S>,
+  through: array<f32, READ>,
+  noise: array<f32, S>,
+}
 
 struct Correction {
   nis: f32,
@@ -7,6 +13,10 @@ struct Correction {
   product: f32,
   exponent: i32,
   reason: u32,
+}
+
+fn is_present(present: u32, s: u32) -> bool {
+  return (present & (1u << s)) != 0u;
 }
 
 // Takes an innovation of this variance, which is positive, into NIS and det S.
@@ -19,57 +29,60 @@ fn weigh(correction: ptr<function, Correction>, innovation: f32, variance: f32) 
   (*correction).exponent += i32(bits >> 23u) - 127 + select(0, 1, carries);
 }
 
-// Conditions the belief on a reading that is `through` the root and has noise of a positive variance.
+// Conditions the belief on the reading of a sensor, and the readings that are expected of the others. A reading that is missing
+// is one that depends on nothing.
 //
 // Source: Carlson (1973), Fast triangular formulation of the square root filter, AIAA Journal 11.
-fn correct(
-  belief: ptr<function, Belief>,
-  correction: ptr<function, Correction>,
-  through: vec4<f32>,
-  noise: f32,
-  innovation: f32,
-) {
-  let squares = through * through;
-  let a3 = noise + squares.w;
-  let a2 = a3 + squares.z;
-  let a1 = a2 + squares.y;
-  let variance = a1 + squares.x;
-  if (!is_positive(noise) || !is_positive(variance)) {
+fn correct(b: ptr<function, Belief>, e: ptr<function, Expected>, correction: ptr<function, Correction>, s: u32, is_there: bool) {
+  let noise = select(1.0, (*e).noise[s], is_there);
+  let innovation = select(0.0, (*e).error[s], is_there);
+  // The factor of each column of L, and of what is taken from it.
+  var scale: array<f32, N>;
+  var share: array<f32, N>;
+  var through: array<f32, N>;
+  var variance = noise;
+  for (var n = 0u; n < N; n++) {
+    let j = N - 1u - n;
+    through[j] = select(0.0, (*e).through[s * N + j], is_there);
+    let more = variance + through[j] * through[j];
+    scale[j] = sqrt(variance / more);
+    share[j] = through[j] / variance;
+    variance = more;
+  }
+  if ((*correction).reason == 0u && (!is_positive(noise) || !is_positive(variance))) {
     (*correction).reason = select(NOT_FINITE, SINGULAR, is_finite(variance));
-    return;
   }
   weigh(correction, innovation, variance);
-  let l0 = (*belief).l0;
-  let l1 = (*belief).l1;
-  let l2 = (*belief).l2;
-  let l3 = (*belief).l3;
-  let c3 = through.w * l3;
-  let c2 = through.z * l2 + vec2(0.0, c3);
-  let c1 = through.y * l1 + vec3(0.0, c2);
-  let c0 = through.x * l0 + vec4(0.0, c1);
-  (*belief).l3 = sqrt(noise / a3) * l3;
-  (*belief).l2 = sqrt(a3 / a2) * (l2 - through.z / a3 * vec2(0.0, c3));
-  (*belief).l1 = sqrt(a2 / a1) * (l1 - through.y / a2 * vec3(0.0, c2));
-  (*belief).l0 = sqrt(a1 / variance) * (l0 - through.x / a1 * vec4(0.0, c1));
-  move_by(belief, c0 * (innovation / variance));
+  let weighted = innovation / variance;
+  for (var i = 0u; i < N; i++) {
+    var sum = 0.0;
+    for (var n = 0u; n <= i; n++) {
+      let j = i - n;
+      let entry = (*b).root[at(i, j)];
+      (*b).root[at(i, j)] = scale[j] * (entry - share[j] * sum);
+      sum += through[j] * entry;
+    }
+    move_by(b, i, sum * weighted);
+  }
+  for (var later = s + 1u; later < S; later++) {
+    var sum = 0.0;
+    for (var n = 0u; n < N; n++) {
+      let j = N - 1u - n;
+      let entry = (*e).through[later * N + j];
+      (*e).through[later * N + j] = scale[j] * (entry - share[j] * sum);
+      sum += through[j] * entry;
+    }
+    (*e).error[later] -= sum * weighted;
+  }
 }
 
-fn update(belief: ptr<function, Belief>, sample: Sample, cell: Cell, start: Correction) -> Correction {
+fn update(b: ptr<function, Belief>, sample: ptr<function, Sample>, cell: ptr<function, Cell>, start: Correction) -> Correction {
   var correction = start;
-  if ((sample.present & 4u) != 0u) {
-    let reading = look(*belief, sample.force);
-    let noise = reading.variance + cell.noise.z;
-    correct(belief, &correction, reading.through, noise, sample.measured.z - reading.mean);
+  var e = expect(b, sample, cell);
+  for (var s = 0u; s < S; s++) {
+    correct(b, &e, &correction, s, is_present((*sample).present, s));
   }
-  if ((sample.present & 1u) != 0u && correction.reason == 0u) {
-    let through = vec4((*belief).l0.x, 0.0, 0.0, 0.0);
-    correct(belief, &correction, through, cell.noise.x, sample.measured.x - (*belief).mean.x - (*belief).rest.x);
-  }
-  if ((sample.present & 2u) != 0u && correction.reason == 0u) {
-    let through = vec4((*belief).l0.y, (*belief).l1.x, 0.0, 0.0);
-    correct(belief, &correction, through, cell.noise.y, sample.measured.y - (*belief).mean.y - (*belief).rest.y);
-  }
-  if (correction.reason == 0u && !(is_valid(*belief) && is_finite(correction.nis))) {
+  if (correction.reason == 0u && !(is_valid(b) && is_finite(correction.nis))) {
     correction.reason = NOT_FINITE;
   }
   return correction;

@@ -2,15 +2,18 @@
 
 use std::collections::HashMap;
 
-use crate::engine::function::Function;
-use crate::engine::list::{List, Node, Operation};
+use super::function::Function;
+use super::list::{List, Node, Operation};
 
 /// Limits the operations of a list, and so the time and the memory that an equation can take.
 const LENGTH: usize = 4000;
 
+/// The largest power that is a product.
+pub(crate) const LARGEST_PRODUCT: f64 = 8.0;
+
 /// A list in the making.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Builder {
+pub struct Builder {
     operations: Vec<Operation>,
     /// The inputs on which each number depends, one bit each.
     needs: Vec<u64>,
@@ -22,8 +25,13 @@ pub(super) struct Builder {
 
 impl Builder {
     /// Whether more was asked for than a list can hold; the numbers are then no longer right.
-    pub(super) fn is_too_long(&self) -> bool {
+    pub fn is_too_long(&self) -> bool {
         self.operations.len() > LENGTH
+    }
+
+    /// The operations, in order.
+    pub fn operations(&self) -> &[Operation] {
+        &self.operations
     }
 
     fn push(&mut self, operation: Operation) -> Node {
@@ -49,28 +57,30 @@ impl Builder {
     }
 
     /// The inputs on which a number depends, one bit each.
-    pub(super) fn needs(&self, node: Node) -> u64 {
+    pub fn needs(&self, node: Node) -> u64 {
         self.needs[node.place()]
     }
 
     /// The value of a number that is constant.
-    pub(super) fn value(&self, node: Node) -> Option<f64> {
+    pub fn value(&self, node: Node) -> Option<f64> {
         match self.operations[node.place()] {
             Operation::Constant(bits) => Some(f64::from_bits(bits)),
             _ => None,
         }
     }
 
-    pub(super) fn constant(&mut self, value: f64) -> Node {
+    /// A constant.
+    pub fn constant(&mut self, value: f64) -> Node {
         self.push(Operation::Constant(value.to_bits()))
     }
 
     /// An input by its number, which is below 64.
-    pub(super) fn input(&mut self, input: usize) -> Node {
+    pub fn input(&mut self, input: usize) -> Node {
         self.push(Operation::Input(input as u32))
     }
 
-    pub(super) fn add(&mut self, a: Node, b: Node) -> Node {
+    /// a + b
+    pub fn add(&mut self, a: Node, b: Node) -> Node {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a + b),
             (Some(0.0), _) => b,
@@ -79,7 +89,8 @@ impl Builder {
         }
     }
 
-    pub(super) fn subtract(&mut self, a: Node, b: Node) -> Node {
+    /// a - b
+    pub fn subtract(&mut self, a: Node, b: Node) -> Node {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a - b),
             (Some(0.0), _) => self.negative(b),
@@ -88,7 +99,8 @@ impl Builder {
         }
     }
 
-    pub(super) fn multiply(&mut self, a: Node, b: Node) -> Node {
+    /// a b
+    pub fn multiply(&mut self, a: Node, b: Node) -> Node {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a * b),
             (Some(0.0), _) | (_, Some(0.0)) => self.constant(0.0),
@@ -98,7 +110,8 @@ impl Builder {
         }
     }
 
-    pub(super) fn divide(&mut self, a: Node, b: Node) -> Node {
+    /// a / b
+    pub fn divide(&mut self, a: Node, b: Node) -> Node {
         match (self.value(a), self.value(b)) {
             (Some(a), Some(b)) => self.constant(a / b),
             (Some(0.0), _) => a,
@@ -108,7 +121,8 @@ impl Builder {
         }
     }
 
-    pub(super) fn negative(&mut self, a: Node) -> Node {
+    /// -a
+    pub fn negative(&mut self, a: Node) -> Node {
         match (self.value(a), self.operations[a.place()]) {
             (Some(value), _) => self.constant(-value),
             (_, Operation::Negative(inner)) => inner,
@@ -117,7 +131,8 @@ impl Builder {
         }
     }
 
-    pub(super) fn call(&mut self, function: Function, a: Node) -> Node {
+    /// The value of a function at a.
+    pub fn call(&mut self, function: Function, a: Node) -> Node {
         match self.value(a) {
             Some(value) => self.constant(function.of(value)),
             None => self.push(Operation::Call(function, a)),
@@ -125,8 +140,8 @@ impl Builder {
     }
 
     /// A power; small whole ones are products.
-    pub(super) fn power(&mut self, a: Node, exponent: f64) -> Node {
-        let is_product = exponent.fract() == 0.0 && (1.0..=super::parse::LARGEST_PRODUCT).contains(&exponent);
+    pub fn power(&mut self, a: Node, exponent: f64) -> Node {
+        let is_product = exponent.fract() == 0.0 && (1.0..=LARGEST_PRODUCT).contains(&exponent);
         match (self.value(a), exponent) {
             (Some(value), _) => self.constant(libm::pow(value, exponent)),
             (_, 0.0) => self.constant(1.0),
@@ -140,7 +155,7 @@ impl Builder {
     }
 
     /// The derivative of a number by an input. That of a sign is zero, also where it jumps.
-    pub(super) fn derivative(&mut self, node: Node, by: usize) -> Node {
+    pub fn derivative(&mut self, node: Node, by: usize) -> Node {
         if self.needs(node) & (1 << by) == 0 {
             return self.constant(0.0);
         }
@@ -217,7 +232,7 @@ impl Builder {
     }
 
     /// The number with zero in place of some inputs, one bit each.
-    pub(super) fn without(&mut self, node: Node, inputs: u64) -> Node {
+    pub fn without(&mut self, node: Node, inputs: u64) -> Node {
         if self.needs(node) & inputs == 0 {
             return node;
         }
@@ -257,7 +272,7 @@ impl Builder {
     }
 
     /// The list that computes some numbers, or nothing where they need more registers than there are.
-    pub(super) fn list(&self, inputs: usize, outputs: &[(usize, Node)]) -> Option<List> {
+    pub fn list(&self, inputs: usize, outputs: &[(usize, Node)]) -> Option<List> {
         List::new(&self.operations, inputs, outputs)
     }
 }

@@ -1,0 +1,195 @@
+//! Functions in WGSL from a list of operations: values, derivatives, and differences.
+
+use std::fmt::Write as _;
+
+use kalmanscope_core::engine::builder::Builder;
+use kalmanscope_core::engine::function::Function;
+use kalmanscope_core::engine::list::{Node, Operation};
+
+/// Operations on a state `y` of some components and a force `f`, which is the input after them.
+pub(crate) struct Text<'a> {
+    pub(crate) builder: &'a Builder,
+    /// The number of components.
+    pub(crate) size: usize,
+}
+
+impl Text<'_> {
+    /// The function `NAME(y, f)` of some numbers, each with its place in an array; the others are zero. None where a constant is
+    /// beyond single precision.
+    pub(crate) fn values(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
+        let mut text = format!("fn {name}(y: array<f32, N>, f: f32) -> {array} {{\n  var out: {array};\n");
+        for place in self.needed(outputs) {
+            if let Some(value) = self.value(place)? {
+                writeln!(text, "  let v{place} = {value};").ok()?;
+            }
+        }
+        for (to, node) in outputs {
+            writeln!(text, "  out[{to}] = {};", self.name(*node)?).ok()?;
+        }
+        text.push_str("  return out;\n}\n");
+        Some(text)
+    }
+
+    /// The function `NAME(y, d, f)` of the changes of some numbers where the state changes from y to y + d. It takes no difference of
+    /// numbers that are almost the same:
+    ///
+    /// ```text
+    /// (a + α)(b + β) - a b = α (b + β) + a β,  sin(a + α) - sin(a) = 2 cos(a + α/2) sin(α/2), ...
+    /// ```
+    pub(crate) fn differences(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
+        let mut text = format!("fn {name}(y: array<f32, N>, d: array<f32, N>, f: f32) -> {array} {{\n");
+        writeln!(text, "  var out: {array};").ok()?;
+        for place in self.needed(outputs) {
+            if let Some(value) = self.value(place)? {
+                writeln!(text, "  let v{place} = {value};").ok()?;
+            }
+            if let Some(change) = self.change(place)? {
+                writeln!(text, "  let d{place} = {change};").ok()?;
+            }
+        }
+        for (to, node) in outputs {
+            if let Some(change) = self.change_name(*node) {
+                writeln!(text, "  out[{to}] = {change};").ok()?;
+            }
+        }
+        text.push_str("  return out;\n}\n");
+        Some(text)
+    }
+
+    fn operation(&self, place: usize) -> Operation {
+        self.builder.operations()[place]
+    }
+
+    /// The places of the operations that some numbers need, in order.
+    fn needed(&self, outputs: &[(usize, Node)]) -> Vec<usize> {
+        let mut is_needed = vec![false; self.builder.operations().len()];
+        outputs.iter().for_each(|(_, node)| is_needed[node.place()] = true);
+        for place in (0..is_needed.len()).rev() {
+            if is_needed[place] {
+                for node in numbers(self.operation(place)).into_iter().flatten() {
+                    is_needed[node.place()] = true;
+                }
+            }
+        }
+        (0..is_needed.len()).filter(|&place| is_needed[place]).collect()
+    }
+
+    /// A number, as an expression.
+    fn name(&self, node: Node) -> Option<String> {
+        match self.operation(node.place()) {
+            Operation::Constant(bits) => literal(f64::from_bits(bits)),
+            Operation::Input(input) if input as usize == self.size => Some("f".to_owned()),
+            Operation::Input(input) => Some(format!("y[{input}]")),
+            _ => Some(format!("v{}", node.place())),
+        }
+    }
+
+    /// The change of a number, as an expression; none where it does not change with the state.
+    fn change_name(&self, node: Node) -> Option<String> {
+        let of_state = (1_u64 << self.size) - 1;
+        (self.builder.needs(node) & of_state != 0).then(|| match self.operation(node.place()) {
+            Operation::Input(input) => format!("d[{input}]"),
+            _ => format!("d{}", node.place()),
+        })
+    }
+
+    /// The value of an operation; `Some(None)` where it has no line of its own.
+    fn value(&self, place: usize) -> Option<Option<String>> {
+        let name = |node| self.name(node);
+        Some(Some(match self.operation(place) {
+            Operation::Constant(_) | Operation::Input(_) => return Some(None),
+            Operation::Add(a, b) => format!("{} + {}", name(a)?, name(b)?),
+            Operation::Subtract(a, b) => format!("{} - {}", name(a)?, name(b)?),
+            Operation::Multiply(a, b) => format!("{} * {}", name(a)?, name(b)?),
+            Operation::Divide(a, b) => format!("{} / {}", name(a)?, name(b)?),
+            Operation::Negative(a) => format!("-{}", name(a)?),
+            Operation::Call(function, a) => {
+                let (of, _, more) = called(function)?;
+                format!("{of}({}{more})", name(a)?)
+            }
+        }))
+    }
+
+    /// The change of an operation; `Some(None)` where it has no line of its own.
+    fn change(&self, place: usize) -> Option<Option<String>> {
+        let name = |node| self.name(node);
+        let change = |node| self.change_name(node);
+        if self.change_name(Node::at(place)).is_none() {
+            return Some(None);
+        }
+        Some(Some(match self.operation(place) {
+            Operation::Constant(_) | Operation::Input(_) => return Some(None),
+            Operation::Add(a, b) => match (change(a), change(b)) {
+                (Some(da), Some(db)) => format!("{da} + {db}"),
+                (da, db) => da.or(db)?,
+            },
+            Operation::Subtract(a, b) => match (change(a), change(b)) {
+                (Some(da), Some(db)) => format!("{da} - {db}"),
+                (Some(da), None) => da,
+                (None, db) => format!("-{}", db?),
+            },
+            Operation::Multiply(a, b) => match (change(a), change(b)) {
+                (Some(da), Some(db)) => format!("{da} * ({} + {db}) + {} * {db}", name(b)?, name(a)?),
+                (Some(da), None) => format!("{da} * {}", name(b)?),
+                (None, db) => format!("{} * {}", name(a)?, db?),
+            },
+            Operation::Divide(a, b) => match (change(a), change(b)) {
+                (Some(da), Some(db)) => format!("({da} - v{place} * {db}) / ({} + {db})", name(b)?),
+                (Some(da), None) => format!("{da} / {}", name(b)?),
+                (None, db) => {
+                    let db = db?;
+                    format!("-(v{place} * {db}) / ({} + {db})", name(b)?)
+                }
+            },
+            Operation::Negative(a) => format!("-{}", change(a)?),
+            Operation::Call(function, a) => {
+                let (_, apart, more) = called(function)?;
+                format!("{apart}({}, {}{more})", name(a)?, change(a)?)
+            }
+        }))
+    }
+}
+
+/// The numbers that an operation needs.
+fn numbers(operation: Operation) -> [Option<Node>; 2] {
+    match operation {
+        Operation::Constant(_) | Operation::Input(_) => [None, None],
+        Operation::Add(a, b) | Operation::Subtract(a, b) | Operation::Multiply(a, b) | Operation::Divide(a, b) => {
+            [Some(a), Some(b)]
+        }
+        Operation::Negative(a) | Operation::Call(_, a) => [Some(a), None],
+    }
+}
+
+/// The names of a function and of its difference in `functions.wgsl`, and their last arguments.
+fn called(function: Function) -> Option<(&'static str, &'static str, String)> {
+    let (of, apart) = match function {
+        Function::Sin => ("sin", "sin_apart"),
+        Function::Cos => ("cos", "cos_apart"),
+        Function::Tan => ("tan", "tan_apart"),
+        Function::Exp => ("exp", "exp_apart"),
+        Function::Log => ("log_of", "log_apart"),
+        Function::Sqrt => ("root_of", "sqrt_apart"),
+        Function::Abs => ("abs", "abs_apart"),
+        Function::Sign => ("sign", "sign_apart"),
+        Function::Tanh => ("tanh_of", "tanh_apart"),
+        Function::Power(exponent) => {
+            let exponent = f64::from_bits(exponent);
+            let parity = match exponent {
+                whole if whole.fract() != 0.0 => 2,
+                even if even % 2.0 == 0.0 => 0,
+                _ => 1,
+            };
+            return Some(("power_of", "power_apart", format!(", {}, {parity}u", literal(exponent)?)));
+        }
+    };
+    Some((of, apart, String::new()))
+}
+
+/// A number in single precision; none where that has no such number.
+pub(crate) fn literal(number: f64) -> Option<String> {
+    let single = number as f32;
+    let is_there = single.is_normal() || number == 0.0;
+    let text = if single < 0.0 { format!("({single:?})") } else { format!("{:?}", single.abs()) };
+    is_there.then_some(text)
+}
