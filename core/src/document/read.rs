@@ -145,16 +145,14 @@ impl<'de> Deserializer<'de> for &'de Document {
         }
     }
 
+    /// A list is no table: to read one so would take 20 kB of a page, and would hide what its numbers mean.
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _: &'static str,
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, DocumentError> {
-        match self {
-            Document::List(values) => list(values, visitor),
-            _ => self.deserialize_map(visitor),
-        }
+        self.deserialize_map(visitor)
     }
 
     fn deserialize_enum<V: Visitor<'de>>(

@@ -141,6 +141,11 @@ fn errors_name_the_path_and_the_line() {
             "shapes = [{ Box = { width = 1, depth = 2 } }]",
             "line 1: `shapes[0].Box.depth`: unknown field `depth`, expected `width` or `height`",
         ),
+        (
+            "shapes = [{ Box = [1, 2] }]",
+            "line 1: `shapes[0].Box`: invalid type: sequence, expected struct variant Shape::Box",
+        ),
+        ("within = [[1]]", "line 1: `within`: invalid type: sequence, expected a table"),
         ("pair = [1, 2, 3]", "line 1: `pair`: invalid length 3, expected fewer elements"),
         ("pair = [1]", "line 1: `pair`: invalid length 1, expected an array of length 2"),
         ("[by_place]\n1 = 2\n70000 = 1", "line 3: `by_place.70000`: invalid value: integer `70000`, expected u16"),

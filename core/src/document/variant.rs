@@ -53,7 +53,7 @@ impl<'de> VariantAccess<'de> for Variant<'de> {
     ) -> Result<V::Value, DocumentError> {
         self.within(match &self.0.1 {
             Document::Table(entries) => known(entries, fields).and_then(|()| visitor.visit_map(Entries::of(entries))),
-            other => sequence(other, visitor),
+            other => Err(other.mismatch(&visitor)),
         })
     }
 }

@@ -100,8 +100,9 @@ impl Model {
         });
     }
 
-    /// The same where the plant's equation is at hand.
-    #[inline(always)]
+    /// The same where the plant's equation is at hand. A page calls it, to be smaller.
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn rate_by<T: Number>(
         &self,
         equation: impl Rates<T>,
