@@ -2,16 +2,18 @@
 
 mod cost;
 mod goal;
+mod point;
 mod remark;
-mod simplex;
 
 use std::sync::Arc;
 
+use argmin::core::{IterState, Problem, Solver, State as _, TerminationStatus};
+use argmin::solver::neldermead::NelderMead;
 use kalmanscope_core::{Record, Scenario, VerdictKind};
 
 use crate::{Axis, EnsembleError};
-use cost::Cost;
-use simplex::Simplex;
+use cost::{Cost, Objective};
+use point::Point;
 
 pub use goal::Goal;
 pub use remark::Remark;
@@ -44,9 +46,15 @@ pub struct Tuner {
 enum Stage {
     /// The axis, and the place on it, to try next.
     Scanning(usize, usize),
-    /// The simplex, and how often it has moved.
-    Searching(Simplex, u64),
+    Searching(Box<Search>),
     Done,
+}
+
+struct Search {
+    solver: NelderMead<Point, f64>,
+    problem: Problem<Objective>,
+    state: Option<IterState<Point, (), (), (), (), f64>>,
+    iterations: u64,
 }
 
 /// A try that was better than all before.
@@ -114,7 +122,7 @@ impl Tuner {
         loop {
             self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
                 Stage::Scanning(axis, place) => self.scan(axis, place),
-                Stage::Searching(simplex, iterations) => self.search(simplex, iterations),
+                Stage::Searching(search) => self.search(search),
                 Stage::Done => return true,
             };
             if !while_time() {
@@ -133,7 +141,7 @@ impl Tuner {
         let axes = self.cost.axes.len().max(1) as f64;
         match &self.stage {
             Stage::Scanning(axis, place) => 0.2 * (*axis as f64 + *place as f64 / SCAN as f64) / axes,
-            Stage::Searching(_, iterations) => 0.2 + 0.8 * *iterations as f64 / ITERATIONS as f64,
+            Stage::Searching(search) => 0.2 + 0.8 * search.iterations as f64 / ITERATIONS as f64,
             Stage::Done => 1.0,
         }
     }
@@ -164,24 +172,42 @@ impl Tuner {
         if self.best.is_empty() {
             return Stage::Done;
         }
-        let mut corners = vec![self.best.clone()];
+        let mut simplex = vec![Point(self.best.clone())];
         for axis in 0..self.best.len() {
             let mut corner = self.best.clone();
             corner[axis] += if corner[axis] > 0.5 { -SIMPLEX } else { SIMPLEX };
-            corners.push(corner);
+            simplex.push(Point(corner));
         }
-        Stage::Searching(Simplex::new(corners, &|shares| self.cost.of(shares)), 0)
+        let mut solver = NelderMead::new(simplex);
+        let mut problem = Problem::new(Objective(Arc::clone(&self.cost)));
+        match solver.init(&mut problem, IterState::new()) {
+            Ok((state, _)) => Stage::Searching(Box::new(Search { solver, problem, state: Some(state), iterations: 0 })),
+            Err(_) => Stage::Done,
+        }
     }
 
-    fn search(&mut self, mut simplex: Simplex, iterations: u64) -> Stage {
-        let is_number = simplex.advance(&|shares| self.cost.of(shares));
-        let Some((shares, cost)) = simplex.best().filter(|_| is_number) else { return Stage::Done };
-        self.keep(shares, cost);
-        if simplex.spread() < TOLERANCE * cost.abs().max(1.0) || iterations + 1 >= ITERATIONS {
-            self.runs += simplex.runs;
+    fn search(&mut self, mut search: Box<Search>) -> Stage {
+        let Search { solver, problem, state, iterations } = &mut *search;
+        let Some(before) = state.take() else { return Stage::Done };
+        let Ok((after, _)) = solver.next_iter(problem, before) else { return Stage::Done };
+        *iterations += 1;
+        let cost = after.get_cost();
+        if let Some(Point(shares)) = after.get_param() {
+            self.keep(shares, cost);
+        }
+        let tolerance = TOLERANCE * cost.abs().max(1.0);
+        if let Ok(tolerant) = solver.clone().with_sd_tolerance(tolerance) {
+            *solver = tolerant;
+        }
+        let status = Solver::<Objective, _>::terminate(solver, &after);
+        let is_done = matches!(status, TerminationStatus::Terminated(_)) || *iterations >= ITERATIONS;
+        let runs = problem.counts.get("cost_count").copied().unwrap_or(0);
+        *state = Some(after);
+        if is_done {
+            self.runs += runs;
             return Stage::Done;
         }
-        Stage::Searching(simplex, iterations + 1)
+        Stage::Searching(search)
     }
 
     fn keep(&mut self, shares: &[f64], cost: f64) {

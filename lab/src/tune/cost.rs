@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use argmin::core::{CostFunction, Error};
 use kalmanscope_core::{Pass, Record, Scenario, VerdictKind};
 
 use super::Goal;
+use super::point::Point;
 use crate::{Axis, EnsembleError, Measure, Setting, outcome};
 
 /// The cost of settings that are impossible, beyond their axes, or stop the filter.
@@ -18,6 +20,18 @@ pub(super) struct Cost {
     pub(super) axes: Vec<Axis>,
     settings: Vec<Setting>,
     pub(super) goal: Goal,
+}
+
+/// The cost of points.
+pub(super) struct Objective(pub(super) Arc<Cost>);
+
+impl CostFunction for Objective {
+    type Param = Point;
+    type Output = f64;
+
+    fn cost(&self, point: &Point) -> Result<f64, Error> {
+        Ok(self.0.of(&point.0))
+    }
 }
 
 impl Cost {
