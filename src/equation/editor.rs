@@ -102,10 +102,9 @@ impl Editor {
         ui.label(printed);
         let mut done = self.text_ui(ui);
         let news = self.news();
-        let asks = |shown: &str| format!("{shown} is new: make it a parameter below, or mend the equation");
-        let (said, color) = match (problem.or_else(|| self.fault.clone()), news.first()) {
+        let (said, color) = match (problem.or_else(|| self.fault.clone()), asked(&news)) {
             (Some(problem), _) => (problem, palette.warning),
-            (None, Some(shown)) => (asks(shown), palette.text),
+            (None, Some(question)) => (question, palette.text),
             (None, None) => (HINT.to_owned(), palette.weak),
         };
         ui.label(RichText::new(said).small().color(color));
@@ -181,4 +180,16 @@ impl Editor {
 }
 
 const HINT: &str = "x'' or ẍ; z' = … is an internal state; f is the force over mass; sin cos tan exp log sqrt abs sign tanh; \
-                    several equations are apart by ;. Enter takes it.";
+                    ; parts equations. Enter takes it.";
+
+/// What is to be done about new symbols.
+fn asked(news: &[String]) -> Option<String> {
+    match news {
+        [] => None,
+        [one] => Some(format!("{one} is new: make it a parameter below, or mend the equation")),
+        [others @ .., last] => {
+            let others = others.join(", ");
+            Some(format!("{others} and {last} are new: make each a parameter below, or mend the equation"))
+        }
+    }
+}

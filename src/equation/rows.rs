@@ -6,7 +6,7 @@ use kalmanscope_core::equation::{AllowedSign, EquationSettings, Numbers, Paramet
 use crate::text::{parse, significant};
 
 /// The widths of symbols, names, units, numbers and signs \[points\].
-const WIDTHS: [f32; 5] = [40.0, 130.0, 56.0, 58.0, 92.0];
+const WIDTHS: [f32; 5] = [40.0, 130.0, 56.0, 58.0, 110.0];
 
 /// What came of a row in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,13 +33,13 @@ pub(super) fn row_ui(ui: &mut Ui, symbol: &Symbol, settings: &mut EquationSettin
         let usual = ParameterSettings::default();
         let before = settings.parameter(&symbol.key).unwrap_or(&usual);
         let mut now = before.clone();
-        done.changed = fields_ui(ui, symbol, &mut now);
-        let is_touched = now != *before;
         if is_new {
-            let button = ui.add(Button::new("Make it a parameter"));
-            label(&button, format!("Make {shown} a parameter"));
-            done.accepted = button.clicked();
+            done.accepted = offer_ui(ui, shown, height);
+        } else {
+            done.changed = words_ui(ui, symbol, &mut now);
         }
+        done.changed |= numbers_ui(ui, symbol, &mut now);
+        let is_touched = now != *before;
         if is_touched || done.accepted {
             let one = settings.parameter_mut(&symbol.key);
             *one = now;
@@ -52,15 +52,29 @@ pub(super) fn row_ui(ui: &mut Ui, symbol: &Symbol, settings: &mut EquationSettin
     done
 }
 
-/// The fields of a row. Returns whether a change is complete.
-fn fields_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool {
+/// The button that makes a new symbol a parameter, in the place of name and unit. Returns whether it was clicked.
+fn offer_ui(ui: &mut Ui, shown: &str, height: f32) -> bool {
+    let width = WIDTHS[1] + WIDTHS[2] + ui.spacing().item_spacing.x;
+    let button = ui.add_sized(vec2(width, height), Button::new("Make it a parameter"));
+    label(&button, format!("Make {shown} a parameter"));
+    button.clicked()
+}
+
+/// Name and unit. Returns whether a change is complete.
+fn words_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool {
     let Symbol { shown, is_parameter, .. } = symbol;
-    let Numbers { mut mean, mut std, range: [mut low, mut high] } = one.numbers(*is_parameter);
     let mut name = one.name.clone().unwrap_or_default();
     let usual = if *is_parameter { "name" } else { "internal state" };
-    let mut done = word_ui(ui, &mut name, usual, WIDTHS[1], format!("Name of {shown}"));
+    let done = word_ui(ui, &mut name, usual, WIDTHS[1], format!("Name of {shown}"));
     one.name = Some(name).filter(|name| !name.is_empty());
-    done |= word_ui(ui, &mut one.unit, "unit", WIDTHS[2], format!("Unit of {shown}"));
+    done | word_ui(ui, &mut one.unit, "unit", WIDTHS[2], format!("Unit of {shown}"))
+}
+
+/// The numbers of a row. Returns whether a change is complete.
+fn numbers_ui(ui: &mut Ui, symbol: &Symbol, one: &mut ParameterSettings) -> bool {
+    let Symbol { shown, is_parameter, .. } = symbol;
+    let Numbers { mut mean, mut std, range: [mut low, mut high] } = one.numbers(*is_parameter);
+    let mut done = false;
     let mut number = |ui: &mut Ui, word: &str, name: String, value: &mut f64| {
         ui.weak(word);
         let before = *value;

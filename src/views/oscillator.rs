@@ -75,6 +75,14 @@ fn first_span(run: &Run, k: usize) -> f64 {
     run.estimates().iter().filter_map(std).reduce(f64::min).unwrap_or(0.0)
 }
 
+/// The place of an equation with margins, for a finger.
+fn touchable(place: Rect) -> Rect {
+    /// Limits the height of what is touched \[points\].
+    const LEAST: f32 = 36.0;
+    let wide = place.expand2(vec2(6.0, 4.0));
+    wide.with_max_y(wide.bottom().max(wide.top() + LEAST))
+}
+
 /// Draws the oscillator where playback stands, as wide as `ui` and `height` high \[points\].
 fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: &mut Vec<Request>) {
     let size = vec2(ui.available_width().max(1.0), height);
@@ -114,7 +122,8 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     let equation = session.run().scenario().plant.kind.equation();
     let place = scene.captions(strip);
     // Where the equation has no room, the whole picture stands for it.
-    let edit = ui.interact(place.unwrap_or(rect), response.id.with("equation"), Sense::click());
+    let target = place.map_or(rect, touchable);
+    let edit = ui.interact(target, response.id.with("equation"), Sense::click());
     edit.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Edit the equation over the oscillator"));
     let edit = edit.on_hover_cursor(egui::CursorIcon::PointingHand);
     let hidden = if place.is_some() { String::new() } else { format!("{equation}\n") };

@@ -52,6 +52,23 @@ fn an_equation_is_typed_and_identified() {
 }
 
 #[test]
+fn new_symbols_are_asked_about_together_each_in_one_row() {
+    let mut screen = editor();
+    type_into(&mut screen, " - mu x³ + k2 sin(q x)");
+    assert!(screen.query_by_label_contains("μ, k₂ and q are new: make each a parameter below").is_some());
+    for symbol in ["μ", "k₂", "q"] {
+        let row = |label: String| screen.get_by_label(&label).rect().center().y;
+        let [button, guess] = [format!("Make {symbol} a parameter"), format!("Guess of {symbol}")].map(row);
+        assert!((button - guess).abs() < 3.0, "{symbol}: {button} and {guess}");
+        assert!(screen.query_by_label(&format!("Name of {symbol}")).is_none(), "it is named once it is a parameter");
+    }
+    screen.get_by_label("Make μ a parameter").click();
+    screen.run_steps(3);
+    assert!(screen.query_by_label("Name of μ").is_some());
+    assert!(screen.query_by_label_contains("k₂ and q are new").is_some());
+}
+
+#[test]
 fn a_fault_is_said_and_the_equation_from_before_stays() {
     let mut screen = editor();
     let before = equation(&screen);
@@ -167,6 +184,7 @@ fn every_equation_of_the_gallery_is_shown_and_edited_on_any_screen() {
             screen.state_mut().open_file("gallery.toml", text);
             screen.run_steps(10);
             if let Some(place) = screen.query_by_label("Edit the equation over the oscillator") {
+                assert!(place.rect().height() >= 36.0, "{path:?}: {} is too low for a finger", place.rect());
                 place.click();
                 screen.run_steps(5);
                 let field = screen.get_by_label("Equation of motion").rect();

@@ -1,7 +1,7 @@
 //! Everything in the picture at one moment.
 
 use egui::text::LayoutJob;
-use egui::{Painter, Rect, Stroke, pos2, vec2};
+use egui::{FontId, Painter, Rect, Stroke, pos2, vec2};
 use kalmanscope_core::plant::Spring;
 use kalmanscope_core::{Aspect, Channel, Estimates, Quantity, Record};
 
@@ -23,6 +23,9 @@ const CORNER: f32 = 10.0;
 
 /// Limits the share of the picture that an equation above it takes.
 const STRIP: f32 = 0.4;
+
+/// Limits the size of a typeset equation, whose subscripts are smaller \[points\].
+const LEAST_EQUATION: f32 = 12.5;
 
 /// One moment and its stage.
 pub(super) struct Scene<'a> {
@@ -137,7 +140,10 @@ impl<'a> Scene<'a> {
         let kind = self.context.session.run().scenario().plant.kind;
         let (font, color) = (self.stage.font(), self.context.palette.weak);
         match kind.own_equation() {
-            Some(own) => job(&own.settings().equation, &font, color),
+            Some(own) => {
+                let font = FontId { size: font.size.max(LEAST_EQUATION), ..font };
+                job(&own.settings().equation, &font, color)
+            }
             None => LayoutJob::simple_singleline(kind.equation().to_owned(), font, color),
         }
     }
