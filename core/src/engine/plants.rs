@@ -163,7 +163,9 @@ impl Plant {
 
     /// The rates, and their derivatives by the plant's components, column by column, with `rows` numbers a column. `duals` is
     /// memory to work in.
-    #[inline(always)]
+    // A page has this once, to be smaller.
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
     #[expect(clippy::too_many_arguments, reason = "in slices, so that nothing is copied")]
     pub fn linearise<T: Number, L: Level>(
         self,
@@ -187,6 +189,19 @@ impl Plant {
         }
     }
 
+    /// The derivatives of the rates by the plant's components, row by row.
+    pub(crate) fn jacobian(self, state: &[f64], out: &mut [f64]) {
+        let (own, motion) = (self.size(), self.motion());
+        let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * own]);
+        let mut duals = vec![Dual::constant(0.0); own + motion];
+        self.linearise(Baseline, state, 0.0, &mut rate, &mut columns, motion, &mut duals);
+        for (i, row) in out.chunks_exact_mut(own).enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = columns[j * motion + i];
+            }
+        }
+    }
+
     /// The derivatives of the rates by the force, which do not depend on the state.
     pub fn by_force(self) -> Vec<f64> {
         let state = vec![1.0; self.size()];
@@ -196,20 +211,6 @@ impl Plant {
             equation.rates(&state, 0.0, &mut without);
         });
         with.iter().zip(without).map(|(with, without)| with - without).collect()
-    }
-}
-
-/// The derivatives of an equation's rates by its components, row by row.
-pub(crate) fn jacobian<E: Equation>(equation: E, state: &[f64], out: &mut [f64]) {
-    let (own, motion) = (equation.size(), equation.motion());
-    let (mut rate, mut columns) = (vec![0.0; motion], vec![0.0; motion * own]);
-    let mut duals = vec![Dual::constant(0.0); own + motion];
-    let slopes = Slopes { rate: &mut rate, columns: &mut columns, rows: motion };
-    linearise(Baseline, equation, state, 0.0, slopes, &mut duals);
-    for (i, row) in out.chunks_exact_mut(own).enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry = columns[j * motion + i];
-        }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
-use crate::engine::plants::{Equation, bouc_wen, jacobian};
+use crate::engine::plants::{self, Equation, bouc_wen};
 
 /// Bouc-Wen hysteresis with the exponent n and the state `y = [x, v, z, ωₙ, ζ, α, β, γ]`.
 ///
@@ -29,13 +29,13 @@ impl BoucWen {
     pub const TWO: Self = Self {
         info: &TWO,
         rate: |state, force, rate| bouc_wen::BoucWen.rate(state, force, rate),
-        jacobian: |state, out| jacobian(bouc_wen::BoucWen, state, out),
+        jacobian: |state, out| plants::Plant::BoucWen.jacobian(state, out),
     };
     /// Exponent 1, with β₁ and γ₁.
     pub const ONE: Self = Self {
         info: &ONE,
         rate: |state, force, rate| bouc_wen::BoucWenOne.rate(state, force, rate),
-        jacobian: |state, out| jacobian(bouc_wen::BoucWenOne, state, out),
+        jacobian: |state, out| plants::Plant::BoucWenOne.jacobian(state, out),
     };
 }
 

@@ -3,7 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
-use crate::engine::plants::{Equation, duffing, jacobian};
+use crate::engine::plants::{self, Equation, duffing};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x + μx³ = f` with state `y = [x, v, ωₙ, ζ, μ]`.
 ///
@@ -60,6 +60,6 @@ impl Plant for Duffing {
     }
 
     fn motion_jacobian(&self, state: &[f64], out: &mut [f64]) {
-        jacobian(duffing::Duffing, state, out);
+        plants::Plant::Duffing.jacobian(state, out);
     }
 }

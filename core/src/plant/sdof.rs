@@ -3,7 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, Role, Sign, Usual};
-use crate::engine::plants::{Equation, jacobian, sdof};
+use crate::engine::plants::{self, Equation, sdof};
 
 /// `ẍ + 2ζωₙẋ + ωₙ²x = f` with state `y = [x, v, ωₙ, ζ]`.
 ///
@@ -64,6 +64,6 @@ impl Plant for Sdof {
     }
 
     fn motion_jacobian(&self, state: &[f64], out: &mut [f64]) {
-        jacobian(sdof::Sdof, state, out);
+        plants::Plant::Sdof.jacobian(state, out);
     }
 }

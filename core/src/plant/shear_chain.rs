@@ -3,7 +3,7 @@
 use super::{Plant, PlantInfo, Spring};
 use crate::Channel;
 use crate::channel::{ChannelInfo, MAX_MASSES, Role, Sign, Usual, by_mass};
-use crate::engine::plants::{Equation, jacobian, shear_chain};
+use crate::engine::plants::{self, Equation, shear_chain};
 
 /// A shear building of equal masses, shaken at its base, with unknown stiffness of every storey and unknown damping:
 /// `y = [x₁ … x_m, v₁ … v_m, κ₁ … κ_m, c]`.
@@ -132,6 +132,6 @@ impl<const MASSES: usize> Plant for ShearChain<MASSES> {
     }
 
     fn motion_jacobian(&self, state: &[f64], out: &mut [f64]) {
-        jacobian(shear_chain::ShearChain { masses: MASSES }, state, out);
+        plants::Plant::ShearChain(MASSES).jacobian(state, out);
     }
 }
