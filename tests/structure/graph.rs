@@ -12,7 +12,7 @@ use crate::tokens::product;
 #[derive(Default)]
 pub(crate) struct Graph {
     modules: BTreeMap<Path, Imports>,
-    /// What the names in a module stand for.
+    /// The full path of each name that a module uses.
     names: BTreeMap<Path, BTreeMap<String, Path>>,
 }
 

@@ -26,8 +26,8 @@ pub struct Notes {
 }
 
 impl Notes {
-    /// The notes of a model without logarithms; none where its plant is known by numbers alone, or takes more operations than a
-    /// list has.
+    /// The notes of a model. There are none for logarithms, for a plant that takes plain numbers only, and for more operations than
+    /// a list can hold.
     pub fn of(model: &Model, readings: &[Reading]) -> Option<Self> {
         if !model.logarithms.is_empty() {
             return None;

@@ -22,7 +22,7 @@ const GROWTH: f64 = 8.0;
 /// Limits the programs that are kept: an equation that is typed anew is another one.
 const MOST_PROGRAMS: usize = 24;
 
-/// Limits the time of a dispatch, the first of which some drivers compile the program in: after it the device is taken for lost.
+/// A dispatch that takes longer than this counts as lost. It is long because some drivers compile the program in the first one.
 #[cfg(not(target_arch = "wasm32"))]
 const PATIENCE: Duration = Duration::from_secs(90);
 

@@ -17,7 +17,8 @@ pub(crate) struct Tape {
     pub(crate) largest_truth: Vec<f64>,
 }
 
-/// The number of channels, from the first on, whose truth a record has; none where it has that of others.
+/// A record may know the truth of the first channels only: this is their number. None where it knows a later channel and lacks
+/// an earlier one.
 pub(crate) fn known(channels: &[Channel], record: &Record) -> Option<usize> {
     let knows = |channel: &&Channel| record.truth(**channel).is_some();
     let known = channels.iter().take_while(knows).count();

@@ -14,8 +14,8 @@ pub(crate) struct Text<'a> {
 }
 
 impl Text<'_> {
-    /// The function `NAME(y, f)` of some numbers, each with its place in an array; the others are zero. None where a constant is
-    /// beyond single precision.
+    /// The function `NAME(y, f)` that puts some numbers at their places in an array and zeros at the others. None where a constant
+    /// does not fit single precision.
     pub(crate) fn values(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
         let mut text = format!("fn {name}(y: array<f32, N>, f: f32) -> {array} {{\n  var out: {array};\n");
         for place in self.needed(outputs) {
@@ -84,7 +84,7 @@ impl Text<'_> {
         }
     }
 
-    /// The change of a number, as an expression; none where it does not change with the state.
+    /// By how much a number changes with the state, as an expression; none for a number that stays.
     fn change_name(&self, node: Node) -> Option<String> {
         let of_state = (1_u64 << self.size) - 1;
         (self.builder.needs(node) & of_state != 0).then(|| match self.operation(node.place()) {

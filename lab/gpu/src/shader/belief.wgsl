@@ -78,7 +78,7 @@ fn set_root(b: ptr<function, Belief>, a: ptr<function, array<f32, SQUARE>>, nois
   }
 }
 
-// Makes a component another one, in the rows of which L will be made: it has mean zero and knows nothing of the others.
+// Replaces a component by a new one of mean zero that knows nothing of the others, in the rows from which L will be made.
 fn renew(
   b: ptr<function, Belief>,
   a: ptr<function, array<f32, SQUARE>>,

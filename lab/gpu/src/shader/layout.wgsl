@@ -1,4 +1,4 @@
-// The buffers. `layout.rs` has the same structures. N components, of which M move, S sensors, and the truth of the first K.
+// The buffers, as in `layout.rs`. A filter has N components and S sensors. The first M components move; the truth of the first K is known.
 
 struct Settings {
   // This dispatch does the samples from `begin` to before `end`.
