@@ -1,4 +1,5 @@
-// The buffers, as in `layout.rs`. A filter has N components and S sensors. The first M components move; the truth of the first K is known.
+// The buffers, as in `layout.rs`. A filter has N components and S sensors. The first M components move; the truth of the first K
+// is known.
 
 struct Settings {
   // This dispatch does the samples from `begin` to before `end`.
