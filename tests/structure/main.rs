@@ -11,13 +11,6 @@ use std::path::{Path, PathBuf};
 
 use graph::Graph;
 
-/// Rings that may stay, by crate and modules, each with its reason.
-const EXCEPTIONS: [(&str, &[&str], &str); 1] = [(
-    "lab/gpu",
-    &["adapter", "program"],
-    "the adapter owns the programs, and the programs report failures to the adapter's device",
-)];
-
 /// The folder of the workspace.
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -49,11 +42,5 @@ fn no_module_imports_one_that_imports_it() {
         let graph = Graph::of(&folder.join("src"));
         found.extend(graph.rings().into_iter().map(|ring| (name.clone(), ring)));
     }
-    let is_exception = |name: &str, ring: &[String]| EXCEPTIONS.iter().any(|(of, all, _)| *of == name && *all == ring);
-    let new: Vec<_> = found.iter().filter(|(name, ring)| !is_exception(name, ring)).collect();
-    assert!(new.is_empty(), "rings of imports; move what both sides need below them: {new:#?}");
-    for (name, modules, _) in EXCEPTIONS {
-        let is_there = found.iter().any(|(of, ring)| of == name && ring == modules);
-        assert!(is_there, "there is no ring of {modules:?} in {name} any more: remove the exception");
-    }
+    assert!(found.is_empty(), "rings of imports; move what both sides need below them: {found:#?}");
 }

@@ -1,6 +1,7 @@
 //! Columns of numbers: the linear algebra of a step. A matrix stands column by column; of a symmetric one the lower triangle
 //! counts.
 
+use super::level::{Baseline, Level};
 use super::number::{Mask, Number};
 
 /// `y + a x` in place of y.
@@ -28,13 +29,18 @@ pub fn entry<T: Copy>(a: &[T], n: usize, i: usize, j: usize) -> T {
 }
 
 /// Makes an n × n matrix symmetric to the last bit, from its lower triangle.
-#[inline]
-pub fn mirror<T: Copy>(a: &mut [T], n: usize) {
-    for j in 1..n {
-        for i in 0..j {
-            a[j * n + i] = a[i * n + j];
-        }
-    }
+#[inline(always)]
+pub fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
+    level.each(
+        1,
+        n,
+        #[inline(always)]
+        |j| {
+            for i in 0..j {
+                a[j * n + i] = a[i * n + j];
+            }
+        },
+    );
 }
 
 /// `out = A x`, with A of as many rows as `out` has numbers, and a function for the k numbers of x. Two rows at a time, whose
@@ -170,7 +176,7 @@ pub fn congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize
 /// The same for a lone run of many components.
 #[inline(always)]
 fn long_congruence<T: Number>(rows: &[T], cov: &mut [T], half: &mut [T], n: usize, motion: usize) {
-    mirror(cov, n);
+    mirror(Baseline, cov, n);
     multiply(half, rows, cov, motion, n);
     for j in 0..motion {
         let column = &mut cov[j * n..(j + 1) * n];
@@ -203,31 +209,43 @@ pub struct Rooted<M> {
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 4.2.8 (semidefinite systems).
 #[inline(always)]
-pub fn lower_root<T: Number>(cov: &[T], root: &mut [T], n: usize) -> Rooted<T::Mask> {
+pub fn lower_root<T: Number, L: Level>(level: L, cov: &[T], root: &mut [T], n: usize) -> Rooted<T::Mask> {
     let zero = T::of(0.0);
     let (mut holds, mut is_finite) = (T::Mask::of(true), T::Mask::of(true));
-    for j in 0..n {
-        root[j * n..j * n + j].fill(zero);
-        root[j * n + j..(j + 1) * n].copy_from_slice(&cov[j * n + j..(j + 1) * n]);
-    }
-    for j in 0..n {
-        let (before, after) = root.split_at_mut((j + 1) * n);
-        let column = &mut before[j * n..];
-        let pivot = column[j];
-        let rounding = cov[j * n + j] * (4.0 * n as f64 * f64::EPSILON);
-        let counts = rounding.lt(pivot) & pivot.is_normal();
-        is_finite = is_finite & (!holds | pivot.is_finite());
-        holds = holds & pivot.is_finite() & (counts | (rounding * -1e4).le(pivot));
-        let inverse = T::select(counts, T::of(1.0) / pivot, zero);
-        for k in j + 1..n {
-            let share = column[k] * inverse;
-            take_times(&mut after[(k - j - 1) * n + k..(k - j) * n], share, &column[k..]);
-        }
-        let scale = inverse * pivot.sqrt();
-        for i in j..n {
-            column[i] = T::select(counts, column[i] * scale, zero);
-        }
-    }
+    level.each(
+        0,
+        n,
+        #[inline(always)]
+        |j| {
+            root[j * n..j * n + j].fill(zero);
+            root[j * n + j..(j + 1) * n].copy_from_slice(&cov[j * n + j..(j + 1) * n]);
+        },
+    );
+    level.each(
+        0,
+        n,
+        #[inline(always)]
+        |j| {
+            let (before, after) = root.split_at_mut((j + 1) * n);
+            let column = &mut before[j * n..];
+            let pivot = column[j];
+            let rounding = cov[j * n + j] * (4.0 * n as f64 * f64::EPSILON);
+            let counts = rounding.lt(pivot) & pivot.is_normal();
+            is_finite = is_finite & (!holds | pivot.is_finite());
+            holds = holds & pivot.is_finite() & (counts | (rounding * -1e4).le(pivot));
+            let inverse = T::select(counts, T::of(1.0) / pivot, zero);
+            level.each(
+                j + 1,
+                n,
+                #[inline(always)]
+                |k| take_times(&mut after[(k - j - 1) * n + k..(k - j) * n], column[k] * inverse, &column[k..]),
+            );
+            let scale = inverse * pivot.sqrt();
+            for i in j..n {
+                column[i] = T::select(counts, column[i] * scale, zero);
+            }
+        },
+    );
     Rooted { holds, is_finite }
 }
 
@@ -306,7 +324,7 @@ mod tests {
             Lanes([5.0, 0.0, 1.0, 1.0]),
         ];
         let mut root = [Lanes([0.0; 4]); 4];
-        let Rooted { holds, is_finite } = lower_root(&cov, &mut root, 2);
+        let Rooted { holds, is_finite } = lower_root(Baseline, &cov, &mut root, 2);
         let of = |lane: usize| root.map(|entry| entry.lane(lane));
         assert_eq!((of(0), of(1)), ([2.0, 1.0, 0.0, 2.0], [2.0, 0.0, 0.0, 0.0]));
         assert_eq!([0, 1, 2, 3].map(|lane| holds.lane(lane)), [true, true, false, false]);

@@ -81,7 +81,7 @@ impl<L: Level + Send> Estimator for Followed<L> {
         if wants_prior {
             prior.mean.copy_from_slice(&filter.belief.mean);
             prior.cov.copy_from_slice(&filter.belief.cov);
-            mirror(&mut prior.cov, prior.mean.len());
+            mirror(Baseline, &mut prior.cov, prior.mean.len());
         }
         for (own, &place) in own.iter_mut().zip(&*places) {
             *own = measured[place];
@@ -93,8 +93,7 @@ impl<L: Level + Send> Estimator for Followed<L> {
         if !told.holds {
             return Err(filter.reason(0));
         }
-        let n = filter.size();
-        mirror(&mut filter.belief.cov[..n * n], n);
+        filter.complete();
         let [nis, determinant] = if told.measured > 0.0 { [told.nis, told.determinant] } else { [f64::NAN; 2] };
         let m = all.innovation.len();
         let (belief, update) = filter.told();

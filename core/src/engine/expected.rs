@@ -143,81 +143,38 @@ impl<T: Number> Expected<T> {
         at: Option<&[T]>,
     ) {
         let (n, m, Design { model, readings, .. }) = (level.size(self.size()), count.number(), design);
-        let active = &active[..m];
-        for (row, &sensor) in active.iter().enumerate() {
-            let reading = &readings[sensor];
-            let rate = &self.derivatives.rate;
+        let Self { mean, cov, cross, rows, derivatives, .. } = self;
+        let (active, mean, cov, cross, rows) =
+            (&active[..m], &mut mean[..m], &mut cov[..m * m], &mut cross[..m * n], &mut rows[..m * n]);
+        let belief = (&belief.mean[..n], &belief.cov[..n * n]);
+        for row in 0..m {
+            let (reading, range) = (&readings[active[row]], row * n..(row + 1) * n);
+            let h = &mut rows[range.clone()];
             let own = if reading.is_of_components() { None } else { at };
-            self.mean[row] = read(model, reading, own.unwrap_or(&belief.mean), rate, force);
+            mean[row] = read(model, reading, own.unwrap_or(belief.0), &derivatives.rate, force);
             if !reading.is_of_components() {
-                gradient(model, reading, &self.derivatives, force, &mut self.rows[row * n..(row + 1) * n]);
+                gradient(model, reading, derivatives, force, h);
             }
             if let Some(at) = own {
                 for k in 0..n {
-                    self.mean[row] = self.mean[row] + (belief.mean[k] - at[k]) * self.rows[row * n + k];
+                    mean[row] = mean[row] + (belief.0[k] - at[k]) * h[k];
                 }
             }
-            let mut cross = std::mem::take(&mut self.cross);
-            self.times_cov(reading, row, &belief.cov[..n * n], &mut cross[row * n..(row + 1) * n]);
-            self.cross = cross;
+            times_cov(reading, h, belief.1, &mut cross[range]);
         }
-        for (row, &sensor) in active.iter().enumerate() {
+        for row in 0..m {
+            let (reading, h) = (&readings[active[row]], &rows[row * n..(row + 1) * n]);
             for column in 0..=row {
-                let cross = &self.cross[column * n..(column + 1) * n];
-                self.cov[column * m + row] = self.times(&readings[sensor], row, cross);
+                cov[column * m + row] = times(reading, h, &cross[column * n..(column + 1) * n]);
             }
         }
-    }
-
-    /// `h x` of the row h of H that belongs to a sensor, with n numbers x.
-    #[inline(always)]
-    fn times(&self, reading: &Reading, row: usize, x: &[T]) -> T {
-        if let Some(place) = reading.component() {
-            return x[place];
-        }
-        let mut sum = T::of(0.0);
-        if reading.is_of_components() {
-            for &(place, factor) in reading.components() {
-                sum = sum + x[place] * factor;
-            }
-        } else {
-            let n = x.len();
-            for k in 0..n {
-                sum = sum + self.rows[row * n + k] * x[k];
-            }
-        }
-        sum
     }
 
     /// `P hᵀ` of the row h of H that belongs to a sensor, n numbers.
     #[inline(always)]
     pub(super) fn times_cov(&self, reading: &Reading, row: usize, cov: &[T], out: &mut [T]) {
         let n = out.len();
-        if let Some(place) = reading.component() {
-            // The compiler may know the first columns.
-            match place {
-                0 => copy_column(cov, n, 0, out),
-                1 => copy_column(cov, n, 1, out),
-                _ => copy_column(cov, n, place, out),
-            }
-        } else if reading.is_of_components() {
-            for i in 0..n {
-                let mut sum = T::of(0.0);
-                for &(place, factor) in reading.components() {
-                    sum = sum + entry(cov, n, i, place) * factor;
-                }
-                out[i] = sum;
-            }
-        } else {
-            let h = &self.rows[row * n..(row + 1) * n];
-            for i in 0..n {
-                let mut sum = entry(cov, n, i, 0) * h[0];
-                for k in 1..n {
-                    sum = sum + entry(cov, n, i, k) * h[k];
-                }
-                out[i] = sum;
-            }
-        }
+        times_cov(reading, &self.rows[row * n..(row + 1) * n], cov, out);
     }
 
     /// As a UKF has it, by sigma points that are drawn afresh.
@@ -243,7 +200,7 @@ impl<T: Number> Expected<T> {
         let active = &active[..m];
         let (mean, root, state) = (&belief.mean[..n], &mut root[..n * n], &mut state[..n]);
         let Derivatives { rate, plain, .. } = derivatives;
-        let rooted = lower_root(&belief.cov[..n * n], root, n);
+        let rooted = lower_root(level, &belief.cov[..n * n], root, n);
         let distance = rule.spread.sqrt();
         let weight = 0.5 / rule.spread;
         read_all(level, design, active, mean, force, plain, rate, expected);
@@ -277,6 +234,55 @@ impl<T: Number> Expected<T> {
             }
         }
         rooted
+    }
+}
+
+/// `h x` of a sensor's row h of H, which counts where the sensor reads more than components, with n numbers x.
+#[inline(always)]
+fn times<T: Number>(reading: &Reading, h: &[T], x: &[T]) -> T {
+    if let Some(place) = reading.component() {
+        return x[place];
+    }
+    let mut sum = T::of(0.0);
+    if reading.is_of_components() {
+        for &(place, factor) in reading.components() {
+            sum = sum + x[place] * factor;
+        }
+    } else {
+        for k in 0..x.len() {
+            sum = sum + h[k] * x[k];
+        }
+    }
+    sum
+}
+
+/// `P hᵀ` of the same, n numbers.
+#[inline(always)]
+fn times_cov<T: Number>(reading: &Reading, h: &[T], cov: &[T], out: &mut [T]) {
+    let n = out.len();
+    if let Some(place) = reading.component() {
+        // The compiler may know the first columns.
+        match place {
+            0 => copy_column(cov, n, 0, out),
+            1 => copy_column(cov, n, 1, out),
+            _ => copy_column(cov, n, place, out),
+        }
+    } else if reading.is_of_components() {
+        for i in 0..n {
+            let mut sum = T::of(0.0);
+            for &(place, factor) in reading.components() {
+                sum = sum + entry(cov, n, i, place) * factor;
+            }
+            out[i] = sum;
+        }
+    } else {
+        for i in 0..n {
+            let mut sum = entry(cov, n, i, 0) * h[0];
+            for k in 1..n {
+                sum = sum + entry(cov, n, i, k) * h[k];
+            }
+            out[i] = sum;
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Why a step does not hold.
 
 use super::columns::{Rooted, lower_root};
+use super::level::Baseline;
 use super::number::Mask;
 use crate::FilterError;
 
@@ -45,7 +46,7 @@ impl<M: Mask> Held<M> {
         }
         if !self.factored.lane(lane) {
             let (cov, innovation) = update();
-            let rooted = lower_root(&cov, &mut vec![0.0; cov.len()], innovation.len());
+            let rooted = lower_root(Baseline, &cov, &mut vec![0.0; cov.len()], innovation.len());
             return if rooted.holds {
                 FilterError::SingularInnovation
             } else {

@@ -106,11 +106,12 @@ impl<T: Number, L: Level> Filter<T, L> {
         update.condition(*level, design, belief, noise, Observation { force, measured }, held)
     }
 
-    /// n
+    /// Makes the covariance symmetric to the last bit, from its lower triangle.
     #[cfg(not(target_arch = "wasm32"))]
     #[inline(always)]
-    pub(super) fn size(&self) -> usize {
-        self.level.size(self.belief.size())
+    pub(super) fn complete(&mut self) {
+        let n = self.level.size(self.belief.size());
+        super::columns::mirror(self.level, &mut self.belief.cov[..n * n], n);
     }
 
     #[cfg(not(target_arch = "wasm32"))]

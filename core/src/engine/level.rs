@@ -20,6 +20,15 @@ pub trait Level: Copy {
     fn moving(self, any: usize) -> usize {
         any
     }
+
+    /// Does some work for each number from the first to below the end. Where the compiler knows the sizes, that is straight code,
+    /// which it would not make of nested loops by itself.
+    #[inline(always)]
+    fn each(self, first: usize, end: usize, mut work: impl FnMut(usize)) {
+        for i in first..end {
+            work(i);
+        }
+    }
 }
 
 /// Instructions for filters of N components, M of which move: loops of known lengths are straight lines of code.
@@ -42,6 +51,17 @@ impl<L: Level, const N: usize, const M: usize> Level for Known<L, N, M> {
     #[inline(always)]
     fn moving(self, _: usize) -> usize {
         M
+    }
+
+    #[inline(always)]
+    fn each(self, first: usize, end: usize, mut work: impl FnMut(usize)) {
+        macro_rules! one_by_one {
+            ($($i:literal)*) => { $(if (first..end).contains(&$i) { work($i); })* };
+        }
+        one_by_one!(0 1 2 3 4 5 6 7);
+        for i in first.max(8)..end {
+            work(i);
+        }
     }
 }
 

@@ -91,21 +91,27 @@ impl<T: Number> SigmaPoints<T> {
     fn draw<L: Level>(&mut self, level: L, rule: Rule, model: &Model, belief: &Belief<T>) -> Rooted<T::Mask> {
         let n = level.size(model.size);
         let (mean, root) = (&belief.mean[..n], &mut self.root[..n * n]);
-        let rooted = lower_root(&belief.cov[..n * n], root, n);
+        let rooted = lower_root(level, &belief.cov[..n * n], root, n);
         let distance = rule.spread.sqrt();
         let packs = (2 * n + 1).div_ceil(T::POINTS);
-        for (pack, points) in self.points[..packs * n].chunks_exact_mut(n).enumerate() {
-            for i in 0..n {
-                points[i] = T::pack(
-                    #[inline(always)]
-                    |k| match pack * T::POINTS + k {
-                        point if point == 0 || point > 2 * n => mean[i],
-                        point if point % 2 == 1 => mean[i] + root[(point - 1) / 2 * n + i] * distance,
-                        point => mean[i] - root[(point - 1) / 2 * n + i] * distance,
-                    },
-                );
-            }
-        }
+        let points = &mut self.points[..packs * n];
+        level.each(
+            0,
+            packs,
+            #[inline(always)]
+            |pack| {
+                for i in 0..n {
+                    points[pack * n + i] = T::pack(
+                        #[inline(always)]
+                        |k| match pack * T::POINTS + k {
+                            point if point == 0 || point > 2 * n => mean[i],
+                            point if point % 2 == 1 => mean[i] + root[(point - 1) / 2 * n + i] * distance,
+                            point => mean[i] - root[(point - 1) / 2 * n + i] * distance,
+                        },
+                    );
+                }
+            },
+        );
         rooted
     }
 

@@ -110,7 +110,7 @@ impl Single {
             Method::SigmaPoints(rule) => {
                 let Self { design: Design { model, .. }, belief, points, prior, .. } = self;
                 let n = model.size;
-                rooted(lower_root(&belief.cov, &mut prior.cov, n))?;
+                rooted(lower_root(Baseline, &belief.cov, &mut prior.cov, n))?;
                 rooted(points.advance(Baseline, rule, model, belief, step))?;
                 out.copy_from_slice(points.odd());
                 divide_by_root(out, &prior.cov, n);

@@ -268,7 +268,7 @@ impl<T: Number> Update<T> {
     /// Makes S symmetric to the last bit, from its lower triangle.
     pub(super) fn complete(&mut self) {
         let m = self.active.len();
-        super::columns::mirror(&mut self.innovation_cov[..m * m], m);
+        super::columns::mirror(super::level::Baseline, &mut self.innovation_cov[..m * m], m);
     }
 
     /// H, m × n in place of what `out` holds; `false` where there is none.

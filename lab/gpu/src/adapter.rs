@@ -1,11 +1,12 @@
 //! The search for a graphics processor.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use wgpu::{Adapter, AdapterInfo, DeviceDescriptor, DeviceType, Instance, InstanceDescriptor, Limits};
 
 use crate::error::GpuError;
 use crate::program::Programs;
+use crate::trouble::Trouble;
 
 /// Whether a software adapter, such as lavapipe, is accepted. It is slower than threads of one's own, and good for
 /// tests.
@@ -22,25 +23,6 @@ pub struct Gpu {
     name: String,
     pub(crate) programs: Programs,
     pub(crate) trouble: Trouble,
-}
-
-/// The first failure that the device has reported, outside of any call.
-#[derive(Clone, Default)]
-pub(crate) struct Trouble(Arc<Mutex<Option<String>>>);
-
-impl Trouble {
-    fn report(&self, text: String) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
-    }
-
-    /// # Errors
-    /// [`GpuError::Failed`] where the device has reported a failure.
-    pub(crate) fn check(&self) -> Result<(), GpuError> {
-        match &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
-            Some(text) => Err(GpuError::Failed(text.clone())),
-            None => Ok(()),
-        }
-    }
 }
 
 impl Gpu {

@@ -39,6 +39,7 @@ mod shader;
 mod signal;
 mod tape;
 mod text;
+mod trouble;
 mod unroll;
 
 pub use adapter::{Gpu, Software};

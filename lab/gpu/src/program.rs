@@ -6,11 +6,11 @@ use std::sync::{Mutex, PoisonError};
 use web_time::{Duration, Instant};
 use wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline, Device, MapMode, Queue};
 
-use crate::adapter::Trouble;
 use crate::error::GpuError;
 use crate::layout::{Settings, State};
 use crate::shader::{GROUP, Program};
 use crate::signal::Signal;
+use crate::trouble::Trouble;
 
 /// The aim for the time of a dispatch: drivers reset a device that is busy with one for seconds, and pictures of the system wait.
 const DISPATCH: Duration = Duration::from_millis(50);
