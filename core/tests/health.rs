@@ -18,9 +18,10 @@ use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
 use run::finished;
 
-/// The same cases every time, so that a failure is reproducible.
+/// The same cases every time, so that a failure is reproducible; other ones with another `KALMANSCOPE_TEST_SEED`.
 fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig { cases, rng_seed: RngSeed::Fixed(20_261_121), failure_persistence: None, ..Default::default() }
+    let seed = std::env::var("KALMANSCOPE_TEST_SEED").map_or(20_261_121, |text| text.parse().unwrap());
+    ProptestConfig { cases, rng_seed: RngSeed::Fixed(seed), failure_persistence: None, ..Default::default() }
 }
 
 #[test]

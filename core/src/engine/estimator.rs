@@ -83,10 +83,12 @@ impl<L: Level + Send> Estimator for Followed<L> {
             prior.cov.copy_from_slice(&filter.belief.cov);
             mirror(Baseline, &mut prior.cov, prior.mean.len());
         }
+        let mut is_infinite = false;
         for (own, &place) in own.iter_mut().zip(&*places) {
             *own = measured[place];
+            is_infinite |= own.is_infinite();
         }
-        if filter.is_predicted(0) && own.iter().any(|value| value.is_infinite()) {
+        if is_infinite && filter.is_predicted(0) {
             return Err(FilterError::InfiniteMeasurement);
         }
         let told = filter.update(force, own);

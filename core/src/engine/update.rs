@@ -150,11 +150,13 @@ impl<T: Number> Update<T> {
         let (m, n) = (count.number(), level.size(expected.size()));
         let (zero, one) = (T::of(0.0), T::of(1.0));
         let mut told = zero;
-        s[..m * m].copy_from_slice(&expected.cov[..m * m]);
+        let (active, innovation, variances) = (&active[..m], &mut innovation[..m], &mut variances[..m]);
+        let (s, mean) = (&mut s[..m * m], &expected.mean[..m]);
+        s.copy_from_slice(&expected.cov[..m * m]);
         for row in 0..m {
             let value = measured[active[row]];
             let is_there = value.is_number();
-            innovation[row] = value - expected.mean[row];
+            innovation[row] = value - mean[row];
             variances[row] = noise.sensors[active[row]];
             if is_there.all() {
                 told = told + one;
@@ -225,7 +227,8 @@ impl<T: Number> Update<T> {
     fn joseph<L: Level, C: Count>(&mut self, level: L, count: C, design: &Design, belief: &mut Belief<T>) {
         let Self { active, expected, variances, gain, excess, .. } = self;
         let (m, n) = (count.number(), level.size(belief.size()));
-        let cov = &mut belief.cov[..n * n];
+        let (cov, gain, excess) = (&mut belief.cov[..n * n], &gain[..m * n], &mut excess[..m * n]);
+        let (active, variances) = (&active[..m], &variances[..m]);
         subtract_products(cov, gain, &expected.cross, n, m);
         for row in 0..m {
             let sensor = active[row];
