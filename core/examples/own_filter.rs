@@ -70,6 +70,8 @@ pub(crate) const DOUBTING: FilterKind = FilterKind::new(&FilterInfo {
     is_sampled: false,
     has_own_likelihood: false,
     evaluations: |_, n| 1 + n,
+    time: |_, n| 500.0 * n as f64,
+    has_propagation: false,
     begin: |initial, _, _| Ok(Box::new(Doubting { belief: initial })),
 });
 

@@ -1,6 +1,6 @@
 //! Estimates of computing time.
 
-use crate::{FilterKind, FilterSettings, InputKind, PlantKind};
+use crate::{FilterSettings, InputKind, PlantKind};
 
 /// Limits the time between two checks of the clock; a browser is two to three times slower than this \[ns\].
 const CHUNK: f64 = 1e6;
@@ -11,16 +11,7 @@ pub(crate) const OF_RECORD: f64 = 500.0;
 /// Time that a filter takes for one sample on an ordinary processor, by kind and size, to within a factor of three
 /// \[ns\]. It affects only the order and the portions of the work, never the results.
 pub(crate) fn of_step(settings: &FilterSettings, truth: PlantKind) -> f64 {
-    let n = settings.model(truth, InputKind::Force).size() as f64;
-    // A matrix product takes n³ multiplications; the rest of a step takes about n².
-    let local = 60.0 + 6.0 * n * n + n * n * n;
-    let one = match settings.kind {
-        kind if kind == FilterKind::IEKF => local * settings.iterations.max(1) as f64,
-        kind if kind == FilterKind::UKF || kind == FilterKind::SR_UKF || kind == FilterKind::CKF => 4.0 * local,
-        kind if kind == FilterKind::RBPF => settings.ensemble_size.max(1) as f64 * 4.0 * local,
-        kind if kind.is_sampled() => settings.ensemble_size.max(1) as f64 * 75.0 * n,
-        _ => local,
-    };
+    let one = (settings.kind.info().time)(&settings.method(), settings.model(truth, InputKind::Force).size());
     one * (settings.substeps.max(1) * settings.guesses.max(1)) as f64
 }
 
@@ -49,4 +40,30 @@ pub(crate) fn largest_ensemble(components: usize, substeps: usize) -> usize {
 /// The number of samples that a filter computes between two checks of the clock.
 pub(crate) fn chunk(step: f64) -> usize {
     (CHUNK / step).clamp(1.0, 1e5) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FilterKind;
+    use crate::filter::FilterInfo;
+
+    #[test]
+    fn the_kind_of_a_filter_says_its_time() {
+        static SLOW: FilterInfo = FilterInfo {
+            key: "slow",
+            name: "slow",
+            description: "takes its time",
+            reference: "",
+            is_sampled: true,
+            has_own_likelihood: false,
+            evaluations: |_, _| 1,
+            time: |settings, n| 1e6 * (n * settings.iterations) as f64,
+            has_propagation: false,
+            begin: FilterKind::EKF.info().begin,
+        };
+        let of = |kind| FilterSettings { kind, guesses: 2, ..FilterSettings::default() }.time_of_step(PlantKind::SDOF);
+        assert_eq!(of(FilterKind::new(&SLOW)), 2.0 * 1e6 * 4.0 * 5.0);
+        assert!(of(FilterKind::UKF) > of(FilterKind::EKF) && of(FilterKind::RBPF) > of(FilterKind::PF));
+    }
 }

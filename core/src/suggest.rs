@@ -23,7 +23,8 @@ mod trials;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Channel, FilterKind, FilterSettings, InSlices as _, InputKind, PlantKind, Quantity, Record, Scenario, Sensor,
+    Channel, FilterKind, FilterSettings, InSlices as _, InputKind, PlantKind, Propagation, Quantity, Record, Scenario,
+    Sensor,
 };
 
 use ambient::has_no_input;
@@ -173,8 +174,9 @@ impl Suggestion {
             if model.place(Channel::NATURAL_FREQUENCY).is_none() {
                 continue;
             }
-            let is_exact =
-                model.is_linear() && [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF].contains(&filter.kind);
+            let is_exact = model.is_linear()
+                && filter.kind.info().has_propagation
+                && filter.propagation == Propagation::LocalLinearisation;
             let turn = filter.initial_mean[Channel::NATURAL_FREQUENCY].abs() * record.dt();
             filter.substeps = if is_exact { 1 } else { libm::ceil(turn / MOST).clamp(1.0, 20.0) as usize };
             most = most.max(filter.substeps);

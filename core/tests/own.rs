@@ -53,6 +53,8 @@ fn a_particle_filter_of_ones_own_has_its_own_likelihood() {
         is_sampled: true,
         has_own_likelihood: true,
         evaluations: |settings, _| 4 * settings.ensemble_size,
+        time: |settings, n| 75.0 * (settings.ensemble_size * n) as f64,
+        has_propagation: false,
         begin: |initial, settings, normal| Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?)),
     };
     let results = [FilterKind::PF, FilterKind::new(&OWN)].map(|kind| {
@@ -97,6 +99,8 @@ fn a_plant_or_a_filter_of_ones_own_with_a_key_of_the_registry_is_refused() {
         is_sampled: false,
         has_own_likelihood: false,
         evaluations: |_, _| 1,
+        time: |_, _| 1000.0,
+        has_propagation: false,
         begin: |initial, settings, normal| (FilterKind::UKF.info().begin)(initial, settings, normal),
     };
     let (plant, kind) = (PlantKind::new(&Impostor), FilterKind::new(&EKF));

@@ -13,7 +13,8 @@ mod start_values;
 
 use excitation::{Excitation, Oscillator, record};
 use gaps::with_gaps;
-use kalmanscope_core::{Quantity, Record};
+use kalmanscope_core::suggest::{scenario_for, suggest};
+use kalmanscope_core::{FilterKind, FilterSettings, Propagation, Quantity, Record};
 use start_values::{SENSORS, grid, outcome, shares, suggestion, worst_of_losses};
 
 #[test]
@@ -54,6 +55,24 @@ fn a_guess_that_is_not_found_is_said() {
     assert!(said("no start values of ωₙ and ζ could be found, because too many readings"), "{:?}", half.reasons);
     assert!(!said("R as large"), "{:?}", half.reasons);
     assert!(suggestion(&whole).is_guessed);
+}
+
+#[test]
+fn a_prediction_that_is_not_exact_is_divided_where_samples_are_few() {
+    let truth = Oscillator { natural_frequency: 60.0, damping_ratio: 0.02 };
+    let record = record(truth, Excitation::White, Quantity::DISPLACEMENT, 0.01, 2000, 7);
+    let mut scenario = scenario_for(&record);
+    let exact = FilterSettings { kind: FilterKind::EKF, ..scenario.filters[0].clone() };
+    let of = |kind, propagation| FilterSettings { kind, propagation, id: 0, ..exact.clone() };
+    scenario.filters = vec![
+        exact.clone(),
+        of(FilterKind::RBPF, Propagation::LocalLinearisation),
+        of(FilterKind::EKF, Propagation::RungeKutta),
+        of(FilterKind::UKF, Propagation::LocalLinearisation),
+    ];
+    scenario.number_filters();
+    let substeps: Vec<usize> = suggest(&scenario, &record).scenario.filters.iter().map(|f| f.substeps).collect();
+    assert!(matches!(substeps[..], [1, 1, rk, ukf] if rk > 1 && ukf > 1), "{substeps:?}");
 }
 
 /// The record with every input and every reading changed.

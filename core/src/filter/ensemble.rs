@@ -151,5 +151,7 @@ pub(super) static ENKF: FilterInfo = FilterInfo {
     is_sampled: true,
     has_own_likelihood: false,
     evaluations: |settings, _| 4 * settings.ensemble_size,
+    time: |settings, n| settings.members() * 75.0 * n as f64,
+    has_propagation: false,
     begin: |initial, settings, normal| Ok(Box::new(Ensemble::new(initial, settings.ensemble_size, normal)?)),
 };

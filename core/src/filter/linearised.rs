@@ -1,5 +1,6 @@
 //! First-order linearisation at the mean: KF, EKF and iterated EKF.
 
+use super::kind::time_of_linearised;
 use super::propagation::Propagation;
 use super::{FilterInfo, MethodSettings, Moments};
 
@@ -19,6 +20,8 @@ pub(super) static KF: FilterInfo = FilterInfo {
     is_sampled: false,
     has_own_likelihood: false,
     evaluations,
+    time: |_, n| time_of_linearised(n),
+    has_propagation: true,
     begin: |initial, settings, _| Ok(Box::new(Moments::linearised(initial, settings.propagation, 1))),
 };
 
@@ -30,6 +33,8 @@ pub(super) static EKF: FilterInfo = FilterInfo {
     is_sampled: false,
     has_own_likelihood: false,
     evaluations,
+    time: |_, n| time_of_linearised(n),
+    has_propagation: true,
     begin: |initial, settings, _| Ok(Box::new(Moments::linearised(initial, settings.propagation, 1))),
 };
 
@@ -41,5 +46,7 @@ pub(super) static IEKF: FilterInfo = FilterInfo {
     is_sampled: false,
     has_own_likelihood: false,
     evaluations,
+    time: |settings, n| settings.iterations.max(1) as f64 * time_of_linearised(n),
+    has_propagation: true,
     begin: |initial, settings, _| Ok(Box::new(Moments::linearised(initial, settings.propagation, settings.iterations))),
 };

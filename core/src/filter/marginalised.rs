@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::kind::time_of_linearised;
 use super::particles::{bandwidth_square, weighted_mean};
 use super::{
     Belief, Correction, FilterError, FilterInfo, Gaussian, MethodSettings, Moments, Noise, Normal, Observation, Step,
@@ -343,6 +344,8 @@ pub(super) static RBPF: FilterInfo = FilterInfo {
     is_sampled: true,
     has_own_likelihood: true,
     evaluations,
+    time: |settings, n| settings.members() * 4.0 * time_of_linearised(n),
+    has_propagation: true,
     begin: |initial, settings, normal| {
         Ok(Box::new(Marginalised::new(initial, settings.ensemble_size, settings.propagation, normal)?))
     },

@@ -239,5 +239,7 @@ pub(super) static PF: FilterInfo = FilterInfo {
     is_sampled: true,
     has_own_likelihood: true,
     evaluations: |settings, _| 4 * settings.ensemble_size,
+    time: |settings, n| settings.members() * 75.0 * n as f64,
+    has_propagation: false,
     begin: |initial, settings, normal| Ok(Box::new(Particles::new(initial, settings.ensemble_size, normal)?)),
 };

@@ -8,6 +8,7 @@
 //! Means and covariances are taken about the centre's image: in exact arithmetic that is the weighted sum of the
 //! textbooks, in floating point it leaves a component that does not vary exactly where it is.
 
+use super::kind::time_of_linearised;
 use super::{Belief, FilterError, FilterInfo, Gaussian, Moments, Rule, Step};
 use crate::Model;
 use crate::linalg::Matrix;
@@ -25,6 +26,8 @@ pub(super) static UKF: FilterInfo = FilterInfo {
     is_sampled: false,
     has_own_likelihood: false,
     evaluations: |_, n| 4 * (2 * n + 1),
+    time: |_, n| 4.0 * time_of_linearised(n),
+    has_propagation: false,
     begin: |initial, _, _| Ok(Box::new(Moments::sigma_points(initial, Rule::Unscented))),
 };
 
@@ -36,5 +39,7 @@ pub(super) static CKF: FilterInfo = FilterInfo {
     is_sampled: false,
     has_own_likelihood: false,
     evaluations: |_, n| 4 * 2 * n,
+    time: |_, n| 4.0 * time_of_linearised(n),
+    has_propagation: false,
     begin: |initial, _, _| Ok(Box::new(Moments::sigma_points(initial, Rule::Cubature))),
 };

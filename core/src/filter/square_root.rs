@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::correction::Last;
 use super::kalman;
+use super::kind::time_of_linearised;
 use super::{Belief, Correction, FilterError, FilterInfo, Gaussian, Noise, Observation, Rule, Step};
 use crate::Model;
 use crate::integrate::RungeKutta;
@@ -255,5 +256,7 @@ pub(super) static SR_UKF: FilterInfo = FilterInfo {
     is_sampled: false,
     has_own_likelihood: false,
     evaluations: |_, n| 4 * (2 * n + 1),
+    time: |_, n| 4.0 * time_of_linearised(n),
+    has_propagation: false,
     begin: |initial, _, _| Ok(Box::new(SquareRoot::new(&initial)?)),
 };
