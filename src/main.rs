@@ -91,8 +91,7 @@ mod native {
         writeln!(out, "{}", table(&run, &analysis, &[], &step_times(&scenario, &run)?))?;
         writeln!(
             out,
-            "The plots are in {REPORT}. In a browser: `trunk serve --release`, then open the address that it prints;\n\
-             or copy the folder `dist` that `trunk build --release` makes to any web server."
+            "The plots are in {REPORT}. In a browser: `./page` makes the folder `dist`, for any web server."
         )?;
         Ok(())
     }
