@@ -29,7 +29,6 @@ mod tests;
 mod trial;
 mod verdict;
 mod verdict_kind;
-mod window;
 mod words;
 
 use std::ops::Range;

@@ -7,7 +7,6 @@ use super::Diagnosis;
 use super::cause::Suspect;
 use super::knob::Knob;
 use super::verdict::Verdict;
-use super::window::window;
 use crate::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
 
 /// Limits the samples of a trial, which are the last ones of the record.
@@ -101,7 +100,7 @@ impl Trials {
         }
         let mut scenario = Scenario { filters: vec![filter], ..scenario.clone() };
         scenario.dt = record.dt();
-        let record = window(record, first..estimates.len().min(record.len()));
+        let record = record.part(first..estimates.len().min(record.len()));
         // A scenario that cannot begin is an error now, not at the first trial.
         Pass::new(&scenario, 0, &record)?;
         let origin = scenario.filters[0].clone();
@@ -267,7 +266,7 @@ impl Trials {
                 filter.initial_mean[channel] = unturned.mean(at)[place];
             }
         }
-        let rest = window(&self.record, at..self.record.len());
+        let rest = self.record.part(at..self.record.len());
         let mut scores = Scores::new(&Pass::history(&scenario, 0).ok()?, &rest);
         let mut pass = Pass::new(&scenario, 0, &rest).ok()?;
         pass.follow(&rest, rest.len(), &mut scores.against(&rest));
