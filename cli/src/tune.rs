@@ -5,8 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kalmanscope_core::Scenario;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_lab::tune::{Goal, Tuned, Tuner};
-use kalmanscope_lab::{Axis, Setting, simulate};
+use kalmanscope_lab::{Axis, Setting};
 
 use crate::args::TuneArgs;
 use crate::input::InputError;

@@ -78,6 +78,28 @@ impl Record {
         Ok(Self { truth_channels, truth, ..self })
     }
 
+    /// The same record, of which nothing is known but what was measured.
+    #[must_use]
+    pub fn without_truth(self) -> Self {
+        Self { truth_channels: Vec::new(), truth: Vec::new(), ..self }
+    }
+
+    /// The same record with other measurements: `change` gets the place of a sensor, a sample of those that are kept and the
+    /// reading, and returns the one in its place, in the same unit; NaN where it is missing.
+    #[must_use]
+    pub fn with_measured(mut self, change: impl Fn(usize, usize, f64) -> f64) -> Self {
+        for (sensor, column) in self.measured.iter_mut().enumerate() {
+            column.iter_mut().enumerate().for_each(|(k, value)| *value = change(sensor, k, *value));
+        }
+        self
+    }
+
+    /// The same record where some measurements are missing. `is_missing` is asked with the place of a sensor and a sample.
+    #[must_use]
+    pub fn with_gaps(self, is_missing: impl Fn(usize, usize) -> bool) -> Self {
+        self.with_measured(|sensor, k, value| if is_missing(sensor, k) { f64::NAN } else { value })
+    }
+
     /// The same record with its first sample at this time \[s\].
     #[must_use]
     pub fn starting_at(self, start: f64) -> Self {

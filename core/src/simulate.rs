@@ -202,6 +202,18 @@ impl Simulator {
     }
 }
 
+/// The record of a valid scenario, as far as its truth goes.
+pub fn simulate(scenario: &Scenario) -> Record {
+    let mut simulator = Simulator::new(scenario);
+    let mut record = simulator.empty_record();
+    for _ in 0..scenario.samples() {
+        if !simulator.step(&mut record) {
+            break;
+        }
+    }
+    record
+}
+
 /// The number of the next sample of a record, counted from the run's beginning.
 fn place_of_next(record: &Record) -> usize {
     record.forgotten() + record.len()

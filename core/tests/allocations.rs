@@ -2,11 +2,11 @@
 
 use kalmanscope_core::filter::Gaussian;
 use kalmanscope_core::linalg::{Matrix, Vector};
-use kalmanscope_core::record::Input;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::sink::{Sample, Sink};
 use kalmanscope_core::{
-    Channel, FilterKind, Hold, KalmanFilter, MeasurementModel, OnlineFilter, Pass, Quantity, Record, Run, Scenario,
-    Sensor, Stop,
+    Channel, FilterKind, Hold, KalmanFilter, MeasurementModel, OnlineFilter, Pass, Quantity, Record, Scenario, Sensor,
+    Stop,
 };
 
 /// Counts samples.
@@ -55,16 +55,7 @@ fn scenarios(kind: FilterKind) -> [(&'static str, Scenario); 6] {
 
 /// A record of a scenario in which readings are missing now and then.
 fn record(scenario: &Scenario) -> Record {
-    let mut run = Run::new(scenario).expect("the scenario is possible");
-    run.finish();
-    let simulated = run.record();
-    let column = |(place, &quantity): (usize, &Quantity)| {
-        let values = simulated.measured(place).iter().enumerate();
-        (quantity, values.map(|(k, &value)| if k % (place + 3) == 1 { f64::NAN } else { value }).collect())
-    };
-    let input = Input { kind: scenario.input, hold: scenario.hold, values: simulated.input().to_vec() };
-    let columns = simulated.sensors().iter().enumerate().map(column).collect();
-    Record::new(scenario.dt, input, columns).expect("it is a record")
+    simulate(scenario).without_truth().with_gaps(|place, k| k % (place + 3) == 1)
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::filter::{FilterInfo, FilterKind};
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Estimates, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor};
 
 /// The same kind of filter under a name without a kernel, so that the reference filter is used.
@@ -27,22 +28,7 @@ fn truth(plant: PlantKind, quantities: &[Quantity]) -> Scenario {
 
 /// The record of a scenario, in which every fifth sample lacks its first sensor and every eleventh lacks all.
 fn record(scenario: &Scenario) -> Record {
-    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
-    run.finish();
-    let mut whole = Vec::new();
-    run.record().write_csv(&mut whole).unwrap();
-    let sensors = run.record().sensors();
-    let with_gaps = |(row, line): (usize, &str)| {
-        let missing = |column: usize| match column.checked_sub(2) {
-            Some(sensor) if row > 0 && sensor < sensors.len() => (row % 5 == 0 && sensor == 0) || row % 11 == 0,
-            _ => false,
-        };
-        let cells = line.split(',').enumerate().map(|(column, cell)| if missing(column) { "" } else { cell });
-        cells.collect::<Vec<_>>().join(",")
-    };
-    let text = String::from_utf8(whole).unwrap();
-    let text: Vec<String> = text.lines().enumerate().map(with_gaps).collect();
-    Record::read_csv(text.join("\n").as_bytes(), sensors).unwrap()
+    simulate(scenario).without_truth().with_gaps(|sensor, k| k % 11 == 10 || (k % 5 == 4 && sensor == 0))
 }
 
 fn estimates(scenario: &Scenario, record: &Arc<Record>) -> Estimates {

@@ -10,8 +10,8 @@ use kalmanscope_core::diagnosis::VerdictKind::{
     self, Collapsed, Consistent, Overconfident, Recovered, Underconfident, WoundUp,
 };
 use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Knob, Verdict};
-use kalmanscope_core::record::Input;
-use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Quantity, Record, Run, Scenario};
+use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario};
 use run::finished;
 
 macro_rules! finding {
@@ -60,14 +60,8 @@ fn a_start_that_is_too_sure_does_not_speak_for_the_rest() {
 
 /// A record in which one displacement is as large as a code for a missing value.
 fn overloaded(scenario: &Scenario) -> Record {
-    let run = finished(&Scenario { filters: Vec::new(), ..scenario.clone() });
-    let record = run.record();
-    let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
-    let columns: Vec<(Quantity, Vec<f64>)> =
-        record.sensors().iter().enumerate().map(|(i, &quantity)| (quantity, record.measured(i).to_vec())).collect();
-    let mut columns = columns;
-    columns[0].1[300] = 1e10;
-    Record::new(record.dt(), input, columns).unwrap()
+    let change = |sensor, k, value| if (sensor, k) == (0, 300) { 1e10 } else { value };
+    simulate(scenario).without_truth().with_measured(change)
 }
 
 #[test]

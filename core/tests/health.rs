@@ -10,9 +10,10 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use health::{check_file, check_scenario, scenario_of};
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{
     Adaptation, Aspect, Channel, Estimates, FilterError, FilterKind, FilterSettings, Force, Plant, PlantKind, Quantity,
-    Record, Remark, Run, Scenario, Sensor, Stop, Trouble, TruthError, TruthStop, Values,
+    Remark, Run, Scenario, Sensor, Stop, Trouble, TruthError, TruthStop, Values,
 };
 use proptest::prelude::*;
 use proptest::test_runner::{RngSeed, TestError, TestRunner};
@@ -253,29 +254,11 @@ fn particles_too_far_apart_for_a_covariance_stop_the_filter() {
     assert_eq!(stop(&scenario), Some(Stop { sample: 1, reason: FilterError::NotFinite }));
 }
 
-/// The record of a scenario as a file, changed line by line; the first line of numbers is line 1.
-fn changed(scenario: &Scenario, change: impl Fn(usize, &str) -> String) -> Record {
-    let mut file = Vec::new();
-    finished(scenario).record().write_csv(&mut file).unwrap();
-    let text = String::from_utf8(file).unwrap();
-    let lines: Vec<String> =
-        text.lines().enumerate().map(|(i, line)| if i == 0 { line.to_owned() } else { change(i, line) }).collect();
-    let sensors: Vec<Quantity> = scenario.sensors.iter().map(|s| s.measures).collect();
-    Record::read_csv(lines.join("\n").as_bytes(), &sensors).unwrap()
-}
-
 #[test]
 fn missing_measurements_are_counted_and_a_run_of_them_is_remarked() {
     let scenario = with_filter(FilterKind::EKF);
-    let without_displacement = |line: &str| {
-        let mut cells: Vec<&str> = line.split(',').collect();
-        cells[2] = "nan";
-        cells.join(",")
-    };
-    let record = changed(&scenario, |i, line| {
-        // Sample k is on line k + 1.
-        if (201..231).contains(&i) || i == 301 { without_displacement(line) } else { line.to_owned() }
-    });
+    let is_missing = |sensor, k| sensor == 0 && ((200..230).contains(&k) || k == 300);
+    let record = simulate(&scenario).with_gaps(is_missing);
     let mut run = Run::on_record(&scenario, Arc::new(record)).unwrap();
     run.finish();
     let estimates = &run.estimates()[0];

@@ -4,6 +4,7 @@
 #[path = "common/run.rs"]
 mod run;
 
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{
     Channel, CramerRao, Estimates, FilterKind, FilterSettings, Hold, PlantKind, Quantity, Record, Run, RunError,
     Scenario, Sensor, Signal, Values, smoothed as smoothed_at_once,
@@ -181,22 +182,14 @@ fn a_smoother_that_there_is_not_is_refused_in_words() {
 #[test]
 fn a_smoother_of_a_filter_that_fails_has_the_samples_before_and_the_reason() {
     let scenario = known(FilterKind::KF, 50);
-    let run = finished(&scenario);
-    let mut far = run.record().measured(0).to_vec();
-    far[30] = 1e200;
-    let input = kalmanscope_core::record::Input {
-        kind: scenario.input,
-        hold: scenario.hold,
-        values: run.record().input().to_vec(),
-    };
-    let columns = vec![(Quantity::DISPLACEMENT, far), (Quantity::VELOCITY, run.record().measured(1).to_vec())];
-    let record = Record::new(scenario.dt, input, columns).unwrap();
+    let change = |sensor, k, value| if (sensor, k) == (0, 30) { 1e200 } else { value };
+    let record = simulate(&scenario).without_truth().with_measured(change);
     let found = smoothed_at_once(&scenario, 0, &record).unwrap();
     assert_eq!((found.len(), found.stop().map(|stop| stop.sample)), (30, Some(30)));
     let mut cannot_begin = scenario;
     cannot_begin.filters[0].kind = FilterKind::SR_UKF;
     cannot_begin.filters[0].initial_std[Channel::VELOCITY] = 1e200;
-    let found = smoothed_at_once(&cannot_begin, 0, run.record()).unwrap();
+    let found = smoothed_at_once(&cannot_begin, 0, &record).unwrap();
     assert_eq!((found.len(), found.stop().map(|stop| stop.sample)), (0, Some(0)));
 }
 

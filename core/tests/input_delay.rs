@@ -1,14 +1,11 @@
 //! Inputs that are recorded late or early: filters that know, filters that do not, and the cause that is named.
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
-#[path = "common/gaps.rs"]
-mod gaps;
-
 use std::sync::Arc;
 
-use gaps::with_gaps;
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::record::Input;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, Diagnosis, Diagnostics, Estimates, FilterKind, Quantity, Record, Run, Scenario};
 
 const DELAYS: [i32; 7] = [-3, -2, -1, 0, 1, 2, 3];
@@ -23,12 +20,6 @@ fn scenario(delay: i32, seed: u64) -> Scenario {
     scenario
 }
 
-fn record(scenario: &Scenario) -> Record {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run.record().clone()
-}
-
 fn columns(record: &Record) -> Vec<(Quantity, Vec<f64>)> {
     record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec())).collect()
 }
@@ -40,7 +31,7 @@ fn rebuilt(record: &Record, input: Vec<f64>, measured: Vec<(Quantity, Vec<f64>)>
 
 /// The same record with every third measurement missing, and all of them for a while.
 fn with_holes(record: &Record) -> Record {
-    with_gaps(record, |place, k| (k + place).is_multiple_of(3) || (300..360).contains(&k))
+    record.clone().without_truth().with_gaps(|place, k| (k + place).is_multiple_of(3) || (300..360).contains(&k))
 }
 
 fn estimates(scenario: &Scenario, record: &Record) -> Estimates {
@@ -62,7 +53,7 @@ fn findings(scenario: &Scenario, record: &Record) -> Vec<Finding> {
 fn a_filter_that_knows_the_delay_is_one_on_an_input_that_is_moved() {
     for delay in DELAYS {
         let mut scenario = scenario(delay, 7);
-        let late = with_holes(&record(&scenario));
+        let late = with_holes(&simulate(&scenario));
         scenario.filters[0].input_delay = delay;
         let known = estimates(&scenario, &late);
         scenario.filters[0].input_delay = 0;
@@ -82,7 +73,7 @@ fn a_delay_is_named_with_its_sign_and_its_number_also_with_gaps() {
     for delay in DELAYS {
         for seed in 1_000_000..1_000_003 {
             let scenario = scenario(delay, seed);
-            let whole = record(&scenario);
+            let whole = simulate(&scenario);
             for record in [with_holes(&whole), whole] {
                 let found = findings(&scenario, &record);
                 let named = found.iter().position(|finding| finding.suspect.cause.key == "input_delay");

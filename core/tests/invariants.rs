@@ -1,15 +1,13 @@
 //! Invariants of every valid scenario.
 
-#[path = "common/gaps.rs"]
-mod gaps;
 #[path = "common/run.rs"]
 mod run;
 
 use std::sync::Arc;
 
-use gaps::with_gaps;
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine, Step};
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{
     Channel, Estimates, FilterKind, FilterSettings, Force, Plant, Quantity, Run, Scenario, Sensor, Signal, Values,
 };
@@ -214,8 +212,8 @@ proptest! {
     fn a_sensor_that_is_always_missing_is_no_sensor(mut scenario in scenario(), which in 0_usize..3) {
         scenario.add_sensor(Sensor { measures: Quantity::VELOCITY, noise_std: 0.1 });
         let which = which % scenario.sensors.len();
-        let record = finished(&scenario).record().clone();
-        let gaps = with_gaps(&record, |sensor, _| sensor == which);
+        let record = simulate(&scenario);
+        let gaps = record.clone().with_gaps(|sensor, _| sensor == which);
         let mut blind = Run::on_record(&scenario, Arc::new(gaps)).unwrap();
         blind.finish();
         let mut fewer = scenario.clone();
@@ -232,7 +230,7 @@ proptest! {
     #[test]
     fn a_missing_measurement_skips_its_sensor_only(scenario in scenario(), every in 2_usize..5) {
         let missing = |sensor: usize, k: usize| (k + sensor).is_multiple_of(every);
-        let gaps = with_gaps(finished(&scenario).record(), missing);
+        let gaps = simulate(&scenario).with_gaps(missing);
         let mut run = Run::on_record(&scenario, Arc::new(gaps)).unwrap();
         run.finish();
         for estimates in run.estimates() {

@@ -1,10 +1,11 @@
 //! A filter over samples that come in one by one has the bits of a pass over their record.
 
 use kalmanscope_core::record::{Input, Record};
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::sink::{Sample, Sink};
 use kalmanscope_core::{
-    Channel, Estimates, FilterKind, Hold, InputKind, OnlineError, OnlineFilter, Pass, Quantity, Run, RunError,
-    Scenario, Stop,
+    Channel, Estimates, FilterKind, Hold, InputKind, OnlineError, OnlineFilter, Pass, Quantity, RunError, Scenario,
+    Stop,
 };
 
 const DT: f64 = 0.01;
@@ -20,19 +21,8 @@ fn of(kind: FilterKind) -> Scenario {
 
 /// A record of the scenario in which some readings are missing: some of one sensor, a few of both.
 fn record(scenario: &Scenario) -> Record {
-    let mut run = Run::new(scenario).expect("the scenario is possible");
-    run.finish();
-    let simulated = run.record();
-    let column = |sensor: usize, is_missing: &dyn Fn(usize) -> bool| {
-        let values = simulated.measured(sensor).iter().enumerate();
-        values.map(|(k, &value)| if is_missing(k) { f64::NAN } else { value }).collect::<Vec<f64>>()
-    };
-    let columns = vec![
-        (Quantity::DISPLACEMENT, column(0, &|k| k % 7 == 3 || (100..120).contains(&k))),
-        (Quantity::VELOCITY, column(1, &|k| k % 3 == 1 || (100..120).contains(&k))),
-    ];
-    let input = Input { kind: scenario.input, hold: scenario.hold, values: simulated.input().to_vec() };
-    Record::new(DT, input, columns).expect("the columns are those of a record")
+    let is_missing = |sensor, k| (100..120).contains(&k) || [k % 7 == 3, k % 3 == 1][sensor];
+    simulate(scenario).without_truth().with_gaps(is_missing)
 }
 
 /// The estimates of a pass.

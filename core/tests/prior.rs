@@ -1,7 +1,12 @@
 //! The belief before the update, which a sink can ask for.
 
+#[path = "common/run.rs"]
+mod run;
+
 use kalmanscope_core::sink::{Sample, Sink};
 use kalmanscope_core::{Channel, FilterKind, Hold, Pass, Quantity, Run, Scenario, Sensor, Stop};
+
+use run::finished;
 
 /// The numbers of a sample.
 #[derive(Clone, Debug)]
@@ -59,12 +64,6 @@ fn scenario(kind: FilterKind, hold: Hold) -> Scenario {
     scenario
 }
 
-fn run(scenario: &Scenario) -> Run {
-    let mut run = Run::new(scenario).expect("the scenario is possible");
-    run.finish();
-    run
-}
-
 /// Scenarios of every way in which a filter of a kind is computed.
 fn variants(kind: FilterKind) -> Vec<Scenario> {
     let mut variants = vec![scenario(kind, Hold::Zero), scenario(kind, Hold::First)];
@@ -83,7 +82,7 @@ fn variants(kind: FilterKind) -> Vec<Scenario> {
 #[test]
 fn a_linear_update_leads_from_the_prior_to_the_mean() {
     for scenario in FilterKind::ALL.into_iter().flat_map(variants) {
-        let (run, kind) = (run(&scenario), scenario.filters[0].kind);
+        let (run, kind) = (finished(&scenario), scenario.filters[0].kind);
         let all = samples(&scenario, &run, true);
         let first = &all[0];
         assert_eq!((&first.prior_mean, &first.prior_cov), (&first.mean, &first.cov), "{kind:?}");
@@ -120,7 +119,7 @@ fn a_linear_update_leads_from_the_prior_to_the_mean() {
 #[test]
 fn a_sink_that_does_not_ask_gets_none_and_the_same_estimates() {
     for scenario in FilterKind::ALL.into_iter().flat_map(variants) {
-        let run = run(&scenario);
+        let run = finished(&scenario);
         let (with, without) = (samples(&scenario, &run, true), samples(&scenario, &run, false));
         for (k, (with, without)) in with.iter().zip(&without).enumerate() {
             assert!(without.prior_mean.is_empty() && without.prior_cov.is_empty());
@@ -139,7 +138,7 @@ fn a_prior_is_in_the_channels_units() {
             // Nothing is measured at all, so that the belief is what it was before each update.
             scenario.sensors = vec![Sensor { measures: Quantity::DISPLACEMENT, noise_std: 0.01 }];
             scenario.filters[0].sensor_std = vec![0.01];
-            let run = run(&scenario);
+            let run = finished(&scenario);
             let missing = {
                 let input = kalmanscope_core::record::Input {
                     kind: scenario.input,

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use kalmanscope_core::record::Input;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, Hold, InputKind, Quantity, Record, RecordError, Run, RunError, Scenario};
 
 fn input(values: &[f64]) -> Input {
@@ -66,4 +67,23 @@ fn a_record_is_run_with_the_scenarios_hold_and_only_with_its_input() {
     let error = Run::on_record(&scenario, record).err();
     let expected = RunError::InputKind { record: InputKind::Force, scenario: InputKind::GroundAcceleration };
     assert_eq!(error, Some(expected));
+}
+
+#[test]
+fn a_record_is_simulated_and_changed_without_a_run() {
+    let scenario = Scenario { duration: 1.0, ..Scenario::default() };
+    let mut run = Run::new(&scenario).unwrap();
+    run.finish();
+    let record = simulate(&scenario);
+    assert_eq!(&record, run.record());
+    let measured = record.clone().without_truth();
+    assert!(Channel::all().iter().all(|&channel| measured.truth(channel).is_none()));
+    assert_eq!((measured.input(), measured.measured(1)), (record.input(), record.measured(1)));
+    let gaps = record.clone().with_gaps(|sensor, k| sensor == 1 && k == 7);
+    let missing = |sensor: usize| gaps.measured(sensor).iter().filter(|value| value.is_nan()).count();
+    assert!([missing(0), missing(1)] == [0, 1] && gaps.measured(1)[7].is_nan());
+    let changed =
+        record.clone().with_measured(|sensor, k, value| if (sensor, k) == (0, 3) { 2.0 * value } else { value });
+    assert_eq!(changed.measured(0)[3], 2.0 * record.measured(0)[3]);
+    assert_eq!((changed.measured(0)[4], changed.measured(1)), (record.measured(0)[4], record.measured(1)));
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::diagnosis::{Diagnosis, Finding, Knob};
 use kalmanscope_core::record::Input;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, Diagnostics, Quantity, Record, Run, Scenario, Signal, VerdictKind, signal};
 
 /// A filter that is well tuned, of an oscillator of 6 rad/s.
@@ -22,9 +23,7 @@ fn tuned(plant: &str) -> Scenario {
 
 /// The record of a scenario without the truth.
 fn record(scenario: &Scenario) -> Record {
-    let mut run = Run::new(scenario).unwrap();
-    run.finish();
-    run.record().clone().with_truth(Vec::new()).unwrap()
+    simulate(scenario).without_truth()
 }
 
 /// The verdict on the first filter over a record, and its remedies.
@@ -67,16 +66,6 @@ fn told(findings: &[Finding]) -> String {
         format!("{:+.0} {} -> {after}", finding.gain, sentences.join("; "))
     };
     findings.iter().map(of).collect::<Vec<_>>().join("\n")
-}
-
-/// The same record with other measurements.
-fn with(record: &Record, change: impl Fn(Quantity, usize, f64) -> f64) -> Record {
-    let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
-    let columns = record.sensors().iter().enumerate().map(|(place, &quantity)| {
-        let values = record.measured(place).iter().enumerate().map(|(k, &value)| change(quantity, k, value));
-        (quantity, values.collect())
-    });
-    Record::new(record.dt(), input, columns.collect()).unwrap()
 }
 
 #[test]
@@ -194,8 +183,8 @@ fn noise_that_changes_is_named_with_its_time() {
     other.finish();
     let truth = other.record().truth(Channel::DISPLACEMENT).unwrap();
     let measured = other.record().measured_quantity(Quantity::DISPLACEMENT).unwrap();
-    let noisy = with(&quiet, |quantity, k, value| {
-        let is_later = quantity == Quantity::DISPLACEMENT && k >= 1800;
+    let noisy = quiet.clone().with_measured(|place, k, value| {
+        let is_later = place == 0 && k >= 1800;
         if is_later { value + 3.0 * (measured[k] - truth[k]) } else { value }
     });
     let (before, findings) = judged(&scenario, &noisy);
@@ -221,8 +210,8 @@ fn a_wave_that_nobody_records_is_named_with_its_frequency() {
 fn a_remedy_that_does_not_end_well_does_not_explain() {
     let scenario = Scenario { seed: 4, ..tuned("") };
     // A reading in fifty is far off: no setting of a filter takes that away.
-    let spoilt = with(&record(&scenario), |quantity, k, value| {
-        let far = if quantity == Quantity::DISPLACEMENT { 0.15 } else { 0.9 };
+    let spoilt = record(&scenario).with_measured(|place, k, value| {
+        let far = if place == 0 { 0.15 } else { 0.9 };
         if k % 50 == 7 { value + far } else { value }
     });
     let (before, findings) = judged(&scenario, &spoilt);

@@ -4,15 +4,12 @@
 
 #[path = "common/excitation.rs"]
 mod excitation;
-#[path = "common/gaps.rs"]
-mod gaps;
 #[path = "common/random.rs"]
 mod random;
 #[path = "common/start_values.rs"]
 mod start_values;
 
 use excitation::{Excitation, Oscillator, record};
-use gaps::with_gaps;
 use kalmanscope_core::suggest::{scenario_for, suggest};
 use kalmanscope_core::{FilterKind, FilterSettings, Propagation, Quantity, Record};
 use start_values::{SENSORS, grid, outcome, shares, suggestion, worst_of_losses};
@@ -49,7 +46,7 @@ fn lost_readings_change_no_start_value() {
 fn a_guess_that_is_not_found_is_said() {
     let truth = Oscillator { natural_frequency: 19.5, damping_ratio: 0.02 };
     let whole = record(truth, Excitation::White, Quantity::DISPLACEMENT, 0.01, 8000, 7);
-    let half = suggestion(&with_gaps(&whole, |_, k| k % 13 < 9));
+    let half = suggestion(&whole.clone().with_gaps(|_, k| k % 13 < 9));
     assert!(!half.is_guessed);
     let said = |text: &str| half.reasons.iter().any(|reason| reason.contains(text));
     assert!(said("no start values of ωₙ and ζ could be found, because too many readings"), "{:?}", half.reasons);

@@ -2,13 +2,13 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 use kalmanscope_core::signal::{Ramp, Sine, Step};
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, Force, PlantKind, Quantity, Record, Run, Scenario, Sensor, Signal, TruthError};
 
 fn simulated(scenario: &Scenario) -> Record {
-    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
-    run.finish();
-    assert_eq!(run.record().len(), scenario.samples());
-    run.record().clone()
+    let record = simulate(scenario);
+    assert_eq!(record.len(), scenario.samples());
+    record
 }
 
 const SDOF: [Channel; 4] =

@@ -9,6 +9,7 @@ use kalmanscope_core::diagnosis::VerdictKind::{
     self, Consistent, Diverged, Lost, NotIdentifiable, Overconfident, Recovered, Underconfident, WoundUp,
 };
 use kalmanscope_core::signal::{Ramp, Sine, Step};
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{
     Channel, Diagnosis, Diagnostics, FilterKind, FilterSettings, Force, Record, Run, Scenario, Signal, Verdict,
 };
@@ -31,13 +32,7 @@ fn verdict(scenario: &Scenario) -> Option<Verdict> {
 
 /// The verdict on the same measurements without the truth.
 fn verdict_without_truth(scenario: &Scenario) -> Option<Verdict> {
-    let mut run = Run::new(&Scenario { filters: Vec::new(), ..scenario.clone() }).unwrap();
-    run.finish();
-    let mut file = Vec::new();
-    run.record().write_csv(&mut file).unwrap();
-    let text = String::from_utf8(file).unwrap().replace("true_", "other_");
-    let sensors: Vec<_> = scenario.sensors.iter().map(|s| s.measures).collect();
-    let record = Record::read_csv(text.as_bytes(), &sensors).unwrap();
+    let record = simulate(scenario).without_truth();
     let mut run = Run::on_record(scenario, Arc::new(record)).unwrap();
     run.finish();
     verdict_on(&run)

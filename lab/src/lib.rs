@@ -43,7 +43,7 @@ pub use ensemble::{Ensemble, EnsembleError, MAX_CELLS, channels};
 pub use measure::{Measure, UnknownMeasure};
 pub use monte_carlo::MonteCarlo;
 pub use plan::Plan;
-pub use runner::{CellRun, Runner, outcomes_of, simulate};
+pub use runner::{CellRun, Runner, outcomes_of};
 pub use setting::{Setting, UnknownSetting};
 pub use sheet::{Sheet, Slice};
 pub use trace::Trace;

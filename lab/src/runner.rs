@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::simulate::Simulator;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Pass, Record, Scenario, Source};
 
 use crate::ensemble::{Ensemble, EnsembleError};
@@ -237,18 +237,6 @@ pub fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) ->
 pub fn outcomes_of(runs: &[Option<CellRun>], place: usize, samples: &[usize]) -> Vec<Option<Outcome>> {
     let one = |run: &CellRun| Outcome::at(&run.scenario, place, &run.record, samples).ok();
     runs.iter().map(|run| run.as_ref().and_then(one)).collect()
-}
-
-/// The record of a possible scenario, as far as its truth goes.
-pub fn simulate(scenario: &Scenario) -> Record {
-    let mut simulator = Simulator::new(scenario);
-    let mut record = simulator.empty_record();
-    for _ in 0..scenario.samples() {
-        if !simulator.step(&mut record) {
-            break;
-        }
-    }
-    record
 }
 
 #[cfg(test)]

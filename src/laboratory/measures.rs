@@ -73,7 +73,7 @@ pub(crate) fn label(measure: Measure) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_lab::simulate;
+    use kalmanscope_core::simulate::simulate;
 
     #[test]
     fn what_is_offered_is_taken_or_needs_a_history() {

@@ -8,8 +8,8 @@ mod tests;
 use std::sync::Arc;
 
 use egui::Context;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{FilterSettings, Run, Scenario, Source};
-use kalmanscope_lab::simulate;
 use kalmanscope_lab::tune::{Try, Tuned, Tuner};
 
 use super::choice::{is_same_but_for_names, part_of};

@@ -6,7 +6,6 @@ use kalmanscope_core::suggest::{Suggestion, scenario_for, suggest};
 use kalmanscope_core::{Channel, Quantity, Record, Run};
 
 use crate::excitation::{Excitation, Oscillator, record};
-use crate::gaps::with_gaps;
 use crate::random::Random;
 
 pub(crate) const SENSORS: [Quantity; 3] = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
@@ -110,7 +109,7 @@ pub(crate) fn worst_of_losses(
         };
         let before = values(&whole);
         for (name, is_lost) in losses {
-            let after = values(&with_gaps(&whole, |_, k| is_lost(k)));
+            let after = values(&whole.clone().with_gaps(|_, k| is_lost(k)));
             for ((what, before), after) in ["R", "ωₙ", "ζ", "gain"].iter().zip(before).zip(after) {
                 let change = (after / before - 1.0).abs();
                 if change > worst.0 {

@@ -11,8 +11,6 @@ mod ambient;
 mod ambient_end;
 #[path = "../common/excitation.rs"]
 mod excitation;
-#[path = "../common/gaps.rs"]
-mod gaps;
 mod largest;
 #[path = "ambient.rs"]
 mod of_ambient;

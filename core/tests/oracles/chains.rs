@@ -1,18 +1,13 @@
 //! The shear chains' truth against modes of vibration and matrix exponentials.
 
 use kalmanscope_core::signal::Step;
-use kalmanscope_core::{Channel, Force, PlantKind, Record, Run, Scenario, Signal};
+use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::{Channel, Force, PlantKind, Record, Scenario, Signal};
 
 use crate::matrix::{Matrix, along};
 use crate::plants::{Dual, Plant, jacobian, values};
 
 const CHAINS: [(PlantKind, usize); 3] = [(PlantKind::SHEAR_2, 2), (PlantKind::SHEAR_3, 3), (PlantKind::SHEAR_4, 4)];
-
-fn simulated(scenario: &Scenario) -> Record {
-    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
-    run.finish();
-    run.record().clone()
-}
 
 fn chain(kind: PlantKind) -> Scenario {
     let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
@@ -44,7 +39,7 @@ fn free_vibration_of_equal_storeys_is_a_sum_of_modes() {
         }
         scenario.plant.initial.displacement = 0.1;
         scenario.plant.initial.velocity = -0.5;
-        let record = simulated(&scenario);
+        let record = simulate(&scenario);
         let expected = |t: f64, mass: usize| -> f64 {
             let one_mode = |j: usize| {
                 let angle = (2 * j + 1) as f64 * std::f64::consts::PI / (2 * masses + 1) as f64;
@@ -74,7 +69,7 @@ fn unequal_and_changing_storeys_are_matrix_exponentials() {
     for (kind, masses) in CHAINS {
         let mut scenario = Scenario { dt: 0.02, duration: 10.0, ..chain(kind) };
         scenario.plant.set(Channel::stiffness(1), Signal::Step(Step { from: 180.0, to: 90.0, at: 4.0 }));
-        let record = simulated(&scenario);
+        let record = simulate(&scenario);
         let plant = Plant { kind, eta: 0.0, log: false };
         let mut state = truth(&record, kind, 0);
         for k in 0..record.len() - 1 {

@@ -1,9 +1,9 @@
 //! Each filter agrees with a plain implementation of its paper.
 
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Adaptation, FilterKind, FilterSettings, PlantKind, Propagation, Quantity, Run, Scenario};
 
 use crate::cases::{deviation, scenario};
-use crate::gaps::with_gaps;
 use crate::plants::written;
 use crate::run::finished;
 use crate::textbook::filter;
@@ -106,8 +106,7 @@ fn records_with_gaps() {
         for kind in DETERMINISTIC {
             let scenario = scenario(plant, kind);
             // Missing is the first sensor, the second, or both in turn.
-            let record =
-                with_gaps(finished(&scenario).record(), |sensor, k| (k / 7 + sensor).is_multiple_of(3) || k % 50 < 9);
+            let record = simulate(&scenario).with_gaps(|sensor, k| (k / 7 + sensor).is_multiple_of(3) || k % 50 < 9);
             let mut run = Run::on_record(&scenario, record.clone().into()).unwrap();
             run.finish();
             let deviation = deviation(&run.estimates()[0], &filter(&scenario, 0, &record));

@@ -4,8 +4,6 @@
 mod cases;
 mod chains;
 mod from_papers;
-#[path = "../common/gaps.rs"]
-mod gaps;
 mod identification;
 mod limits;
 mod matrix;

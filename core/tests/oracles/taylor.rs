@@ -2,6 +2,7 @@
 
 use kalmanscope_core::scenario::Motion;
 use kalmanscope_core::signal::{Ramp, Sine};
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, Force, PlantKind, Record, Run, Scenario, Signal};
 
 const TERMS: usize = 26;
@@ -93,10 +94,9 @@ impl Oscillator {
 }
 
 fn simulated(scenario: &Scenario) -> Record {
-    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
-    run.finish();
-    assert_eq!((run.record().len(), run.truth_stop()), (scenario.samples(), None));
-    run.record().clone()
+    let record = simulate(scenario);
+    assert_eq!(record.len(), scenario.samples());
+    record
 }
 
 /// The largest deviation of the record's truth from Taylor's, relative to the largest value of each channel.

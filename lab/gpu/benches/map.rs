@@ -11,9 +11,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use kalmanscope_core::score::Outcome;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Scenario, Source};
 use kalmanscope_gpu::{Gpu, Software};
-use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels, simulate};
+use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels};
 
 /// Cells along each axis of the map, and samples of its record.
 const SIDE: usize = 128;

@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Propagation, Quantity, Scenario, Sensor, augment,
 };
 use kalmanscope_gpu::{GpuRun, program};
-use kalmanscope_lab::simulate;
 use naga::back::{hlsl, msl};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 

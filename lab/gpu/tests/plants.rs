@@ -8,11 +8,11 @@ use std::time::Instant;
 
 use common::{CLOSE, gpu};
 use kalmanscope_core::score::Outcome;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Scenario, Sensor, Signal,
 };
 use kalmanscope_gpu::{GpuRun, serves};
-use kalmanscope_lab::simulate;
 
 /// The filters of an ensemble: not a whole number of groups of threads.
 const FILTERS: usize = 70;

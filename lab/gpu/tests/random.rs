@@ -7,13 +7,13 @@ mod runs;
 
 use common::{CLOSE, gpu};
 use kalmanscope_core::score::Outcome;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, FilterKind, FilterSettings, Quantity, Scenario};
 use kalmanscope_gpu::{GpuRun, serves};
-use kalmanscope_lab::simulate;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngSeed, TestRunner};
-use runs::{CHANNELS, Shaken, size, values, with_gaps};
+use runs::{CHANNELS, Shaken, size, values};
 
 /// The scenarios of a test, and the number of filters in each.
 const SCENARIOS: usize = 40;
@@ -86,7 +86,8 @@ fn tally(seed: u64) -> Tally {
         let scenario = ensemble().new_tree(&mut source).unwrap().current();
         let gap = nth % 4;
         let is_missing = |sensor: usize, k: usize| k.wrapping_mul(2_654_435_761 + 977 * sensor) >> 3 & 7 < gap;
-        let record = with_gaps(&simulate(&scenario), nth % 5 > 0, is_missing);
+        let record = simulate(&scenario).with_gaps(is_missing);
+        let record = if nth % 5 > 0 { record } else { record.without_truth() };
         tally.without_truth += usize::from(nth % 5 == 0);
         let runs: Vec<GpuRun<'_>> =
             (0..FILTERS).map(|place| GpuRun { scenario: &scenario, place, record: &record }).collect();

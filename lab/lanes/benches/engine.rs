@@ -12,7 +12,8 @@ use std::time::Instant;
 
 use kalmanscope_core::import::{Builder, read};
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Channel, FilterKind, Hold, PlantKind, Record, Run, Scenario};
+use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::{Channel, FilterKind, Hold, PlantKind, Record, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 
 /// Runs side by side, samples of a record, and measurements of each number.
@@ -85,7 +86,7 @@ fn measure(kind: FilterKind, plant: PlantKind, augment: &[Channel], hold: Hold) 
     base.filters[0].kind = kind;
     base.filters[0].augment = augment.to_vec();
     base.set_plant(plant);
-    let record = measured(&base);
+    let record = simulate(&base).without_truth();
     let scenarios = guesses(&base);
     let runs: Vec<LaneRun<'_>> =
         scenarios.iter().map(|scenario| LaneRun { scenario, place: 0, record: &record }).collect();
@@ -107,22 +108,6 @@ fn measure(kind: FilterKind, plant: PlantKind, augment: &[Channel], hold: Hold) 
         return;
     }
     println!("{case:<44}{n:>5}{single:>10.0}{baseline:>10.0}{avx2:>10.0}{:>8.1}", single / avx2);
-}
-
-/// The record of a scenario.
-fn simulate(scenario: &Scenario) -> Record {
-    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).expect("the scenario is valid");
-    run.finish();
-    run.record().clone()
-}
-
-/// A record of a scenario's truth without the truth.
-fn measured(scenario: &Scenario) -> Record {
-    let record = simulate(scenario);
-    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
-    let values = record.input().to_vec();
-    let input = kalmanscope_core::record::Input { kind: record.input_kind(), hold: record.hold(), values };
-    Record::new(record.dt(), input, columns.collect()).expect("the record is valid")
 }
 
 /// Nanoseconds that some work takes.

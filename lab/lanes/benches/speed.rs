@@ -11,7 +11,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Channel, PlantKind, Quantity, Record, Run, Scenario};
+use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::{Channel, PlantKind, Quantity, Record, Scenario};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with};
 
 /// Runs at a time, and samples of a record.
@@ -41,7 +42,7 @@ fn main() {
         report("displacement and velocity", &usual, &one(&base));
         let own: Vec<Record> = (0..RUNS as u64).map(|seed| simulated(&base, seed)).collect();
         report("a record a lane", &usual, &own);
-        let unknown = without_truth(&one(&base)[0]);
+        let unknown = one(&base)[0].clone().without_truth();
         report("truth unknown", &usual, &[unknown]);
         let displacement = of(&|scenario| scenario.remove_sensor(Quantity::VELOCITY));
         report("displacement", &displacement, &one(&base));
@@ -76,17 +77,7 @@ fn guesses(scenario: &Scenario) -> Vec<Scenario> {
 }
 
 fn simulated(scenario: &Scenario, seed: u64) -> Record {
-    let scenario = Scenario { seed, filters: vec![], ..scenario.clone() };
-    let mut run = Run::new(&scenario).expect("the scenario is valid");
-    run.finish();
-    run.record().clone()
-}
-
-fn without_truth(record: &Record) -> Record {
-    let columns = record.sensors().iter().enumerate().map(|(i, &sensor)| (sensor, record.measured(i).to_vec()));
-    let values = record.input().to_vec();
-    let input = kalmanscope_core::record::Input { kind: record.input_kind(), hold: record.hold(), values };
-    Record::new(record.dt(), input, columns.collect()).expect("the record is valid")
+    simulate(&Scenario { seed, ..scenario.clone() })
 }
 
 /// Prints a line for the single filter and one for each instruction set.

@@ -5,9 +5,10 @@ mod common;
 #[path = "common/outcome_bits.rs"]
 mod outcome_bits;
 
-use common::{CHANNELS, Shaken, size, values, with_gaps};
+use common::{CHANNELS, Shaken, size, values};
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Values};
+use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Quantity, Record, Scenario, Values};
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use outcome_bits::bits;
 use proptest::prelude::*;
@@ -103,12 +104,6 @@ fn linear_ensemble() -> impl Strategy<Value = Scenario> {
         })
 }
 
-fn simulated(scenario: &Scenario) -> Record {
-    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
-    run.finish();
-    run.record().clone()
-}
-
 /// Holds every lane at every instruction set to the single filter. Returns the number of runs that stopped early.
 fn check(runs: &[LaneRun<'_>]) -> Result<usize, TestCaseError> {
     let last = runs[0].record.len() - 1;
@@ -143,9 +138,10 @@ proptest! {
 
     #[test]
     fn lanes_have_the_bits_of_the_single_filter(scenario in ensemble(), gap in 2_usize..9, keeps_truth: bool) {
-        let record = simulated(&scenario);
+        let record = simulate(&scenario);
         check(&all(&scenario, &record))?;
-        let gaps = with_gaps(&record, keeps_truth, |sensor, k| k.wrapping_mul(2_654_435_761 + sensor) >> 3 & 7 < gap);
+        let record = if keeps_truth { record } else { record.without_truth() };
+        let gaps = record.with_gaps(|sensor, k| k.wrapping_mul(2_654_435_761 + sensor) >> 3 & 7 < gap);
         check(&all(&scenario, &gaps))?;
     }
 
@@ -153,8 +149,8 @@ proptest! {
     fn a_record_of_its_own_for_each_lane(scenario in ensemble(), gap in 0_usize..4) {
         let records: Vec<Record> = (0..scenario.filters.len())
             .map(|i| {
-                let record = simulated(&Scenario { seed: scenario.seed + i as u64, ..scenario.clone() });
-                with_gaps(&record, true, |sensor, k| (k + i * sensor) % 7 < gap)
+                let record = simulate(&Scenario { seed: scenario.seed + i as u64, ..scenario.clone() });
+                record.with_gaps(|sensor, k| (k + i * sensor) % 7 < gap)
             })
             .collect();
         let runs: Vec<LaneRun> = (records.iter().enumerate())
@@ -172,7 +168,7 @@ fn random_ensembles_are_of_all_kinds() {
     let mut cubic = 0;
     for _ in 0..120 {
         let scenario = ensemble().new_tree(&mut runner).unwrap().current();
-        let record = simulated(&scenario);
+        let record = simulate(&scenario);
         left_over += usize::from(scenario.filters.len() % 8 > 1);
         for run in all(&scenario, &record) {
             let outcome = Outcome::of(run.scenario, run.place, run.record).unwrap();
@@ -198,7 +194,7 @@ fn filters_of_several_plants_run_beside_each_other() {
     let mut mixed = truth.clone();
     let believes_linear = linear.filters.iter().map(|f| FilterSettings { plant: Some(PlantKind::SDOF), ..f.clone() });
     mixed.filters.extend(believes_linear);
-    let record = simulated(&mixed);
+    let record = simulate(&mixed);
     let runs = [all(&mixed, &record), all(&mixed, &record)].concat();
     assert!(runs.iter().all(|run| serves(run).unwrap()));
     assert_eq!(check(&runs).unwrap(), 0);
@@ -220,7 +216,7 @@ fn filters_that_stop_and_filters_that_do_not_share_a_batch() {
             filter
         })
         .collect();
-    let record = simulated(&scenario);
+    let record = simulate(&scenario);
     let stopped = check(&all(&scenario, &record)).unwrap();
     assert!((1..16).contains(&stopped), "{stopped} of 16 filters stopped");
 }
@@ -239,21 +235,20 @@ fn a_determinant_out_of_range_is_taken_from_the_covariance() {
             filter
         })
         .to_vec();
-    let record = simulated(&scenario);
+    let record = simulate(&scenario);
     check(&all(&scenario, &record)).unwrap();
 }
 
 #[test]
 fn a_truth_that_is_missing_at_times_is_left_to_the_single_filter() {
     let scenario = Scenario { duration: 4.0, ..Scenario::default() };
-    let record = simulated(&scenario);
+    let record = simulate(&scenario);
     let mut truth = record.truth(CHANNELS[2]).unwrap().to_vec();
     truth[100..150].fill(f64::NAN);
-    let whole = with_gaps(&record, true, |_, _| false);
     let channels = [Channel::DISPLACEMENT, Channel::VELOCITY, CHANNELS[3]];
-    let mut columns = channels.map(|channel| (channel, whole.truth(channel).unwrap().to_vec())).to_vec();
+    let mut columns = channels.map(|channel| (channel, record.truth(channel).unwrap().to_vec())).to_vec();
     columns.push((CHANNELS[2], truth));
-    let record = with_gaps(&record, false, |_, _| false).with_truth(columns).unwrap();
+    let record = record.clone().with_truth(columns).unwrap();
     let runs = [LaneRun { scenario: &scenario, place: 0, record: &record }; 3];
     assert!(serves(&runs[0]).unwrap());
     check(&runs).unwrap();
@@ -269,7 +264,7 @@ fn other_filters_run_by_themselves() {
     let substeps = FilterSettings { substeps: 2, ..good.clone() };
     let other = [of(FilterKind::CKF), of(FilterKind::PF), logarithms, substeps, jumps];
     scenario.filters.extend(other);
-    let record = simulated(&scenario);
+    let record = simulate(&scenario);
     let runs = all(&scenario, &record);
     let served: Vec<bool> = runs.iter().map(|run| serves(run).unwrap()).collect();
     assert_eq!(served, [true, true, false, false, false, true, false], "substeps go in lanes");

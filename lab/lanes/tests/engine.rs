@@ -4,29 +4,20 @@
 
 #[path = "common/draw.rs"]
 mod draw;
-#[path = "common/gaps.rs"]
-mod gaps;
 #[path = "common/outcome_bits.rs"]
 mod outcome_bits;
 
 use draw::{PLANTS, ensemble, truth};
-use gaps::with_gaps;
 use kalmanscope_core::engine::level::Baseline;
 use kalmanscope_core::engine::{self, Setup};
-use kalmanscope_core::record::Input;
 use kalmanscope_core::score::{Look, Outcome};
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{
-    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Run,
-    Scenario, Values,
+    Aspect, Channel, FilterError, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Record, Scenario,
+    Values,
 };
 use kalmanscope_lanes::{LaneRun, Level, outcomes_with, serves};
 use outcome_bits::bits;
-
-fn simulated(scenario: &Scenario) -> Record {
-    let mut run = Run::new(&Scenario { filters: vec![], ..scenario.clone() }).unwrap();
-    run.finish();
-    run.record().clone()
-}
 
 /// The outcome by the engine over plain numbers.
 fn single(run: &LaneRun<'_>, samples: &[usize]) -> Outcome {
@@ -55,14 +46,15 @@ fn lanes_have_the_bits_of_a_single_number() {
     let (mut runs_in_all, mut stopped, mut kinds) = (0, 0, Vec::new());
     for seed in 0..250 {
         let scenario = ensemble(seed);
-        let own = Record::clone(&simulated(&scenario));
+        let own = simulate(&scenario);
         let records: Vec<Record> = (0..scenario.filters.len())
             .map(|i| {
                 let record = match seed % 3 {
-                    0 => simulated(&Scenario { seed: seed + i as u64, ..scenario.clone() }),
+                    0 => simulate(&Scenario { seed: seed + i as u64, ..scenario.clone() }),
                     _ => own.clone(),
                 };
-                with_gaps(&record, seed % 2 == 0, |sensor, k| seed % 4 < 3 && (k + 3 * i * sensor + sensor) % 7 < 2)
+                let record = if seed % 2 == 0 { record } else { record.without_truth() };
+                record.with_gaps(|sensor, k| seed % 4 < 3 && (k + 3 * i * sensor + sensor) % 7 < 2)
             })
             .collect();
         let is_shared = seed % 3 == 1;
@@ -89,13 +81,8 @@ fn lanes_have_the_bits_of_a_single_number() {
 
 /// The first samples of a record, in which every fifth sample lacks its first sensor and every eleventh lacks all.
 fn beginning(record: &Record, samples: usize) -> Record {
-    let gaps = with_gaps(record, true, |sensor, k| k > 0 && ((k % 5 == 0 && sensor == 0) || k % 11 == 0));
-    let columns = (record.sensors().iter().enumerate())
-        .map(|(sensor, &quantity)| (quantity, gaps.measured(sensor)[..samples].to_vec()))
-        .collect();
-    let values = record.input()[..samples].to_vec();
-    let input = Input { kind: record.input_kind(), hold: record.hold(), values };
-    Record::new(record.dt(), input, columns).unwrap()
+    let is_missing = |sensor, k| k > 0 && ((k % 5 == 0 && sensor == 0) || k % 11 == 0);
+    record.part(0..samples).without_truth().with_gaps(is_missing)
 }
 
 /// The largest relative difference of two outcomes: of means, relative to the larger of mean and standard deviation.
@@ -143,7 +130,7 @@ fn the_engine_agrees_with_the_single_filter() {
                     5 => filter.eta = 0.02,
                     _ => {}
                 }
-                let record = simulated(&scenario);
+                let record = simulate(&scenario);
                 for kind in [FilterKind::KF, FilterKind::EKF, FilterKind::UKF, FilterKind::CKF] {
                     scenario.filters[0].kind = kind;
                     // Rounding grows over a record, most of all where an accelerometer takes nearly all of a variance away: as
@@ -193,7 +180,7 @@ fn shaken(augment: &[Channel], kind: FilterKind, plant: PlantKind) -> (Scenario,
         filter.initial_std[Channel::DISPLACEMENT] *= 1.0 + f64::from(i);
         scenario.filters.push(filter);
     }
-    let record = simulated(&scenario);
+    let record = simulate(&scenario);
     (scenario, record)
 }
 
@@ -207,7 +194,7 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
         (&[], FilterKind::EKF, PlantKind::SHEAR_2),
     ] {
         let (scenario, record) = shaken(augment, kind, plant);
-        let record = with_gaps(&record, true, |sensor, k| k % 9 == sensor);
+        let record = record.with_gaps(|sensor, k| k % 9 == sensor);
         let last = record.len() - 1;
         let samples = [0, 1, 9, 500, last];
         let runs: Vec<LaneRun<'_>> =
@@ -238,15 +225,9 @@ fn scores_against_a_truth_are_those_of_the_single_filter() {
 #[test]
 fn a_run_that_stops_tells_when_and_why_as_the_single_filter_does() {
     let (good, record) = shaken(&[Channel::INPUT_GAIN], FilterKind::UKF, PlantKind::SDOF);
-    let spoilt = |sample: usize, value: f64| {
-        let sensors = record.sensors().iter().enumerate();
-        let column = |sensor: usize| {
-            let mut column = record.measured(sensor).to_vec();
-            column[sample] = if sensor == 0 { value } else { column[sample] };
-            column
-        };
-        let input = Input { kind: record.input_kind(), hold: record.hold(), values: record.input().to_vec() };
-        Record::new(record.dt(), input, sensors.map(|(at, &quantity)| (quantity, column(at))).collect()).unwrap()
+    let spoilt = |sample, spoilt| {
+        let change = |sensor, k, value| if (sensor, k) == (0, sample) { spoilt } else { value };
+        record.clone().without_truth().with_measured(change)
     };
     let mut reasons = Vec::new();
     for (kind, std, frequency, record) in [

@@ -1,5 +1,6 @@
 use super::*;
-use crate::{Setting, simulate};
+use crate::Setting;
+use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, Quantity};
 
 /// An oscillator that an unmeasured force disturbs, and an EKF that has Q and R wrong.

@@ -1,7 +1,8 @@
 //! Work on threads against the same work in the frames.
 
 use kalmanscope::session::{Budget, Mode, Session};
-use kalmanscope_core::{FilterKind, FilterSettings, Run};
+use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::{FilterKind, FilterSettings};
 
 use super::*;
 
@@ -74,7 +75,7 @@ fn files_and_start_values_come_from_threads_as_from_the_frames() {
     let errands = errands(&Context::default());
     let mut text = "t,force,displacement\n".to_owned();
     let scenario = Scenario { duration: 200.0, ..Scenario::default() };
-    let record = record(&scenario);
+    let record = simulate(&scenario);
     for k in 0..record.len() {
         text.push_str(&format!("{},{},{}\n", record.time(k), record.force(k), record.measured(0)[k]));
     }
@@ -96,7 +97,7 @@ fn files_and_start_values_come_from_threads_as_from_the_frames() {
 fn work_that_cannot_be_done_is_lost_and_a_thread_that_is_given_up_ends() {
     let errands =
         Errands { desks: Arc::new(Desks { free: Mutex::new(1), given_back: Condvar::new() }), ctx: Context::default() };
-    let record = record(&Scenario { duration: 1.0, ..Scenario::default() });
+    let record = simulate(&Scenario { duration: 1.0, ..Scenario::default() });
     let mut none = errands.filter(&Scenario::default(), 99, &record).expect("there is a thread");
     let begin = Instant::now();
     while none.next() != Err(Lost) {
@@ -118,12 +119,6 @@ fn work_that_cannot_be_done_is_lost_and_a_thread_that_is_given_up_ends() {
         thread::sleep(Duration::from_millis(1));
     }
     assert_eq!((next.next(), next.next()), (Ok(None), Ok(None)), "the end is no loss");
-}
-
-fn record(scenario: &Scenario) -> Record {
-    let mut run = Run::new(scenario).expect("it can be run");
-    run.finish();
-    run.record().clone()
 }
 
 fn finished<S: InSlices>(mut work: S) -> S::Outcome {

@@ -1,11 +1,7 @@
 //! Random runs of the oscillator, for the tests that hold filters side by side to the single one.
 
-mod gaps;
-
 use kalmanscope_core::{Channel, FilterSettings, Force, Plant, Quantity, Scenario, Sensor, Signal, Values};
 use proptest::prelude::*;
-
-pub(crate) use gaps::with_gaps;
 
 /// The filters' state.
 pub(crate) const CHANNELS: [Channel; 4] =
