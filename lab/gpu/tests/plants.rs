@@ -2,17 +2,20 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails is a test that fails")]
 
 mod common;
+#[path = "common/tally.rs"]
+mod tally;
 
 use std::path::Path;
 use std::time::Instant;
 
-use common::{CLOSE, gpu};
+use common::gpu;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{
     Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Scenario, Sensor, Signal,
 };
 use kalmanscope_gpu::{GpuRun, serves};
+use tally::Tally;
 
 /// The filters of an ensemble: not a whole number of groups of threads.
 const FILTERS: usize = 70;
@@ -32,17 +35,6 @@ fn guesses(mut scenario: Scenario, kind: FilterKind) -> Vec<Scenario> {
     (0..FILTERS).map(guess).collect()
 }
 
-#[derive(Debug, Default)]
-struct Tally {
-    runs: usize,
-    /// Of the same class: stopped, lost.
-    same: usize,
-    /// Neither stopped nor lost, and those of them with close scores.
-    kept: usize,
-    close: usize,
-    worst: (f64, String),
-}
-
 /// Compares the filters of scenarios over their record, which is that of the first.
 fn tally(name: &str, scenarios: &[Scenario]) -> Tally {
     let record = simulate(&scenarios[0]);
@@ -54,7 +46,9 @@ fn tally(name: &str, scenarios: &[Scenario]) -> Tally {
     let time = begin.elapsed();
     let mut tally = Tally::default();
     for (scenario, outcome) in scenarios.iter().zip(&outcomes) {
-        tally.take(outcome.as_ref().unwrap(), &Outcome::of(scenario, 0, &record).unwrap());
+        let class = |outcome: &Outcome| (outcome.stop.is_some(), outcome.diverged);
+        let exact = Outcome::of(scenario, 0, &record).unwrap();
+        tally.take([outcome.as_ref().unwrap(), &exact], class, |class| class == (false, false));
     }
     let Tally { runs, same, kept, close, worst: (worst, score) } = &tally;
     println!(
@@ -63,58 +57,11 @@ fn tally(name: &str, scenarios: &[Scenario]) -> Tally {
     tally
 }
 
-impl Tally {
-    fn take(&mut self, outcome: &Outcome, exact: &Outcome) {
-        self.runs += 1;
-        let class = |outcome: &Outcome| (outcome.stop.is_some(), outcome.diverged);
-        if class(outcome) != class(exact) {
-            return;
-        }
-        self.same += 1;
-        if class(exact) != (false, false) {
-            return;
-        }
-        assert_eq!(outcome.samples, exact.samples);
-        assert_eq!((outcome.nis.degrees, outcome.nis.samples), (exact.nis.degrees, exact.nis.samples));
-        self.kept += 1;
-        let degrees = f64::from(exact.nis.degrees);
-        let mut pairs = vec![
-            ("NIS".to_owned(), outcome.nis.per_degree(), exact.nis.per_degree(), exact.nis.per_degree()),
-            ("NEES".to_owned(), outcome.nees.per_degree(), exact.nees.per_degree(), exact.nees.per_degree()),
-            (
-                "likelihood".to_owned(),
-                outcome.log_likelihood,
-                exact.log_likelihood,
-                exact.log_likelihood.abs().max(degrees),
-            ),
-        ];
-        for i in 0..exact.mean.len() {
-            pairs.push((format!("std of {i}"), outcome.std[i], exact.std[i], exact.std[i]));
-            // A tenth of the standard deviation is close.
-            let room = exact.std[i].max(1e-6 * exact.mean[i].abs());
-            pairs.push((format!("mean of {i}"), outcome.mean[i], exact.mean[i], 0.1 / CLOSE * room));
-        }
-        assert_eq!(outcome.channels.len(), exact.channels.len());
-        for ((channel, score), (_, other)) in outcome.channels.iter().zip(&exact.channels) {
-            pairs.push((format!("RMSE of {}", channel.key()), score.rmse, other.rmse, other.rmse.max(1e-5)));
-        }
-        let mut largest = 0.0_f64;
-        for (name, number, exact, size) in pairs {
-            let is_same = number == exact || (number.is_nan() && exact.is_nan());
-            let difference = if is_same { 0.0 } else { (number - exact).abs() / size };
-            largest = if difference <= largest { largest } else { difference };
-            if largest > self.worst.0 {
-                self.worst = (largest, format!("{name} is {number} in place of {exact}"));
-            }
-        }
-        self.close += usize::from(largest <= CLOSE);
-    }
-
-    fn assert(&self, name: &str) {
-        let Self { runs, same, kept, close, .. } = *self;
-        assert!(same as f64 >= 0.96 * runs as f64, "{name}: {same} of {runs}");
-        assert!(kept * 3 > runs && close as f64 >= 0.9 * kept as f64, "{name}: {close} of {kept}");
-    }
+/// Most runs are of the same class, and most of those that are kept are close.
+fn check(name: &str, scenarios: &[Scenario]) {
+    let Tally { runs, same, kept, close, .. } = tally(name, scenarios);
+    assert!(same as f64 >= 0.96 * runs as f64, "{name}: {same} of {runs}");
+    assert!(kept * 3 > runs && close as f64 >= 0.9 * kept as f64, "{name}: {close} of {kept}");
 }
 
 /// A built-in plant that is shaken, with sensors of these quantities.
@@ -142,7 +89,7 @@ fn built_in_plants_have_the_scores_of_the_processor() {
         for kind in KINDS {
             let name = format!("{plant:?}, {kind:?}");
             let quantities: Vec<Quantity> = plant.quantities().take(2).collect();
-            tally(&name, &guesses(built_in(plant, &quantities, &[], Hold::Zero), kind)).assert(&name);
+            check(&name, &guesses(built_in(plant, &quantities, &[], Hold::Zero), kind));
         }
     }
 }
@@ -155,7 +102,7 @@ fn equations_have_the_scores_of_the_processor() {
             let text = std::fs::read_to_string(folder.join(equation).with_extension("toml")).unwrap();
             let scenario = Scenario { duration: 10.0, ..Scenario::from_toml(&text).unwrap() };
             let name = format!("{equation}, {kind:?}");
-            tally(&name, &guesses(scenario, kind)).assert(&name);
+            check(&name, &guesses(scenario, kind));
         }
     }
 }
@@ -174,7 +121,7 @@ fn surroundings_of_a_plant_are_served() {
         let mut scenarios = guesses(built_in(PlantKind::SDOF, &quantities, &augment, Hold::First), kind);
         scenarios.iter_mut().for_each(|scenario| scenario.filters[0].propagation = propagation);
         let name = format!("surroundings, {kind:?}, {propagation:?}");
-        tally(&name, &scenarios).assert(&name);
+        check(&name, &scenarios);
     }
 }
 
@@ -190,7 +137,7 @@ fn white_forces_are_served() {
             filters[0].initial_std[Channel::WHITE_FORCE] = 0.3;
         }
         let name = format!("white force, {kind:?}, {hold:?}");
-        tally(&name, &scenarios).assert(&name);
+        check(&name, &scenarios);
     }
 }
 
@@ -217,6 +164,6 @@ fn settings_of_a_filter_are_served() {
             (scenario.filters[0].substeps, scenario.filters[0].eta) = (2, 1e-3);
         }
         let name = format!("parts and decay, {kind:?}");
-        tally(&name, &scenarios).assert(&name);
+        check(&name, &scenarios);
     }
 }

@@ -1,5 +1,8 @@
 //! The program in a headless window, with its state in a folder.
 
+#[path = "../../../tests/ui/memory.rs"]
+mod storage;
+
 use std::path::Path;
 
 use egui::{Theme, Vec2};
@@ -8,6 +11,7 @@ use egui_kittest::kittest::Queryable as _;
 use kalmanscope_core::Scenario;
 
 use super::*;
+use storage::Memory as Older;
 
 type Screen = Harness<'static, Desktop>;
 
@@ -147,20 +151,6 @@ fn a_missing_place_is_said_and_the_explorer_starts() {
 
 #[test]
 fn the_state_of_an_older_program_is_taken_over_once() {
-    #[derive(Default)]
-    struct Older(std::collections::BTreeMap<String, String>);
-    impl Storage for Older {
-        fn get_string(&self, key: &str) -> Option<String> {
-            self.0.get(key).cloned()
-        }
-        fn set_string(&mut self, key: &str, value: String) {
-            self.0.insert(key.to_owned(), value);
-        }
-        fn remove_string(&mut self, key: &str) {
-            self.0.remove(key);
-        }
-        fn flush(&mut self) {}
-    }
     let folder = tempfile::tempdir().expect("a folder can be made");
     let mut older = Older::default();
     let scenario = Scenario { seed: 9, ..Scenario::default() };
