@@ -115,6 +115,15 @@ impl Scenario {
         }
     }
 
+    /// Has sensors for these quantities alone, each with its usual noise, which every filter assumes.
+    pub fn set_sensors(&mut self, quantities: &[Quantity]) {
+        self.sensors.clear();
+        self.filters.iter_mut().for_each(|filter| filter.sensor_std.clear());
+        for &measures in quantities {
+            self.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
+        }
+    }
+
     /// Removes the sensor of a quantity, also from the filters.
     pub fn remove_sensor(&mut self, quantity: Quantity) {
         while let Some(place) = self.sensors.iter().position(|s| s.measures == quantity) {

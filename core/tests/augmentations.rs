@@ -14,10 +14,7 @@ fn scenario(sensors: &[Quantity], kind: FilterKind, augment: &[Channel]) -> Scen
     let filter = FilterSettings { kind, augment: augment.to_vec(), ..FilterSettings::default() };
     let mut scenario = Scenario { duration: 40.0, filters: vec![filter], ..Scenario::default() };
     scenario.plant.set(Channel::NATURAL_FREQUENCY, Signal::Constant(6.0));
-    scenario.sensors.clear();
-    for &measures in sensors {
-        scenario.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
-    }
+    scenario.set_sensors(sensors);
     if kind == FilterKind::KF {
         scenario.filters[0].initial_mean[Channel::NATURAL_FREQUENCY] = 6.0;
         scenario.filters[0].initial_mean[Channel::DAMPING_RATIO] = 0.05;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use kalmanscope_core::filter::{FilterInfo, FilterKind};
 use kalmanscope_core::simulate::simulate;
-use kalmanscope_core::{Estimates, FilterSettings, PlantKind, Quantity, Record, Run, Scenario, Sensor};
+use kalmanscope_core::{Estimates, FilterSettings, PlantKind, Quantity, Record, Run, Scenario};
 
 /// The same kind of filter under a name without a kernel, so that the reference filter is used.
 fn by_the_book(kind: FilterKind) -> FilterKind {
@@ -16,13 +16,10 @@ fn by_the_book(kind: FilterKind) -> FilterKind {
 /// A changing truth of a plant that has a kernel, over 31 samples, with sensors of some quantities.
 fn truth(plant: PlantKind, quantities: &[Quantity]) -> Scenario {
     let mut scenario = Scenario { duration: 0.3, filters: vec![FilterSettings::default()], ..Scenario::default() };
-    scenario.sensors.clear();
     scenario.filters[0].fading = 1.002;
     scenario.set_plant(plant);
     scenario.plant.disturbance_std = 0.5;
-    for &measures in quantities {
-        scenario.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
-    }
+    scenario.set_sensors(quantities);
     scenario
 }
 

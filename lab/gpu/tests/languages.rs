@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Propagation, Quantity, Scenario, Sensor, augment,
+    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Propagation, Quantity, Scenario, augment,
 };
 use kalmanscope_gpu::{GpuRun, program};
 use naga::back::{hlsl, msl};
@@ -62,13 +62,9 @@ fn translate_all(name: &str, scenario: &Scenario) -> usize {
 /// A plant with these sensors and augmentations.
 fn scenario(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
     let mut scenario = Scenario { filters: vec![FilterSettings::default()], hold, ..Scenario::default() };
-    scenario.sensors.clear();
-    scenario.filters[0].sensor_std.clear();
     scenario.filters[0].augment = augment.to_vec();
     scenario.set_plant(plant);
-    for &measures in quantities {
-        scenario.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
-    }
+    scenario.set_sensors(quantities);
     scenario
 }
 

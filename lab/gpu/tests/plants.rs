@@ -11,9 +11,7 @@ use std::time::Instant;
 use common::gpu;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate::simulate;
-use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Scenario, Sensor, Signal,
-};
+use kalmanscope_core::{Channel, FilterKind, FilterSettings, Hold, PlantKind, Propagation, Quantity, Scenario, Signal};
 use kalmanscope_gpu::{GpuRun, serves};
 use tally::Tally;
 
@@ -68,13 +66,9 @@ fn check(name: &str, scenarios: &[Scenario]) {
 fn built_in(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
     let filters = vec![FilterSettings::default()];
     let mut scenario = Scenario { filters, hold, duration: 10.0, ..Scenario::default() };
-    scenario.sensors.clear();
-    scenario.filters[0].sensor_std.clear();
     scenario.filters[0].augment = augment.to_vec();
     scenario.set_plant(plant);
-    for &measures in quantities {
-        scenario.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
-    }
+    scenario.set_sensors(quantities);
     for &channel in augment {
         scenario.plant.set(channel, Signal::Constant(channel.usual().mean + 0.2 * channel.usual().std));
     }

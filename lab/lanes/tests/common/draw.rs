@@ -1,7 +1,7 @@
 //! Random ensembles of filters that the engine serves, from seeds.
 
 use kalmanscope_core::{
-    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Scenario, Sensor, Signal, augment,
+    Channel, FilterKind, FilterSettings, Hold, InputKind, PlantKind, Quantity, Scenario, Signal, augment,
 };
 
 /// Numbers that look random, the same for the same seed.
@@ -44,13 +44,9 @@ pub(crate) const PLANTS: [PlantKind; 8] = [
 /// The truth of an ensemble, with its sensors.
 pub(crate) fn truth(plant: PlantKind, quantities: &[Quantity], augment: &[Channel], hold: Hold) -> Scenario {
     let mut scenario = Scenario { filters: vec![FilterSettings::default()], hold, ..Scenario::default() };
-    scenario.sensors.clear();
-    scenario.filters[0].sensor_std.clear();
     scenario.filters[0].augment = augment.to_vec();
     scenario.set_plant(plant);
-    for &measures in quantities {
-        scenario.add_sensor(Sensor { measures, noise_std: measures.aspect().info().usual_noise });
-    }
+    scenario.set_sensors(quantities);
     for (nth, &channel) in augment.iter().enumerate().filter(|(_, channel)| **channel != Channel::WHITE_FORCE) {
         let usual = channel.usual();
         scenario.plant.set(channel, Signal::Constant(usual.mean + 0.3 * usual.std * (nth as f64 - 1.0)));
