@@ -1,4 +1,4 @@
-//! The median of 200 frames, split into an edit before it and the app's `logic` and `ui`.
+//! The median of 200 frames, split into an edit before it, the app's `logic` and `ui`, and the triangles.
 //!
 //! Six views, four filters and 6,000 samples, which is the most that a lecture shows at once.
 
@@ -17,7 +17,10 @@ type Change = fn(&mut App, usize, &mut RawInput);
 
 /// Runs the cases that have a word in their names.
 pub(crate) fn run(wanted: &str) {
-    println!("{:<44} {:>9} {:>9} {:>9} {:>9}", "median of 200 frames [ms]", "change", "logic", "ui", "sum");
+    println!(
+        "{:<44} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "median of 200 frames [ms]", "change", "logic", "ui", "triangles", "sum"
+    );
     let cases: [(&str, Mode, Change); 6] = [
         ("whole record, nothing changes", Mode::Whole, |_, _, _| {}),
         ("whole record, the pointer moves", Mode::Whole, |_, i, input| {
@@ -41,8 +44,12 @@ pub(crate) fn run(wanted: &str) {
     ];
     for (name, mode, change) in cases.into_iter().filter(|(name, ..)| name.contains(wanted)) {
         let frames = frames(mode, change);
-        let [change, logic, ui] = [0, 1, 2].map(|part| median(frames.iter().map(|frame| frame[part].wall).collect()));
-        println!("{name:<44} {change:>9.2} {logic:>9.2} {ui:>9.2} {:>9.2}", change + logic + ui);
+        let [change, logic, ui, triangles] =
+            [0, 1, 2, 3].map(|part| median(frames.iter().map(|frame| frame[part].wall).collect()));
+        println!(
+            "{name:<44} {change:>9.2} {logic:>9.2} {ui:>9.2} {triangles:>9.2} {:>9.2}",
+            change + logic + ui + triangles
+        );
     }
 }
 
