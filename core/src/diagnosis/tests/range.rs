@@ -53,14 +53,10 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             let mirrored = channel.is_mirrored() && channel != Channel::NATURAL_FREQUENCY;
             let whose = if mirrored { ": the oscillator gains energy" } else { "" };
             let sentence =
-                format!("the {name} is negative, {}{space}{unit} ± {}{whose}", short_signed(mean), short(2.0 * std));
+                format!("the {name} is negative, {}{space}{unit} ± {}{whose}", short(mean), short(2.0 * std));
             if below > 0.0 {
                 found.push(evidence().certain(VerdictKind::Lost, below / BELOW, sentence));
             }
         }
     }
-}
-
-fn short_signed(value: f64) -> String {
-    format!("{}{}", if value < 0.0 { "-" } else { "" }, short(value.abs()))
 }
