@@ -14,6 +14,12 @@ use kalmanscope_core::Scenario;
 const DESKTOP: Vec2 = Vec2::new(1280.0, 800.0);
 const PHONE: Vec2 = Vec2::new(390.0, 844.0);
 
+/// The explorer as it starts.
+fn started(size: Vec2, theme: Theme) -> Harness<'static, App> {
+    let builder = Harness::builder().with_size(size).with_theme(theme).wgpu();
+    builder.build_eframe(|creation| App::new(creation).expect("the default scenario can be run"))
+}
+
 #[test]
 fn it_looks_as_it_did() {
     // Text is rendered identically on every machine; edges of lines differ by a grey level.
@@ -31,11 +37,7 @@ fn it_looks_as_it_did() {
         ("tune-light", DESKTOP, Theme::Light, Mode::Whole, 40.0, Arrangement::Tune),
         ("compare-dark", DESKTOP, Theme::Dark, Mode::Whole, 40.0, Arrangement::Compare),
     ] {
-        let mut screen = Harness::builder()
-            .with_size(size)
-            .with_theme(theme)
-            .wgpu()
-            .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+        let mut screen = started(size, theme);
         if name != "first-light" {
             *screen.state_mut().layout_mut() = Layout::of(arrangement);
         }
@@ -55,11 +57,7 @@ fn it_looks_as_it_did() {
         screen.snapshot_options(name, &options);
         results.extend_harness(&mut screen);
     }
-    let mut screen = Harness::builder()
-        .with_size(DESKTOP)
-        .with_theme(Theme::Light)
-        .wgpu()
-        .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    let mut screen = started(DESKTOP, Theme::Light);
     let session = screen.state_mut().session_mut();
     session.toggle_play();
     session.set_scenario(Scenario::default());
@@ -100,11 +98,7 @@ fn it_looks_as_it_did() {
         screen.snapshot_options(format!("view-{}", view(kind).name().replace(' ', "-").to_lowercase()), &options);
         results.extend_harness(&mut screen);
     }
-    let mut screen = Harness::builder()
-        .with_size(DESKTOP)
-        .with_theme(Theme::Light)
-        .wgpu()
-        .build_eframe(|creation| App::new(creation).expect("the default scenario can be run"));
+    let mut screen = started(DESKTOP, Theme::Light);
     screen.get_by_label("Lessons").click();
     screen.run_steps(4);
     screen.get_by_label("Fading memory and a sudden loss").click();
