@@ -5,8 +5,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Address;
 use kalmanscope_lab::tune::{Goal, Tuned, Tuner};
-use kalmanscope_lab::{Axis, Setting, simulate};
+use kalmanscope_lab::{Axis, simulate};
 
 use crate::args::TuneArgs;
 use crate::input::InputError;
@@ -54,7 +55,7 @@ fn bad(file: &Path, reason: String) -> InputError {
 /// The range of a setting, written as `KEY`, `KEY=FROM:TO` or `KEY=FROM:TO:log`.
 fn axis(text: &str, scenario: &Scenario) -> Result<Axis, String> {
     let Some((key, range)) = text.rsplit_once('=') else {
-        let setting = Setting::new(scenario, text).map_err(|error| error.to_string())?;
+        let setting = Address::parse(scenario, text).map_err(|error| error.to_string())?;
         return Ok(Axis::usual(&setting, scenario, 2));
     };
     let counted = match range.strip_suffix(":log") {

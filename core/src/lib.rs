@@ -78,6 +78,7 @@ pub mod run;
 mod sample;
 pub mod scenario;
 pub mod score;
+pub mod setting;
 pub mod signal;
 pub mod simulate;
 pub mod sink;

@@ -4,7 +4,7 @@ use kalmanscope_core::Scenario;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::Setting;
+use kalmanscope_core::setting::Address;
 
 /// The most values on one axis.
 pub const MAX_COUNT: usize = 1_000_000;
@@ -161,8 +161,8 @@ impl Axis {
 
     /// A usual axis for a setting around its present value: two decades each way for a standard deviation or a factor, 0 to
     /// three times the value for a guess, the next `count` numbers for a seed.
-    pub fn usual(setting: &Setting, scenario: &Scenario, count: usize) -> Self {
-        let key = setting.key().to_owned();
+    pub fn usual(setting: &Address, scenario: &Scenario, count: usize) -> Self {
+        let key = setting.to_string().to_owned();
         let now = setting.get(scenario);
         let linear = |from: f64, to: f64| Self { key: key.clone(), from, to, count, spacing: Spacing::Linear };
         let ratios = |from: f64, to: f64| Self { key: key.clone(), from, to, count, spacing: Spacing::Logarithmic };
@@ -245,7 +245,7 @@ mod tests {
             "sensors.velocity.noise_std",
             "plant.damping_ratio",
         ] {
-            let setting = Setting::new(&scenario, key).unwrap();
+            let setting = Address::parse(&scenario, key).unwrap();
             let axis = Axis::usual(&setting, &scenario, 33);
             axis.check().unwrap();
             let share = axis.share_of(setting.get(&scenario));

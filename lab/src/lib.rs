@@ -29,7 +29,6 @@ pub mod order;
 mod outcome;
 mod plan;
 mod runner;
-mod setting;
 mod sheet;
 mod trace;
 #[cfg(feature = "tune")]
@@ -44,6 +43,5 @@ pub use measure::{Measure, UnknownMeasure};
 pub use monte_carlo::MonteCarlo;
 pub use plan::Plan;
 pub use runner::{CellRun, Runner, outcomes_of, simulate};
-pub use setting::{Setting, UnknownSetting};
 pub use sheet::{Sheet, Slice};
 pub use trace::Trace;
