@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use kalmanscope_core::Scenario;
-use kalmanscope_core::diagnosis::{Finding, Knob};
+use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::setting::Edit;
 
 use crate::import::path_from;
 use crate::input::InputError;
@@ -50,9 +51,9 @@ pub(crate) fn write_fixed<'a>(
 }
 
 /// Turns knobs of the filter at a place, whatever others are called.
-fn turn(scenario: &mut Scenario, place: usize, knobs: &[Knob]) -> Result<(), kalmanscope_core::ScenarioError> {
+fn turn(scenario: &mut Scenario, place: usize, knobs: &[Edit]) -> Result<(), kalmanscope_core::ScenarioError> {
     let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario.clone() };
-    let turned = Knob::apply_all(knobs, &alone)?;
+    let turned = Edit::apply_all(knobs, &alone)?;
     scenario.hold = turned.hold;
     if let Some(filter) = turned.filters.into_iter().next() {
         let id = scenario.filters[place].id;

@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
+use kalmanscope_core::Axis;
 use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Address;
+use kalmanscope_lab::simulate;
 use kalmanscope_lab::tune::{Goal, Tuned, Tuner};
-use kalmanscope_lab::{Axis, simulate};
 
 use crate::args::TuneArgs;
 use crate::input::InputError;

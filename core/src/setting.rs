@@ -5,6 +5,7 @@
 
 mod address;
 mod allowed;
+mod edit;
 mod filter;
 mod info;
 mod place;
@@ -13,6 +14,7 @@ mod table;
 
 pub use address::{Address, UnknownSetting};
 pub use allowed::Allowed;
+pub use edit::Edit;
 pub use filter::{ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, OF_FILTER, OPTIONS, SMOOTHER};
 pub use info::SettingInfo;
 pub use scenario::{DISTURBANCE, DT, DURATION, MOTION, OF_SCENARIO, RECORD_GAIN, SEED};

@@ -109,7 +109,8 @@ impl Queue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Ensemble, Measure, Plan, Sheet};
+    use crate::{Ensemble, Measure, Plan, Sheet};
+    use kalmanscope_core::Axis;
     use kalmanscope_core::{Scenario, Source};
 
     fn runner() -> Arc<Runner> {

@@ -3,11 +3,11 @@
 use kalmanscope_core::{Channel, Document, DocumentError, RunError, Scenario};
 use thiserror::Error;
 
-use crate::axis::{Axis, AxisError};
 use crate::order;
 use crate::plan::Plan;
 use crate::trace::Trace;
 use kalmanscope_core::setting::{Address, UnknownSetting};
+use kalmanscope_core::{Axis, AxisError};
 
 /// The most cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! ```
-//! use kalmanscope_core::{Scenario, Source};
-//! use kalmanscope_lab::{Axis, Ensemble, Plan, Runner};
+//! use kalmanscope_core::{Axis, Scenario, Source};
+//! use kalmanscope_lab::{Ensemble, Plan, Runner};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let axis = Axis::parse("filters.EKF.initial_mean.natural_frequency=4:12:3")?;
 //! let measures = vec!["rmse.natural_frequency".parse()?];
@@ -18,7 +18,6 @@
 //! # }
 //! ```
 
-mod axis;
 mod cell_work;
 #[cfg(feature = "threads")]
 mod crew;
@@ -34,7 +33,6 @@ mod trace;
 #[cfg(feature = "tune")]
 pub mod tune;
 
-pub use axis::{Axis, AxisError, MAX_COUNT, Spacing};
 pub use cell_work::CellWork;
 #[cfg(feature = "threads")]
 pub use crew::{Crew, Work};

@@ -105,7 +105,8 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Measure, Plan};
+    use crate::{Measure, Plan};
+    use kalmanscope_core::Axis;
     use kalmanscope_core::Scenario;
 
     #[test]

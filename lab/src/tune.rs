@@ -11,8 +11,9 @@ use argmin::core::{IterState, Problem, Solver, State as _, TerminationStatus};
 use argmin::solver::neldermead::NelderMead;
 use kalmanscope_core::{Record, Scenario, VerdictKind};
 
-use crate::{Axis, EnsembleError};
+use crate::EnsembleError;
 use cost::{Cost, Objective};
+use kalmanscope_core::Axis;
 use point::Point;
 
 pub use goal::Goal;

@@ -1,8 +1,9 @@
 //! The user's choice of a map, as plain data.
 
+use kalmanscope_core::Axis;
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Channel, Record, Scenario};
-use kalmanscope_lab::{Axis, Measure};
+use kalmanscope_lab::Measure;
 use serde::{Deserialize, Serialize};
 
 use super::engine::Precision;

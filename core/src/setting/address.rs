@@ -5,9 +5,9 @@ use std::fmt;
 use thiserror::Error;
 
 use super::place::{Filters, Member, Place};
-use super::{Entry, TableInfo};
+use super::{Entry, SettingInfo, TableInfo};
 use crate::channel::Channel;
-use crate::scenario::Scenario;
+use crate::scenario::{FilterSettings, Scenario};
 use crate::signal::Signal;
 
 /// The address of a number of a scenario, or of a factor on several of them.
@@ -73,6 +73,11 @@ impl Address {
             Place::Scenario(info) if **info == super::SEED => libm::round(value).max(0.0),
             _ => libm::round(value),
         }
+    }
+
+    /// Whether it is this number of a filter, or of all.
+    pub fn is_of(&self, info: &SettingInfo<FilterSettings>) -> bool {
+        matches!(self.0, Place::Filters(_, Member::Number(own)) if own == info)
     }
 
     /// Whether it stands for a factor on the numbers of a table.

@@ -10,10 +10,11 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use kalmanscope_core::Axis;
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::{Scenario, Source};
 use kalmanscope_gpu::{Gpu, Software};
-use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels, simulate};
+use kalmanscope_lab::{Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels, simulate};
 
 /// Cells along each axis of the map, and samples of its record.
 const SIDE: usize = 128;

@@ -1,5 +1,6 @@
 use super::*;
-use crate::{Axis, Measure, Plan};
+use crate::{Measure, Plan};
+use kalmanscope_core::Axis;
 use kalmanscope_core::diagnostics::MeanSquare;
 use kalmanscope_core::{Channel, Diagnostics, Run, RunError};
 

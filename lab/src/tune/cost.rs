@@ -8,7 +8,8 @@ use kalmanscope_core::{Pass, Record, Scenario, VerdictKind};
 
 use super::Goal;
 use super::point::Point;
-use crate::{Axis, EnsembleError, Measure, outcome};
+use crate::{EnsembleError, Measure, outcome};
+use kalmanscope_core::Axis;
 
 /// The cost of settings that are impossible, beyond their axes, or stop the filter.
 pub(super) const FORBIDDEN: f64 = 1e100;

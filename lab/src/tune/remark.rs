@@ -6,7 +6,7 @@ use kalmanscope_core::VerdictKind;
 
 use super::cost::Cost;
 use super::{Goal, Try};
-use crate::Spacing;
+use kalmanscope_core::Spacing;
 
 /// A setting at this share of its axis from an end is at that end.
 const EDGE: f64 = 0.01;

@@ -1,8 +1,8 @@
 //! The choice of a search: filter, settings and goal.
 
+use kalmanscope_core::Axis;
 use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Address;
-use kalmanscope_lab::Axis;
 use kalmanscope_lab::tune::Goal;
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,10 @@
 use super::*;
 use crate::laboratory::{Choice, Laboratory, Precision, Slices};
+use kalmanscope_core::Axis;
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Channel, Quantity};
+use kalmanscope_lab::Measure;
 use kalmanscope_lab::tune::Goal;
-use kalmanscope_lab::{Axis, Measure};
 
 /// A session whose first filter takes its sensors for five times noisier than they are.
 fn session() -> Session {

@@ -3,7 +3,7 @@
 use egui::{ComboBox, Grid, Ui, vec2};
 use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Address;
-use kalmanscope_lab::{Axis, Spacing};
+use kalmanscope_core::{Axis, Spacing};
 
 use crate::controls::number::field;
 use crate::laboratory::{
