@@ -4,9 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use kalmanscope_core::Axis;
-use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::simulate;
 use kalmanscope_lab::tune::{Goal, Tuned, Tuner};
 

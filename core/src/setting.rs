@@ -12,6 +12,8 @@ mod place;
 mod scenario;
 mod table;
 
+use crate::channel::Channel;
+
 pub use address::{Address, UnknownSetting};
 pub use allowed::Allowed;
 pub use edit::Edit;
@@ -19,3 +21,13 @@ pub use filter::{ENSEMBLE_SIZE, ETA, FADING, FORGETTING, GUESSES, JUMP, MEMORY, 
 pub use info::SettingInfo;
 pub use scenario::{DISTURBANCE, DT, DURATION, MOTION, OF_SCENARIO, RECORD_GAIN, SEED};
 pub use table::{Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, TABLES, TableInfo};
+
+/// The symbol of a setting, a table or a channel with a key, if it has one.
+pub fn symbol(key: &str) -> Option<&'static str> {
+    let of_filter = OF_FILTER.into_iter().flatten().map(|info| (info.key, info.symbol));
+    let of_scenario = OF_SCENARIO.into_iter().map(|info| (info.key, info.symbol));
+    let tables = TABLES.into_iter().map(|table| (table.key, table.symbol));
+    let mut all = of_filter.chain(of_scenario).chain(tables).filter(|(_, symbol)| !symbol.is_empty());
+    let found = all.find(|(known, _)| *known == key).map(|(_, symbol)| symbol);
+    found.or_else(|| Channel::from_key(key).map(Channel::symbol))
+}

@@ -110,8 +110,7 @@ impl Queue {
 mod tests {
     use super::*;
     use crate::{Ensemble, Measure, Plan, Sheet};
-    use kalmanscope_core::Axis;
-    use kalmanscope_core::{Scenario, Source};
+    use kalmanscope_core::{Axis, Scenario, Source};
 
     fn runner() -> Arc<Runner> {
         let scenario = Scenario { duration: 3.0, ..Scenario::default() };

@@ -1,13 +1,12 @@
 //! Many runs of one scenario, which differ in the values of some settings.
 
-use kalmanscope_core::{Channel, Document, DocumentError, RunError, Scenario};
 use thiserror::Error;
 
 use crate::order;
 use crate::plan::Plan;
 use crate::trace::Trace;
 use kalmanscope_core::setting::{Address, UnknownSetting};
-use kalmanscope_core::{Axis, AxisError};
+use kalmanscope_core::{Axis, AxisError, Channel, Document, DocumentError, RunError, Scenario};
 
 /// The most cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;

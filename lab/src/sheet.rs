@@ -106,8 +106,7 @@ impl Sheet {
 mod tests {
     use super::*;
     use crate::{Measure, Plan};
-    use kalmanscope_core::Axis;
-    use kalmanscope_core::Scenario;
+    use kalmanscope_core::{Axis, Scenario};
 
     #[test]
     fn a_coarse_picture_is_complete_long_before_the_fine_one() {

@@ -3,8 +3,7 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::Axis;
-use kalmanscope_core::{FilterKind, Scenario, Source};
+use kalmanscope_core::{Axis, FilterKind, Scenario, Source};
 use kalmanscope_lab::{CellWork, Ensemble, Plan, Runner};
 
 fn runner(scenario: Scenario, measures: &[&str], times: usize) -> Arc<Runner> {

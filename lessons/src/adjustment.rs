@@ -149,7 +149,7 @@ pub(crate) fn read(file: &Table) -> Result<Scenario, LessonError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::{Channel, FilterKind, Force, Signal};
+    use kalmanscope_core::{Channel, FilterKind};
 
     fn change(text: &str) -> Change {
         toml::from_str(&format!("label = \"x\"\n{text}")).unwrap()
@@ -163,24 +163,6 @@ mod tests {
     fn nothing_changed_is_the_same_scenario() {
         assert_eq!(apply("").unwrap(), Scenario::default());
         assert_eq!(Adjustment::default().apply(&Scenario::default()).unwrap(), Scenario::default());
-    }
-
-    #[test]
-    fn values_are_set_by_their_paths() {
-        let scenario = apply(
-            "[set]\n\"filters.*.fading\" = 1\n\"filters.UKF.initial_mean.natural_frequency\" = 12\nduration = 10\n\
-             force = { none = {} }\n\"plant.natural_frequency\" = { step = { from = 6, to = 5, at = 2 } }",
-        )
-        .unwrap();
-        assert!(scenario.filters.iter().all(|f| f.fading == 1.0));
-        assert_eq!(
-            scenario.filters.iter().map(|f| f.initial_mean[Channel::NATURAL_FREQUENCY]).collect::<Vec<_>>(),
-            [8.0, 12.0]
-        );
-        assert_eq!((scenario.duration, scenario.force), (10.0, Force::None));
-        assert_eq!(scenario.plant.parameter(Channel::NATURAL_FREQUENCY).unwrap().at(2.0), 5.0);
-        let constant = apply("set = { \"plant.natural_frequency\" = 5 }").unwrap();
-        assert_eq!(constant.plant.parameter(Channel::NATURAL_FREQUENCY), Some(Signal::Constant(5.0)));
     }
 
     #[test]

@@ -119,8 +119,7 @@ mod tests {
     use std::cell::RefCell;
     use std::sync::Arc;
 
-    use kalmanscope_core::Axis;
-    use kalmanscope_core::Scenario;
+    use kalmanscope_core::{Axis, Scenario};
     use kalmanscope_lab::{Measure, Plan, Runner, Sheet};
 
     use super::*;

@@ -1,8 +1,7 @@
 //! The user's choice of a map, as plain data.
 
-use kalmanscope_core::Axis;
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Channel, Record, Scenario};
+use kalmanscope_core::{Axis, Channel, Record, Scenario};
 use kalmanscope_lab::Measure;
 use serde::{Deserialize, Serialize};
 

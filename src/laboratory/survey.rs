@@ -1,9 +1,8 @@
 //! One ensemble of a map, with the rows that are known of it.
 
 use egui::Context;
-use kalmanscope_core::Axis;
 use kalmanscope_core::setting::{Address, TableInfo};
-use kalmanscope_core::{FilterSettings, Scenario, Source};
+use kalmanscope_core::{Axis, FilterSettings, Scenario, Source};
 use kalmanscope_lab::{Ensemble, Measure, Plan, Sheet};
 
 use super::choice::{Choice, is_same_but_for_names, part_of};

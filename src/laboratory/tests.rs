@@ -1,8 +1,7 @@
 mod names;
 
 use egui::Context;
-use kalmanscope_core::{Axis, Spacing};
-use kalmanscope_core::{Channel, FilterSettings, Scenario};
+use kalmanscope_core::{Axis, Channel, FilterSettings, Scenario, Spacing};
 use kalmanscope_lab::{Measure, Runner};
 
 use super::*;

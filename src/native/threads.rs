@@ -61,8 +61,7 @@ mod tests {
     use std::time::{Duration, Instant};
 
     use kalmanscope::laboratory::{Finding, Precision};
-    use kalmanscope_core::Axis;
-    use kalmanscope_core::{Scenario, Source};
+    use kalmanscope_core::{Axis, Scenario, Source};
     use kalmanscope_lab::{Ensemble, Measure, Plan, Sheet};
 
     use super::*;

@@ -257,25 +257,6 @@ mod tests {
     }
 
     #[test]
-    fn a_setting_by_id_is_found_whatever_the_filter_is_called() {
-        let mut scenario = Scenario::default();
-        (scenario.filters[0].name, scenario.filters[1].name) = ("UKF".to_owned(), "EKF".to_owned());
-        let address = Address::parse(&scenario, "filters#2.process_std.velocity").unwrap();
-        address.set(&mut scenario, 0.25);
-        assert_eq!(scenario.filters[1].process_std[Channel::VELOCITY], 0.25);
-        assert_eq!(address.channel(), Some(Channel::VELOCITY));
-    }
-
-    #[test]
-    fn names_with_dots_are_found() {
-        let mut scenario = Scenario::default();
-        scenario.filters[1].name = "EKF.2".to_owned();
-        let address = Address::parse(&scenario, "filters.EKF.2.fading").unwrap();
-        address.set(&mut scenario, 1.5);
-        assert_eq!((scenario.filters[0].fading, scenario.filters[1].fading), (1.005, 1.5));
-    }
-
-    #[test]
     fn unknown_keys_are_refused() {
         for key in [
             "",

@@ -33,11 +33,12 @@ impl Allowed {
             }
     }
 
-    /// Limits the values from below.
+    /// Limits the values that are typed from below.
     pub fn least(self) -> f64 {
         match self {
             Self::Finite => f64::NEG_INFINITY,
-            Self::Above(limit) | Self::AtLeast(limit) | Self::Between(limit, _) => limit,
+            Self::AtLeast(limit) => limit,
+            Self::Above(limit) | Self::Between(limit, _) => limit + 1e-9,
             Self::Whole(first, _) => first as f64,
             Self::Flag => 0.0,
         }
@@ -78,7 +79,7 @@ mod tests {
         ] {
             assert!(allowed.admits(inside) && !allowed.admits(outside) && !allowed.admits(f64::NAN), "{allowed:?}");
             assert_eq!(allowed.to_string(), words);
-            assert!(allowed.least() <= inside);
+            assert!(allowed == Allowed::Finite || allowed.admits(allowed.least()), "{allowed:?}");
         }
     }
 }

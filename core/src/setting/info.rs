@@ -13,8 +13,8 @@ pub struct SettingInfo<T> {
     pub symbol: &'static str,
     /// The name in running text.
     pub name: &'static str,
-    /// The text beside its control.
-    pub label: fn(&T) -> &'static str,
+    /// The text beside its control, where it is not the name.
+    pub label: fn(&T) -> Option<&'static str>,
     /// The unit, empty for a pure number.
     pub unit: &'static str,
     /// The values that it may have.
@@ -44,7 +44,7 @@ impl<T> SettingInfo<T> {
             key,
             symbol: "",
             name: "",
-            label: |_| "",
+            label: |_| None,
             unit: "",
             allowed: Allowed::Finite,
             note: "",

@@ -117,9 +117,18 @@ impl TableInfo {
 
     /// The numbers of a filter that have been set, in their order.
     pub fn numbers(&self, filter: &FilterSettings) -> Vec<f64> {
+        self.entries(filter).into_iter().map(|(_, number)| number).collect()
+    }
+
+    /// The same, each with its place behind the table's key in a file.
+    pub(crate) fn entries(&self, filter: &FilterSettings) -> Vec<(String, f64)> {
         match self.column {
-            Column::Channels(of, _) => of(filter).iter().map(|(_, number)| number).collect(),
-            Column::Sensors => filter.sensor_std.clone(),
+            Column::Channels(of, _) => {
+                of(filter).iter().map(|(channel, number)| (format!(".{}", channel.key()), number)).collect()
+            }
+            Column::Sensors => {
+                filter.sensor_std.iter().enumerate().map(|(place, std)| (format!("[{place}]"), *std)).collect()
+            }
         }
     }
 

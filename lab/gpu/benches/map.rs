@@ -10,9 +10,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use kalmanscope_core::Axis;
 use kalmanscope_core::score::Outcome;
-use kalmanscope_core::{Scenario, Source};
+use kalmanscope_core::{Axis, Scenario, Source};
 use kalmanscope_gpu::{Gpu, Software};
 use kalmanscope_lab::{Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels, simulate};
 

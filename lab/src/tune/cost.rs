@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use argmin::core::{CostFunction, Error};
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Pass, Record, Scenario, VerdictKind};
 
 use super::Goal;
 use super::point::Point;
 use crate::{EnsembleError, Measure, outcome};
-use kalmanscope_core::Axis;
+use kalmanscope_core::{Axis, Pass, Record, Scenario, VerdictKind};
 
 /// The cost of settings that are impossible, beyond their axes, or stop the filter.
 pub(super) const FORBIDDEN: f64 = 1e100;

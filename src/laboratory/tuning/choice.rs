@@ -1,8 +1,7 @@
 //! The choice of a search: filter, settings and goal.
 
-use kalmanscope_core::Axis;
-use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::Goal;
 use serde::{Deserialize, Serialize};
 

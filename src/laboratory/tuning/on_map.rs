@@ -1,8 +1,7 @@
 //! A search and a map that has settings of it as its axes: the map's best cell, and the path of the search in the map.
 
-use kalmanscope_core::Axis;
-use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::Try;
 
 use super::TuneChoice;

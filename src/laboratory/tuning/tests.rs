@@ -1,8 +1,7 @@
 use super::*;
 use crate::laboratory::{Choice, Laboratory, Precision, Slices};
-use kalmanscope_core::Axis;
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Channel, Quantity};
+use kalmanscope_core::{Axis, Channel, Quantity};
 use kalmanscope_lab::Measure;
 use kalmanscope_lab::tune::Goal;
 

@@ -1,9 +1,8 @@
 //! The line above the panels: axes, score, filters, ranges, and the progress.
 
 use egui::{ComboBox, Grid, Ui, vec2};
-use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Address;
-use kalmanscope_core::{Axis, Spacing};
+use kalmanscope_core::{Axis, Scenario, Spacing};
 
 use crate::controls::number::field;
 use crate::laboratory::{

@@ -1,9 +1,8 @@
 //! Marks on a panel: the truth, the consistent region, and the dot of the present setting, which is dragged.
 
 use egui::{Color32, CursorIcon, EventFilter, Id, InputState, Key, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
-use kalmanscope_core::Axis;
 use kalmanscope_core::setting::{Address, INITIAL_MEAN};
-use kalmanscope_core::{Scenario, Signal};
+use kalmanscope_core::{Axis, Scenario, Signal};
 
 use super::contour::Piece;
 use crate::laboratory::Survey;

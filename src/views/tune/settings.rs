@@ -1,9 +1,8 @@
 //! The choices: filter, goal, settings and their ranges.
 
 use egui::{ComboBox, Grid, Ui, vec2};
-use kalmanscope_core::Axis;
-use kalmanscope_core::Scenario;
 use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::Goal;
 
 use crate::controls::number::field;
