@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use kalmanscope_core::Scenario;
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::setting::Edit;
 
@@ -33,7 +32,8 @@ pub(crate) fn write_fixed<'a>(
             let hint = finding.suspect.cause.hint;
             return Err(bad(format!("--fix {number}: no setting of {name} takes this cause away. {hint}")));
         }
-        turn(&mut fixed, place, &finding.knobs).map_err(|error| bad(format!("--fix {number}: {name}: {error}")))?;
+        let refused = |error| bad(format!("--fix {number}: {name}: {error}"));
+        fixed = Edit::apply_all(&finding.knobs, &fixed).map_err(refused)?;
         let ends = finding.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
         let names: Vec<&str> = finding.causes().map(|suspect| suspect.cause.name).collect();
         said.push(format!("{name}: the remedy against {} is written, then {ends}", names.join(" and then ")));
@@ -47,17 +47,5 @@ pub(crate) fn write_fixed<'a>(
     }
     write_text(out, &fixed.to_toml().map_err(|error| bad(error.to_string()))?)?;
     said.iter().for_each(|line| say(line));
-    Ok(())
-}
-
-/// Turns knobs of the filter at a place, whatever others are called.
-fn turn(scenario: &mut Scenario, place: usize, knobs: &[Edit]) -> Result<(), kalmanscope_core::ScenarioError> {
-    let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario.clone() };
-    let turned = Edit::apply_all(knobs, &alone)?;
-    scenario.hold = turned.hold;
-    if let Some(filter) = turned.filters.into_iter().next() {
-        let id = scenario.filters[place].id;
-        scenario.filters[place] = kalmanscope_core::FilterSettings { id, ..filter };
-    }
     Ok(())
 }

@@ -56,7 +56,7 @@ fn bad(file: &Path, reason: String) -> InputError {
 fn axis(text: &str, scenario: &Scenario) -> Result<Axis, String> {
     let Some((key, range)) = text.rsplit_once('=') else {
         let setting = Address::parse(scenario, text).map_err(|error| error.to_string())?;
-        return Ok(Axis::usual(&setting, scenario, 2));
+        return Ok(Axis { key: text.to_owned(), ..Axis::usual(&setting, scenario, 2) });
     };
     let counted = match range.strip_suffix(":log") {
         Some(range) => format!("{key}={range}:2:log"),

@@ -61,7 +61,7 @@ impl Ensemble {
         for axis in &plan.axes {
             axis.check()?;
             let setting = Address::parse(&scenario, &axis.key)?;
-            if settings.iter().any(|other| *other == setting) {
+            if settings.contains(&setting) {
                 return Err(EnsembleError::Repeated(axis.key.clone()));
             }
             settings.push(setting);

@@ -56,11 +56,14 @@ fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_
             control
         }
         Allowed::Whole(..) => {
-            ui.horizontal(|ui| {
+            let mut whole = *value as i64;
+            let field = DragValue::new(&mut whole).range(low as i64..=high as i64);
+            let row = ui.horizontal(|ui| {
                 ui.label(label).on_hover_text(info.hint);
-                ui.add(DragValue::new(value).range(low..=high).max_decimals(0))
-            })
-            .inner
+                ui.add(field)
+            });
+            *value = whole as f64;
+            row.inner
         }
         _ => return Number::of(info, label, name).show(ui, value),
     };

@@ -1,6 +1,6 @@
 //! A setting and its new value.
 
-use toml::{Table, Value};
+use toml::Value;
 
 use super::SENSOR_STD;
 use crate::document::Document;
@@ -41,13 +41,12 @@ impl Edit {
         Self { key: address::of_filter(id, key), value: value.into() }
     }
 
-    /// The line to write into a scenario file: into the table of the filter whose setting it is ([`Self::filter`]), or at
-    /// the top.
+    /// The line to write into a scenario file: into the table of the filter whose setting it is, or at the top.
     pub fn toml_line(&self) -> String {
         format!("{} = {}", self.inner(), self.value)
     }
 
-    /// The whole lines that turn some edits, each with the name of its filter if it is one of a filter's. A table with a number for
+    /// The whole lines that make some edits, each with the name of its filter if it is one of a filter's. A table with a number for
     /// each channel is one line, so that it can take the place of that in a file.
     ///
     /// # Errors
@@ -58,9 +57,11 @@ impl Edit {
         for edit in edits {
             let inner = edit.inner();
             let outer = inner.split('.').next().unwrap_or(inner);
-            let name = edit.place(scenario).and_then(|place| Some(scenario.filters.get(place)?.name.clone()));
+            let place = scenario.filters_at(&edit.key).and_then(|(places, _)| places.first().copied());
+            let of_filter = |place: usize| file.get("filters")?.as_array()?.get(place)?.as_table();
+            let name = place.and_then(|place| Some(scenario.filters.get(place)?.name.clone()));
             // A setting that is back at its default has no line in the file.
-            let value = edit.table(&file, scenario).and_then(|table| table.get(outer));
+            let value = place.map_or(Some(&file), of_filter).and_then(|table| table.get(outer));
             let value = value.filter(|value| outer == inner || value.is_table());
             let line = value.map_or_else(|| edit.toml_line(), |value| format!("{outer} = {value}"));
             let line = (name, line);
@@ -71,27 +72,9 @@ impl Edit {
         Ok(lines)
     }
 
-    /// The id of the filter whose setting it is, if it is one of a filter.
-    pub fn filter(&self) -> Option<u32> {
-        address::split_id(&self.key).map(|(id, _)| id)
-    }
-
     /// The key within the table of the filter, or of the scenario.
     fn inner(&self) -> &str {
         address::split_id(&self.key).map_or(&self.key, |(_, key)| key)
-    }
-
-    /// The place of the filter in a scenario.
-    fn place(&self, scenario: &Scenario) -> Option<usize> {
-        self.filter().and_then(|_| scenario.filters_at(&self.key))?.0.first().copied()
-    }
-
-    /// The table in a scenario's file in which the setting is. `None` if the scenario has no such filter.
-    fn table<'a>(&self, file: &'a Table, scenario: &Scenario) -> Option<&'a Table> {
-        if self.filter().is_none() {
-            return Some(file);
-        }
-        file.get("filters")?.as_array()?.get(self.place(scenario)?)?.as_table()
     }
 
     /// The edit with numbers of four significant digits, as people read and write them.
@@ -211,7 +194,7 @@ mod tests {
         assert_eq!(turned.filters[1].process_std[Channel::VELOCITY], 0.5);
         assert_eq!(turned.filters[1].sensor_std, [0.1, 0.2]);
         assert_eq!(edits[1].toml_line(), "process_std.velocity = 0.5");
-        assert_eq!((edits[2].toml_line().as_str(), edits[2].filter()), ("sensor_std = [0.1, 0.2]", Some(ukf)));
+        assert_eq!(edits[2].toml_line(), "sensor_std = [0.1, 0.2]");
         let rounded = Edit::of_filter(ekf, "sensor_std", vec![0.012_345_678, 1.005]).rounded();
         assert_eq!(rounded.toml_line(), "sensor_std = [0.01235, 1.005]");
         // A filter is found whatever it is called by now.
@@ -234,7 +217,7 @@ mod tests {
             (Edit::of_filter(9, "fading", 1.0), "`filters#9.fading`; its filters are"),
             (
                 Edit::of_filter(ekf, "fadng", 1.0),
-                "`filters#1.fadng`: `filters[0]`: unknown field `fadng`, expected one of",
+                "`filters#1.fadng`: `filters[0].fadng`: unknown field `fadng`, expected one of",
             ),
         ] {
             let error = wrong.apply(&scenario).unwrap_err().to_string();

@@ -78,10 +78,11 @@ pub(super) trait Field {
 }
 
 macro_rules! field {
-    ($($kind:ty),*) => {
+    ($($kind:ty: $number:expr),*) => {
         $(impl Field for $kind {
             fn number(&self) -> f64 {
-                *self as f64
+                let number: fn($kind) -> f64 = $number;
+                number(*self)
             }
 
             fn put(&mut self, value: f64) {
@@ -90,7 +91,7 @@ macro_rules! field {
         })*
     };
 }
-field!(u64, usize, i32);
+field!(u64: |whole| whole as f64, usize: |whole| whole as f64, i32: f64::from);
 
 impl Field for f64 {
     fn number(&self) -> f64 {
