@@ -11,6 +11,7 @@ pub mod number;
 mod options;
 mod plant;
 mod record;
+mod row;
 mod sensors;
 mod signal;
 

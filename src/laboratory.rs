@@ -33,7 +33,7 @@ pub use engine::{Computer, Engine, Finding, GivenUp, Graphics, GraphicsWork, Pre
 pub(crate) use measures::{label as measure_label, name as measure_name, offered};
 pub use monte_carlo::{SEEDS, SeedChoice, SeedRuns, Seeds};
 pub use pace::Pace;
-pub(crate) use settings::{candidates, collide, guessed, label as setting_label, name as setting_name, of_filters};
+pub(crate) use settings::{candidates, collide, label as setting_label, name as setting_name, of_filters};
 pub use slices::Slices;
 pub use state::WorkState;
 pub use survey::Survey;

@@ -7,9 +7,9 @@ use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
 use kalmanscope_core::equation::EquationSettings;
 use kalmanscope_core::import::{Dimension, unit};
-use kalmanscope_core::{PlantKind, Quantity, VerdictKind};
+use kalmanscope_core::{Axis, PlantKind, Quantity, VerdictKind};
+use kalmanscope_lab::Measure;
 use kalmanscope_lab::tune::Goal;
-use kalmanscope_lab::{Axis, Measure};
 
 use crate::places::{Places, places};
 

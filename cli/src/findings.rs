@@ -1,6 +1,7 @@
 //! The evidence for a verdict and the causes of it, in words.
 
-use kalmanscope_core::diagnosis::{Evidence, Finding, Knob};
+use kalmanscope_core::diagnosis::{Evidence, Finding};
+use kalmanscope_core::setting::Edit;
 use kalmanscope_core::sorting::sort_short_by;
 use kalmanscope_core::{Diagnosis, Scenario};
 
@@ -61,11 +62,11 @@ pub(crate) fn likeliest(causes: &[Finding], scenario: &Scenario) -> Vec<CauseInW
 }
 
 /// The lines that turn some knobs.
-fn lines(knobs: &[Knob], scenario: &Scenario) -> Vec<String> {
+fn lines(knobs: &[Edit], scenario: &Scenario) -> Vec<String> {
     let line = |(filter, line): (Option<String>, String)| {
         let place = if filter.is_some() { "in its [[filters]]" } else { "at the top" };
         format!("write {place}: {}", legible(&line))
     };
     // A trial has turned them: they can be turned.
-    Knob::toml_lines(knobs, scenario).unwrap_or_default().into_iter().map(line).collect()
+    Edit::toml_lines(knobs, scenario).unwrap_or_default().into_iter().map(line).collect()
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use kalmanscope_core::Scenario;
-use kalmanscope_core::diagnosis::{Finding, Knob};
+use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::setting::Edit;
 
 use crate::import::path_from;
 use crate::input::InputError;
@@ -32,7 +32,8 @@ pub(crate) fn write_fixed<'a>(
             let hint = finding.suspect.cause.hint;
             return Err(bad(format!("--fix {number}: no setting of {name} takes this cause away. {hint}")));
         }
-        turn(&mut fixed, place, &finding.knobs).map_err(|error| bad(format!("--fix {number}: {name}: {error}")))?;
+        let refused = |error| bad(format!("--fix {number}: {name}: {error}"));
+        fixed = Edit::apply_all(&finding.knobs, &fixed).map_err(refused)?;
         let ends = finding.after.as_ref().map_or("no better", |verdict| verdict.kind.name());
         let names: Vec<&str> = finding.causes().map(|suspect| suspect.cause.name).collect();
         said.push(format!("{name}: the remedy against {} is written, then {ends}", names.join(" and then ")));
@@ -46,17 +47,5 @@ pub(crate) fn write_fixed<'a>(
     }
     write_text(out, &fixed.to_toml().map_err(|error| bad(error.to_string()))?)?;
     said.iter().for_each(|line| say(line));
-    Ok(())
-}
-
-/// Turns knobs of the filter at a place, whatever others are called.
-fn turn(scenario: &mut Scenario, place: usize, knobs: &[Knob]) -> Result<(), kalmanscope_core::ScenarioError> {
-    let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario.clone() };
-    let turned = Knob::apply_all(knobs, &alone)?;
-    scenario.hold = turned.hold;
-    if let Some(filter) = turned.filters.into_iter().next() {
-        let id = scenario.filters[place].id;
-        scenario.filters[place] = kalmanscope_core::FilterSettings { id, ..filter };
-    }
     Ok(())
 }

@@ -13,8 +13,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use kalmanscope_core::import::{Hash, hash};
-use kalmanscope_core::{Record, Scenario, Source};
-use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, Plan, Runner, Slice, Spacing, channels};
+use kalmanscope_core::{Axis, Record, Scenario, Source, Spacing};
+use kalmanscope_lab::{Crew, Ensemble, Measure, Plan, Runner, Slice, channels};
 
 use crate::args::{Shard, SweepArgs};
 use crate::input::InputError;

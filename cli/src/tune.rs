@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Address;
 use kalmanscope_core::simulate::simulate;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::{Goal, Tuned, Tuner};
-use kalmanscope_lab::{Axis, Setting};
 
 use crate::args::TuneArgs;
 use crate::input::InputError;
@@ -55,8 +55,8 @@ fn bad(file: &Path, reason: String) -> InputError {
 /// The range of a setting, written as `KEY`, `KEY=FROM:TO` or `KEY=FROM:TO:log`.
 fn axis(text: &str, scenario: &Scenario) -> Result<Axis, String> {
     let Some((key, range)) = text.rsplit_once('=') else {
-        let setting = Setting::new(scenario, text).map_err(|error| error.to_string())?;
-        return Ok(Axis::usual(&setting, scenario, 2));
+        let setting = Address::parse(scenario, text).map_err(|error| error.to_string())?;
+        return Ok(Axis { key: text.to_owned(), ..Axis::usual(&setting, scenario, 2) });
     };
     let counted = match range.strip_suffix(":log") {
         Some(range) => format!("{key}={range}:2:log"),

@@ -92,7 +92,7 @@ impl Outcome {
                     for finding in &findings {
                         let after = finding.after.as_ref().map_or("", |verdict| verdict.kind.name());
                         let knobs: Vec<String> =
-                            finding.suspect.knobs.iter().map(kalmanscope_core::diagnosis::Knob::toml_line).collect();
+                            finding.suspect.knobs.iter().map(kalmanscope_core::setting::Edit::toml_line).collect();
                         let sentence = &finding.suspect.sentence;
                         println!("@{seed} {:.1} {sentence} -> {after}: {}", finding.gain, knobs.join("; "));
                     }

@@ -16,7 +16,8 @@ mod faults;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use kalmanscope_core::diagnosis::{Diagnosis, Finding, Knob};
+use kalmanscope_core::diagnosis::{Diagnosis, Finding};
+use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Channel, Diagnostics, Record, Run, Scenario, VerdictKind};
 
 use faults::{FOR_LIMITS, FRESH, Fault, Situation, UNTOUCHED, without_truth};
@@ -117,7 +118,7 @@ impl Outcome {
         let first = findings.first().filter(|_| is_bad);
         let causes: Vec<_> = first.map_or(Vec::new(), |one| one.causes().map(|suspect| suspect.cause.key).collect());
         let turned = first.filter(|one| !one.knobs.is_empty());
-        let turned = turned.map(|one| Knob::apply_all(&one.knobs, &told).expect("the trial did so"));
+        let turned = turned.map(|one| Edit::apply_all(&one.knobs, &told).expect("the trial did so"));
         let after = turned.map(|turned| {
             let (kind, errors, _) = judged(&turned, &record, &blind, false);
             (errors, kind.is_some_and(VerdictKind::is_good))

@@ -49,6 +49,7 @@
 
 pub mod analysis;
 pub mod augment;
+pub mod axis;
 pub mod channel;
 pub mod cramer_rao;
 pub mod diagnosis;
@@ -78,6 +79,7 @@ pub mod run;
 mod sample;
 pub mod scenario;
 pub mod score;
+pub mod setting;
 pub mod signal;
 pub mod simulate;
 pub mod sink;
@@ -109,6 +111,7 @@ mod spare;
 mod waste;
 
 pub use analysis::{Analysis, Bound, Wanted};
+pub use axis::{Axis, AxisError, Spacing};
 pub use channel::Channel;
 pub use cramer_rao::CramerRao;
 pub use diagnosis::{Diagnosis, LiveDiagnosis, Verdict, VerdictKind};

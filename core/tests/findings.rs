@@ -9,7 +9,8 @@ use std::sync::Arc;
 use kalmanscope_core::diagnosis::VerdictKind::{
     self, Collapsed, Consistent, Overconfident, Recovered, Underconfident, WoundUp,
 };
-use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Knob, Verdict};
+use kalmanscope_core::diagnosis::{Diagnosis, Evidence, Verdict};
+use kalmanscope_core::setting::Edit;
 use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, CramerRao, Diagnostics, Estimates, Record, Run, Scenario};
 use run::finished;
@@ -232,7 +233,7 @@ fn the_cause_of_a_felt_disturbance_is_named_and_its_knob_helps() {
     };
     let mut inflated = scenario.clone();
     inflated.filters[0].sensor_std[1] = 2.06;
-    let turned = Knob::apply_all(&findings[0].knobs, &scenario).unwrap();
+    let turned = Edit::apply_all(&findings[0].knobs, &scenario).unwrap();
     assert_eq!(turned.filters[0].sensor_std, scenario.filters[0].sensor_std);
     let [with_force, with_noise] = [&turned, &inflated].map(likelihood);
     assert!(with_force > with_noise + 100.0, "{with_force} with a white force, {with_noise} with a larger R");

@@ -3,8 +3,9 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::diagnosis::{Diagnosis, Finding, Knob};
+use kalmanscope_core::diagnosis::{Diagnosis, Finding};
 use kalmanscope_core::record::Input;
+use kalmanscope_core::setting::Edit;
 use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, Diagnostics, Quantity, Record, Run, Scenario, Signal, VerdictKind, signal};
 
@@ -83,7 +84,7 @@ fn two_faults_have_one_remedy_and_its_verdict_is_kept() {
         assert!(Finding::is_explained(&findings));
         let promised = first.after.as_ref().unwrap().kind;
         assert!(promised.is_good(), "seed {seed}: {promised:?}");
-        let repaired = Knob::apply_all(&first.knobs, &scenario).unwrap();
+        let repaired = Edit::apply_all(&first.knobs, &scenario).unwrap();
         assert_eq!(judged(&repaired, &record).0, promised, "seed {seed}");
         // No two remedies have the same causes.
         let mut sets: Vec<_> = findings.iter().map(keys).collect();

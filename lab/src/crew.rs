@@ -109,8 +109,8 @@ impl Queue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Ensemble, Measure, Plan, Sheet};
-    use kalmanscope_core::{Scenario, Source};
+    use crate::{Ensemble, Measure, Plan, Sheet};
+    use kalmanscope_core::{Axis, Scenario, Source};
 
     fn runner() -> Arc<Runner> {
         let scenario = Scenario { duration: 3.0, ..Scenario::default() };

@@ -1,13 +1,12 @@
 //! Many runs of one scenario, which differ in the values of some settings.
 
-use kalmanscope_core::{Channel, Document, DocumentError, RunError, Scenario};
 use thiserror::Error;
 
-use crate::axis::{Axis, AxisError};
 use crate::order;
 use crate::plan::Plan;
-use crate::setting::{Setting, UnknownSetting};
 use crate::trace::Trace;
+use kalmanscope_core::setting::{Address, UnknownSetting};
+use kalmanscope_core::{Axis, AxisError, Channel, Document, DocumentError, RunError, Scenario};
 
 /// The most cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;
@@ -20,7 +19,7 @@ pub const MAX_CELLS: usize = 100_000_000;
 pub struct Ensemble {
     scenario: Scenario,
     plan: Plan,
-    settings: Vec<Setting>,
+    settings: Vec<Address>,
 }
 
 /// The reason why an ensemble is impossible.
@@ -55,13 +54,14 @@ impl Ensemble {
     /// # Errors
     /// [`EnsembleError`] where the scenario is impossible or lacks a filter, an axis is impossible or varies no number of the
     /// scenario, or there are too many cells.
-    pub fn new(scenario: Scenario, plan: Plan) -> Result<Self, EnsembleError> {
+    pub fn new(mut scenario: Scenario, plan: Plan) -> Result<Self, EnsembleError> {
+        scenario.number_filters();
         scenario.validate().map_err(RunError::from)?;
-        let mut settings: Vec<Setting> = Vec::new();
+        let mut settings: Vec<Address> = Vec::new();
         for axis in &plan.axes {
             axis.check()?;
-            let setting = Setting::new(&scenario, &axis.key)?;
-            if settings.iter().any(|other| other.is_same_as(&setting)) {
+            let setting = Address::parse(&scenario, &axis.key)?;
+            if settings.contains(&setting) {
                 return Err(EnsembleError::Repeated(axis.key.clone()));
             }
             settings.push(setting);
@@ -111,7 +111,7 @@ impl Ensemble {
     }
 
     /// The settings of the axes.
-    pub fn settings(&self) -> &[Setting] {
+    pub fn settings(&self) -> &[Address] {
         &self.settings
     }
 
@@ -184,7 +184,7 @@ impl Ensemble {
 
     /// The cell nearest to the scenario's present values, if these lie within the axes.
     pub fn present(&self) -> Option<usize> {
-        let place = |(axis, setting): (&Axis, &Setting)| axis.place_of(setting.get(&self.scenario));
+        let place = |(axis, setting): (&Axis, &Address)| axis.place_of(setting.get(&self.scenario));
         let places: Option<Vec<usize>> = self.plan.axes.iter().zip(&self.settings).map(place).collect();
         places.map(|places| self.cell(&places))
     }

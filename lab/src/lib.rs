@@ -5,8 +5,8 @@
 //! ```
 //!
 //! ```
-//! use kalmanscope_core::{Scenario, Source};
-//! use kalmanscope_lab::{Axis, Ensemble, Plan, Runner};
+//! use kalmanscope_core::{Axis, Scenario, Source};
+//! use kalmanscope_lab::{Ensemble, Plan, Runner};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let axis = Axis::parse("filters.EKF.initial_mean.natural_frequency=4:12:3")?;
 //! let measures = vec!["rmse.natural_frequency".parse()?];
@@ -18,7 +18,6 @@
 //! # }
 //! ```
 
-mod axis;
 mod cell_work;
 #[cfg(feature = "threads")]
 mod crew;
@@ -29,13 +28,11 @@ pub mod order;
 mod outcome;
 mod plan;
 mod runner;
-mod setting;
 mod sheet;
 mod trace;
 #[cfg(feature = "tune")]
 pub mod tune;
 
-pub use axis::{Axis, AxisError, MAX_COUNT, Spacing};
 pub use cell_work::CellWork;
 #[cfg(feature = "threads")]
 pub use crew::{Crew, Work};
@@ -44,6 +41,5 @@ pub use measure::{Measure, UnknownMeasure};
 pub use monte_carlo::MonteCarlo;
 pub use plan::Plan;
 pub use runner::{CellRun, Runner, outcomes_of};
-pub use setting::{Setting, UnknownSetting};
 pub use sheet::{Sheet, Slice};
 pub use trace::Trace;

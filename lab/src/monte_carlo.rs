@@ -2,12 +2,11 @@
 
 use std::ops::RangeInclusive;
 
-use kalmanscope_core::Channel;
 use kalmanscope_core::diagnostics::chi_squared;
 use kalmanscope_core::sorting::sort_numbers;
 
-use crate::{Axis, Ensemble, EnsembleError, Measure, Plan, Slice, Spacing, Trace};
-use kalmanscope_core::Scenario;
+use crate::{Ensemble, EnsembleError, Measure, Plan, Slice, Trace};
+use kalmanscope_core::{Axis, Channel, Scenario, Spacing};
 
 /// Statistics over the seeds of an ensemble, which grow as rows come in.
 ///

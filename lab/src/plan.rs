@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Axis, Measure};
+use crate::Measure;
+use kalmanscope_core::Axis;
 
 /// The axes, filters and measures of an ensemble, beside its scenario: plain data for files and messages.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -3,13 +3,13 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kalmanscope_core::score::Outcome;
+use kalmanscope_core::setting::RECORD_GAIN;
 use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Pass, Record, Scenario, Source};
 
 use crate::ensemble::{Ensemble, EnsembleError};
 use crate::outcome;
 use crate::plan::Plan;
-use crate::setting::record_gain;
 
 /// The records that are kept for the next cells.
 const KEPT: usize = 16;
@@ -38,8 +38,9 @@ impl Runner {
     /// change a given record.
     pub fn new(ensemble: Ensemble, source: Source) -> Result<Self, EnsembleError> {
         if let Source::Measured(record) = &source {
-            if let Some(setting) = ensemble.settings().iter().find(|setting| !setting.suits_given_record()) {
-                return Err(EnsembleError::Fixed(setting.key().to_owned()));
+            let mut settings = ensemble.plan().axes.iter().zip(ensemble.settings());
+            if let Some((axis, _)) = settings.find(|(_, setting)| !setting.suits_given_record()) {
+                return Err(EnsembleError::Fixed(axis.key.clone()));
             }
             for &place in &ensemble.plan().filters {
                 Pass::columns(ensemble.scenario(), place, record)?;
@@ -154,8 +155,8 @@ impl Runner {
 
     /// The factor on the input of a given record in a scenario: it was imported with the gain of the ensemble's scenario.
     fn input_factor(&self, scenario: &Scenario) -> f64 {
-        let own = record_gain(self.ensemble.scenario());
-        record_gain(scenario).zip(own).map_or(1.0, |(gain, own)| gain / own)
+        let [gain, own] = [scenario, self.ensemble.scenario()].map(RECORD_GAIN.get);
+        if gain.is_nan() || own.is_nan() { 1.0 } else { gain / own }
     }
 
     /// The record of a cell with this scenario, which is possible.

@@ -105,8 +105,8 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Measure, Plan};
-    use kalmanscope_core::Scenario;
+    use crate::{Measure, Plan};
+    use kalmanscope_core::{Axis, Scenario};
 
     #[test]
     fn a_coarse_picture_is_complete_long_before_the_fine_one() {

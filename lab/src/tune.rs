@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 use argmin::core::{IterState, Problem, Solver, State as _, TerminationStatus};
 use argmin::solver::neldermead::NelderMead;
-use kalmanscope_core::{Record, Scenario, VerdictKind};
 
-use crate::{Axis, EnsembleError};
+use crate::EnsembleError;
 use cost::{Cost, Objective};
+use kalmanscope_core::{Axis, Record, Scenario, VerdictKind};
 use point::Point;
 
 pub use goal::Goal;

@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use kalmanscope_core::{FilterKind, Scenario, Source};
-use kalmanscope_lab::{Axis, CellWork, Ensemble, Plan, Runner};
+use kalmanscope_core::{Axis, FilterKind, Scenario, Source};
+use kalmanscope_lab::{CellWork, Ensemble, Plan, Runner};
 
 fn runner(scenario: Scenario, measures: &[&str], times: usize) -> Arc<Runner> {
     let axes = ["seed=1:2:2", "filters.EKF.fading=0.5:1.5:3"].map(|text| Axis::parse(text).unwrap()).to_vec();

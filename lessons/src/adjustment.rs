@@ -1,11 +1,11 @@
 //! The changes that a lesson makes to a scenario.
 
+use kalmanscope_core::setting::Edit;
 use kalmanscope_core::{Document, Quantity, Scenario, ScenarioError, Sensor};
 use serde::Deserialize;
 use toml::{Table, Value};
 
 use crate::LessonError;
-use crate::path;
 
 /// Changes to a scenario, made in the order of the fields.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -85,13 +85,8 @@ impl Adjustment {
         for &sensor in add_sensors {
             scenario.add_sensor(sensor);
         }
-        let mut file = written(&scenario)?;
-        for (path, value) in set {
-            if !path::set(&mut file, path, value) {
-                return Err(LessonError::unknown_path(path, &scenario));
-            }
-        }
-        read(&file)
+        let edits: Vec<Edit> = set.iter().map(|(key, value)| Edit::new(key, value.clone())).collect();
+        Ok(Edit::apply_all(&edits, &scenario)?)
     }
 }
 
@@ -111,7 +106,7 @@ fn add_filter(file: &mut Table, filter: &Table) -> Result<(), LessonError> {
     let mut filter = filter.clone();
     let name = filter.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
     let Some(Value::Array(filters)) = file.get_mut("filters") else {
-        return Err(LessonError::UnknownPath { path: "filters".to_owned(), filters: String::new() });
+        return Err(LessonError::AmbiguousFilter(name));
     };
     let called = |name: &str| filters.iter().find(|other| other.get("name").and_then(Value::as_str) == Some(name));
     if name.is_empty() || called(&name).is_some() {
@@ -121,15 +116,27 @@ fn add_filter(file: &mut Table, filter: &Table) -> Result<(), LessonError> {
         let like = like.as_str().unwrap_or_default();
         let model = called(like).and_then(Value::as_table);
         let mut model = model.ok_or_else(|| LessonError::UnknownFilter(like.to_owned()))?.clone();
-        path::lay_over(&mut model, &filter);
+        lay_over(&mut model, &filter);
         filter = model;
     }
     filters.push(Value::Table(filter));
     Ok(())
 }
 
+/// Merges a table into another: subtables are merged, other values are replaced.
+fn lay_over(below: &mut Table, above: &Table) {
+    for (key, value) in above {
+        match (below.get_mut(key), value) {
+            (Some(Value::Table(below)), Value::Table(above)) => lay_over(below, above),
+            _ => {
+                below.insert(key.clone(), value.clone());
+            }
+        }
+    }
+}
+
 /// The scenario with all its settings, defaults included, so that each has a path.
-pub(crate) fn written(scenario: &Scenario) -> Result<Table, LessonError> {
+fn written(scenario: &Scenario) -> Result<Table, LessonError> {
     Ok(Document::table(scenario).map_err(ScenarioError::from)?)
 }
 
@@ -142,7 +149,7 @@ pub(crate) fn read(file: &Table) -> Result<Scenario, LessonError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kalmanscope_core::{Channel, FilterKind, Force, Signal};
+    use kalmanscope_core::{Channel, FilterKind};
 
     fn change(text: &str) -> Change {
         toml::from_str(&format!("label = \"x\"\n{text}")).unwrap()
@@ -156,24 +163,6 @@ mod tests {
     fn nothing_changed_is_the_same_scenario() {
         assert_eq!(apply("").unwrap(), Scenario::default());
         assert_eq!(Adjustment::default().apply(&Scenario::default()).unwrap(), Scenario::default());
-    }
-
-    #[test]
-    fn values_are_set_by_their_paths() {
-        let scenario = apply(
-            "[set]\n\"filters.*.fading\" = 1\n\"filters.UKF.initial_mean.natural_frequency\" = 12\nduration = 10\n\
-             force = { none = {} }\n\"plant.natural_frequency\" = { step = { from = 6, to = 5, at = 2 } }",
-        )
-        .unwrap();
-        assert!(scenario.filters.iter().all(|f| f.fading == 1.0));
-        assert_eq!(
-            scenario.filters.iter().map(|f| f.initial_mean[Channel::NATURAL_FREQUENCY]).collect::<Vec<_>>(),
-            [8.0, 12.0]
-        );
-        assert_eq!((scenario.duration, scenario.force), (10.0, Force::None));
-        assert_eq!(scenario.plant.parameter(Channel::NATURAL_FREQUENCY).unwrap().at(2.0), 5.0);
-        let constant = apply("set = { \"plant.natural_frequency\" = 5 }").unwrap();
-        assert_eq!(constant.plant.parameter(Channel::NATURAL_FREQUENCY), Some(Signal::Constant(5.0)));
     }
 
     #[test]
@@ -205,9 +194,15 @@ mod tests {
     }
 
     #[test]
+    fn tables_are_merged_and_values_replaced() {
+        let mut below: Table = "a = 1\n[t]\nb = 2\nc = 3".parse().unwrap();
+        lay_over(&mut below, &"a = 9\nd = 5\n[t]\nb = 7".parse().unwrap());
+        assert_eq!(below, "a = 9\nd = 5\n[t]\nb = 7\nc = 3".parse().unwrap());
+    }
+
+    #[test]
     fn errors_have_the_name_of_what_is_missing() {
         for (text, message) in [
-            ("set = { \"filters.EKF.fadng\" = 1 }", "the scenario has no setting `filters.EKF.fadng`"),
             (
                 "set = { \"filters.KF.fading\" = 1 }",
                 "the scenario has no setting `filters.KF.fading`; its filters are `EKF` and `UKF`",
@@ -222,6 +217,8 @@ mod tests {
         ] {
             assert_eq!(apply(text).unwrap_err().to_string(), message);
         }
+        let unknown = apply("set = { \"filters.EKF.fadng\" = 1 }").unwrap_err().to_string();
+        assert!(unknown.starts_with("the scenario has no setting `filters.EKF.fadng`: "), "{unknown}");
         let impossible = apply("set = { \"filters.EKF.fading\" = 0.5 }").unwrap_err().to_string();
         assert!(impossible.contains("filters[0].fading"), "{impossible}");
         let unknown = toml::from_str::<Change>("label = \"x\"\nsett = {}").unwrap_err().to_string();

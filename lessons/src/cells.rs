@@ -1,10 +1,11 @@
 //! The grid of a check over cells.
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::SEED;
+use kalmanscope_core::{Axis, Scenario};
 use serde::Deserialize;
 
 use crate::LessonError;
-use crate::axis::{self, Axis};
+use crate::grid;
 use crate::limits::Limits;
 use crate::value::Expected;
 
@@ -36,7 +37,7 @@ impl Cells {
     /// # Errors
     /// [`LessonError::Axis`] where a text is none.
     pub(crate) fn axes(&self) -> Result<Vec<Axis>, LessonError> {
-        [Some(&self.x), self.y.as_ref()].into_iter().flatten().map(|text| Axis::parse(text)).collect()
+        [Some(&self.x), self.y.as_ref()].into_iter().flatten().map(|text| grid::axis(text)).collect()
     }
 
     /// Checks that all cells can be run.
@@ -45,9 +46,9 @@ impl Cells {
     /// [`LessonError`] where an axis is none, or varies something that the scenario lacks or the seed, which is tried anyway.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         let axes = self.axes()?;
-        if axes.iter().any(|axis| axis.key() == "seed") {
+        if axes.iter().any(|axis| axis.key == SEED.key) {
             return Err(LessonError::Axis(self.x.clone()));
         }
-        axis::check_corners(scenario, &axes)
+        grid::check_corners(scenario, &axes)
     }
 }

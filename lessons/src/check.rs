@@ -166,6 +166,6 @@ impl Check {
     }
 
     pub(crate) fn trouble(&self, what: &str) -> LessonError {
-        LessonError::Check { measure: self.measure.key().to_owned(), trouble: what.to_owned() }
+        LessonError::Check { measure: self.measure.to_string(), trouble: what.to_owned() }
     }
 }

@@ -1,6 +1,7 @@
 //! Errors of lessons.
 
-use kalmanscope_core::{DocumentError, Quantity, RunError, Scenario, ScenarioError};
+use kalmanscope_core::setting::UnknownSetting;
+use kalmanscope_core::{DocumentError, Quantity, RunError, ScenarioError};
 use thiserror::Error;
 
 /// The reason why a lesson cannot be used.
@@ -12,14 +13,9 @@ pub enum LessonError {
     /// The lesson begins with a scenario that is not built in.
     #[error("there is no built-in scenario `{0}`")]
     UnknownScenario(String),
-    /// A change sets something that the scenario lacks.
-    #[error("the scenario has no setting `{path}`{filters}")]
-    UnknownPath {
-        /// The setting's path.
-        path: String,
-        /// The end of the sentence: the filters that there are, where the path is of none of them.
-        filters: String,
-    },
+    /// An axis varies something that the scenario lacks.
+    #[error(transparent)]
+    Setting(#[from] UnknownSetting),
     /// A change or a check names a filter that the scenario lacks.
     #[error("the scenario has no filter `{0}`")]
     UnknownFilter(String),
@@ -80,11 +76,6 @@ impl From<DocumentError> for LessonError {
 }
 
 impl LessonError {
-    /// The error for a path that a scenario lacks.
-    pub(crate) fn unknown_path(path: &str, scenario: &Scenario) -> Self {
-        Self::UnknownPath { path: path.to_owned(), filters: scenario.filters_instead_of(path) }
-    }
-
     /// The error with its step, counted from 0.
     pub(crate) fn in_step(self, step: usize) -> Self {
         Self::Step { number: step + 1, error: Box::new(self) }

@@ -14,7 +14,6 @@
 //! ```
 
 mod adjustment;
-mod axis;
 mod built_in;
 mod cells;
 mod check;
@@ -23,13 +22,13 @@ mod cost;
 mod error;
 mod evaluate;
 mod file;
+mod grid;
 mod lesson;
 mod library;
 mod limits;
 mod map;
 mod measure;
 mod outcome;
-mod path;
 mod question;
 pub mod records;
 mod shares;

@@ -4,7 +4,7 @@ use kalmanscope_core::Scenario;
 use serde::Deserialize;
 
 use crate::LessonError;
-use crate::axis::{self, Axis};
+use crate::grid::{axis, check_corners};
 
 /// A map over two settings, in the words of the laboratory.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
@@ -32,7 +32,7 @@ impl Map {
         if let Some(name) = self.missing_filter(scenario) {
             return Err(LessonError::UnknownFilter(name.clone()));
         }
-        axis::check_corners(scenario, &[Axis::parse(&self.x)?, Axis::parse(&self.y)?])
+        check_corners(scenario, &[axis(&self.x)?, axis(&self.y)?])
     }
 
     /// The name of a filter that the scenario lacks, if it lacks one: the step's change may have to add it first.

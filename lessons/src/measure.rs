@@ -1,10 +1,13 @@
 //! The measures that a check can take of a filter.
 
-use serde::Deserialize;
+use std::fmt;
+
+use kalmanscope_core::Document;
+use serde::{Deserialize, Serialize};
 
 /// A measure of a filter, over a range of samples or at a single one. Errors are those of the canonical form of the
 /// oscillator, whose natural frequency is not negative.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
     /// Root mean square error of a channel, in its unit.
@@ -47,54 +50,35 @@ pub enum Measure {
 }
 
 impl Measure {
-    /// The key in lesson files.
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Rmse => "rmse",
-            Self::RmseOverSensor => "rmse_over_sensor",
-            Self::MeanError => "mean_error",
-            Self::ErrorInStd => "error_in_std",
-            Self::Estimate => "estimate",
-            Self::Std => "std",
-            Self::StdOverBound => "std_over_bound",
-            Self::ShareInside => "share_inside",
-            Self::Nees => "nees",
-            Self::Nis => "nis",
-            Self::Autocorrelation => "autocorrelation",
-            Self::Gain => "gain",
-            Self::Settled => "settled",
-            Self::LogLikelihood => "log_likelihood",
-            Self::Evaluations => "evaluations",
-            Self::Verdict => "verdict",
-            Self::Stopped => "stopped",
-            Self::Remark => "remark",
-        }
-    }
-
     pub(crate) const fn needs_channel(self) -> bool {
-        match self {
-            Self::Rmse
-            | Self::RmseOverSensor
-            | Self::MeanError
-            | Self::ErrorInStd
-            | Self::Estimate
-            | Self::Std
-            | Self::StdOverBound
-            | Self::ShareInside
-            | Self::Gain
-            | Self::Settled => true,
-            Self::Nees
-            | Self::Nis
-            | Self::Autocorrelation
-            | Self::LogLikelihood
-            | Self::Evaluations
-            | Self::Verdict
-            | Self::Stopped
-            | Self::Remark => false,
-        }
+        use Measure::{
+            ErrorInStd, Estimate, Gain, MeanError, Rmse, RmseOverSensor, Settled, ShareInside, Std, StdOverBound,
+        };
+        matches!(
+            self,
+            Rmse | RmseOverSensor
+                | MeanError
+                | ErrorInStd
+                | Estimate
+                | Std
+                | StdOverBound
+                | ShareInside
+                | Gain
+                | Settled
+        )
     }
 
     pub(crate) const fn is_number(self) -> bool {
         !matches!(self, Self::Verdict | Self::Stopped | Self::Remark)
+    }
+}
+
+impl fmt::Display for Measure {
+    /// Writes the key in lesson files.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match Document::of(self) {
+            Ok(Document::Text(key)) => f.write_str(&key),
+            _ => Err(fmt::Error),
+        }
     }
 }

@@ -2,8 +2,8 @@
 
 use kalmanscope_core::Scenario;
 
-use crate::axis;
 use crate::check::Check;
+use crate::grid;
 use crate::{LessonError, Outcome};
 
 /// The shares of the cells in which checks hold, of those checks that have cells. Each cell of a grid is run once for all checks
@@ -21,7 +21,7 @@ pub(crate) fn shares(
     for first in 0..checks.len() {
         let Some(cells) = checks[first].cells.as_ref().filter(|_| shares[first].is_none()) else { continue };
         let same: Vec<usize> = (first..checks.len()).filter(|&other| grid(other) == grid(first)).collect();
-        let scenarios = axis::cells(scenario, &cells.axes()?)?;
+        let scenarios = grid::cells(scenario, &cells.axes()?)?;
         let mut hits = vec![0_usize; same.len()];
         for scenario in &scenarios {
             let outcome = run(scenario)?;

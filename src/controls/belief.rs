@@ -2,6 +2,7 @@
 
 use egui::{Grid, Response, RichText, Ui, Vec2};
 use kalmanscope_core::import::Length;
+use kalmanscope_core::setting::{Entry, INITIAL_MEAN, INITIAL_STD, PROCESS_STD, SENSOR_STD, TableInfo};
 use kalmanscope_core::{Channel, FilterSettings, InputKind, PlantKind, Sensor};
 
 use super::lit::lit;
@@ -21,8 +22,6 @@ pub(super) fn belief_ui(
     length: Length,
 ) {
     let channels = filter.model(truth, InputKind::Force).channels().to_vec();
-    let known: Vec<Channel> = channels.iter().copied().filter(|channel| filter.knows(*channel)).collect();
-    let FilterSettings { id, name, sensor_std, initial_mean, initial_std, process_std, .. } = filter;
     let spacing = ui.spacing().item_spacing.x;
     let column = ((ui.available_width() - SYMBOL_WIDTH - UNIT_WIDTH - 4.0 * spacing) / 3.0).max(36.0);
     let cell = |ui: &mut Ui, enabled: bool, add: &mut dyn FnMut(&mut Ui)| {
@@ -35,61 +34,58 @@ pub(super) fn belief_ui(
         ui.label(RichText::new(text).small().weak()).on_hover_text(hint);
     };
 
-    Grid::new(("belief", *id)).num_columns(5).min_col_width(0.0).spacing(Vec2::new(spacing, 4.0)).show(ui, |ui| {
-        ui.label("");
-        heading(ui, "initial guess", "Mean of the initial belief");
-        heading(ui, "± σ of guess", "Standard deviation of the initial belief: how sure the filter is of its guess");
-        heading(ui, "√Q per step", "Standard deviation of the model's error in one step");
-        ui.end_row();
-        for &channel in &channels {
-            // The parameters of a KF are known and have no uncertainty to set.
-            let uncertain = !known.contains(&channel);
-            ui.label(channel.symbol()).on_hover_text(channel.name());
-            let title = |what: &str| format!("{name} {what} of {}", channel.name());
-            let path = |table: &str| format!("filters#{id}.{table}.{}", channel.key());
-            let scale = scale(channel);
-            let mean = &mut initial_mean[channel];
-            let (text, key) = (title("initial guess"), path("initial_mean"));
-            let name = Named { text: &text, key: &key };
-            cell(ui, true, &mut |ui| {
-                lit(ui, &key, |ui| field(ui, mean, f64::NEG_INFINITY, scale, name, "Mean of the initial belief"));
-            });
-            let std = &mut initial_std[channel];
-            let (text, key) = (title("initial std"), path("initial_std"));
-            let name = Named { text: &text, key: &key };
-            cell(ui, uncertain, &mut |ui| {
-                lit(ui, &key, |ui| {
-                    std_field(ui, std, 0.0, 10.0 * scale, name, "How sure the filter is of its guess");
-                });
-            });
-            let process = &mut process_std[channel];
-            let (text, key) = (title("process std"), path("process_std"));
-            let name = Named { text: &text, key: &key };
-            cell(ui, uncertain, &mut |ui| {
-                lit(ui, &key, |ui| std_field(ui, process, 0.0, scale, name, "0: the model is exact"));
-            });
-            let unit = unit_ui(ui, length.in_place_of(channel.unit()));
-            tell_hertz(unit, *mean, channel.unit(), "The guess is");
-            ui.end_row();
-        }
-        for (place, (std, sensor)) in sensor_std.iter_mut().zip(sensors).enumerate() {
-            let quantity = sensor.measures;
-            ui.label(quantity.symbol()).on_hover_text(format!("{} sensor", quantity.key()));
+    Grid::new(("belief", filter.id)).num_columns(5).min_col_width(0.0).spacing(Vec2::new(spacing, 4.0)).show(
+        ui,
+        |ui| {
             ui.label("");
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.label(RichText::new("√R").small().weak()).on_hover_text("What the filter takes the noise to be");
-            });
-            let title = format!("{name} sensor std of {}", quantity.key());
-            let (path, key) =
-                (format!("filters#{id}.sensor_std.{place}"), format!("filters#{id}.sensor_std.{}", quantity.key()));
-            let title = Named { text: &title, key: &key };
-            cell(ui, true, &mut |ui| {
-                lit(ui, &path, |ui| {
-                    std_field(ui, std, 1e-9, 10.0, title, "Standard deviation that the filter ascribes to the sensor");
-                });
-            });
-            unit_ui(ui, length.in_place_of(quantity.unit()));
+            heading(ui, "initial guess", "Mean of the initial belief");
+            heading(
+                ui,
+                "± σ of guess",
+                "Standard deviation of the initial belief: how sure the filter is of its guess",
+            );
+            heading(ui, "√Q per step", "Standard deviation of the model's error in one step");
             ui.end_row();
+            for &channel in &channels {
+                // The parameters of a KF are known and have no uncertainty to set.
+                let is_known = filter.knows(channel);
+                ui.label(channel.symbol()).on_hover_text(channel.name());
+                for (table, scale) in [(&INITIAL_MEAN, 1.0), (&INITIAL_STD, 10.0), (&PROCESS_STD, 1.0)] {
+                    let scale = scale * self::scale(channel);
+                    cell(ui, !is_known || *table == INITIAL_MEAN, &mut |ui| {
+                        entry_ui(ui, filter, table, Entry::Channel(channel), sensors, scale);
+                    });
+                }
+                let unit = unit_ui(ui, length.in_place_of(channel.unit()));
+                tell_hertz(unit, filter.initial_mean[channel], channel.unit(), "The guess is");
+                ui.end_row();
+            }
+            for quantity in sensors.iter().map(|sensor| sensor.measures) {
+                ui.label(quantity.symbol()).on_hover_text(format!("{} sensor", quantity.key()));
+                ui.label("");
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    let symbol = RichText::new(SENSOR_STD.symbol).small().weak();
+                    ui.label(symbol).on_hover_text("What the filter takes the noise to be");
+                });
+                cell(ui, true, &mut |ui| entry_ui(ui, filter, &SENSOR_STD, Entry::Sensor(quantity), sensors, 10.0));
+                unit_ui(ui, length.in_place_of(quantity.unit()));
+                ui.end_row();
+            }
+        },
+    );
+}
+
+/// A number of a table, lit where a lesson's step is about it.
+fn entry_ui(ui: &mut Ui, filter: &mut FilterSettings, table: &TableInfo, entry: Entry, sensors: &[Sensor], scale: f64) {
+    let text = format!("{} {} of {}", filter.name, table.name, entry.name());
+    let key = filter.address(&format!("{}.{}", table.key, entry.key()));
+    let name = Named { text: &text, key: &key };
+    let Some(number) = table.get_mut(filter, entry, sensors) else { return };
+    lit(ui, &key, |ui| {
+        if table.factor.is_some() {
+            std_field(ui, number, table.allowed.least(), scale, name, table.hint);
+        } else {
+            field(ui, number, table.allowed.least(), scale, name, table.hint);
         }
     });
 }

@@ -1,15 +1,17 @@
 //! One filter.
 
 use egui::collapsing_header::CollapsingState;
-use egui::{Checkbox, ComboBox, RichText, Ui};
+use egui::{ComboBox, RichText, Ui};
 use kalmanscope_core::import::Length;
-use kalmanscope_core::{FilterKind, FilterSettings, Scenario};
+use kalmanscope_core::setting::{FADING, MEMORY};
+use kalmanscope_core::{FilterKind, FilterSettings, PlantKind, Scenario};
 
 use super::belief::belief_ui;
 use super::color::{color_ui, free_color};
 use super::lit::lit;
-use super::number::{Named, Number, REMARK};
+use super::number::REMARK;
 use super::options::options_ui;
+use super::row::filter_row_ui;
 use crate::text::significant;
 use crate::theme::{self, Palette};
 
@@ -39,7 +41,7 @@ pub(super) fn filter_section(ui: &mut Ui, scenario: &mut Scenario, place: usize,
             let Scenario { dt, plant, sensors, filters, record, .. } = scenario;
             let length = Length::of(record.as_ref());
             let filter = &mut filters[place];
-            memory_ui(ui, filter, *dt);
+            memory_ui(ui, filter, plant.kind, *dt);
             belief_ui(ui, filter, sensors, plant.kind, length);
             ui.add_space(2.0);
             options_ui(ui, filter, plant.kind, sensors);
@@ -126,21 +128,19 @@ fn kind_ui(ui: &mut Ui, filter: &mut FilterSettings, place: usize, others: &[Str
     }
 }
 
-fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
-    let name = format!("{} fading factor", filter.name);
-    let address = filter.address("fading");
-    let fading = Number {
-        label: "λ fading factor",
-        name: Named { text: &name, key: &address },
-        unit: "",
-        range: (1.0, 1.05),
-        least: 1.0,
-        logarithmic: false,
-        hint: "Multiplies the predicted covariance at every step: 1 forgets nothing, more forgets faster",
-    };
-    lit(ui, &address, |ui| fading.show(ui, &mut filter.fading));
-    let memory = if filter.fading > 1.0 {
-        let samples = std::f64::consts::LN_2 / filter.fading.ln();
+/// The settings of the filter's memory, with what the fading factor amounts to.
+fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantKind, dt: f64) {
+    for info in MEMORY {
+        filter_row_ui(ui, info, filter, truth);
+        if *info == FADING {
+            half_life_ui(ui, filter.fading, dt);
+        }
+    }
+}
+
+fn half_life_ui(ui: &mut Ui, fading: f64, dt: f64) {
+    let memory = if fading > 1.0 {
+        let samples = std::f64::consts::LN_2 / fading.ln();
         format!("half-life {} s, {} samples", significant(samples * dt, 3), significant(samples, 3))
     } else {
         "remembers everything".to_owned()
@@ -149,36 +149,5 @@ fn memory_ui(ui: &mut Ui, filter: &mut FilterSettings, dt: f64) {
         ui.add_space(REMARK);
         let hint = "Memory half-life: the time after which a measurement counts half";
         ui.add(egui::Label::new(RichText::new(memory).small()).truncate()).on_hover_text(hint);
-    });
-    jump_ui(ui, filter);
-    ui.add_enabled_ui(filter.kind != FilterKind::KF, |ui| {
-        let name = format!("{} parameter decay", filter.name);
-        let address = filter.address("eta");
-        let decay = Number {
-            label: "η decay",
-            name: Named { text: &name, key: &address },
-            unit: "1/s",
-            range: (0.0, 0.1),
-            least: 0.0,
-            logarithmic: false,
-            hint: "Rate at which the filter's model lets the parameters decay; 0 keeps them constant",
-        };
-        lit(ui, &address, |ui| decay.show(ui, &mut filter.eta));
-    });
-}
-
-/// Whether the filter widens P once where its innovations grow at once. A KF that knows its parameters has none to widen.
-fn jump_ui(ui: &mut Ui, filter: &mut FilterSettings) {
-    let FilterSettings { id, name, kind, augment, jump, .. } = filter;
-    let knows_all = *kind == FilterKind::KF && augment.is_empty();
-    *jump &= !knows_all;
-    let text = "jump at a sudden change";
-    let hint = "Where the innovations grow at once, widen P once by its initial covariance and learn anew; before and after, \
-                forget nothing. A remark says when";
-    ui.add_enabled_ui(!knows_all, |ui| {
-        lit(ui, &format!("filters#{id}.jump"), |ui| {
-            let response = ui.add(Checkbox::new(jump, text)).on_hover_text(hint);
-            response.ctx.accesskit_node_builder(response.id, |node| node.set_label(format!("{name}: {text}")));
-        });
     });
 }

@@ -2,6 +2,8 @@
 
 use egui::{DragValue, Id, PointerButton, Response, Slider, SliderClamping, Stroke, Ui, Vec2, Widget as _, lerp};
 
+use kalmanscope_core::setting::SettingInfo;
+
 use crate::hover::hover_text;
 use crate::probe::remember;
 use crate::text::{in_hertz, parse, significant};
@@ -58,7 +60,13 @@ pub struct Number<'a> {
     pub hint: &'a str,
 }
 
-impl Number<'_> {
+impl<'a> Number<'a> {
+    /// The number of a setting, with this label.
+    pub(super) fn of<T>(info: &'a SettingInfo<T>, label: &'a str, name: Named<'a>) -> Self {
+        let SettingInfo { unit, allowed, slider, is_logarithmic, hint, .. } = *info;
+        Self { label, name, unit, range: slider, least: allowed.least(), logarithmic: is_logarithmic, hint }
+    }
+
     /// Shows the number in a row.
     pub fn show(&self, ui: &mut Ui, value: &mut f64) {
         let Self { label, name, unit, range: (low, high), least, logarithmic, hint } = *self;

@@ -2,14 +2,16 @@
 
 use egui::{Button, ComboBox, Ui};
 use kalmanscope_core::channel::{Role, Sign};
+use kalmanscope_core::setting::MOTION;
 use kalmanscope_core::{Channel, Plant, PlantKind, Scenario, augment};
 
 use super::Asked;
 use super::equation::equation_ui;
 use super::lit::lit;
-use super::number::Number;
+use super::row::scenario_row_ui;
 use super::signal::{Parameter, signal_ui};
 use crate::equation;
+use crate::text::sentence_case;
 
 /// Limits the natural frequency from below \[rad/s\].
 const LEAST_POSITIVE: f64 = 0.01;
@@ -22,18 +24,9 @@ pub(super) fn plant_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Ask
         ui.add_space(4.0);
     }
     augmentation_ui(ui, plant);
-    let Plant { initial, disturbance_std, .. } = plant;
-    let number = |ui: &mut Ui, label, name: &str, unit, range, least, hint, value: &mut f64| {
-        Number { label, name: name.into(), unit, range, least, logarithmic: false, hint }.show(ui, value);
-    };
-    let any = f64::NEG_INFINITY;
-    let at_start = "At the start of the record";
-    number(ui, "x at start", "Initial displacement", "m", (-1.0, 1.0), any, at_start, &mut initial.displacement);
-    number(ui, "v at start", "Initial velocity", "m/s", (-5.0, 5.0), any, at_start, &mut initial.velocity);
-    let hint = "Standard deviation of an unmeasured force";
-    lit(ui, "plant.disturbance_std", |ui| {
-        number(ui, "disturbance", "Disturbance", "m/s²", (0.0, 10.0), 0.0, hint, disturbance_std);
-    });
+    for info in MOTION {
+        scenario_row_ui(ui, info, scenario, info.allowed.least());
+    }
 }
 
 fn kind_ui(ui: &mut Ui, scenario: &mut Scenario, asked: &mut Vec<Asked>) {
@@ -97,9 +90,4 @@ fn augmentation_ui(ui: &mut Ui, plant: &mut Plant) {
         plant.set(channel, channel.usual_truth());
     }
     ui.add_space(4.0);
-}
-
-fn sentence_case(name: &str) -> String {
-    let mut chars = name.chars();
-    chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
 }

@@ -119,8 +119,8 @@ mod tests {
     use std::cell::RefCell;
     use std::sync::Arc;
 
-    use kalmanscope_core::Scenario;
-    use kalmanscope_lab::{Axis, Measure, Plan, Runner, Sheet};
+    use kalmanscope_core::{Axis, Scenario};
+    use kalmanscope_lab::{Measure, Plan, Runner, Sheet};
 
     use super::*;
     use crate::laboratory::engine::{Computer, GivenUp};

@@ -1,7 +1,8 @@
 //! The user's choice of a map, as plain data.
 
-use kalmanscope_core::{Channel, Record, Scenario};
-use kalmanscope_lab::{Axis, Measure, Setting};
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Channel, Record, Scenario};
+use kalmanscope_lab::Measure;
 use serde::{Deserialize, Serialize};
 
 use super::engine::Precision;
@@ -54,11 +55,11 @@ impl Choice {
         // A filter that is renamed stays the one that is meant.
         let axes = self.axes.each_ref().map(|axis| Axis { key: part.address_by_id(&axis.key), ..axis.clone() });
         let is_free =
-            |key: &str| !is_measured || Setting::new(&part, key).is_ok_and(|setting| setting.suits_given_record());
+            |key: &str| !is_measured || Address::parse(&part, key).is_ok_and(|setting| setting.suits_given_record());
         let kept = axes.each_ref().map(|axis| Some(axis).filter(|a| is_possible(&part, &a.key) && is_free(&a.key)));
         let count = self.axes[0].count;
         let axes = match kept {
-            [Some(x), Some(y)] if !collide(&x.key, &y.key) => [x.clone(), y.clone()],
+            [Some(x), Some(y)] if !collide(&x.key, &y.key, &part) => [x.clone(), y.clone()],
             kept => usual_axes(&part, is_measured, kept, count)?,
         };
         let is_offered = measures::offered(&part, record).contains(&self.measure);
@@ -84,10 +85,10 @@ impl Choice {
             if axis.count > MOST {
                 return Err(format!("an axis of the map has {} values, and may have {MOST}", axis.count));
             }
-            Setting::new(&part, &axis.key).map_err(|error| error.to_string())?;
+            Address::parse(&part, &axis.key).map_err(|error| error.to_string())?;
         }
         let [x, y] = self.axes.each_ref().map(|axis| part.address_by_id(&axis.key));
-        if collide(&x, &y) {
+        if collide(&x, &y, &part) {
             return Err(format!("both axes of the map set `{}`", part.address_by_name(&x)));
         }
         Ok(())
@@ -124,13 +125,13 @@ fn usual_axes(part: &Scenario, is_measured: bool, kept: [Option<&Axis>; 2], coun
     let choose = |wishes: [&str; 2], other: Option<&str>| -> Option<Axis> {
         let wished = wishes.into_iter().filter(|wish| candidates.iter().any(|key| key == wish));
         let keys = wished.chain(candidates.iter().map(String::as_str));
-        let key = keys.into_iter().find(|key| other.is_none_or(|other| !collide(key, other)))?;
-        let setting = Setting::new(part, key).ok()?;
+        let key = keys.into_iter().find(|key| other.is_none_or(|other| !collide(key, other, part)))?;
+        let setting = Address::parse(part, key).ok()?;
         Some(Axis::usual(&setting, part, count))
     };
     let [x, y] = kept.map(Option::<&Axis>::cloned);
     let first = x.map_or_else(|| choose(WISHES[0], y.as_ref().map(|y| y.key.as_str())), Some)?;
-    let free = y.filter(|y| !collide(&y.key, &first.key));
+    let free = y.filter(|y| !collide(&y.key, &first.key, part));
     let second = free.map_or_else(|| choose(WISHES[1], Some(&first.key)), Some)?;
     Some([first, second])
 }

@@ -1,19 +1,22 @@
 //! The settings that a map's axes may have, and their names.
 
-use kalmanscope_core::{Channel, Quantity, Scenario};
-use kalmanscope_lab::{Setting, channels};
+use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::{
+    Address, INITIAL_MEAN, INITIAL_STD, OF_FILTER, OF_SCENARIO, PROCESS_STD, RECORD_GAIN, SENSOR_STD, TableInfo,
+};
+use kalmanscope_lab::channels;
 
 /// The keys of the settings that may be varied, in the order of a menu: first what filters are told, then what the record is
 /// made with. The scenario has the chosen filters only; all of them get the same value.
 pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> {
     let mut keys = of_filters(scenario);
     if is_measured {
-        keys.push("record.input.gain".to_owned());
+        keys.push(RECORD_GAIN.key.to_owned());
     } else {
         let sensors = scenario.sensors.iter().map(|sensor| sensor.measures.key());
         keys.extend(scenario.plant.parameters().map(|channel| format!("plant.{}", channel.key())));
         keys.extend(sensors.map(|key| format!("sensors.{key}.noise_std")));
-        keys.extend(["plant.disturbance_std", "seed"].map(str::to_owned));
+        keys.extend(OF_SCENARIO.into_iter().filter(|info| info.is_varied).map(|info| info.key.to_owned()));
     }
     keys.retain(|key| is_possible(scenario, key));
     keys
@@ -23,83 +26,54 @@ pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> 
 pub(crate) fn of_filters(scenario: &Scenario) -> Vec<String> {
     let places: Vec<usize> = (0..scenario.filters.len()).collect();
     let channels = channels(scenario, &places);
-    let sensors = || scenario.sensors.iter().map(|sensor| sensor.measures.key());
-    let parameters = || channels.iter().filter(|channel| channel.is_parameter()).map(|channel| channel.key());
-    let motion = || channels.iter().filter(|channel| !channel.is_parameter()).map(|channel| channel.key());
-    let of = |what: &str, key: &str| format!("filters.*.{what}.{key}");
-    let mut keys: Vec<String> = parameters().map(|key| of("initial_mean", key)).collect();
-    keys.extend(["process_std", "sensor_std", "fading"].map(|what| format!("filters.*.{what}")));
-    keys.extend(parameters().map(|key| of("process_std", key)));
-    keys.extend(parameters().map(|key| of("initial_std", key)));
-    keys.extend(sensors().map(|key| of("sensor_std", key)));
-    keys.extend(motion().map(|key| of("process_std", key)));
-    keys.extend(["initial_std", "eta"].map(|what| format!("filters.*.{what}")));
+    let entries = |table: &TableInfo, keys: Vec<&str>| -> Vec<String> {
+        keys.into_iter().map(|key| format!("filters.*.{}.{key}", table.key)).collect()
+    };
+    let of = |is_parameter: bool| {
+        let some = channels.iter().filter(|channel| channel.is_parameter() == is_parameter);
+        some.map(|channel| channel.key()).collect::<Vec<_>>()
+    };
+    let sensors = scenario.sensors.iter().map(|sensor| sensor.measures.key()).collect();
+    let whole = |keys: Vec<&str>| keys.into_iter().map(|key| format!("filters.*.{key}")).collect::<Vec<_>>();
+    let varied = OF_FILTER.into_iter().flatten().filter(|info| info.is_varied).map(|info| info.key);
+    let mut keys = entries(&INITIAL_MEAN, of(true));
+    keys.extend(whole([&PROCESS_STD, &SENSOR_STD].map(|table| table.key).into_iter().chain(varied).collect()));
+    keys.extend(entries(&PROCESS_STD, of(true)));
+    keys.extend(entries(&INITIAL_STD, of(true)));
+    keys.extend(entries(&SENSOR_STD, sensors));
+    keys.extend(entries(&PROCESS_STD, of(false)));
+    keys.extend(whole(vec![INITIAL_STD.key]));
     keys.retain(|key| is_possible(scenario, key));
     keys
 }
 
 /// Whether a setting has a number in this scenario. A factor on numbers that are all zero has none.
 pub(crate) fn is_possible(scenario: &Scenario, key: &str) -> bool {
-    Setting::new(scenario, key).is_ok_and(|setting| setting.get(scenario).is_finite())
+    Address::parse(scenario, key).is_ok_and(|address| address.get(scenario).is_finite())
 }
 
-/// Whether two axes would set the same number: the same key, or a number and the factor on its table.
-pub(crate) fn collide(a: &str, b: &str) -> bool {
-    let is_in = |a: &str, b: &str| a.strip_prefix(b).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-    // A setting of all filters is one of each.
-    let (a, b) = match (of_filter(a), of_filter(b)) {
-        (Some((one, a)), Some((other, b))) if one == other || one == "*" || other == "*" => (a, b),
-        _ => (a, b),
-    };
-    is_in(a, b) || is_in(b, a)
-}
-
-/// The filter of an address and the key behind it: `*`, or the filter's id.
-fn of_filter(key: &str) -> Option<(&str, &str)> {
-    key.strip_prefix("filters#")
-        .or_else(|| key.strip_prefix("filters.").filter(|key| key.starts_with("*.")))?
-        .split_once('.')
+/// Whether two axes would set the same number: the same, or a number and the factor on its table.
+pub(crate) fn collide(a: &str, b: &str, scenario: &Scenario) -> bool {
+    let [a, b] = [a, b].map(|key| Address::parse(scenario, key));
+    matches!((a, b), (Ok(a), Ok(b)) if a.overlaps(&b))
 }
 
 /// The name of a setting, short enough for an axis.
-pub(crate) fn name(key: &str) -> String {
-    let spelled = key.replacen("filters#", "filters.", 1);
-    let parts: Vec<&str> = spelled.split('.').collect();
-    let symbol = |key: &str| Channel::from_key(key).map_or(key.to_owned(), |channel| channel.symbol().to_owned());
-    let sensor = |key: &str| Quantity::from_key(key).map_or(key.to_owned(), |quantity| quantity.symbol().to_owned());
-    match parts[..] {
-        ["filters", .., "initial_mean", key] => format!("guess of {}", symbol(key)),
-        ["filters", .., "initial_std", key] => format!("σ of the guess of {}", symbol(key)),
-        ["filters", .., "process_std", key] => format!("√Q of {}", symbol(key)),
-        ["filters", .., "sensor_std", key] => format!("√R of {}", sensor(key)),
-        ["filters", .., "process_std"] => "factor on √Q".to_owned(),
-        ["filters", .., "sensor_std"] => "factor on √R".to_owned(),
-        ["filters", .., "initial_std"] => "factor on √P₀".to_owned(),
-        ["filters", .., "fading"] => "fading factor λ".to_owned(),
-        ["filters", .., "eta"] => "decay η".to_owned(),
-        ["record", "input", "gain"] => "gain of the input".to_owned(),
-        ["plant", "disturbance_std"] => "true disturbance".to_owned(),
-        ["plant", key] => format!("true {}", symbol(key)),
-        ["sensors", key, "noise_std"] => format!("true noise of {}", sensor(key)),
-        _ => key.to_owned(),
-    }
+pub(crate) fn name(key: &str, scenario: &Scenario) -> String {
+    Address::parse(scenario, key).map_or_else(|_| key.to_owned(), |address| address.name())
 }
 
 /// The name of a setting with its unit.
 pub(crate) fn label(key: &str, scenario: &Scenario) -> String {
-    let unit = Setting::new(scenario, key).map_or("", |setting| setting.unit(scenario));
-    if unit.is_empty() { name(key) } else { format!("{} [{unit}]", name(key)) }
-}
-
-/// The channel whose first guess the setting is, if it is one.
-pub(crate) fn guessed(key: &str) -> Option<Channel> {
-    let (rest, channel) = key.rsplit_once('.')?;
-    Channel::from_key(channel).filter(|_| rest.ends_with(".initial_mean"))
+    let unit = Address::parse(scenario, key).map_or("", |address| address.unit());
+    let name = name(key, scenario);
+    if unit.is_empty() { name } else { format!("{name} [{unit}]") }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kalmanscope_core::Channel;
 
     #[test]
     fn every_candidate_can_be_varied_and_has_a_name() {
@@ -108,23 +82,13 @@ mod tests {
             let keys = candidates(&scenario, is_measured);
             assert_eq!(keys[0], "filters.*.initial_mean.natural_frequency");
             for key in &keys {
-                let setting = Setting::new(&scenario, key).unwrap();
-                assert!(!is_measured || setting.suits_given_record(), "{key} would change the record");
-                assert!(key == "seed" || !name(key).contains('.'), "{key} has no name");
+                let address = Address::parse(&scenario, key).unwrap();
+                assert!(!is_measured || address.suits_given_record(), "{key} would change the record");
+                assert!(!name(key, &scenario).contains('.'), "{key} has no name");
+                assert_eq!(address.to_string(), *key);
             }
             assert_eq!(keys.contains(&"seed".to_owned()), !is_measured);
         }
-    }
-
-    #[test]
-    fn a_factor_and_a_number_of_its_table_collide() {
-        assert!(collide("filters.*.process_std", "filters.*.process_std.velocity"));
-        assert!(collide("seed", "seed"));
-        assert!(collide("filters.*.process_std", "filters#2.process_std.velocity"));
-        assert!(collide("filters#2.process_std", "filters#2.process_std"));
-        assert!(!collide("filters#2.process_std", "filters#1.process_std"));
-        assert_eq!(name("filters#2.process_std.velocity"), name("filters.*.process_std.velocity"));
-        assert!(!collide("filters.*.process_std.velocity", "filters.*.process_std.velocity_2"));
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! One ensemble of a map, with the rows that are known of it.
 
 use egui::Context;
-use kalmanscope_core::scenario::Values;
-use kalmanscope_core::{FilterSettings, Scenario, Source};
-use kalmanscope_lab::{Axis, Ensemble, Measure, Plan, Setting, Sheet};
+use kalmanscope_core::setting::{Address, TableInfo};
+use kalmanscope_core::{Axis, FilterSettings, Scenario, Source};
+use kalmanscope_lab::{Ensemble, Measure, Plan, Sheet};
 
 use super::choice::{Choice, is_same_but_for_names, part_of};
 use super::engine::{Computer, Engine, Precision, Task, Work};
@@ -154,10 +154,10 @@ impl Survey {
         is_given && self.ensemble.settings().iter().any(|setting| !setting.is_of_filters())
     }
 
-    /// The axes' settings that multiply a table, with the table's name.
-    fn factors(&self) -> impl Iterator<Item = (&str, &Setting)> {
+    /// The axes' settings that multiply a table, with the table.
+    fn factors(&self) -> impl Iterator<Item = (&TableInfo, &Address)> {
         let factors = self.ensemble.settings().iter().filter(|setting| setting.is_factor());
-        factors.map(|setting| (setting.key().rsplit('.').next().unwrap_or_default(), setting))
+        factors.filter_map(|setting| Some((setting.table()?, setting)))
     }
 
     /// Whether each table with a factor is that factor times the table of this survey, in every filter.
@@ -168,7 +168,7 @@ impl Survey {
             setting.set(&mut expected, factor);
             let pairs = part.filters.iter().zip(&expected.filters);
             factor.is_finite()
-                && pairs.into_iter().all(|(now, then)| are_close(&numbers(now, table), &numbers(then, table)))
+                && pairs.into_iter().all(|(now, then)| are_close(&table.numbers(now), &table.numbers(then)))
         })
     }
 
@@ -206,16 +206,6 @@ impl Survey {
     /// Whether cells are being run.
     pub(super) fn is_working(&self) -> bool {
         self.work.is_some()
-    }
-}
-
-/// The numbers of a filter's table of standard deviations.
-fn numbers(filter: &FilterSettings, table: &str) -> Vec<f64> {
-    let values = |values: &Values| values.iter().map(|(_, std)| std).collect();
-    match table {
-        "sensor_std" => filter.sensor_std.clone(),
-        "initial_std" => values(&filter.initial_std),
-        _ => values(&filter.process_std),
     }
 }
 

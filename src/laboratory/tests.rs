@@ -1,8 +1,8 @@
 mod names;
 
 use egui::Context;
-use kalmanscope_core::{Channel, FilterSettings, Scenario};
-use kalmanscope_lab::{Axis, Measure, Runner, Spacing};
+use kalmanscope_core::{Axis, Channel, FilterSettings, Scenario, Spacing};
+use kalmanscope_lab::{Measure, Runner};
 
 use super::*;
 use crate::session::{Budget, Mode};

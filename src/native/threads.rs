@@ -61,8 +61,8 @@ mod tests {
     use std::time::{Duration, Instant};
 
     use kalmanscope::laboratory::{Finding, Precision};
-    use kalmanscope_core::{Scenario, Source};
-    use kalmanscope_lab::{Axis, Ensemble, Measure, Plan, Sheet};
+    use kalmanscope_core::{Axis, Scenario, Source};
+    use kalmanscope_lab::{Ensemble, Measure, Plan, Sheet};
 
     use super::*;
 

@@ -1,7 +1,7 @@
 //! Names the settings in which two scenarios differ.
 
 use kalmanscope_core::sorting::sort_short_by_key;
-use kalmanscope_core::{Channel, Document, Scenario};
+use kalmanscope_core::{Document, Scenario, setting};
 
 use crate::text::significant;
 
@@ -63,18 +63,10 @@ fn compare(before: &Document, now: &Document, path: &mut Vec<String>, all: &mut 
 
 /// The name of a setting: the field's symbols where there are some, else the words of its key.
 fn name(path: &[String]) -> String {
-    let word = |key: &String| match key.as_str() {
-        "fading" => "λ".to_owned(),
-        "eta" => "η".to_owned(),
-        "sensor_std" => "√R".to_owned(),
-        "process_std" => "√Q".to_owned(),
-        "initial_mean" => "guess".to_owned(),
-        "initial_std" => "its σ".to_owned(),
-        "noise_std" => "noise".to_owned(),
-        "dt" => "Δt".to_owned(),
-        key => Channel::from_key(key).map_or_else(|| key.replace('_', " "), |channel| channel.symbol().to_owned()),
-    };
-    path.iter().map(word).collect::<Vec<_>>().join(" ")
+    path.iter()
+        .map(|key| setting::symbol(key).map_or_else(|| key.replace('_', " "), str::to_owned))
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 fn words(value: &Document) -> String {
@@ -93,6 +85,7 @@ fn words(value: &Document) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kalmanscope_core::Channel;
 
     #[test]
     fn a_change_is_named_by_what_was_before() {

@@ -1,7 +1,6 @@
 //! The map of a lesson's step, in the laboratory's terms.
 
-use kalmanscope_core::Scenario;
-use kalmanscope_lab::Axis;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lessons::Map;
 
 use crate::laboratory::{Choice, Precision};

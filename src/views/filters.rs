@@ -1,8 +1,12 @@
 //! The numbers of all filters side by side.
 
 use egui::{Grid, Id, RichText, ScrollArea, Ui, vec2};
+use kalmanscope_core::setting::{
+    Address, Entry, INITIAL_MEAN, INITIAL_STD, OF_FILTER, PROCESS_STD, SENSOR_STD, SettingInfo, TableInfo,
+};
 use kalmanscope_core::sorting::sort_short_by_key;
-use kalmanscope_core::{Channel, FilterSettings, InputKind, Scenario};
+use kalmanscope_core::{FilterSettings, Scenario};
+use kalmanscope_lab::channels;
 
 use crate::controls::color::color_of;
 use crate::controls::number::{Named, field};
@@ -48,7 +52,7 @@ impl View for Filters {
                 ui.end_row();
                 for row in rows(&scenario) {
                     ui.label(RichText::new(&row.symbol).weak()).on_hover_text(row.name.as_str());
-                    row_ui(ui, &row, &mut scenario.filters, context.palette);
+                    row_ui(ui, &row, &mut scenario, context.palette);
                     ui.end_row();
                 }
             });
@@ -81,97 +85,82 @@ fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {
     }
 }
 
-/// A number of a filter, if the filter has it.
-type Of = Box<dyn Fn(&mut FilterSettings) -> Option<&mut f64>>;
-
 /// A number that each filter has, or may have.
 struct Row {
+    /// Its key within a filter.
+    key: String,
     symbol: String,
     name: String,
     least: f64,
     scale: f64,
-    of: Of,
 }
 
 fn rows(scenario: &Scenario) -> Vec<Row> {
     let mut rows = Vec::new();
-    let mut add = |symbol: String, name: &str, least, scale, of: Of| {
-        rows.push(Row { symbol, name: name.to_owned(), least, scale, of });
+    for info in OF_FILTER.into_iter().flatten().filter(|info| info.is_varied) {
+        let SettingInfo { key, symbol, name, unit, allowed, slider: (_, scale), .. } = **info;
+        let symbol = if unit.is_empty() { symbol.to_owned() } else { format!("{symbol} [{unit}]") };
+        rows.push(Row { key: key.to_owned(), symbol, name: name.to_owned(), least: allowed.least(), scale });
+    }
+    let mut add = |table: &TableInfo, entry: Entry, scale: f64| {
+        rows.push(Row {
+            key: format!("{}.{}", table.key, entry.key()),
+            symbol: format!("{} {}", table.symbol, entry.symbol()),
+            name: format!("{} of {}", table.name, entry.name()),
+            least: table.allowed.least(),
+            scale,
+        });
     };
-    add("λ".into(), "fading factor", 1.0, 1.0, Box::new(|filter| Some(&mut filter.fading)));
-    add("η [1/s]".into(), "decay", 0.0, 0.1, Box::new(|filter| Some(&mut filter.eta)));
-    for (i, sensor) in scenario.sensors.iter().enumerate() {
-        let quantity = sensor.measures;
-        let name = format!("sensor std of {}", quantity.key());
-        add(
-            format!("√R {}", quantity.symbol()),
-            &name,
-            1e-9,
-            1.0,
-            Box::new(move |filter| filter.sensor_std.get_mut(i)),
-        );
-    }
-    let mut channels: Vec<Channel> = Vec::new();
-    for filter in &scenario.filters {
-        let model = filter.model(scenario.plant.kind, InputKind::Force);
-        channels
-            .extend(model.channels().iter().filter(|channel| !channels.contains(channel)).copied().collect::<Vec<_>>());
-    }
+    scenario.sensors.iter().for_each(|sensor| add(&SENSOR_STD, Entry::Sensor(sensor.measures), 1.0));
+    let mut channels = channels(scenario, &(0..scenario.filters.len()).collect::<Vec<_>>());
     sort_short_by_key(&mut channels, |channel| !channel.is_parameter());
     for channel in channels {
-        let (symbol, scale) = (channel.symbol(), channel.usual().std.max(1e-3));
-        let of = |what: &str| format!("{what} of {}", channel.name());
-        add(
-            format!("guess {symbol}"),
-            &of("initial guess"),
-            f64::NEG_INFINITY,
-            scale,
-            Box::new(move |filter| Some(&mut filter.initial_mean[channel])),
-        );
-        add(
-            format!("± σ {symbol}"),
-            &of("initial std"),
-            0.0,
-            scale,
-            Box::new(move |filter| (!filter.knows(channel)).then(|| &mut filter.initial_std[channel])),
-        );
-        add(
-            format!("√Q {symbol}"),
-            &of("process std"),
-            0.0,
-            scale,
-            Box::new(move |filter| (!filter.knows(channel)).then(|| &mut filter.process_std[channel])),
-        );
+        for table in [&INITIAL_MEAN, &INITIAL_STD, &PROCESS_STD] {
+            add(table, Entry::Channel(channel), channel.usual().std.max(1e-3));
+        }
     }
     rows
 }
 
-fn row_ui(ui: &mut Ui, row: &Row, filters: &mut [FilterSettings], palette: &Palette) {
-    let first = filters.first_mut().and_then(|filter| (row.of)(filter).copied());
-    for filter in filters {
-        let name = format!("{}: {}", filter.name, row.name);
-        let id = filter.id;
+/// The address of the number of a row in a filter that has it and does not take it for known.
+fn address(row: &Row, scenario: &Scenario, filter: &FilterSettings) -> Option<Address> {
+    let address = Address::parse(scenario, &filter.address(&row.key)).ok()?;
+    let is_std = address.table().is_some_and(|table| table.factor.is_some());
+    (!is_std || address.channel().is_none_or(|channel| !filter.knows(channel))).then_some(address)
+}
+
+fn row_ui(ui: &mut Ui, row: &Row, scenario: &mut Scenario, palette: &Palette) {
+    let mut first = None;
+    for place in 0..scenario.filters.len() {
+        let filter = &scenario.filters[place];
+        let (id, name) = (filter.id, format!("{}: {}", filter.name, row.name));
+        let address = address(row, scenario, filter);
         ui.horizontal(|ui| {
-            let Some(value) = (row.of)(filter) else {
+            let Some(address) = address else {
                 ui.weak("known");
                 return;
             };
+            let mut value = address.get(scenario);
+            let is_other = *first.get_or_insert(value) != value;
             ui.spacing_mut().item_spacing.x = 3.0;
-            same_ui(ui, id, row, *value, &name);
+            same_ui(ui, id, row, value, &name);
             let size = vec2(CELL, ui.spacing().interact_size.y);
             let cell = ui.allocate_ui(size, |ui| {
                 ui.set_width(CELL);
-                if first.is_some_and(|first| first != *value) {
+                if is_other {
                     let tint = palette.accent.gamma_multiply(0.3);
                     ui.visuals_mut().widgets.inactive.weak_bg_fill = tint;
                     ui.visuals_mut().widgets.inactive.bg_fill = tint;
                 }
                 let key = format!("filters#{id}: {}", row.name);
-                field(ui, value, row.least, row.scale, Named { text: &name, key: &key }, &row.name)
+                field(ui, &mut value, row.least, row.scale, Named { text: &name, key: &key }, &row.name)
             });
             if let Some(dragged) = cell.inner.dnd_release_payload::<Dragged>().filter(|dragged| dragged.row == row.name)
             {
-                *value = dragged.value.max(row.least);
+                value = dragged.value.max(row.least);
+            }
+            if value != address.get(scenario) {
+                address.set(scenario, value);
             }
         });
     }

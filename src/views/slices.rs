@@ -2,7 +2,8 @@
 
 use egui::{Align2, Pos2, Rect, Sense, Shape, Stroke, TextStyle, Tooltip, Ui, UiBuilder, Vec2, pos2, vec2};
 use kalmanscope_core::sorting::sort_numbers;
-use kalmanscope_lab::{Axis, Measure, Spacing};
+use kalmanscope_core::{Axis, Spacing};
+use kalmanscope_lab::Measure;
 
 use super::map::contents;
 use crate::controls::color::color_of;

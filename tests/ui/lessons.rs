@@ -241,6 +241,16 @@ fn the_setting_that_a_step_changes_is_lit() {
     assert!(!lit(&screen, &format!("filters.{name}.fading")));
 }
 
+#[test]
+fn the_noise_of_a_sensor_that_a_step_changes_is_lit() {
+    let mut screen = lesson(Vec2::new(1700.0, 1400.0), "The valley of Q and R");
+    reveal(&mut screen, &built_in("The valley of Q and R").steps[0]);
+    screen.run_steps(3);
+    for table in ["process_std.velocity", "sensor_std.displacement"] {
+        assert!(screen.query_by_label(&format!("The step is about filters.KF.{table}")).is_some(), "{table}");
+    }
+}
+
 /// Where a step claims a verdict, the verdict is on screen.
 #[test]
 fn a_verdict_that_a_lesson_speaks_of_is_in_sight() {

@@ -8,8 +8,8 @@ use egui::{Context, Pos2};
 use kalmanscope::laboratory::{
     Accelerated, Choice, Computer, Engine, Finding, GivenUp, Graphics, GraphicsWork, Precision, Rows, Slices, Task,
 };
-use kalmanscope_core::Source;
-use kalmanscope_lab::{Axis, Ensemble, Measure, Plan, Runner};
+use kalmanscope_core::{Axis, Source};
+use kalmanscope_lab::{Ensemble, Measure, Plan, Runner};
 
 use super::*;
 

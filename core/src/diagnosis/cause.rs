@@ -24,7 +24,7 @@ use std::ops::Range;
 
 use super::case::Case;
 use super::evidence::Evidence;
-use super::knob::Knob;
+use crate::setting::Edit;
 use crate::{Channel, FilterSettings, Scenario};
 
 /// Every cause. A new one is a file and a line here.
@@ -75,7 +75,7 @@ pub struct Suspect {
     /// Whether the evidence is enough without a trial: the likelihood does not tell.
     pub certain: bool,
     /// The settings to turn.
-    pub knobs: Vec<Knob>,
+    pub knobs: Vec<Edit>,
     /// The number of values that turning them fits to the record.
     pub fitted: f64,
     /// Whether its likelihood is that of a filter which begins anew at the first of its samples, if that is larger: what a
@@ -120,12 +120,12 @@ impl Matter<'_> {
     }
 
     /// A knob of this filter.
-    pub(crate) fn knob(&self, key: &str, value: impl Into<toml::Value>) -> Knob {
-        Knob::of_filter(self.filter.id, key, value)
+    pub(crate) fn knob(&self, key: &str, value: impl Into<toml::Value>) -> Edit {
+        Edit::of_filter(self.filter.id, key, value)
     }
 
     /// The knob that gives the filter one augmentation more.
-    pub(crate) fn augmented(&self, channel: Channel) -> Knob {
+    pub(crate) fn augmented(&self, channel: Channel) -> Edit {
         let keys = self.filter.augment.iter().chain([&channel]).map(|one| one.key().to_owned());
         self.knob("augment", keys.collect::<Vec<String>>())
     }
@@ -144,7 +144,7 @@ impl Matter<'_> {
 
 impl Suspect {
     /// A suspect whose knobs fit `fitted` numbers to the record.
-    pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, knobs: Vec<Knob>, sentence: String) -> Self {
+    pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, knobs: Vec<Edit>, sentence: String) -> Self {
         // Numbers are tried as they are told and written.
         let knobs = knobs.into_iter().map(|knob| knob.rounded()).collect();
         Self {

@@ -1,9 +1,9 @@
 //! A remedy: causes that are repaired one after the other, and the filter then.
 
 use super::cause::Suspect;
-use super::knob::Knob;
 use super::verdict::Verdict;
 use super::verdict_kind::VerdictKind;
+use crate::setting::Edit;
 
 /// A cause, or several one after the other, and what turning their knobs does to the filter.
 #[derive(Clone, Debug)]
@@ -13,7 +13,7 @@ pub struct Finding {
     /// The causes of what is left once the first one is repaired, in the order in which they are.
     pub then: Vec<Suspect>,
     /// The knobs of all causes together, the last of each key.
-    pub knobs: Vec<Knob>,
+    pub knobs: Vec<Edit>,
     /// The log likelihood that the knobs gain over the window, less half the logarithm of the number of samples for each
     /// number that is fitted (the Bayesian information criterion); NaN where it has not been tried.
     ///

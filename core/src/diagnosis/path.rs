@@ -2,9 +2,9 @@
 
 use super::cause::Suspect;
 use super::finding::Finding;
-use super::knob::Knob;
 use super::ranking::Ranked;
 use super::verdict::Verdict;
+use crate::setting::Edit;
 use crate::{Channel, Scenario};
 
 /// The key of the knob whose value is a list that grows from cause to cause.
@@ -54,11 +54,11 @@ impl Path {
     pub(super) fn then(&self, next: &Ranked, price: f64) -> Option<Self> {
         let Ranked { finding, rank, achieved } = next;
         let suspect = finding.suspect.clone();
-        let scenario = Knob::apply_all(&suspect.knobs, &self.scenario).ok()?;
+        let scenario = Edit::apply_all(&suspect.knobs, &self.scenario).ok()?;
         let before = &self.scenario.filters.first()?.augment;
         let added = scenario.filters.first()?.augment.iter().copied().filter(|one| !before.contains(one)).collect();
         let is_again = |step: &Step| {
-            let again = |knob: &Knob| suspect.knobs.iter().any(|other| other.key == knob.key);
+            let again = |knob: &Edit| suspect.knobs.iter().any(|other| other.key == knob.key);
             step.suspect.cause.key == suspect.cause.key && step.suspect.knobs.iter().all(again)
         };
         let mut steps: Vec<Step> = self.steps.iter().filter(|step| !is_again(step)).cloned().collect();
@@ -76,9 +76,9 @@ impl Path {
             let mut step = step.clone();
             let augment = &path.scenario.filters.first()?.augment;
             let keys: Vec<String> = augment.iter().chain(&step.added).map(|one| one.key().to_owned()).collect();
-            let is_list = |knob: &&mut Knob| knob.key.ends_with(&format!(".{AUGMENT}"));
+            let is_list = |knob: &&mut Edit| knob.key.ends_with(&format!(".{AUGMENT}"));
             step.suspect.knobs.iter_mut().filter(is_list).for_each(|knob| knob.value = keys.clone().into());
-            path.scenario = Knob::apply_all(&step.suspect.knobs, &path.scenario).ok()?;
+            path.scenario = Edit::apply_all(&step.suspect.knobs, &path.scenario).ok()?;
             path.steps.push(step);
         }
         Some(path)
@@ -108,7 +108,7 @@ impl Path {
 
     /// The remedy in order. `None` if there is nothing to tell.
     pub(super) fn finding(&self) -> Option<Finding> {
-        let mut knobs: Vec<Knob> = Vec::new();
+        let mut knobs: Vec<Edit> = Vec::new();
         for knob in self.steps.iter().flat_map(|step| &step.suspect.knobs) {
             knobs.retain(|other| other.key != knob.key);
             knobs.push(knob.clone());

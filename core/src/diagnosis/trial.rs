@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::Diagnosis;
 use super::cause::Suspect;
-use super::knob::Knob;
 use super::verdict::Verdict;
+use crate::setting::Edit;
 use crate::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
 
 /// Limits the samples of a trial, which are the last ones of the record.
@@ -213,7 +213,7 @@ impl Trials {
                 if knobs.is_empty() {
                     return None;
                 }
-                Knob::apply_all(knobs, &self.scenario).ok()?
+                Edit::apply_all(knobs, &self.scenario).ok()?
             }
         };
         Some((Pass::new(&scenario, 0, &self.record).ok()?, Pass::history(&scenario, 0).ok()?))

@@ -5,9 +5,9 @@ use std::fmt::Display;
 use super::{FilterSettings, Plant, Scenario, ScenarioError};
 use crate::channel::{Role, Sign};
 use crate::cost::largest_ensemble;
-use crate::filter::{Adaptation, FilterKind};
 use crate::quantity::MAX_SENSORS;
-use crate::{Channel, Force, InputKind, PlantKind, Signal, Values};
+use crate::setting::{Allowed, GUESSES, JUMP, OF_FILTER, OF_SCENARIO, SettingInfo, TABLES};
+use crate::{Channel, Force, InputKind, PlantKind, Signal};
 
 /// Limits the samples of one record: more than a day at 1 kHz. A run that keeps them all needs tens of gigabytes per
 /// filter; one that forgets ([`crate::Run::forget`]) does not.
@@ -15,21 +15,6 @@ pub(super) const MAX_SAMPLES: usize = 100_000_000;
 
 /// Limits the filters of one scenario.
 pub(super) const MAX_FILTERS: usize = 16;
-
-/// Limits the linearisations in one update of an IEKF.
-const MAX_ITERATIONS: usize = 100;
-
-/// Limits the steps into which a prediction is divided.
-const MAX_SUBSTEPS: usize = 100;
-
-/// Limits the samples by which the plant can feel the input after or before it is recorded.
-const MAX_DELAY: u32 = 100;
-
-/// Limits the guesses that filters run from side by side.
-const MAX_GUESSES: usize = 8;
-
-/// Limits the members of an ensemble.
-const MAX_ENSEMBLE: usize = 100_000;
 
 impl Scenario {
     /// Checks every value.
@@ -42,8 +27,9 @@ impl Scenario {
             record.validate().map_err(|error| ScenarioError::Syntax(error.to_string()))?;
         }
         require(i64::try_from(*seed).is_ok(), "seed", seed, "a whole number from 0 to 2⁶³ - 1")?;
-        positive("dt", *dt)?;
-        positive("duration", *duration)?;
+        for info in OF_SCENARIO.into_iter().filter(|info| (info.serves)(self, plant.kind)) {
+            check("", info, self)?;
+        }
         require(
             *duration >= *dt && duration / dt <= (MAX_SAMPLES - 1) as f64,
             "duration",
@@ -65,7 +51,7 @@ impl Scenario {
                 format_args!("\"{}\"", sensor.measures.key()),
                 format_args!("something that a {} has", plant.kind.name()),
             )?;
-            not_negative(format!("sensors[{i}].noise_std"), sensor.noise_std)?;
+            number(format_args!("sensors[{i}].noise_std"), sensor.noise_std, Allowed::AtLeast(0.0))?;
             require(
                 sensors[..i].iter().all(|s| s.measures != sensor.measures),
                 format_args!("sensors[{i}].measures"),
@@ -115,74 +101,38 @@ impl Plant {
                 Role::Parameter(Sign::Any) | Role::Augmentation | Role::Motion => {}
             }
         }
-        finite("plant.initial.displacement", self.initial.displacement)?;
-        finite("plant.initial.velocity", self.initial.velocity)?;
-        delay("plant.input_delay", self.input_delay)?;
-        not_negative("plant.disturbance_std", self.disturbance_std)
+        Ok(())
     }
 }
 
 impl FilterSettings {
     fn validate(&self, path: &str, sensors: usize, truth: PlantKind) -> Result<(), ScenarioError> {
         let Self {
-            id: _,
-            name: _,
             kind,
-            color: _,
             plant,
             augment,
-            input_delay,
             log_parameters,
-            propagation: _,
             substeps,
-            iterations,
             guesses,
             ensemble_size,
-            adaptation: Adaptation { sensor_noise: _, process_noise: _, forgetting },
             jump,
             smoother,
-            fading,
-            eta,
             sensor_std,
             initial_mean,
-            initial_std,
-            process_std,
+            ..
         } = self;
         own_key(kind.is_impostor(), format_args!("{path}.kind"), kind.key())?;
         if let Some(plant) = plant {
             own_key(plant.is_impostor(), format_args!("{path}.plant"), plant.key())?;
         }
+        for info in OF_FILTER.into_iter().flatten() {
+            check(&format!("{path}."), info, self)?;
+        }
         require(
-            (1..=MAX_SUBSTEPS).contains(substeps),
-            format_args!("{path}.substeps"),
-            substeps,
-            format_args!("from 1 to {MAX_SUBSTEPS}"),
-        )?;
-        require(
-            (1..=MAX_ITERATIONS).contains(iterations),
-            format_args!("{path}.iterations"),
-            iterations,
-            format_args!("from 1 to {MAX_ITERATIONS}"),
-        )?;
-        require(
-            (1..=MAX_GUESSES).contains(guesses),
-            format_args!("{path}.guesses"),
-            guesses,
-            format_args!("from 1 to {MAX_GUESSES}"),
-        )?;
-        let model = self.model(truth, InputKind::Force);
-        let frequency = model.place(Channel::NATURAL_FREQUENCY).filter(|_| !self.knows(Channel::NATURAL_FREQUENCY));
-        require(
-            *guesses == 1 || (frequency.is_some() && initial_mean[Channel::NATURAL_FREQUENCY] > 0.0 && !*smoother),
+            *guesses == 1 || (GUESSES.serves)(self, truth),
             format_args!("{path}.guesses"),
             guesses,
             "1 for a filter with a smoother, or without a natural frequency above 0 to estimate",
-        )?;
-        require(
-            (2..=MAX_ENSEMBLE).contains(ensemble_size),
-            format_args!("{path}.ensemble_size"),
-            ensemble_size,
-            format_args!("from 2 to {MAX_ENSEMBLE}"),
         )?;
         if kind.is_sampled() {
             let components = self.model(truth, InputKind::default()).size();
@@ -195,13 +145,7 @@ impl FilterSettings {
             )?;
         }
         require(
-            *forgetting > 0.0 && *forgetting < 1.0,
-            format_args!("{path}.adaptation.forgetting"),
-            forgetting,
-            "between 0 and 1",
-        )?;
-        require(
-            !*jump || *kind != FilterKind::KF || !augment.is_empty(),
+            !*jump || (JUMP.serves)(self, truth),
             format_args!("{path}.jump"),
             jump,
             "false for a KF, which takes its parameters for known and has none to widen",
@@ -220,70 +164,69 @@ impl FilterSettings {
                 "an augmentation, each once: input_gain, input_offset, unknown_force, white_force, or bias_ and a sensor",
             )?;
         }
-        delay(format_args!("{path}.input_delay"), *input_delay)?;
         if *log_parameters {
             for channel in plant.unwrap_or(truth).parameters().filter(|c| c.is_positive()) {
-                positive(format!("{path}.initial_mean.{}", channel.key()), initial_mean[channel])?;
+                let key = format_args!("{path}.initial_mean.{}", channel.key());
+                number(key, initial_mean[channel], Allowed::Above(0.0))?;
             }
         }
-        require(
-            fading.is_finite() && *fading >= 1.0,
-            format_args!("{path}.fading"),
-            fading,
-            "a finite number, at least 1 (1 forgets nothing)",
-        )?;
-        not_negative(format!("{path}.eta"), *eta)?;
         require(
             sensor_std.len() == sensors,
             format_args!("{path}.sensor_std"),
             format_args!("a list of {}", sensor_std.len()),
             format_args!("a list of {sensors}, one for each sensor"),
         )?;
-        for (i, std) in sensor_std.iter().enumerate() {
-            positive(format!("{path}.sensor_std[{i}]"), *std)?;
+        for table in TABLES {
+            for (entry, value) in table.entries(self) {
+                number(format_args!("{path}.{}{entry}", table.key), value, table.allowed)?;
+            }
         }
-        each(&format!("{path}.initial_mean"), initial_mean, finite)?;
-        each(&format!("{path}.initial_std"), initial_std, not_negative)?;
-        each(&format!("{path}.process_std"), process_std, not_negative)
+        Ok(())
     }
 }
 
-fn each(
-    path: &str,
-    values: &Values,
-    check: impl Fn(String, f64) -> Result<(), ScenarioError>,
-) -> Result<(), ScenarioError> {
-    values.iter().try_for_each(|(channel, value)| check(format!("{path}.{}", channel.key()), value))
+/// Refuses a value that a setting may not have.
+fn check<T>(path: &str, info: &SettingInfo<T>, of: &T) -> Result<(), ScenarioError> {
+    let SettingInfo { key, unit, allowed, note, .. } = *info;
+    let value = (info.get)(of);
+    let unit = if allowed.is_whole() && !unit.is_empty() { format!(" {unit}") } else { String::new() };
+    let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
+    require(allowed.admits(value), format_args!("{path}{key}"), value, format_args!("{allowed}{unit}{note}"))
+}
+
+/// Refuses a number that is not allowed.
+fn number(key: impl Display, value: f64, allowed: Allowed) -> Result<(), ScenarioError> {
+    require(allowed.admits(value), key, value, allowed)
 }
 
 fn validate_force(force: &Force) -> Result<(), ScenarioError> {
     match *force {
         Force::None => Ok(()),
-        Force::WhiteNoise { std } => not_negative("force.white_noise.std", std),
+        Force::WhiteNoise { std } => number("force.white_noise.std", std, Allowed::AtLeast(0.0)),
         Force::Sine { amplitude, frequency } => {
-            finite("force.sine.amplitude", amplitude)?;
-            finite("force.sine.frequency", frequency)
+            number("force.sine.amplitude", amplitude, Allowed::Finite)?;
+            number("force.sine.frequency", frequency, Allowed::Finite)
         }
         Force::Chirp { amplitude, from, to, sweep } => {
-            finite("force.chirp.amplitude", amplitude)?;
-            finite("force.chirp.from", from)?;
-            finite("force.chirp.to", to)?;
-            positive("force.chirp.sweep", sweep)
+            number("force.chirp.amplitude", amplitude, Allowed::Finite)?;
+            number("force.chirp.from", from, Allowed::Finite)?;
+            number("force.chirp.to", to, Allowed::Finite)?;
+            number("force.chirp.sweep", sweep, Allowed::Above(0.0))
         }
         Force::ImpulseTrain { impulse, period } => {
-            finite("force.impulse_train.impulse", impulse)?;
-            positive("force.impulse_train.period", period)
+            number("force.impulse_train.impulse", impulse, Allowed::Finite)?;
+            number("force.impulse_train.period", period, Allowed::Above(0.0))
         }
         Force::Step { amplitude, at } => {
-            finite("force.step.amplitude", amplitude)?;
-            finite("force.step.at", at)
+            number("force.step.amplitude", amplitude, Allowed::Finite)?;
+            number("force.step.at", at, Allowed::Finite)
         }
     }
 }
 
 fn validate_signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {
     for (name, value) in signal.numbers() {
-        finite(format!("{path}{name}"), value)?;
+        number(format!("{path}{name}"), value, Allowed::Finite)?;
     }
     match signal {
         Signal::Ramp(ramp) => require(
@@ -292,26 +235,9 @@ fn validate_signal(path: &str, signal: &Signal) -> Result<(), ScenarioError> {
             ramp.end,
             format_args!("at least ramp.start = {}", ramp.start),
         ),
-        Signal::Sine(sine) => positive(format!("{path}.sine.period"), sine.period),
+        Signal::Sine(sine) => number(format!("{path}.sine.period"), sine.period, Allowed::Above(0.0)),
         Signal::Constant(_) | Signal::Step(_) => Ok(()),
     }
-}
-
-fn delay(key: impl Display, samples: i32) -> Result<(), ScenarioError> {
-    let allowed = format_args!("from -{MAX_DELAY} to {MAX_DELAY} samples");
-    require(samples.unsigned_abs() <= MAX_DELAY, key, samples, allowed)
-}
-
-fn finite(key: impl Display, value: f64) -> Result<(), ScenarioError> {
-    require(value.is_finite(), key, value, "a finite number")
-}
-
-fn positive(key: impl Display, value: f64) -> Result<(), ScenarioError> {
-    require(value.is_finite() && value > 0.0, key, value, "a finite number above 0")
-}
-
-fn not_negative(key: impl Display, value: f64) -> Result<(), ScenarioError> {
-    require(value.is_finite() && value >= 0.0, key, value, "a finite number, at least 0")
 }
 
 fn require(holds: bool, key: impl Display, value: impl Display, allowed: impl Display) -> Result<(), ScenarioError> {

@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 
 use kalmanscope_core::score::Outcome;
 use kalmanscope_core::simulate::simulate;
-use kalmanscope_core::{Scenario, Source};
+use kalmanscope_core::{Axis, Scenario, Source};
 use kalmanscope_gpu::{Gpu, Software};
-use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels};
+use kalmanscope_lab::{Crew, Ensemble, Measure, MonteCarlo, Plan, Runner, Sheet, channels};
 
 /// Cells along each axis of the map, and samples of its record.
 const SIDE: usize = 128;

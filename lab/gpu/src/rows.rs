@@ -55,5 +55,5 @@ impl Gpu {
 
 /// Whether runs differ by their filters, so that many have one record. Else the time goes into simulation.
 fn has_axis_of_filters(ensemble: &Ensemble) -> bool {
-    ensemble.settings().iter().any(kalmanscope_lab::Setting::is_of_filters)
+    ensemble.settings().iter().any(kalmanscope_core::setting::Address::is_of_filters)
 }

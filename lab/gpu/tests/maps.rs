@@ -7,9 +7,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use common::{CLOSE, gpu};
-use kalmanscope_core::{Channel, Quantity, Scenario, Source};
+use kalmanscope_core::{Axis, Channel, Quantity, Scenario, Source};
 use kalmanscope_gpu::{Gpu, GpuError, Software};
-use kalmanscope_lab::{Axis, Crew, Ensemble, Measure, Plan, Runner, Sheet, Slice};
+use kalmanscope_lab::{Crew, Ensemble, Measure, Plan, Runner, Sheet, Slice};
 
 /// The samples of a map's record.
 const SAMPLES: usize = 2000;

@@ -1,7 +1,7 @@
 use super::*;
-use crate::{Axis, Measure, Plan};
+use crate::{Measure, Plan};
 use kalmanscope_core::diagnostics::MeanSquare;
-use kalmanscope_core::{Channel, Diagnostics, Run, RunError};
+use kalmanscope_core::{Axis, Channel, Diagnostics, Run, RunError};
 
 fn runner(axes: &[&str], measures: &[&str]) -> Runner {
     let scenario = Scenario { duration: 5.0, ..Scenario::default() };

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use argmin::core::{CostFunction, Error};
-use kalmanscope_core::{Pass, Record, Scenario, VerdictKind};
+use kalmanscope_core::setting::Address;
 
 use super::Goal;
 use super::point::Point;
-use crate::{Axis, EnsembleError, Measure, Setting, outcome};
+use crate::{EnsembleError, Measure, outcome};
+use kalmanscope_core::{Axis, Pass, Record, Scenario, VerdictKind};
 
 /// The cost of settings that are impossible, beyond their axes, or stop the filter.
 pub(super) const FORBIDDEN: f64 = 1e100;
@@ -18,7 +19,7 @@ pub(super) struct Cost {
     pub(super) place: usize,
     pub(super) record: Arc<Record>,
     pub(super) axes: Vec<Axis>,
-    settings: Vec<Setting>,
+    settings: Vec<Address>,
     pub(super) goal: Goal,
 }
 
@@ -36,16 +37,17 @@ impl CostFunction for Objective {
 
 impl Cost {
     pub(super) fn new(
-        scenario: Scenario,
+        mut scenario: Scenario,
         place: usize,
         record: Arc<Record>,
         axes: Vec<Axis>,
         goal: Goal,
     ) -> Result<Self, EnsembleError> {
+        scenario.number_filters();
         let mut settings = Vec::new();
         for axis in &axes {
             axis.check()?;
-            let setting = Setting::new(&scenario, &axis.key)?;
+            let setting = Address::parse(&scenario, &axis.key)?;
             if !setting.is_of_filters() {
                 return Err(EnsembleError::Fixed(axis.key.clone()));
             }

@@ -2,11 +2,9 @@
 
 use std::fmt;
 
-use kalmanscope_core::VerdictKind;
-
 use super::cost::Cost;
 use super::{Goal, Try};
-use crate::Spacing;
+use kalmanscope_core::{Spacing, VerdictKind};
 
 /// A setting at this share of its axis from an end is at that end.
 const EDGE: f64 = 0.01;

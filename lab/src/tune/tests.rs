@@ -1,5 +1,5 @@
 use super::*;
-use crate::Setting;
+use kalmanscope_core::setting::Address;
 use kalmanscope_core::simulate::simulate;
 use kalmanscope_core::{Channel, Quantity};
 
@@ -97,7 +97,7 @@ fn only_numbers_of_filters_are_tuned() {
     let scenario = scenario(1);
     let record = Arc::new(simulate(&scenario));
     let axes = vec![Axis::parse("plant.damping_ratio=0:1:2").unwrap()];
-    assert!(Setting::new(&scenario, "plant.damping_ratio").is_ok());
+    assert!(Address::parse(&scenario, "plant.damping_ratio").is_ok());
     assert!(matches!(Tuner::new(scenario, 0, record, axes, Goal::Likelihood), Err(EnsembleError::Fixed(_))));
 }
 

@@ -13,7 +13,7 @@ impl fmt::Display for Check {
             one("at", at) + &one("from", from) + &one("to", to)
         };
         let hindsight = |smoothed: bool| if smoothed { ", smoothed" } else { "" };
-        write!(f, "{} of {}{}", self.measure.key(), self.filter, hindsight(self.smoothed))?;
+        write!(f, "{} of {}{}", self.measure, self.filter, hindsight(self.smoothed))?;
         if let Some(channel) = self.channel {
             write!(f, " in {}", channel.key())?;
         }

@@ -1,8 +1,8 @@
 //! The choice of a search: filter, settings and goal.
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::Goal;
-use kalmanscope_lab::{Axis, Setting};
 use serde::{Deserialize, Serialize};
 
 use crate::laboratory::choice::part_of;
@@ -28,7 +28,7 @@ impl TuneChoice {
         let part = part_of(scenario, &[filter]);
         let is_usual = |key: &String| key.contains(".sensor_std.") || key == "filters.*.process_std";
         let keys = of_filters(&part).into_iter().filter(is_usual);
-        let axis = |key: String| Some(Axis::usual(&Setting::new(&part, &key).ok()?, &part, 2));
+        let axis = |key: String| Some(Axis::usual(&Address::parse(&part, &key).ok()?, &part, 2));
         Some(Self { filter, axes: keys.filter_map(axis).collect(), goal: Goal::Likelihood })
     }
 
@@ -45,11 +45,11 @@ impl TuneChoice {
         let part = part_of(&scenario, &[self.filter]);
         for (place, axis) in self.axes.iter().enumerate() {
             axis.check().map_err(|error| error.to_string())?;
-            let setting = Setting::new(&part, &axis.key).map_err(|error| error.to_string())?;
+            let setting = Address::parse(&part, &axis.key).map_err(|error| error.to_string())?;
             if !setting.is_of_filters() {
                 return Err(format!("`{}` is not a setting of a filter", axis.key));
             }
-            if self.axes[..place].iter().any(|other| collide(&other.key, &axis.key)) {
+            if self.axes[..place].iter().any(|other| collide(&other.key, &axis.key, &part)) {
                 return Err(format!("`{}` is set twice", axis.key));
             }
         }
@@ -85,8 +85,8 @@ impl TuneChoice {
     /// Ticks a setting, with its usual range, or unticks it. Those that would set the same number are unticked.
     pub(crate) fn toggle(&mut self, key: &str, part: &Scenario) {
         let is_ticked = self.axes.iter().any(|axis| axis.key == key);
-        self.axes.retain(|axis| !collide(&axis.key, key));
-        if let Ok(setting) = Setting::new(part, key)
+        self.axes.retain(|axis| !collide(&axis.key, key, part));
+        if let Ok(setting) = Address::parse(part, key)
             && !is_ticked
         {
             self.axes.push(Axis::usual(&setting, part, 2));

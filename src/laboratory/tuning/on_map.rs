@@ -1,8 +1,8 @@
 //! A search and a map that has settings of it as its axes: the map's best cell, and the path of the search in the map.
 
-use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::Try;
-use kalmanscope_lab::{Axis, Setting};
 
 use super::TuneChoice;
 use crate::laboratory::survey::Survey;
@@ -21,7 +21,7 @@ fn places(survey: &Survey, choice: &TuneChoice) -> Option<(usize, [usize; 2])> {
 fn ratios(survey: &Survey, part: &Scenario) -> [f64; 2] {
     let present = survey.present(part);
     let settings = survey.ensemble().settings();
-    [0, 1].map(|at| if settings.get(at).is_some_and(Setting::is_factor) { present[at] } else { 1.0 })
+    [0, 1].map(|at| if settings.get(at).is_some_and(Address::is_factor) { present[at] } else { 1.0 })
 }
 
 /// The values of the tuned settings in the best cell of a map: its own settings must be among them. The others stay as they
@@ -33,7 +33,7 @@ pub(super) fn best_of_map(survey: &Survey, choice: &TuneChoice, part: &Scenario)
         score.is_finite().then_some((cell, score))
     };
     let (best, _) = (0..survey.ensemble().cells()).filter_map(score).max_by(|(_, a), (_, b)| a.total_cmp(b))?;
-    let present = |axis: &Axis| Setting::new(part, &axis.key).map_or(f64::NAN, |setting| setting.get(part));
+    let present = |axis: &Axis| Address::parse(part, &axis.key).map_or(f64::NAN, |setting| setting.get(part));
     let mut values: Vec<f64> = choice.axes.iter().map(present).collect();
     let ratios = ratios(survey, part);
     for ((at, value), ratio) in places.into_iter().zip(survey.ensemble().values(best)).zip(ratios) {

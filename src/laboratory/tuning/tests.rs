@@ -1,8 +1,9 @@
 use super::*;
 use crate::laboratory::{Choice, Laboratory, Precision, Slices};
-use kalmanscope_core::{Channel, Quantity};
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Channel, Quantity};
+use kalmanscope_lab::Measure;
 use kalmanscope_lab::tune::Goal;
-use kalmanscope_lab::{Axis, Measure, Setting};
 
 /// A session whose first filter takes its sensors for five times noisier than they are.
 fn session() -> Session {
@@ -97,7 +98,7 @@ fn the_search_begins_at_the_best_cell_of_a_map_of_its_settings() {
     let mut laboratory = laboratory();
     let axes = [("filters.*.sensor_std", 4), ("filters.*.process_std", 3)];
     let part = part_of(session.scenario(), &[1]);
-    let axis = |(key, count): (&str, usize)| Axis::usual(&Setting::new(&part, key).unwrap(), &part, count);
+    let axis = |(key, count): (&str, usize)| Axis::usual(&Address::parse(&part, key).unwrap(), &part, count);
     let measure = Measure::Rmse(Channel::NATURAL_FREQUENCY);
     laboratory.choose(Some(Choice {
         axes: axes.map(axis),

@@ -2,7 +2,8 @@
 
 use egui::{Button, CollapsingHeader, Label, ProgressBar, RichText, Ui};
 use kalmanscope_core::Estimates;
-use kalmanscope_core::diagnosis::{Finding, Knob};
+use kalmanscope_core::diagnosis::Finding;
+use kalmanscope_core::setting::Edit;
 
 use super::rows;
 use crate::request::Request;
@@ -112,16 +113,16 @@ fn knob_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
     (filter, cause): (&str, &str),
-    knobs: &[Knob],
+    knobs: &[Edit],
     requests: &mut Vec<Request>,
 ) {
-    let lines: Vec<String> = knobs.iter().map(Knob::toml_line).collect();
+    let lines: Vec<String> = knobs.iter().map(Edit::toml_line).collect();
     let more = if lines.len() > SHOWN { format!(" and {} more", lines.len() - SHOWN) } else { String::new() };
     let text = format!("Set {}{more}", lines[..lines.len().min(SHOWN)].join(", "));
     let button = ui.add(Button::new(text).wrap()).on_hover_text(lines.join("\n"));
     button.ctx.accesskit_node_builder(button.id, |node| node.set_label(format!("Turn the knob of {filter}: {cause}")));
     if button.clicked()
-        && let Ok(turned) = Knob::apply_all(knobs, context.session.scenario())
+        && let Ok(turned) = Edit::apply_all(knobs, context.session.scenario())
     {
         requests.push(Request::Edit(Box::new(turned)));
     }

@@ -1,8 +1,8 @@
 //! The line above the panels: axes, score, filters, ranges, and the progress.
 
 use egui::{ComboBox, Grid, Ui, vec2};
-use kalmanscope_core::Scenario;
-use kalmanscope_lab::{Axis, Setting, Spacing};
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Scenario, Spacing};
 
 use crate::controls::number::field;
 use crate::laboratory::{
@@ -59,14 +59,14 @@ fn combo(ui: &mut Ui, label: &str, text: String, width: f32, add: impl FnOnce(&m
 fn axis_ui(ui: &mut Ui, choice: &mut Choice, at: usize, part: &Scenario, keys: &[String]) {
     let present = choice.axes[at].key.clone();
     let other = choice.axes[1 - at].key.clone();
-    combo(ui, &format!("Setting {}", WAYS[at]), setting_name(&present), 118.0, |ui| {
-        for key in keys.iter().filter(|key| **key == other || !collide(key, &other)) {
-            if !ui.selectable_label(*key == present, setting_name(key)).clicked() || *key == present {
+    combo(ui, &format!("Setting {}", WAYS[at]), setting_name(&present, part), 118.0, |ui| {
+        for key in keys.iter().filter(|key| **key == other || !collide(key, &other, part)) {
+            if !ui.selectable_label(*key == present, setting_name(key, part)).clicked() || *key == present {
                 continue;
             }
             if *key == other {
                 choice.axes.swap(0, 1);
-            } else if let Ok(setting) = Setting::new(part, key) {
+            } else if let Ok(setting) = Address::parse(part, key) {
                 choice.axes[at] = Axis::usual(&setting, part, choice.axes[at].count);
             }
         }
@@ -134,7 +134,7 @@ fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option
             }
             if ui.button("Usual ranges").clicked() {
                 for axis in &mut choice.axes {
-                    if let Ok(setting) = Setting::new(part, &axis.key) {
+                    if let Ok(setting) = Address::parse(part, &axis.key) {
                         *axis = Axis::usual(&setting, part, axis.count);
                     }
                 }
@@ -151,8 +151,8 @@ fn ranges_ui(ui: &mut Ui, choice: &mut Choice, part: &Scenario, graphics: Option
 
 fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
     let before = axis.clone();
-    ui.label(setting_name(&axis.key));
-    let unit = Setting::new(part, &axis.key).map_or("", |setting| setting.unit(part));
+    ui.label(setting_name(&axis.key, part));
+    let unit = Address::parse(part, &axis.key).map_or("", |setting| setting.unit());
     let size = vec2(72.0, ui.spacing().interact_size.y);
     for (value, end) in [(&mut axis.from, "first"), (&mut axis.to, "last")] {
         let scale = value.abs().max(1e-9);

@@ -1,11 +1,11 @@
 //! Marks on a panel: the truth, the consistent region, and the dot of the present setting, which is dragged.
 
 use egui::{Color32, CursorIcon, EventFilter, Id, InputState, Key, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
-use kalmanscope_core::{Scenario, Signal};
-use kalmanscope_lab::Axis;
+use kalmanscope_core::setting::{Address, INITIAL_MEAN};
+use kalmanscope_core::{Axis, Scenario, Signal};
 
 use super::contour::Piece;
-use crate::laboratory::{Survey, guessed, setting_name};
+use crate::laboratory::Survey;
 use crate::plot::graph::Graph;
 use crate::plot::medium::Medium;
 use crate::request::Request;
@@ -58,7 +58,8 @@ pub(super) fn contour_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], contour: &[Pi
 
 /// The constant truth of the parameter whose guess an axis is.
 fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
-    match scenario.plant.parameter(guessed(&axis.key)?)? {
+    let guess = Address::parse(scenario, &axis.key).ok().filter(|address| address.table() == Some(&INITIAL_MEAN))?;
+    match scenario.plant.parameter(guess.channel()?)? {
         Signal::Constant(value) => Some(value),
         _ => None,
     }
@@ -155,9 +156,8 @@ fn paint(ui: &Ui, at: egui::Pos2, is_lit: bool, is_inside: bool, palette: &Palet
 
 /// An axis' name with a value.
 pub(in crate::views) fn said(axis: &Axis, value: f64, survey: &Survey) -> String {
-    let setting = survey.ensemble().settings().iter().find(|setting| setting.key() == axis.key);
-    let unit = setting.map_or("", |setting| setting.unit(survey.ensemble().scenario()));
-    format!("{} {} {unit}", setting_name(&axis.key), significant(value, 4)).trim_end().to_owned()
+    let Ok(address) = Address::parse(survey.ensemble().scenario(), &axis.key) else { return String::new() };
+    format!("{} {} {}", address.name(), significant(value, 4), address.unit()).trim_end().to_owned()
 }
 
 /// The value that a hand sets at a share of an axis' scale: at most three digits, and not beyond the middles of the last cells.
@@ -166,7 +166,7 @@ fn dragged(survey: &Survey, at: usize, share: f64) -> f64 {
     let steps = axis.count.saturating_sub(1).max(1) as f64;
     let value = axis.at_share(((share * axis.count as f64 - 0.5) / steps).clamp(0.0, 1.0));
     let rounded = parse(&significant(value, 3)).unwrap_or(value);
-    let is_whole = survey.ensemble().settings().get(at).is_some_and(kalmanscope_lab::Setting::is_whole);
+    let is_whole = survey.ensemble().settings().get(at).is_some_and(Address::is_whole);
     if is_whole { value.round() } else { rounded }
 }
 

@@ -1,7 +1,8 @@
 //! One panel: its title, the cells, the axes, the bar of colours, and what a hand does with it.
 
 use egui::{Rect, RichText, Sense, TextStyle, Tooltip, Ui, UiBuilder, pos2, vec2};
-use kalmanscope_lab::{Measure, Spacing};
+use kalmanscope_core::Spacing;
+use kalmanscope_lab::Measure;
 
 use super::bar::{self, bar_ui};
 use super::cells::is_ratio;

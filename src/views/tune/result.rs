@@ -1,6 +1,7 @@
 //! The result: each setting before and after, the scores, the verdict and the remarks.
 
 use egui::{Grid, Ui, vec2};
+use kalmanscope_core::Scenario;
 use kalmanscope_lab::tune::{Goal, Remark};
 
 use super::settings::goal_name;
@@ -42,7 +43,7 @@ pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<
         ui.colored_label(verdict::text_color(kind, context.palette), text);
     }
     for remark in &tuned.remarks {
-        ui.label(said(remark));
+        ui.label(said(remark, &tuned.scenario));
     }
     ui.weak(format!("{} runs, for {}", tuned.runs, goal_name(goal)));
     let scenario = context.session.scenario();
@@ -76,10 +77,10 @@ fn score_text(goal: Goal, score: f64) -> String {
 }
 
 /// A remark, with the setting's name in place of its key.
-fn said(remark: &Remark) -> String {
+fn said(remark: &Remark, scenario: &Scenario) -> String {
     match remark {
-        Remark::Flat(key) => Remark::Flat(setting_name(key)).to_string(),
-        Remark::Edge(key) => Remark::Edge(setting_name(key)).to_string(),
+        Remark::Flat(key) => Remark::Flat(setting_name(key, scenario)).to_string(),
+        Remark::Edge(key) => Remark::Edge(setting_name(key, scenario)).to_string(),
         other => other.to_string(),
     }
 }

@@ -1,9 +1,9 @@
 //! The choices: filter, goal, settings and their ranges.
 
 use egui::{ComboBox, Grid, Ui, vec2};
-use kalmanscope_core::Scenario;
+use kalmanscope_core::setting::Address;
+use kalmanscope_core::{Axis, Scenario};
 use kalmanscope_lab::tune::Goal;
-use kalmanscope_lab::{Axis, Setting};
 
 use crate::controls::number::field;
 use crate::laboratory::{TuneChoice, of_filters, part_of, setting_label, setting_name};
@@ -90,9 +90,9 @@ pub(super) fn goal_name(goal: Goal) -> String {
 }
 
 fn setting_ui(ui: &mut Ui, choice: &mut TuneChoice, key: &str, part: &Scenario) {
-    let Ok(setting) = Setting::new(part, key) else { return };
+    let Ok(setting) = Address::parse(part, key) else { return };
     let mut is_ticked = choice.axes.iter().any(|axis| axis.key == key);
-    if ui.checkbox(&mut is_ticked, setting_name(key)).on_hover_text(setting_label(key, part)).changed() {
+    if ui.checkbox(&mut is_ticked, setting_name(key, part)).on_hover_text(setting_label(key, part)).changed() {
         choice.toggle(key, part);
     }
     ui.weak(significant(setting.get(part), 4));
@@ -100,7 +100,7 @@ fn setting_ui(ui: &mut Ui, choice: &mut TuneChoice, key: &str, part: &Scenario) 
     let before: Axis = axis.clone();
     let size = vec2(64.0, ui.spacing().interact_size.y);
     for (value, end) in [(&mut axis.from, "least"), (&mut axis.to, "largest")] {
-        let name = format!("{end} {}", setting_name(key));
+        let name = format!("{end} {}", setting_name(key, part));
         let scale = value.abs().max(1e-9);
         ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, &name, &name));
     }

@@ -2,7 +2,7 @@
 
 use super::{Cause, Matter, Suspect};
 use crate::Hold;
-use crate::diagnosis::knob::Knob;
+use crate::setting::Edit;
 
 pub(super) static CAUSE: Cause = Cause {
     key: "input_hold",
@@ -23,5 +23,5 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     let near = case.sensors.iter().flat_map(|one| one.cross_correlation(&case.kept)[3..6].to_vec());
     let near = near.fold(0.0, |a: f64, b| a.max(b.abs()));
     let weight = 2.0 * near / (1.0 + 2.0 * near);
-    found.push(Suspect::new(cause, weight, 0.0, vec![Knob::new("hold", value)], sentence.to_owned()));
+    found.push(Suspect::new(cause, weight, 0.0, vec![Edit::new("hold", value)], sentence.to_owned()));
 }

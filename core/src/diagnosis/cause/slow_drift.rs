@@ -2,8 +2,8 @@
 
 use super::{Cause, Matter, Suspect};
 use crate::Channel;
-use crate::diagnosis::knob::Knob;
 use crate::diagnosis::words::percent;
+use crate::setting::Edit;
 
 /// The tried random walks over the record, relative to the parameters.
 const WALKS: [f64; 2] = [0.05, 0.3];
@@ -42,7 +42,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
 }
 
 /// The process noise of a parameter at a place that walks by a share of itself over the record.
-fn knob(matter: &Matter<'_>, (place, channel): (usize, Channel), walk: f64) -> Option<Knob> {
+fn knob(matter: &Matter<'_>, (place, channel): (usize, Channel), walk: f64) -> Option<Edit> {
     let (mean, doubt) = (matter.case.estimates.initial_mean(place).abs(), matter.case.estimates.initial_std(place));
     let std = walk * mean.max(doubt) / (matter.case.len().max(2) as f64).sqrt();
     let moves = std > matter.filter.process_std[channel] && doubt > 0.0;

@@ -1,10 +1,10 @@
-//! The values of one setting in an ensemble.
+//! The values of one setting, equally spaced: an axis of a map, of a sweep, or of a check in a lesson.
 
-use kalmanscope_core::Scenario;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::Setting;
+use crate::Scenario;
+use crate::setting::{Address, FADING, RECORD_GAIN, SEED};
 
 /// The most values on one axis.
 pub const MAX_COUNT: usize = 1_000_000;
@@ -13,7 +13,7 @@ pub const MAX_COUNT: usize = 1_000_000;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
-    /// The setting's key, as in [`Setting`].
+    /// The setting's key, as in [`Address`].
     pub key: String,
     /// The first value, in the setting's unit.
     pub from: f64,
@@ -63,7 +63,7 @@ impl Axis {
     /// The axis written as `KEY=FROM:TO:COUNT`, with `:log` behind it for equal ratios.
     ///
     /// ```
-    /// use kalmanscope_lab::{Axis, Spacing};
+    /// use kalmanscope_core::{Axis, Spacing};
     ///
     /// let axis = Axis::parse("filters.EKF.process_std=0.01:100:5:log").unwrap();
     /// assert_eq!((axis.count, axis.spacing), (5, Spacing::Logarithmic));
@@ -161,23 +161,21 @@ impl Axis {
 
     /// A usual axis for a setting around its present value: two decades each way for a standard deviation or a factor, 0 to
     /// three times the value for a guess, the next `count` numbers for a seed.
-    pub fn usual(setting: &Setting, scenario: &Scenario, count: usize) -> Self {
-        let key = setting.key().to_owned();
+    pub fn usual(setting: &Address, scenario: &Scenario, count: usize) -> Self {
+        let key = setting.to_string();
         let now = setting.get(scenario);
         let linear = |from: f64, to: f64| Self { key: key.clone(), from, to, count, spacing: Spacing::Linear };
         let ratios = |from: f64, to: f64| Self { key: key.clone(), from, to, count, spacing: Spacing::Logarithmic };
-        let last = key.rsplit('.').next().unwrap_or_default();
-        let is_std = key.contains("_std") || setting.is_factor();
-        if key == "seed" {
+        if key == SEED.key {
             return linear(1.0, count as f64);
         }
-        if last == "fading" {
+        if setting.is_of(&FADING) {
             return linear(1.0, if now > 1.02 { 2.0 * now - 1.0 } else { 1.02 });
         }
-        if last == "gain" && now > 0.0 {
+        if key == RECORD_GAIN.key && now > 0.0 {
             return ratios(now / 10.0, now * 10.0);
         }
-        if is_std {
+        if setting.is_std() {
             let centre = if now > 0.0 { now } else { setting.channel().map_or(1e-3, |c| c.usual().std / 100.0) };
             return ratios(centre / 100.0, centre * 100.0);
         }
@@ -245,7 +243,7 @@ mod tests {
             "sensors.velocity.noise_std",
             "plant.damping_ratio",
         ] {
-            let setting = Setting::new(&scenario, key).unwrap();
+            let setting = Address::parse(&scenario, key).unwrap();
             let axis = Axis::usual(&setting, &scenario, 33);
             axis.check().unwrap();
             let share = axis.share_of(setting.get(&scenario));

@@ -1,0 +1,72 @@
+//! The control of a setting, from its row.
+
+use egui::{Checkbox, DragValue, Ui};
+use kalmanscope_core::setting::{Allowed, SettingInfo};
+use kalmanscope_core::{FilterSettings, PlantKind, Scenario};
+
+use super::lit::lit;
+use super::number::{Named, Number};
+use crate::text::sentence_case;
+
+/// Shows a setting of a filter. Where it has no effect, a yes is turned into a no.
+pub(super) fn filter_row_ui(
+    ui: &mut Ui,
+    info: &SettingInfo<FilterSettings>,
+    filter: &mut FilterSettings,
+    truth: PlantKind,
+) {
+    let key = filter.address(info.key);
+    let label = (info.label)(filter).unwrap_or(info.name);
+    let serves = (info.serves)(filter, truth);
+    let mut value = (info.get)(filter);
+    if info.allowed == Allowed::Flag && !serves {
+        value = 0.0;
+    }
+    let name = match info.allowed {
+        Allowed::Flag => format!("{}: {label}", filter.name),
+        Allowed::Whole(..) => format!("{} {label}", filter.name),
+        _ => format!("{} {}", filter.name, info.name),
+    };
+    ui.add_enabled_ui(serves, |ui| {
+        lit(ui, &key, |ui| control_ui(ui, info, label, Named { text: &name, key: &key }, &mut value));
+    });
+    if value != (info.get)(filter) {
+        (info.set)(filter, value);
+    }
+}
+
+/// Shows a number of the scenario, at least as large as this.
+pub(super) fn scenario_row_ui(ui: &mut Ui, info: &SettingInfo<Scenario>, scenario: &mut Scenario, least: f64) {
+    let (label, name) = ((info.label)(scenario).unwrap_or(info.name), sentence_case(info.name));
+    let mut value = (info.get)(scenario);
+    let number = Number { least, ..Number::of(info, label, (&name).into()) };
+    lit(ui, info.key, |ui| number.show(ui, &mut value));
+    if value != (info.get)(scenario) {
+        (info.set)(scenario, value);
+    }
+}
+
+fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_>, value: &mut f64) {
+    let (low, high) = info.slider;
+    let control = match info.allowed {
+        Allowed::Flag => {
+            let mut is_on = *value != 0.0;
+            let control = ui.add(Checkbox::new(&mut is_on, label));
+            *value = f64::from(u8::from(is_on));
+            control
+        }
+        Allowed::Whole(..) => {
+            let mut whole = *value as i64;
+            let field = DragValue::new(&mut whole).range(low as i64..=high as i64);
+            let row = ui.horizontal(|ui| {
+                ui.label(label).on_hover_text(info.hint);
+                ui.add(field)
+            });
+            *value = whole as f64;
+            row.inner
+        }
+        _ => return Number::of(info, label, name).show(ui, value),
+    };
+    control.ctx.accesskit_node_builder(control.id, |node| node.set_label(name.text));
+    control.on_hover_text(info.hint);
+}
