@@ -35,14 +35,14 @@ pub(crate) fn of_filters(scenario: &Scenario) -> Vec<String> {
     };
     let sensors = scenario.sensors.iter().map(|sensor| sensor.measures.key()).collect();
     let whole = |keys: Vec<&str>| keys.into_iter().map(|key| format!("filters.*.{key}")).collect::<Vec<_>>();
-    let varied = OF_FILTER.into_iter().flatten().filter(|info| info.is_varied).map(|info| info.key);
+    let mut varied = OF_FILTER.into_iter().flatten().filter(|info| info.is_varied).map(|info| info.key);
     let mut keys = entries(&INITIAL_MEAN, of(true));
-    keys.extend(whole([&PROCESS_STD, &SENSOR_STD].map(|table| table.key).into_iter().chain(varied).collect()));
+    keys.extend(whole([&PROCESS_STD, &SENSOR_STD].map(|table| table.key).into_iter().chain(varied.next()).collect()));
     keys.extend(entries(&PROCESS_STD, of(true)));
     keys.extend(entries(&INITIAL_STD, of(true)));
     keys.extend(entries(&SENSOR_STD, sensors));
     keys.extend(entries(&PROCESS_STD, of(false)));
-    keys.extend(whole(vec![INITIAL_STD.key]));
+    keys.extend(whole([INITIAL_STD.key].into_iter().chain(varied).collect()));
     keys.retain(|key| is_possible(scenario, key));
     keys
 }

@@ -130,8 +130,12 @@ impl Address {
             Place::Scenario(info) => info.name.to_owned(),
             Place::Parameter(channel) => format!("true {}", channel.symbol()),
             Place::Noise(quantity) => format!("true noise of {}", quantity.symbol()),
-            Place::Filters(_, Member::Number(info)) => format!("{} {}", info.name, info.symbol).trim_end().to_owned(),
-            Place::Filters(_, Member::Entry(table, entry)) => format!("{} of {}", table.symbol, entry.symbol()),
+            Place::Filters(_, Member::Number(info)) => {
+                let label = (info.label)(&FilterSettings::default()).unwrap_or(info.name);
+                let words = label.strip_prefix(info.symbol).unwrap_or(label);
+                format!("{words} {}", info.symbol).trim().to_owned()
+            }
+            Place::Filters(_, Member::Entry(table, entry)) => format!("{} of {}", table.words, entry.symbol()),
             Place::Filters(_, Member::Factor(table, _)) => {
                 format!("factor on {}", table.factor.unwrap_or(table.symbol))
             }

@@ -13,6 +13,8 @@ pub struct TableInfo {
     pub key: &'static str,
     /// The symbol in formulas, before that of a channel or a quantity.
     pub symbol: &'static str,
+    /// The words on an axis, before "of" and that symbol.
+    pub words: &'static str,
     /// The name in running text, before "of" and that of a channel or a quantity.
     pub name: &'static str,
     /// The symbol of all its numbers together, where a factor on them is a setting: of standard deviations.
@@ -43,6 +45,7 @@ pub enum Entry {
 pub static INITIAL_MEAN: TableInfo = TableInfo {
     key: "initial_mean",
     symbol: "guess",
+    words: "guess",
     name: "initial guess",
     factor: None,
     allowed: Allowed::Finite,
@@ -53,7 +56,8 @@ pub static INITIAL_MEAN: TableInfo = TableInfo {
 /// The standard deviations of the initial belief.
 pub static INITIAL_STD: TableInfo = TableInfo {
     key: "initial_std",
-    symbol: "σ of the guess",
+    symbol: "± σ",
+    words: "σ of the guess",
     name: "initial std",
     factor: Some("√P₀"),
     allowed: Allowed::AtLeast(0.0),
@@ -65,6 +69,7 @@ pub static INITIAL_STD: TableInfo = TableInfo {
 pub static PROCESS_STD: TableInfo = TableInfo {
     key: "process_std",
     symbol: "√Q",
+    words: "√Q",
     name: "process std",
     factor: Some("√Q"),
     allowed: Allowed::AtLeast(0.0),
@@ -76,6 +81,7 @@ pub static PROCESS_STD: TableInfo = TableInfo {
 pub static SENSOR_STD: TableInfo = TableInfo {
     key: "sensor_std",
     symbol: "√R",
+    words: "√R",
     name: "sensor std",
     factor: Some("√R"),
     allowed: Allowed::Above(0.0),
