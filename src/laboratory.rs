@@ -95,7 +95,7 @@ impl Laboratory {
         self.before.is_some()
     }
 
-    /// The share of the present map that is known, from 0 to 1; none where it is complete or there is none.
+    /// The share of the present map that is known, from 0 to 1. `None` if the map is complete or there is none.
     pub fn progress(&self) -> Option<f64> {
         let sheet = self.survey.as_ref()?.sheet();
         (!sheet.is_complete()).then(|| sheet.done() as f64 / sheet.len() as f64)
@@ -112,7 +112,7 @@ impl Laboratory {
         &self.state
     }
 
-    /// Whether the graphics processor is there; none where the engine uses none.
+    /// Whether a graphics processor was found. `None` if the engine uses none.
     pub fn graphics(&self) -> Option<Finding> {
         self.engine.graphics()
     }
@@ -212,7 +212,7 @@ impl Laboratory {
         choice.ok_or_else(|| "There is no filter whose settings could be varied.".to_owned())
     }
 
-    /// Begins another survey. The present one stays in sight if it covers the map.
+    /// Begins another survey. The present one stays on screen if it covers the map.
     fn begin(&mut self, run: &Run, source: Source, choice: &Choice) {
         self.edition += 1;
         self.state.begin();
@@ -223,7 +223,7 @@ impl Laboratory {
                     last.rest();
                     self.before = Some(last);
                 }
-                // Another score than it has cannot be shown.
+                // Only the scores that were computed can be shown.
                 self.before = self.before.take().filter(|before| before.has(choice.measure));
             }
             Err(problem) => {

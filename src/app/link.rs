@@ -25,7 +25,8 @@ impl App {
         Self { page: page.to_owned(), ..self }
     }
 
-    /// Opens what an address asks for, or says why it cannot be opened; nothing where it asks for nothing.
+    /// Opens the picture, scenario or lesson that an address names, or says why it cannot be opened. An address without
+    /// one changes nothing.
     pub fn open_address(&mut self, address: &str) {
         self.requests.push(Request::OpenAddress(address.to_owned()));
     }

@@ -24,7 +24,7 @@ use super::state::WorkState;
 /// Limits the number of seeds.
 pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
 
-/// The number of seeds at first: fewer on the page, whose runs take longer.
+/// The initial number of seeds: fewer on the page, where a run takes longer.
 const USUAL: usize = if cfg!(target_arch = "wasm32") { 100 } else { 200 };
 
 /// The number of times, equally spaced over the record, at which each run is looked at.
@@ -39,7 +39,7 @@ const ENOUGH: usize = 10;
 pub struct SeedChoice {
     /// The number of seeds: 1 up to this one.
     pub seeds: usize,
-    /// The parameter whose errors and estimates are shown; none for the first one.
+    /// The parameter to show errors and estimates of. `None` for the first one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameter: Option<Channel>,
 }
@@ -186,7 +186,7 @@ impl Seeds {
         self.before.is_some()
     }
 
-    /// The seeds that are done, and all of them; none where they are complete or there are none.
+    /// The number of seeds that are done, and of all. `None` if all are done or there are no runs.
     pub fn progress(&self) -> Option<[usize; 2]> {
         let runs = self.runs.as_ref().filter(|runs| !runs.is_complete())?;
         Some([runs.statistics.done(), runs.seeds()])
@@ -197,8 +197,8 @@ impl Seeds {
         self.runs.as_ref().is_some_and(|runs| runs.work.is_some())
     }
 
-    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes with what is to be
-    /// shown: while seeds come in, with each twentieth more of them.
+    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes when the view has
+    /// to be drawn again: while seeds come in, whenever there are 5 % more.
     pub fn state(&self) -> &WorkState {
         &self.state
     }

@@ -118,7 +118,7 @@ impl Slice<'_> {
             let id = survey.filters()[filter];
             let own = context.session.scenario().filters.iter().find(|filter| filter.id == id);
             let color = own.map_or(palette.text, |filter| palette.shade(color_of(filter)));
-            // A line that coincides with the one before leaves that in sight.
+            // The first line is wider, so that a line on top of it does not hide it.
             let width = if filter == 0 && lines.len() > 1 { 4.0 } else { 1.8 };
             for part in line.split(|[_, value]| !value.is_finite()) {
                 let points: Vec<Pos2> = part.iter().map(|point| graph.at(*point)).collect();

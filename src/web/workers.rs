@@ -156,8 +156,8 @@ fn begin(team: &Rc<RefCell<Team>>, task: Given) -> u32 {
     present.job
 }
 
-/// Sees to it that there are this many workers, as far as there are processors. Those that are busy with a long portion of a
-/// map are replaced, unless there is an errand too.
+/// Starts workers until there are `count`, or one per processor. Replaces a worker that is stuck in a long portion of a
+/// map, unless it also has an errand.
 fn muster(team: &Rc<RefCell<Team>>, present: &mut Team, count: usize) {
     let Team { members, errands, broken, .. } = present;
     if broken.is_some() {

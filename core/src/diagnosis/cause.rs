@@ -59,7 +59,7 @@ pub struct Cause {
     pub name: &'static str,
     /// Its symptoms and its remedy.
     pub hint: &'static str,
-    /// Appends the ways in which it may be the cause.
+    /// Appends one suspect for each way in which it may be the cause.
     pub(crate) suspects: fn(&Matter<'_>, &'static Self, &mut Vec<Suspect>),
 }
 
@@ -72,20 +72,20 @@ pub struct Suspect {
     pub sentence: String,
     /// The share of the evidence that it explains, from 0 to 1, estimated without a trial.
     pub weight: f64,
-    /// Whether the evidence is enough without a trial: the likelihood does not tell.
+    /// Whether the evidence is enough without a trial: the likelihood cannot decide.
     pub certain: bool,
     /// The settings to turn.
     pub knobs: Vec<Knob>,
     /// The number of values that turning them fits to the record.
     pub fitted: f64,
-    /// Whether its likelihood is that of a filter which begins anew at the first of its samples, if that is larger: what a
-    /// knob can do against it comes late.
+    /// Whether its trial also counts the likelihood of a filter that is restarted at the first of `samples`, and takes
+    /// the larger one: a knob acts too slowly on a sudden change.
     pub begins_anew: bool,
-    /// When it was, where it was at a time: samples of those that are kept.
+    /// The kept samples in which it happened, if it has a time.
     pub samples: Option<Range<usize>>,
-    /// The parameter whose sign, as the trial learns it, decides what to say.
+    /// The parameter that the trial estimates; its sign chooses the sentence.
     pub(crate) sign: Option<Sign>,
-    /// Whether a spring that is found to harden rules it out.
+    /// Whether a hardening spring, once found, rules it out.
     pub(crate) softens: bool,
     /// Whether it is a fault of the record that no setting mends: it stands before every other cause.
     pub(crate) of_record: bool,
@@ -101,7 +101,7 @@ pub(crate) struct Sign {
     pub(crate) negative: &'static str,
 }
 
-/// The filter that something is the matter with.
+/// A filter with a bad verdict.
 pub(crate) struct Matter<'a> {
     pub(crate) case: &'a Case<'a>,
     pub(crate) evidence: &'a [Evidence],
@@ -143,9 +143,9 @@ impl Matter<'_> {
 }
 
 impl Suspect {
-    /// A suspect whose knobs fit `fitted` numbers to the record.
+    /// A suspect with knobs that fit `fitted` numbers to the record.
     pub(crate) fn new(cause: &'static Cause, weight: f64, fitted: f64, knobs: Vec<Knob>, sentence: String) -> Self {
-        // Numbers are tried as they are told and written.
+        // The trial uses the rounded numbers that are shown and written.
         let knobs = knobs.into_iter().map(|knob| knob.rounded()).collect();
         Self {
             cause,

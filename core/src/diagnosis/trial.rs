@@ -31,12 +31,12 @@ pub struct Trials {
     current: Option<(Pass, Estimates)>,
     /// The sample of the run's record at which the window begins.
     first: usize,
-    /// The estimates and likelihoods of the filter with no knob turned, for filters that begin anew.
+    /// The estimates and likelihoods of the filter with no knob turned; a restarted filter begins from them.
     unturned: Option<Estimates>,
     /// The result without any knob turned.
     before: Option<Outcome>,
     outcomes: Vec<Outcome>,
-    /// The log likelihood of the filter itself over the window, where another one stands in for it.
+    /// The log likelihood of the filter itself over the window, if a UKF stands in for it.
     own: Option<f64>,
 }
 
@@ -44,11 +44,12 @@ pub struct Trials {
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
     pub(super) log_likelihood: f64,
-    /// That of the filter with the knob turned, where the other one is that of a filter which begins anew.
+    /// The log likelihood of the filter with the knob turned. `log_likelihood` may be that of a filter that is
+    /// restarted.
     pub(super) achieved: f64,
-    /// The same with all covariances scaled by what makes the log likelihood largest.
+    /// The same with all covariances multiplied by the factor that maximises the log likelihood.
     pub(super) scaled: f64,
-    /// The parameter whose sign decides what to say, at last, in standard deviations; NaN where there is none.
+    /// The final estimate of the parameter that `Sign` names, in standard deviations; NaN without one.
     pub(super) learnt: f64,
     pub(super) verdict: Option<Verdict>,
 }
@@ -69,8 +70,8 @@ impl Outcome {
 }
 
 impl Trials {
-    /// The trials of the suspects of the filter at `place` of a scenario, whose estimates on a record these are. Where the
-    /// filter is a sampled one, a UKF stands in for it.
+    /// The trials of the suspects of the filter at `place` of a scenario, with its estimates on a record. A UKF stands
+    /// in for a sampled filter.
     ///
     /// # Errors
     /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
@@ -205,7 +206,7 @@ impl Trials {
         self.suspects.as_ref()?.get(self.outcomes.len())
     }
 
-    /// The next trial at its first sample; none where its settings are not possible.
+    /// The next trial at its first sample. `None` if its settings are invalid.
     fn begin(&self) -> Option<(Pass, Estimates)> {
         let scenario = match &self.before {
             None => self.scenario.clone(),
@@ -247,7 +248,8 @@ impl Trials {
 }
 
 impl Trials {
-    /// The parameter whose sign decides what is said of the current suspect, at last, in standard deviations.
+    /// The final estimate, in standard deviations, of the parameter that chooses the sentence about the current
+    /// suspect.
     fn learnt(&self, estimates: &Estimates) -> f64 {
         let place = self.suspect().and_then(|suspect| estimates.place(suspect.sign?.channel));
         match (place, estimates.len().checked_sub(1)) {
@@ -256,8 +258,8 @@ impl Trials {
         }
     }
 
-    /// The log likelihood of the filter as it is up to sample `at` of the window, and of one that begins anew there, with what
-    /// it believes of the motion and as much doubt about the parameters as at first.
+    /// The log likelihood of the filter up to sample `at` of the window plus that of a filter restarted there. The
+    /// restarted filter begins with the means of the first one's belief and with the initial standard deviations.
     fn begun_anew(&self, at: usize) -> Option<f64> {
         let unturned = self.unturned.as_ref().filter(|unturned| at > 0 && at < unturned.len())?;
         let mut scenario = self.scenario.clone();
@@ -276,8 +278,8 @@ impl Trials {
     }
 }
 
-/// The log likelihood of a filter whose P, Q and R are all multiplied by one factor, at the best such factor s²: its gains, and
-/// so its innovations, are the same.
+/// The log likelihood of the filter after P, Q and R are multiplied by the best factor s². The factor changes neither
+/// gains nor innovations.
 ///
 /// ```text
 /// s² = Σ NIS / n,  L(s²) = L + ½ Σ NIS - ½ n (1 + ln s²)

@@ -31,7 +31,7 @@ impl fmt::Display for Verdict {
 }
 
 impl Verdict {
-    /// The gravest verdict that evidence which counts speaks for; none where there are too few measurements to tell.
+    /// The gravest verdict that the evidence supports. `None` if there are too few measurements.
     pub(crate) fn of(case: &Case<'_>, evidence: &[Evidence]) -> Option<Self> {
         let stopped = case.diagnostics.stop().is_some();
         if !stopped && case.diagnostics.nis_within(case.samples.clone()).samples < ENOUGH {
@@ -86,7 +86,7 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
     if let Some(last) = case.last() {
         for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
             let share = case.estimates.std(last, place) / case.estimates.initial_std(place);
-            // Of a parameter that is not identifiable it has been said.
+            // The text above has already named the parameters that are not identifiable.
             if share > 0.5 && !said.contains(&Subject::Channel(channel)) {
                 text += &format!("; σ of the {} is {} times that at first", channel.name(), short(share));
             }

@@ -7,7 +7,7 @@ use crate::random::{Normal, Purpose};
 use crate::sink::{AssumedNoise, Sample, Sink};
 use crate::{FilterSettings, Model, Values};
 
-/// A filter and what its last measurement told.
+/// A filter and the result of its last measurement update.
 struct Followed {
     filter: Filter,
     correction: Correction,
@@ -143,7 +143,7 @@ pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext<'_>) 
             let prior = filter.belief().gaussian().into_owned();
             Box::new(Followed { filter, correction, in_units: InUnits::default(), prior })
         }
-        // At the beginning there is but a diagonal, and its root lacks nothing but numbers.
+        // The initial covariance is diagonal: its root can fail only through a number that is not finite.
         Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
         Err(error) => Box::new(Failed(error)),
     }

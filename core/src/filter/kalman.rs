@@ -49,7 +49,7 @@ impl Expected {
     }
 }
 
-/// Conditions a Gaussian belief on measurements, of which it expects this much, and reports in `correction` how.
+/// Conditions a Gaussian belief on measurements, given the expected readings, and writes the update to `correction`.
 ///
 /// ```text
 /// e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e

@@ -11,7 +11,7 @@ use crate::engine::step::Step as EngineStep;
 use crate::linalg::{Matrix, Vector};
 use crate::model::Reading;
 
-/// A Gaussian whose mean and covariance the [engine](crate::engine) moves and conditions: KF, EKF, IEKF, UKF and CKF.
+/// A Gaussian that the [engine](crate::engine) predicts and updates: KF, EKF, IEKF, UKF and CKF.
 #[derive(Clone, Debug)]
 pub struct Moments {
     belief: Gaussian,
@@ -42,9 +42,9 @@ impl Moments {
     /// A belief that moves by `propagation` and is measured as if plant and sensors were linear around its mean.
     ///
     /// With `iterations` of more than one the update is a Gauss-Newton descent to the most probable state, each step
-    /// linearising the sensors anew where the last has led. It stops after `iterations`, or as soon as no component moves by
-    /// more than 1e-6 of its standard deviation. The correction reports innovation, S, NIS and likelihood of the first
-    /// iteration, at y⁻; gain and covariance are those of the last.
+    /// linearising the sensors again at the result of the last. It stops after `iterations`, or as soon as no component
+    /// moves by more than 1e-6 of its standard deviation. The correction reports innovation, S, NIS and likelihood of
+    /// the first iteration, at y⁻; gain and covariance are those of the last.
     ///
     /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal
     /// Estimation*, section 6.1; Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
@@ -70,7 +70,7 @@ impl Moments {
         &mut self.belief
     }
 
-    /// Puts the belief elsewhere, as uncertain as it is.
+    /// Replaces the mean and keeps the covariance.
     pub(crate) fn move_to(&mut self, mean: Vector) {
         self.belief.mean = mean;
     }

@@ -72,8 +72,8 @@ impl Particles {
         Ok(())
     }
 
-    /// Draws as many particles anew, each as often as its weight says, give or take one, and moves each by a draw from a
-    /// kernel, so that copies part. Drawing them together first leaves mean and covariance as they were.
+    /// Resamples: copies each particle in proportion to its weight, within one copy, and moves each copy by a draw from
+    /// a kernel, so that copies separate. Shrinking the particles towards their mean first keeps mean and covariance.
     fn resample(&mut self) {
         let Gaussian { mean, cov } = self.moments();
         let Self { particles, weights, normal, .. } = self;
@@ -174,7 +174,7 @@ impl Belief for Particles {
         let factor = kalman::factor(&innovation_cov)?;
         let gain = factor.divide(&cross);
         if !gain.sum().is_finite() {
-            // It moves no particle, so that no other number would tell.
+            // The gain moves no particle here, so that nothing after this would report the error.
             return Err(FilterError::NotFinite);
         }
         correction.report(observation, &observation.innovation(&reading_mean), &innovation_cov, &factor, &gain);
@@ -225,7 +225,7 @@ pub(super) fn weighted_mean(sample: &Matrix, weights: &[f64]) -> Vector {
     first + sum
 }
 
-/// Adds an independent draw from a normal distribution, whose covariance has this root, to every column.
+/// Adds an independent draw from a normal distribution to every column. `root` is the root of its covariance.
 fn add_draws(sample: &mut Matrix, root: &Matrix, normal: &mut Normal) {
     let draws = Matrix::from_fn(sample.nrows(), sample.ncols(), |_, _| normal.sample());
     sample.gemm(1.0, root, &draws, 1.0);

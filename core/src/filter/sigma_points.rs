@@ -12,7 +12,7 @@ use super::{Belief, FilterError, FilterInfo, Gaussian, Moments, Rule, Step};
 use crate::Model;
 use crate::linalg::Matrix;
 
-/// Φ, n × n: the regression on the state of a Gaussian of what a step makes of it.
+/// Φ, n × n: the linear regression of the next state on the state, over the sigma points.
 pub(super) fn transition(belief: &Gaussian, rule: Rule, model: &Model, step: Step) -> Result<Matrix, FilterError> {
     Moments::sigma_points(belief.clone(), rule).transition(model, step)
 }

@@ -11,7 +11,7 @@ use crate::random::{Normal, Purpose};
 use crate::sink::{AssumedNoise, Sample, Sink};
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Values};
 
-/// A filter and what its last measurement told.
+/// A filter and the result of its last measurement update.
 struct Followed<P, B, const N: usize> {
     filter: Filter<P, B, N>,
     correction: Correction<N>,
@@ -60,8 +60,8 @@ fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     told.push_in_units(filter.model(), sink)
 }
 
-/// A belief and what its last measurement told; of no type that depends on the filter, so that the program writes it down
-/// in one way for all of a size.
+/// A belief and the result of its last measurement update. Its type does not depend on the filter, so that the code
+/// that writes it to the sink is compiled once per size.
 #[derive(Clone, Copy)]
 struct Told<'a, const N: usize> {
     belief: &'a Gaussian<N>,
@@ -76,7 +76,7 @@ struct Told<'a, const N: usize> {
 }
 
 impl<const N: usize> Told<'_, N> {
-    /// Writes it down for a model whose state is in other units than the channels'.
+    /// Writes it to the sink, converted from the model's units to the channels'.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`] where a number in the channels' units is not finite.
@@ -213,7 +213,7 @@ impl Build<'_> {
     ) -> Box<dyn Estimator> {
         match belief {
             Ok(belief) => self.filter(model, belief),
-            // At the beginning there is but a diagonal, and what its root may lack is numbers.
+            // The initial covariance is diagonal: its root can fail only through a number that is not finite.
             Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
             Err(error) => Box::new(Failed(error)),
         }

@@ -55,8 +55,8 @@ pub(super) fn condition<const N: usize, const M: usize>(
     Ok(())
 }
 
-/// [`condition`] on sensors that read components of the state: H picks, it does not multiply. In one piece, so that what
-/// the sensors are expected to read need not be written down in between.
+/// [`condition`] on sensors that read components of the state: H selects entries, so that no product with H is needed.
+/// One function, so that the expected readings need not be stored in between.
 ///
 /// # Errors
 /// Those of [`condition`].
@@ -109,7 +109,7 @@ pub(super) fn check<const N: usize>(belief: &Gaussian<N>) -> Result<(), FilterEr
     Ok(())
 }
 
-/// The factor of S, of which the first `count` rows are those of measurements.
+/// The factor of S. Its first `count` rows belong to measurements.
 ///
 /// # Errors
 /// [`FilterError::NotFinite`], [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`].
@@ -127,7 +127,7 @@ fn why_no_factor<const M: usize>(innovation_cov: &Matrix<M, M>) -> FilterError {
     }
 }
 
-/// Writes down what a measurement told, each sensor in its place.
+/// Writes the result of an update to `correction`, each sensor in its place.
 #[inline]
 pub(super) fn report<const N: usize, const M: usize>(
     measured: &[Active],

@@ -67,8 +67,8 @@ impl<const N: usize> Particles<N> {
         Ok(())
     }
 
-    /// Draws as many particles anew, each as often as its weight says, give or take one, and moves each by a draw from a
-    /// kernel, so that copies part. Drawing them together first leaves mean and covariance as they were.
+    /// Resamples: copies each particle in proportion to its weight, within one copy, and moves each copy by a draw from
+    /// a kernel, so that copies separate. Shrinking the particles towards their mean first keeps mean and covariance.
     fn resample(&mut self) {
         let Gaussian { mean, cov } = self.moments();
         let Self { particles, weights, normal, .. } = self;
@@ -156,7 +156,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
         let factor = factor(&innovation_cov, M)?;
         let gain = factor.divide(&cross);
         if !gain.sum().is_finite() {
-            // It moves no particle, so that no other number would tell.
+            // The gain moves no particle here, so that nothing after this would report the error.
             return Err(FilterError::NotFinite);
         }
         let innovation = observation.values - reading_mean;

@@ -14,7 +14,7 @@ pub struct Reading {
     rates: Vec<(usize, f64)>,
     /// The factor of the ground's acceleration.
     ground: f64,
-    /// The component that it reads as it is, if it reads one alone.
+    /// The component, if the reading is one component with the factor 1 and nothing else.
     component: Option<usize>,
 }
 
@@ -107,7 +107,7 @@ impl Reading {
         &self.state
     }
 
-    /// Components whose rates it reads, with their factors.
+    /// Components of the rate that it reads, with their factors.
     pub fn rates(&self) -> &[(usize, f64)] {
         &self.rates
     }
@@ -117,13 +117,13 @@ impl Reading {
         self.ground
     }
 
-    /// The component that it reads as it is, if it reads one alone.
+    /// The component, if the reading is one component with the factor 1 and nothing else.
     #[inline(always)]
     pub fn component(&self) -> Option<usize> {
         self.component
     }
 
-    /// The component whose rate it reads as it is, if it reads that alone.
+    /// The component, if the reading is its rate with the factor 1 and nothing else.
     pub fn rate_component(&self) -> Option<usize> {
         match (&self.state[..], &self.rates[..], self.ground) {
             ([], &[(place, 1.0)], 0.0) => Some(place),

@@ -83,7 +83,8 @@ impl Visitor for All<'_> {
     }
 }
 
-/// The filter of a run, if it goes in lanes with this plant. The single filter tells the error of one that cannot begin.
+/// The filter of a run, if lanes serve it with this plant. A filter that cannot begin is left to the single filter,
+/// which reports the error.
 fn prepare<P: Plant<N>, const N: usize>(run: &LaneRun<'_>) -> Option<OscillatorFilter<P, N>> {
     let LaneRun { scenario, place, record } = *run;
     OscillatorFilter::new(scenario, place, record).ok().flatten().filter(|filter| {
@@ -100,7 +101,7 @@ fn prepare<P: Plant<N>, const N: usize>(run: &LaneRun<'_>) -> Option<OscillatorF
     })
 }
 
-/// Whether a UKF knows a component for certain: every step would be special.
+/// Whether a component of a UKF has variance and process noise zero: lanes would have to repair every step.
 fn has_certain_component<P, const N: usize>(filter: &OscillatorFilter<P, N>) -> bool {
     let OscillatorFilter { method, initial, noise, .. } = filter;
     let is_certain = |i: usize| initial.cov[(i, i)] == 0.0 && noise.process[(i, i)] == 0.0;

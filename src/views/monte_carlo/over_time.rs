@@ -168,7 +168,7 @@ pub(super) fn color(context: &ViewContext<'_>, id: u32) -> Color32 {
     own.map_or(context.palette.text, |filter| context.palette.shade(crate::controls::color::color_of(filter)))
 }
 
-/// The width of the line of the filter at a place: a line that coincides with the one before leaves that in sight.
+/// The width of the line of the filter at a place. Later lines are thinner, so that they do not hide earlier ones.
 fn width(at: usize) -> f32 {
     (3.4 - 1.4 * at as f32).max(1.4)
 }

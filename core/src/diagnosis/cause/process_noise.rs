@@ -48,7 +48,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     }
 }
 
-/// A process noise for a channel that has none: a thousandth of what is not known at first.
+/// A process noise for a channel without one: a thousandth of its initial standard deviation.
 fn smallest(matter: &Matter<'_>, channel: Channel) -> f64 {
     1e-3 * matter.filter.initial_std[channel]
 }
