@@ -67,8 +67,8 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// The diagnosis of a filter whose estimates, on a record, these diagnostics have followed; none where they have followed
-    /// consistency only. With a bound, σ is compared with it.
+    /// The diagnosis of a filter from its estimates, its record and their diagnostics. `None` if the diagnostics have
+    /// the depth [`Depth::Consistency`](crate::diagnostics::Depth::Consistency). With a bound, σ is compared with it.
     ///
     /// One pass over the kept samples, of about 0.1 µs each.
     pub fn new(
@@ -120,7 +120,7 @@ impl Diagnosis {
         self.since(filter, scenario, place, diagnostics, estimates, record)
     }
 
-    /// The same for a filter some of whose knobs have been turned since it was another one.
+    /// The same for a filter that was made from `origin` by turning knobs.
     fn since(
         &self,
         origin: &FilterSettings,

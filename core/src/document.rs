@@ -74,7 +74,7 @@ impl Document {
         entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)
     }
 
-    /// The values of a table or a list, in order; none where this is neither.
+    /// The values of a table or a list, in order; empty for anything else.
     pub fn children(&self) -> impl Iterator<Item = &Self> {
         let (entries, values): (&[_], &[_]) = match self {
             Self::Table(entries) => (entries, &[]),

@@ -66,7 +66,7 @@ pub use step::Step;
 pub use system::{Shape, SystemError};
 pub use white::{Course, White};
 
-/// The registry: a constant for each kind, whose description stands in the file of its method, and all of them.
+/// The registry: a constant for each kind, and the list of all of them. The file of its method describes a kind.
 macro_rules! registry {
     ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
         impl FilterKind {
@@ -146,7 +146,7 @@ pub trait Belief: Send {
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError>;
 
-    /// Conditions the belief on measurements, of which there is at least one, and reports in `correction` how.
+    /// Conditions the belief on one measurement or more, and writes the update to `correction`.
     ///
     /// # Errors
     /// Any [`FilterError`].
@@ -250,7 +250,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         Self { jump: Some(Jump::new(initial)), ..self }
     }
 
-    /// The same filter with a white force, whose part of Q counts no more.
+    /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
     #[must_use]
     pub fn with_white_force(mut self, white: Option<White>) -> Self {
         self.white = white;

@@ -39,7 +39,7 @@ pub fn transfer_function(plant: PlantKind, value: impl Fn(Channel) -> f64) -> Tr
     TransferFunction::of(&Model::new(plant), &rest)
 }
 
-/// The true transfer function at sample `k`; `None` where a parameter of the truth is not known.
+/// The true transfer function at sample `k`. `None` if a parameter of the truth is not known.
 pub fn true_transfer_function(plant: PlantKind, record: &Record, k: usize) -> Option<TransferFunction> {
     let known = |channel| record.truth(channel)?.get(k).copied().filter(|value| value.is_finite());
     plant.parameters().all(|c| known(c).is_some()).then(|| transfer_function(plant, |c| known(c).unwrap_or(f64::NAN)))

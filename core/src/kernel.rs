@@ -1,5 +1,5 @@
-//! Tuned twins of the filters in [`crate::filter`], for the common plants, whose sizes the compiler knows. Tests hold each
-//! of them to the book.
+//! Tuned versions of the filters in [`crate::filter`], for common plants of a size known to the compiler. Tests compare
+//! each of them with the reference filters.
 
 #[doc(hidden)]
 pub mod abreast;

@@ -1,4 +1,4 @@
-//! Matrices of any size: nalgebra's, and the factors that filters need besides.
+//! Matrices of any size: nalgebra's, and the factorisations that filters also need.
 
 mod givens;
 mod ldl;

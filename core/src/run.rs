@@ -44,7 +44,7 @@ impl Run {
         Self::from_source(scenario, Source::Simulated)
     }
 
-    /// A run of the scenario's filters over a given record, whose `dt` replaces the scenario's.
+    /// A run of the scenario's filters over a given record. The record's `dt` replaces the scenario's.
     ///
     /// # Errors
     /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::MissingSensor`] where the record lacks one
@@ -128,8 +128,8 @@ impl Run {
         *done - begin
     }
 
-    /// Simulates the record that [`Self::advance_to`] needs for so many samples, and calls `while_time` where that takes long.
-    /// Returns early if it is false.
+    /// Simulates the part of the record that [`Self::advance_to`] needs for `samples`, and calls `while_time` between
+    /// portions. Returns false early if `while_time` does.
     pub(crate) fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done: _, bank } = self;
         let goal = (samples.min(*all) + bank.lookahead()).min(*all);

@@ -36,7 +36,7 @@ pub use scored_pass::ScoredPass;
 #[derive(Clone, Debug)]
 pub struct Scores {
     channels: usize,
-    /// The place of the natural frequency, whose sign determines the canonical form.
+    /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
     sensors: usize,
     samples: usize,

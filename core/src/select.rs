@@ -81,7 +81,8 @@ mod tests {
         Ok(bits)
     }
 
-    /// The engine's own filter has the bits of the book's, whose beliefs the engine moves: a page has the latter only.
+    /// The engine's estimator and the reference filter with the engine's beliefs give the same bits. A web page has
+    /// only the reference filter.
     #[test]
     fn both_ways_to_the_engine_give_the_same_bits() -> Result<(), Box<dyn std::error::Error>> {
         let augmentations: [&[Channel]; 4] =

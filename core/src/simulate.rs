@@ -211,7 +211,7 @@ fn place_of_next(record: &Record) -> usize {
 mod tests {
     use super::*;
 
-    /// A plant whose steps are halved thousands of times for each sample.
+    /// A plant that needs thousands of halved steps for each sample.
     const HARD: &str = include_str!("../../tests/hostile/hard-truth.toml");
 
     #[test]

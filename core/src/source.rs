@@ -11,7 +11,7 @@ pub enum Source {
     /// A simulation of the scenario's truth.
     #[default]
     Simulated,
-    /// A given record, whose time between samples replaces the scenario's.
+    /// A given record. Its time between samples replaces the scenario's.
     Measured(Arc<Record>),
 }
 

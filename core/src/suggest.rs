@@ -84,7 +84,7 @@ pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
 const NO_GUESS: &str = "no start values of ωₙ and ζ could be found, because";
 
 impl Suggestion {
-    /// Why no guess of the motion's frequency was found; `None` where there is one.
+    /// Why no guess of the motion's frequency was found. `None` if there is one.
     pub fn why_no_guess(&self) -> Option<&str> {
         let reason = self.reasons.iter().find(|reason| reason.starts_with(NO_GUESS));
         reason.filter(|_| !self.is_guessed).map(String::as_str)
@@ -208,8 +208,8 @@ impl Suggestion {
         ));
     }
 
-    /// Gives filters whose motion has no process noise the least of it, where the first does not go through without: once
-    /// nothing moves any more, rounding takes the rank of a covariance that nothing adds to.
+    /// Gives the motion of all filters the smallest process noise, if the first filter has none there: once nothing
+    /// moves any more, rounding makes a covariance without process noise singular.
     fn keep_from_rounding(&mut self) {
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
         let is_without = |filter: &FilterSettings| {

@@ -13,7 +13,7 @@ pub struct Tape(Vec<f64>);
 /// The numbers before the first sample.
 const HEAD: usize = 3;
 
-/// The numbers of a sample besides vectors and matrices.
+/// The numbers of a sample that are not in vectors or matrices.
 const SCALARS: usize = 5;
 
 /// Every reason to stop; its place is its number.

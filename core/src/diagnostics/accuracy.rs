@@ -50,7 +50,7 @@ pub(crate) struct TrackedChannel {
 }
 
 impl TrackedChannel {
-    /// The channels whose truth a record has. `first` is the number of the first sample.
+    /// The channels that a record has a truth of. `first` is the number of the first sample.
     pub(crate) fn of<'a>(
         channels: &'a [Channel],
         record: &'a Record,
@@ -108,7 +108,7 @@ pub(super) struct Accuracy {
     known: Vec<TrackedChannel>,
     /// The number of the first sample.
     first: usize,
-    /// The place of the natural frequency, whose sign determines the canonical form.
+    /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
     /// The squared errors: one a known channel and sample.
     squares: RangeSums,

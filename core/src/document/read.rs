@@ -57,7 +57,7 @@ fn text<'de, V: Visitor<'de>>(document: &'de Document, visitor: V) -> Result<V::
     }
 }
 
-/// Types whose values look alike in a file.
+/// Types that look alike in a file.
 macro_rules! alike {
     ($($method:ident $(($($name:ident: $argument:ty),*))? $by:ident)*) => {$(
         fn $method<V: Visitor<'de>>(self, $($($name: $argument,)*)? visitor: V) -> Result<V::Value, DocumentError> {

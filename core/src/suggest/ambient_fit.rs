@@ -47,8 +47,8 @@ const WINDOW: [f64; 7] = [0.0096, 0.0834, 0.2403, 0.3334, 0.2403, 0.0834, 0.0096
 /// X = sinc(ω dt / 2) / (ωₙ² - ω² + 2iζωₙω),  G = X, iωX or 1 - ωₙ² X - 2ζωₙ iωX
 /// ```
 ///
-/// with the measured power P, for displacement, velocity and acceleration, smeared by the window as P is. `None` where there
-/// is no such peak.
+/// with the measured power P, for displacement, velocity and acceleration, smeared by the window as P is. `None` if
+/// there is no such peak.
 ///
 /// Source: Whittle (1953), Estimation and information in stationary time series; Brincker and Ventura (2015), *Introduction
 /// to Operational Modal Analysis*.

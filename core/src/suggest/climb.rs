@@ -7,7 +7,7 @@ pub(super) struct Climb {
     /// The best factors so far, and their log likelihood.
     best: Vec<f64>,
     likelihood: f64,
-    /// The place in [`FACTORS`], the size whose turn it is, and whether it is made smaller.
+    /// The place in [`FACTORS`], the size that is tried now, and whether it is made smaller.
     round: usize,
     size: usize,
     is_down: bool,

@@ -42,9 +42,9 @@ const STEPS: usize = 40;
 /// y = exp(-σt) (a cos ω_d t + b sin ω_d t) + c,  ωₙ² = ω_d² + σ²,  ζ = σ / ωₙ
 /// ```
 ///
-/// It is that of displacement, velocity and acceleration alike. The descent begins at the highest frequency of the first 64,
-/// 128, … samples, since a light and a strong damping show in long and short ones. `None` where no decay explains the readings,
-/// as where an unknown force goes on.
+/// Displacement, velocity and acceleration have this form alike. The descent begins at the highest frequency of the
+/// first 64, 128, … samples, since light damping shows in long parts and strong damping in short ones. `None` if no
+/// decay explains the readings, for example because an unknown force goes on.
 ///
 /// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Ewins (2000), *Modal
 /// Testing*, section 4.4 (time domain).

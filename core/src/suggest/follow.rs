@@ -31,8 +31,9 @@ pub(super) fn follow(
     Some(trial.take())
 }
 
-/// Runs a trial, then its final model freely over the same samples, with the model's error for each of the scenario's
-/// sensors. `None` while it is under way, `Some(None)` where it is impossible; a trial whose filter has stopped then remains.
+/// Runs a trial, then a free run of its final model over the same samples. Returns both, with the model's error for
+/// each of the scenario's sensors. `None` while the trial is under way; `Some(None)` if it is impossible. If the filter
+/// has stopped, `trial` then keeps its run.
 #[expect(clippy::option_option, reason = "a trial is under way, impossible or done")]
 pub(super) fn follow_freely(
     trial: &mut Option<Run>,

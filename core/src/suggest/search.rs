@@ -20,7 +20,7 @@ const SHARE: f64 = 1e-3;
 /// The parameters that spectra tell of a linear oscillator.
 const TOLD: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
-/// Numbers whose square roots spread points evenly in as many directions.
+/// Prime numbers; their square roots spread points evenly in as many dimensions.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
 /// The trials of start values for the parameters of an equation.
@@ -41,8 +41,8 @@ struct Best {
 }
 
 impl Search {
-    /// That of a suggestion whose first filter has an equation with parameters that the spectra do not tell. The others are then
-    /// searched around what the spectra tell.
+    /// The search for a suggestion, if its first filter has an equation with parameters that the spectra cannot give.
+    /// The other parameters are searched around the spectra's values.
     pub(super) fn of(suggestion: &Suggestion) -> Option<Self> {
         let (equation, channels) = suggestion.own_parameters()?;
         let filter = suggestion.scenario.filters.first()?;

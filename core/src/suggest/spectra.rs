@@ -45,9 +45,9 @@ pub(super) struct Spectra {
 }
 
 impl Spectra {
-    /// Spectra of a record's force and of one of its measurements over windows of at most `longest` samples; `None` where
-    /// too few samples are measured. Measurements between which samples are empty by an interpolation are taken at their
-    /// own rate.
+    /// Spectra of a record's force and of one of its measurements over windows of at most `longest` samples. `None` if
+    /// too few samples are measured. If an interpolation left samples between measurements empty, the measurements are
+    /// taken at their own rate.
     ///
     /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Bendat and Piersol
     /// (2010), *Random Data*, chapter 6.
@@ -84,7 +84,7 @@ impl Spectra {
         Some(spectra)
     }
 
-    /// The mean over windows that begin at these samples; `None` where too few of them are measured.
+    /// The mean over windows that begin at these samples. `None` if too few of them are measured.
     fn over(input: &[f64], output: &[f64], begins: &[usize], length: usize, dt: f64) -> Option<Self> {
         let weights: Vec<f64> =
             (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).map(|w| w * w).collect();
@@ -123,7 +123,7 @@ impl Spectra {
         Some(spectra)
     }
 
-    /// Adds the transform of a window, whose real part is the input's and whose imaginary part the output's.
+    /// Adds the transform of a window. Its real part is the input, its imaginary part the output.
     fn add(&mut self, buffer: &[(f64, f64)], scale: f64) {
         self.windows += 1;
         for j in 1..self.length / 2 {

@@ -80,7 +80,7 @@ impl Suggest {
         Self { suggestion, record, gaps, stage: Stage::Data, trial, free, search, likelihoods, ambient, errors }
     }
 
-    /// Looks at the data, whose gaps are filled if they are told: noise, guess and spread.
+    /// Takes noise, guess and spread from the data. `lost` names the gaps that were filled.
     fn begin(&mut self, lost: Option<&Lost>) {
         // Without a mapping the record stays as it is, and the filters know its offsets.
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
