@@ -75,7 +75,7 @@ impl<'a> ViewContext<'a> {
         session.run().estimates().iter().enumerate().filter(|(_, estimates)| visible.filter(estimates.id()))
     }
 
-    /// The diagnostics of the filters that are shown, each with the filter's place and estimates; none where they are
+    /// The diagnostics of the filters that are shown, each with the filter's place and estimates. `None` if they are
     /// not computed.
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {
         let all = self.session.diagnostics();
@@ -125,7 +125,7 @@ pub trait View: Sync {
         Proportions::Wide
     }
 
-    /// The numbers of its plots; none where it has no numbers over time.
+    /// The numbers of its plots. `None` if it has no numbers over time.
     fn sheets<'a>(&self, _context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
         Vec::new()
     }

@@ -19,7 +19,7 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// The decimals that show two digits of a standard deviation; `None` where fixed notation would be illegible.
+/// The decimals that show two digits of a standard deviation. `None` if fixed notation would be illegible.
 fn decimals(spread: f64) -> Option<usize> {
     let exponent = spread.log10().floor();
     (-8.0..7.0).contains(&exponent).then(|| (1.0 - exponent).max(0.0) as usize)

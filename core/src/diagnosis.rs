@@ -68,7 +68,7 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// The diagnosis of a filter from its estimates, its record and their diagnostics. `None` if the diagnostics have
-    /// the depth [`Depth::Consistency`](crate::diagnostics::Depth::Consistency). With a bound, σ is compared with it.
+    /// the depth [`Depth::Consistency`]. With a bound, σ is compared with it.
     ///
     /// One pass over the kept samples, of about 0.1 µs each.
     pub fn new(

@@ -169,7 +169,7 @@ impl Diagnostics {
         Some(self.accuracy.error(self.accuracy.place(channel)?)).filter(|error| !error.is_nan())
     }
 
-    /// The tally of a channel's errors over a range of samples; `None` where the truth is not known, or at the depth
+    /// The tally of a channel's errors over a range of samples. `None` if the truth is not known, or at the depth
     /// [`Depth::Consistency`].
     pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<Tally> {
         let tally = self.accuracy.within(self.accuracy.place(channel)?, range);

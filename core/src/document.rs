@@ -68,7 +68,7 @@ impl Document {
         Self::List(numbers.into_iter().map(Self::Number).collect())
     }
 
-    /// The value of a key; `None` where this is not a table or has no such key.
+    /// The value of a key. `None` if this is not a table or has no such key.
     pub fn get(&self, key: &str) -> Option<&Self> {
         let Self::Table(entries) = self else { return None };
         entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)

@@ -34,7 +34,7 @@ pub struct FreeRun {
     /// The predicted readings of each of the record's sensors over the part; NaN where the model has none or has run
     /// away.
     pub predicted: Vec<Vec<f64>>,
-    /// The fit to each sensor's measurements; `None` where there is nothing to compare.
+    /// The fit to each sensor's measurements. `None` if there is nothing to compare.
     pub fits: Vec<Option<Fit>>,
 }
 

@@ -28,7 +28,7 @@ const BATCHES: usize = 4;
 pub struct Believed {
     /// |H| of the estimated parameters.
     pub mean: Vec<f64>,
-    /// The 2.5 % and the 97.5 % quantile of |H|; `None` where the covariance of the parameters has no root.
+    /// The 2.5 % and the 97.5 % quantile of |H|. `None` if the covariance of the parameters has no root.
     pub band: Option<(Vec<f64>, Vec<f64>)>,
 }
 

@@ -38,7 +38,7 @@ const LOOK: usize = 500;
 const FAR_BEHIND: f64 = 30.0;
 
 /// The settings of the filters of all guesses, the nearest to the initial mean first. A guess's standard deviation is
-/// at least half the distance to the next guess, in logarithms.
+/// at least about half the distance to the next guess, in logarithms.
 pub(crate) fn members(settings: &FilterSettings) -> Vec<FilterSettings> {
     let count = settings.guesses;
     let place = |i: usize| 2.0 * REACH * i as f64 / (count - 1) as f64 - REACH;

@@ -149,7 +149,7 @@ impl Scores {
         self.likelihood.value(self.nis)
     }
 
-    /// The accuracy of a channel; `None` where the truth is not known.
+    /// The accuracy of a channel. `None` if the truth is not known.
     pub fn channel(&self, channel: Channel) -> Option<ChannelScore> {
         let at = self.known.iter().position(|known| known.channel == channel)?;
         self.sums(at).score(self.samples)

@@ -26,8 +26,8 @@ pub struct Spectrogram {
 }
 
 impl Spectrogram {
-    /// The spectrogram of the first `samples` measurements of a sensor; none where there are too few. A missing measurement
-    /// repeats the one before it.
+    /// The spectrogram of the first `samples` measurements of a sensor. `None` if there are too few. A missing
+    /// measurement repeats the one before it.
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
     pub fn new(record: &Record, sensor: usize, samples: usize) -> Option<Self> {

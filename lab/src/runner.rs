@@ -84,7 +84,7 @@ impl Runner {
         if !self.needs_history() && runs.iter().flatten().all(is_served) { ABREAST } else { 1 }
     }
 
-    /// The runs of some cells; none where a scenario is impossible.
+    /// The runs of some cells. `None` if a scenario is impossible.
     pub fn runs(&self, cells: &[usize]) -> Vec<Option<CellRun>> {
         // Those with one record after each other, so that it is simulated once.
         let mut order: Vec<usize> = (0..cells.len()).collect();

@@ -30,8 +30,8 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// The usual map of a scenario's first filter: the guess of the first parameter and the factor on Q. None where there is
-    /// no filter, or there are no two settings to vary.
+    /// The usual map of a scenario's first filter: the guess of the first parameter and the factor on Q. `None` if
+    /// there is no filter, or there are no two settings to vary.
     pub fn usual(scenario: &Scenario, record: &Record, is_measured: bool, count: usize) -> Option<Self> {
         let filter = scenario.filters.first()?.id;
         let part = part_of(scenario, &[filter]);

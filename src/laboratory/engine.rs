@@ -19,7 +19,7 @@ pub trait Engine {
     /// The number of values on each axis of a new map, so that it is complete soon.
     fn usual_count(&self) -> usize;
 
-    /// Whether the graphics processor is there; none where the engine uses none.
+    /// Whether the graphics processor is there. `None` if the engine uses none.
     fn graphics(&self) -> Option<Finding> {
         None
     }
@@ -106,7 +106,7 @@ pub trait Graphics {
     /// Whether it is there, as far as the search has come.
     fn found(&self) -> Finding;
 
-    /// Begins to run cells. None where it cannot.
+    /// Begins to run cells. `None` if it cannot.
     fn start(&self, task: Task<'_>, ctx: &Context) -> Option<Box<dyn GraphicsWork>>;
 }
 

@@ -41,7 +41,7 @@ impl Processor {
         Self { software, found: Arc::new(Mutex::new(Finding::Searching)), jobs: OnceCell::new() }
     }
 
-    /// The way to the thread, which is started here; none where the system gives no thread.
+    /// The way to the thread, which is started here. `None` if the system gives no thread.
     fn jobs(&self, ctx: &Context) -> Option<&Sender<Job>> {
         let begin = || {
             let (sender, jobs) = mpsc::channel();

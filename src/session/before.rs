@@ -99,7 +99,7 @@ impl Session {
         self.since_edit += elapsed;
     }
 
-    /// The picture from before the last change, or that of the other setting; none where there is nothing to compare.
+    /// The picture from before the last change, or that of the other setting. `None` if there is nothing to compare.
     pub fn before(&self) -> Option<&Before> {
         let is_shown = |before: &&Before| {
             let same_times = before.study.run().record().dt() == self.run().record().dt();

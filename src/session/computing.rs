@@ -16,7 +16,7 @@ impl Session {
         self.job.is_some() || !self.complete
     }
 
-    /// The share that is computed of the next picture or of the way to where playback stands, from 0 to 1; `None` where
+    /// The share that is computed of the next picture or of the way to where playback stands, from 0 to 1. `None` if
     /// nothing is to be computed.
     pub fn progress(&self) -> Option<f64> {
         if let Some(job) = &self.job {

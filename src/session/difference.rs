@@ -8,7 +8,7 @@ use crate::text::significant;
 /// Limits the settings that are named.
 const NAMED: usize = 2;
 
-/// The settings in which `before` differs from `now`, with their values before: `EKF λ = 1`. None where nothing differs.
+/// The settings in which `before` differs from `now`, with their values before: `EKF λ = 1`. `None` if nothing differs.
 pub(super) fn difference(before: &Scenario, now: &Scenario) -> Option<String> {
     let mut all: Vec<String> = Vec::new();
     let several = before.filters.len() > 1;

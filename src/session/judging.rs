@@ -82,8 +82,8 @@ impl Session {
     /// Limits the time that live plots show \[s\].
     pub const LIVE_SPAN: f64 = 20.0;
 
-    /// The diagnosis of the filter at a place: over the whole record, or over the time on screen and a moment old while the
-    /// record grows. None where it is not known, or not wanted.
+    /// The diagnosis of the filter at a place: over the whole record, or over the time on screen and a moment old while
+    /// the record grows. `None` if it is not known, or not wanted.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         if self.is_whole() {
             return self.study.analysis().diagnosis(place);

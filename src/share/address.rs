@@ -55,7 +55,7 @@ pub enum AddressError {
     },
 }
 
-/// Reads what an address opens: the link after `#`, else the lesson or the scenario after `?`; `None` where it has
+/// Reads what an address opens: the link after `#`, else the lesson or the scenario after `?`. `None` if it has
 /// neither.
 ///
 /// # Errors

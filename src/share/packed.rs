@@ -34,7 +34,7 @@ pub(super) fn pack(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// The text; `None` where the bytes are damaged or the text is larger than [`LARGEST`].
+/// The text. `None` if the bytes are damaged or the text is larger than [`LARGEST`].
 pub(super) fn unpack(bytes: &[u8]) -> Option<String> {
     let (bytes, expected) = bytes.split_last_chunk()?;
     let mut buffer = vec![0; DICTIONARY.len() + LARGEST];

@@ -15,7 +15,7 @@ use crate::session::{Mode, Session};
 pub struct Picture {
     /// The settings. All samples and estimates follow from them.
     pub scenario: Scenario,
-    /// The views and their places; `None` where no view is shown.
+    /// The views and their places. `None` if no view is shown.
     pub views: Option<Outline>,
     /// The view that is enlarged.
     pub enlarged: Option<ViewKind>,

@@ -14,7 +14,7 @@ use crate::request::ViewKind;
 /// The heights and widths of all tiles together that a file may fix \[points\].
 const SIZES: RangeInclusive<f64> = 1.0..=1e5;
 
-/// The outline of the tiles in a document; `None` where no view is shown.
+/// The outline of the tiles in a document. `None` if no view is shown.
 ///
 /// # Errors
 /// A sentence that says what is wrong: a ring, a tile that is missing, containers too deep in each other, sizes and shares that

@@ -157,7 +157,7 @@ impl<'a> Case<'a> {
         ranges
     }
 
-    /// The samples from the first to the last forgiven part; none where nothing is.
+    /// The samples from the first to the last forgiven part. `None` if nothing is.
     pub(crate) fn forgiven_samples(&self) -> Option<Range<usize>> {
         let first = self.forgiven.iter().position(|&forgiven| forgiven)?;
         let last = self.forgiven.iter().rposition(|&forgiven| forgiven)?;

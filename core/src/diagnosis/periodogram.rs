@@ -99,8 +99,8 @@ impl Periodogram {
         self.power.len()
     }
 
-    /// The largest power and its frequency in radians a sample, between its neighbours by a parabola; none where the series
-    /// is too short.
+    /// The largest power and its frequency in radians a sample, between its neighbours by a parabola. `None` if the
+    /// series is too short.
     pub(crate) fn peak(&self) -> Option<(f64, f64)> {
         let (place, &power) = self.power.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
         let at = |place: Option<usize>| place.and_then(|place| self.power.get(place)).copied().unwrap_or(power);
@@ -124,12 +124,12 @@ pub(crate) struct WelchWindows {
 }
 
 impl WelchWindows {
-    /// The length of the windows of a record of this many samples; none where they are too few.
+    /// The length of the windows of a record of this many samples. `None` if they are too few.
     pub(crate) fn length_for(samples: usize) -> Option<usize> {
         (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
     }
 
-    /// The windows of a record of this many samples; none where they are too few.
+    /// The windows of a record of this many samples. `None` if they are too few.
     pub(crate) fn of(samples: usize) -> Option<Self> {
         let length = Self::length_for(samples)?;
         let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();

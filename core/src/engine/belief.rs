@@ -8,7 +8,7 @@ use super::number::{Mask, Number};
 pub struct Belief<T> {
     /// y, n numbers.
     pub mean: Vec<T>,
-    /// P, n × n, of which the lower triangle counts.
+    /// P, n × n; only the lower triangle is read.
     pub cov: Vec<T>,
 }
 
@@ -66,7 +66,7 @@ impl<T: Number> Belief<T> {
         self.cov[place * n + place] = variance;
     }
 
-    /// The lanes whose numbers are finite, and those whose variances are not negative.
+    /// The lanes with finite numbers, and those without a negative variance.
     #[inline(always)]
     pub fn check<L: Level>(&self, level: L) -> [T::Mask; 2] {
         let n = level.size(self.size());

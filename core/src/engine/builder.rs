@@ -271,7 +271,7 @@ impl Builder {
         without
     }
 
-    /// The list that computes some numbers, or nothing where they need more registers than there are.
+    /// The list that computes some numbers. `None` if they need more registers than there are.
     pub fn list(&self, inputs: usize, outputs: &[(usize, Node)]) -> Option<List> {
         List::new(&self.operations, inputs, outputs)
     }

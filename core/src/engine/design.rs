@@ -17,7 +17,7 @@ pub struct Rule {
 /// The way in which a filter predicts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// KF, EKF and IEKF: linearised, and the sensors so many times in an update, each where the last has led.
+    /// KF, EKF and IEKF: linearised. An update linearises the sensors this many times, each time at the last result.
     Linearised(Propagation, usize),
     /// UKF and CKF.
     SigmaPoints(Rule),

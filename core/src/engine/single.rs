@@ -209,7 +209,7 @@ pub(crate) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// e, m numbers; S, m × m, of which the lower triangle counts; K, n × m.
+    /// e, m numbers; S, m × m, only its lower triangle; K, n × m.
     pub(crate) fn numbers(&self) -> [&'a [f64]; 3] {
         self.update.parts()
     }

@@ -257,7 +257,7 @@ impl<T: Number> Update<T> {
         &self.active
     }
 
-    /// e, m numbers; S, m × m, of which the lower triangle counts; K, n × m.
+    /// e, m numbers; S, m × m, only its lower triangle; K, n × m.
     pub(super) fn parts(&self) -> [&[T]; 3] {
         let m = self.active.len();
         let n = self.expected.size();

@@ -6,7 +6,8 @@
 pub struct EquationError {
     /// The fault, and what is allowed.
     pub what: String,
-    /// The character at which it stands, counted from 0, and the equation; none where it is about the whole.
+    /// The place of the faulty character, counted from 0, and the equation. `None` if the fault is in the whole
+    /// equation.
     pub place: Option<(usize, String)>,
 }
 

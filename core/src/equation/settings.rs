@@ -108,7 +108,7 @@ impl From<AllowedSign> for Sign {
 }
 
 impl EquationSettings {
-    /// An equation whose parameters have the usual numbers.
+    /// An equation with the usual numbers for its parameters.
     pub fn new(equation: impl Into<String>) -> Self {
         Self { equation: equation.into(), parameters: BTreeMap::new() }
     }

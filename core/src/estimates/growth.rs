@@ -8,7 +8,7 @@ use crate::waste::Piecewise;
 /// Reserve memory for at most this many samples; the vectors of longer runs grow.
 const ROOM: usize = 1 << 18;
 
-/// Numbers whose memory is returned at once: 4 MB.
+/// Limits the numbers freed in one call: 4 MB.
 const FREED: usize = 1 << 19;
 
 impl Estimates {

@@ -31,7 +31,7 @@ use crate::sink::Sample;
 use crate::smoother::Beliefs;
 use crate::{Estimates, FilterSettings, Quantity, Record};
 
-/// The beliefs of a filter with these settings; none where it cannot begin.
+/// The beliefs of a filter with these settings. `None` if it cannot begin.
 pub(crate) fn beliefs(settings: &FilterSettings, context: &FilterContext<'_>) -> Option<Box<dyn Beliefs>> {
     let filter = build_filter(initial_belief(settings, context).ok()?, settings, context);
     let filter = if settings.jump { filter.with_jump() } else { filter };
@@ -63,7 +63,7 @@ struct Smoothed {
 struct Passage {
     /// Φ, n × n.
     transition: Matrix,
-    /// The update at the latter sample; none where nothing was measured.
+    /// The update at the latter sample. `None` if nothing was measured.
     update: Option<Update>,
 }
 

@@ -30,11 +30,11 @@ pub(super) struct Beginning {
     /// The changes of the error with each component of the motion, as far as this iteration has come.
     columns: Vec<Vector>,
     iterations: usize,
-    /// The motion whose error is computed.
+    /// The motion that is tried now.
     trial: Trial,
 }
 
-/// A motion at the first sample whose error is computed, as far as it has come.
+/// A motion at the first sample, and its error so far.
 struct Trial {
     motion: Vec<f64>,
     course: Course,
@@ -82,7 +82,7 @@ impl Beginning {
         false
     }
 
-    /// Takes in the error of the trial. Returns the next motion to try, and none where the fit is done.
+    /// Takes in the error of the trial. Returns the next motion to try, or `None` if the fit is done.
     fn conclude(&mut self) -> Option<Vec<f64>> {
         let after = Vector::from_vec(std::mem::take(&mut self.trial.errors));
         match self.error.take() {
@@ -125,7 +125,7 @@ impl Beginning {
     /// The change of the motion that makes the error least, as far as the readings show it.
     fn change(&self) -> Option<Vector> {
         let (jacobian, error) = (Matrix::from_columns(&self.columns), self.error.as_ref()?);
-        // The decomposition has no answer to numbers that are not finite, or whose squares are not.
+        // The decomposition fails on numbers that are not finite, or have squares that are not.
         if !jacobian.norm_squared().is_finite() || !error.norm_squared().is_finite() {
             return None;
         }

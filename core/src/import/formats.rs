@@ -29,8 +29,8 @@ pub(super) enum Layout {
 pub(super) struct Rows {
     /// The delimiter, the decimal character, and the first line of numbers.
     pub(super) dialect: Dialect,
-    /// The name and unit of each cell of a row; `None` where a cell belongs to no column. Empty where names and units stand in
-    /// lines of the dialect.
+    /// The name and unit of each cell of a row. `None` if a cell belongs to no column. Empty where names and units
+    /// stand in lines of the dialect.
     pub(super) cells: Vec<Option<(String, Option<String>)>>,
     /// The first time and the step \[s\] of rows without times.
     pub(super) even: Option<(f64, f64)>,

@@ -27,12 +27,12 @@ pub enum Method {
     SigmaPoints,
 }
 
-/// The plants that have such a filter: oscillators whose state `[x, v, parameters]` has N components.
+/// The plants that have such a filter: oscillators with the state `[x, v, parameters]` of N components.
 pub trait Oscillator<const N: usize>: Model<N> {
     /// The plant.
     const PLANT: PlantKind;
 
-    /// The model whose parameters decay at the rate `eta` \[1/s\].
+    /// The model; its parameters decay at the rate `eta` \[1/s\].
     fn with_decay(eta: f64) -> Self;
 
     /// [`OscillatorFilter::step`]. Each plant has its own here, so that a program has the filter once: another crate's

@@ -5,7 +5,7 @@ use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::kernel::model::{Model, one_by_one};
 use crate::kernel::propagation::{runge_kutta, shared_exp_and_integral};
 
-/// A plant whose state has, if `on`, `ln θ` in place of every parameter θ that cannot be negative
+/// A plant with, if `on`, `ln θ` in its state in place of every parameter θ that cannot be negative
 /// ([`Channel::is_positive`]), so that no estimate is.
 ///
 /// ```text

@@ -56,8 +56,8 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
         runge_kutta(state, dt, |y| self.rate(y, force))
     }
 
-    /// [`Self::runge_kutta_step`] of several states, one a row. A plant whose step has no branches can take it for all of
-    /// them at once, component by component, which the compiler turns into vector instructions.
+    /// [`Self::runge_kutta_step`] of several states, one a row. A plant with a step without branches can override this
+    /// and step all states at once, component by component: the compiler makes vector instructions of that.
     #[inline]
     fn runge_kutta_steps<const B: usize>(&self, states: &Matrix<B, N>, force: f64, dt: f64) -> Matrix<B, N> {
         one_by_one(states, |state| self.runge_kutta_step(&state, force, dt))

@@ -78,7 +78,7 @@ mod tests {
     use crate::kernel::plant::{ALL, Visitor, visit};
     use crate::kernel::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints};
 
-    /// A belief whose observations are padded.
+    /// A belief with padded observations.
     struct Padded<B>(B);
 
     impl<P: Model<N>, B: Belief<P, N>, const N: usize> Belief<P, N> for Padded<B> {

@@ -32,7 +32,7 @@ pub(crate) trait Visitor {
     fn visit<P: Model<N>, const N: usize>(self, model: P) -> Self::Output;
 }
 
-/// Lets the visitor work with the model of a plant whose parameters decay at the rate `eta` \[1/s\], if it has a kernel.
+/// Calls the visitor with the model of a plant, if it has a kernel. Its parameters decay at the rate `eta` \[1/s\].
 pub(crate) fn visit<V: Visitor>(kind: PlantKind, eta: f64, visitor: V) -> Option<V::Output> {
     Some(match kind {
         _ if kind == PlantKind::SDOF => visitor.visit(Sdof { eta }),

@@ -47,7 +47,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
         let (spread, _, offset) = rule.constants(N);
         let distance = spread.sqrt();
         let mut root = lower_root(&belief.cov)?;
-        // Points are rows, so that what is done to one component of all of them is done to a column.
+        // Points are rows, so that one component of all points is a column, contiguous in memory.
         let [mut high, mut low] = [Matrix::<N, N>::zeros(); 2];
         for j in 0..N {
             for i in 0..N {

@@ -49,7 +49,8 @@ impl<const N: usize> SquareRoot<N> {
     }
 }
 
-/// The square roots of a diagonal Q, or `None` where it is another matrix, as an adaptive filter's is, or has none.
+/// The square roots of a diagonal Q. `None` if Q is not diagonal, as in an adaptive filter, or has an entry without a
+/// root.
 #[inline]
 fn diagonal_root<const N: usize>(process: &Matrix<N, N>) -> Option<Vector<N>> {
     let diagonal = process.diagonal();

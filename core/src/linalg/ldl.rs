@@ -44,7 +44,7 @@ impl Ldl {
         factor
     }
 
-    /// Eliminates column by column; leaves a column out whose pivot does not count beside the variance that it began as.
+    /// Eliminates column by column. Skips a column if `counts` rejects its pivot against its original variance.
     fn eliminate(&mut self, s: &Matrix, counts: impl Fn(f64, f64) -> bool) {
         let Self { lower: rest, inverse_pivots, determinant } = self;
         let m = s.nrows();

@@ -57,7 +57,7 @@ pub struct ChannelSums {
 }
 
 impl ChannelSums {
-    /// The accuracy over this many samples; `None` where the truth is not known.
+    /// The accuracy over this many samples. `None` if the truth is not known.
     pub fn score(&self, samples: usize) -> Option<ChannelScore> {
         let Self { total, settled, error, std, .. } = *self;
         (total.known > 0).then(|| ChannelScore {

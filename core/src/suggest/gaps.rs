@@ -43,8 +43,8 @@ impl Lost {
         }
     }
 
-    /// The raw record with what the first filter of a run over its conditioned form expects in place of what is lost; none
-    /// where the filter does not know the motion.
+    /// The raw record with what the first filter of a run over its conditioned form expects in place of what is lost.
+    /// `None` if the filter does not know the motion.
     pub(super) fn filled(&self, run: &Run, raw: &Record) -> Option<Record> {
         let (scenario, record) = (run.scenario(), run.record());
         let (settings, estimates) = (scenario.filters.first()?, run.estimates().first()?);

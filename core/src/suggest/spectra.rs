@@ -106,7 +106,7 @@ impl Spectra {
                 continue;
             }
             let (input_mean, output_mean) = (input.iter().sum::<f64>() / length as f64, sum / f64::from(count));
-            // What is missing is left out, and the rest counts for it.
+            // Missing samples are zero; the others are scaled up for them.
             let filled = |value: f64| if value.is_nan() { 0.0 } else { value - output_mean };
             for (((slot, weight), input), output) in buffer.iter_mut().zip(&weights).zip(input).zip(output) {
                 *slot = (weight * (input - input_mean), weight * filled(*output));
@@ -123,7 +123,7 @@ impl Spectra {
         Some(spectra)
     }
 
-    /// Adds the transform of a window. Its real part is the input, its imaginary part the output.
+    /// Adds the transform of a window of input + i · output.
     fn add(&mut self, buffer: &[(f64, f64)], scale: f64) {
         self.windows += 1;
         for j in 1..self.length / 2 {
@@ -142,7 +142,7 @@ impl Spectra {
         self.dt
     }
 
-    /// The number of windows that would tell as much if they did not overlap.
+    /// The number of independent windows with the same information: these overlap.
     pub(super) fn independent(&self) -> f64 {
         0.5 * (self.windows as f64 + 1.0)
     }

@@ -38,7 +38,7 @@ pub fn serves(run: &GpuRun<'_>) -> bool {
     program(run).is_some()
 }
 
-/// The program of a run in WGSL; none where it is not served.
+/// The program of a run in WGSL. `None` if it is not served.
 pub fn program(run: &GpuRun<'_>) -> Option<String> {
     let (setup, known) = prepare(run)?;
     Program::new(&setup.design, &setup.channels, known).map(|program| program.text)

@@ -76,7 +76,7 @@ impl Colors {
         Self::Diverging(Scale::new(1.0 / most, most, true))
     }
 
-    /// The scale of the bar; none where each kind has a colour.
+    /// The scale of the bar. `None` if each kind has a colour.
     pub(super) fn scale(&self) -> Option<Scale> {
         match self {
             Self::Sequential(scale) | Self::Diverging(scale) => Some(*scale),
@@ -117,7 +117,7 @@ impl Colors {
         }
     }
 
-    /// The colour of a cell; none where it is not known, and grey where there is no score.
+    /// The colour of a cell. `None` if it is not known, and grey where there is no score.
     pub(super) fn of_cell(&self, cell: Cell, palette: &Palette) -> Option<Color32> {
         let Cell { value, end } = cell;
         match (self, end) {

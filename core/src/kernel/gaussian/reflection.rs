@@ -2,7 +2,7 @@
 
 use super::Matrix;
 
-/// A reflection of the row `[pivot, rest]` of an array to `[length, 0]`, to be done to the rows after it.
+/// A reflection of the row `[pivot, rest]` of an array to `[length, 0]`; the rows after it need the same reflection.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 5.1.2.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub(crate) struct Reflection<const W: usize> {
 }
 
 impl<const W: usize> Reflection<W> {
-    /// The reflection of a row with a pivot that is not negative, or `None` where it is zero, or too small to square.
+    /// The reflection of a row with a pivot that is not negative. `None` if the row is zero, or too small to square.
     #[inline]
     pub(crate) fn new(pivot: f64, rest: [f64; W]) -> Option<Self> {
         let square = pivot * pivot + dot(&rest, &rest);

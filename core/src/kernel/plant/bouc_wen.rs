@@ -1,4 +1,4 @@
-//! An oscillator whose spring yields and remembers.
+//! An oscillator with a spring that yields and remembers.
 
 use crate::Channel;
 use crate::kernel::gaussian::{Matrix, Vector};
