@@ -29,8 +29,7 @@ pub(crate) struct Drawer {
 }
 
 impl Drawer {
-    /// The lower and the larger height in a window of this height, of which `room` is left below bar and legend
-    /// \[points\].
+    /// The lower and the larger height in a window of this height with `room` left below bar and legend \[points\].
     fn heights(window: f32, room: f32) -> [f32; 2] {
         let high = (room - FOR_PLOTS * window).max(LEAST).min(room.max(0.0));
         [(LOW * window).max(LEAST).min(high), high]

@@ -31,7 +31,7 @@ pub const LARGEST: usize = 500_000_000;
 /// Limits the size of a file that is read in the frames, a few of them \[bytes\].
 const LONG_FILE: usize = 4_000_000;
 
-/// Limits the length of a record whose start values are made in the frames \[samples\].
+/// Limits the length of a record with start values that are made in the frames \[samples\].
 const LONG_RECORD: usize = 50_000;
 
 /// An import under way.

@@ -84,7 +84,7 @@ pub struct Session {
     trying: Trying,
     library: Library,
     free: FreeRuns,
-    /// Counts changes of what is drawn besides the run.
+    /// Counts changes of the picture other than those of the run.
     drawn: u64,
 }
 
@@ -182,7 +182,7 @@ impl Session {
         self.generation
     }
 
-    /// A number that changes with what is drawn besides the run.
+    /// A number that changes with everything on screen that is not the run.
     pub fn drawn(&self) -> u64 {
         self.drawn
     }
@@ -223,8 +223,8 @@ impl Session {
         self.study.analysis().smoothed()
     }
 
-    /// The quantities that the run's filters are told, in the order of their innovations. A measured record may have more, and
-    /// in another order.
+    /// The quantities that the run's filters use, in the order of their innovations. A measured record may have more,
+    /// and in another order.
     pub fn sensors(&self) -> Vec<Quantity> {
         self.run().scenario().sensors.iter().map(|sensor| sensor.measures).collect()
     }

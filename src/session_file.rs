@@ -58,7 +58,7 @@ pub(crate) fn text(picture: &Picture) -> Result<String, SessionFileError> {
     Ok(Document::json_lines(&Written { kalmanscope_session: VERSION, program, scenario, screen })?)
 }
 
-/// The session in a file. `None` if it is another kind of file.
+/// Reads the session in a file. `None` for another kind of file.
 pub(crate) fn read(bytes: &[u8]) -> Option<Result<Picture, SessionFileError>> {
     if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
         return None;

@@ -1,4 +1,4 @@
-//! The screen in words and tables, for readers who cannot see it.
+//! The screen in words and tables, for screen readers.
 
 use egui::Theme;
 
@@ -15,7 +15,7 @@ use crate::view::ViewContext;
 use crate::views::view;
 use crate::visibility::Visibility;
 
-/// The number of equal parts of the record, at whose ends a table has a row.
+/// A table has a row at the end of each of this many equal parts of the record.
 const PARTS: usize = 10;
 
 /// The text where there is no number.
@@ -44,7 +44,7 @@ pub struct Part {
     pub tables: Vec<Table>,
 }
 
-/// A table whose first column has the names of the rows.
+/// A table with the names of the rows in its first column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Its title.

@@ -9,9 +9,10 @@
 //! that an unknown force is a random walk. The white force alone does not last: each sample has an independent one,
 //! with the process noise as its standard deviation ([`crate::filter::White`]).
 //!
-//! Source: Lourens, Reynders, De Roeck, Degrande and Lombaert (2012), An augmented Kalman filter for force identification in
-//! structural dynamics (the unknown force); Friedland (1969), Treatment of bias in recursive filtering; Simon (2006), *Optimal
-//! State Estimation*, section 7.1 (process noise that the measurement feels: the white force).
+//! Source: Lourens, Reynders, De Roeck, Degrande and Lombaert (2012), An augmented Kalman filter for force
+//! identification in structural dynamics (the unknown force); Friedland (1969), Treatment of bias in recursive
+//! filtering; Simon (2006), *Optimal State Estimation*, section 7.1 (process noise that the measurement feels: the
+//! white force).
 
 use crate::channel::{ChannelInfo, Role, Usual};
 use crate::{Channel, PlantKind, Quantity};

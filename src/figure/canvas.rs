@@ -22,7 +22,7 @@ pub(super) struct Canvas {
 
 /// A part of a figure.
 pub(super) struct Part {
-    /// The shapes of the part, whose left upper corner is the origin.
+    /// The shapes of the part; its left upper corner is the origin.
     pub(super) shapes: Vec<ClippedShape>,
     /// The part's place.
     pub(super) to: TSTransform,

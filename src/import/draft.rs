@@ -125,7 +125,7 @@ impl Draft {
         }
     }
 
-    /// Says what the input is. `None` if no input was recorded: then no column is it.
+    /// Sets the kind of input. `None` if no input was recorded: then no column is the input.
     pub fn set_input(&mut self, kind: Option<InputKind>) {
         self.mapping.no_input = kind.is_none();
         match kind {

@@ -107,7 +107,7 @@ impl Work for AcceleratedWork {
 }
 
 impl AcceleratedWork {
-    /// The cells whose rows have not come.
+    /// The cells without a row.
     fn task(&self) -> Task<'_> {
         let order = self.order.iter().copied().filter(|cell| !self.is_done[*cell]).collect();
         Task { ensemble: &self.ensemble, source: &self.source, order, precision: Precision::Fastest }
@@ -127,7 +127,7 @@ mod tests {
     use crate::laboratory::{Rows, Slices};
     use crate::session::Budget;
 
-    /// A graphics processor that is ready and gives up as it is told.
+    /// A graphics processor that is ready and fails as the test wants.
     struct Played {
         finding: RefCell<Finding>,
         /// The portions of two cells that it computes before it gives up.
@@ -171,7 +171,7 @@ mod tests {
             .unwrap()
     }
 
-    /// Polls until all cells are known; `before` is called before each poll. Returns who has computed each row.
+    /// Polls until all cells are known; `before` is called before each poll. Returns the computer of each row.
     fn run(graphics: &Rc<Played>, precision: Precision, before: impl Fn(usize)) -> Vec<(Computer, usize)> {
         let (ensemble, ctx) = (ensemble(), Context::default());
         let engine = Accelerated::new(Rc::clone(graphics) as Rc<dyn Graphics>, Rc::new(Slices(Budget::Pieces(1))));

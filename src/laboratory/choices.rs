@@ -4,7 +4,7 @@ use kalmanscope_core::Scenario;
 
 use super::{Choice, Laboratory, SeedChoice, TuneChoice};
 
-/// The choices of all views of the laboratory. `None` if the usual one holds.
+/// The choices of all views of the laboratory. `None` stands for the usual choice.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choices {
     /// The map.

@@ -19,7 +19,7 @@ pub trait Engine {
     /// The number of values on each axis of a new map, so that it is complete soon.
     fn usual_count(&self) -> usize;
 
-    /// Whether the graphics processor is there. `None` if the engine uses none.
+    /// Whether a graphics processor was found. `None` if the engine uses none.
     fn graphics(&self) -> Option<Finding> {
         None
     }
@@ -98,12 +98,12 @@ impl fmt::Display for Computer {
     }
 }
 
-/// A graphics processor that there may be.
+/// A graphics processor, if there is one.
 pub trait Graphics {
-    /// Whether it is there. The first call begins the search, and the context is woken when that ends.
+    /// Whether it was found. The first call begins the search; the search's end wakes the context.
     fn find(&self, ctx: &Context) -> Finding;
 
-    /// Whether it is there, as far as the search has come.
+    /// Whether it was found so far.
     fn found(&self) -> Finding;
 
     /// Begins to run cells. `None` if it cannot.
@@ -115,7 +115,7 @@ pub trait Graphics {
 pub enum Finding {
     /// Nothing yet.
     Searching,
-    /// It is there.
+    /// It was found.
     Ready,
     /// There is none, for a reason.
     Absent(String),

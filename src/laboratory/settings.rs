@@ -3,8 +3,8 @@
 use kalmanscope_core::{Channel, Quantity, Scenario};
 use kalmanscope_lab::{Setting, channels};
 
-/// The keys of the settings that may be varied, in the order of a menu: first what filters are told, then what the record is
-/// made with. The scenario has the chosen filters only; all of them get the same value.
+/// The keys of the settings that may be varied, in the order of a menu: first the filters' settings, then the record's.
+/// The scenario has the chosen filters only; all of them get the same value.
 pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> {
     let mut keys = of_filters(scenario);
     if is_measured {
@@ -91,7 +91,7 @@ pub(crate) fn label(key: &str, scenario: &Scenario) -> String {
     if unit.is_empty() { name(key) } else { format!("{} [{unit}]", name(key)) }
 }
 
-/// The channel whose first guess the setting is, if it is one.
+/// The channel, if the setting is the first guess of one.
 pub(crate) fn guessed(key: &str) -> Option<Channel> {
     let (rest, channel) = key.rsplit_once('.')?;
     Channel::from_key(channel).filter(|_| rest.ends_with(".initial_mean"))

@@ -90,8 +90,8 @@ impl Survey {
         (filter < self.filters.len()).then_some(filter * measures.len() + at)
     }
 
-    /// The score of a filter, by its place in the map, in a cell or in the one that stands for it. `None` if it is not
-    /// known yet.
+    /// The score of a filter, by its place in the map, in a cell or in the cell that stands in for it. `None` if it is
+    /// not known yet.
     pub fn value(&self, cell: usize, filter: usize, measure: Measure) -> Option<f64> {
         self.sheet.shown(cell)?.get(self.column(filter, measure)?).copied()
     }

@@ -88,7 +88,7 @@ pub(super) fn note_panics(note: &Path, state: &Path, kept: &Kept) {
     }));
 }
 
-/// Keeps the note of a crash that has been told, for a report, in place of an older one.
+/// Keeps the note of a crash that the user has seen, for a report, in place of an older one.
 pub(super) fn put_aside(note: &Path, told: &Path) {
     if let Err(error) = fs::rename(note, told) {
         log::error!("The note about the crash cannot be kept: {error}");

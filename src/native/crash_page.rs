@@ -30,7 +30,7 @@ pub(super) struct CrashPage {
 }
 
 impl CrashPage {
-    /// A crash whose note is put at `told` once the user has chosen.
+    /// A crash. Its note moves to `told` once the user has chosen.
     pub(super) fn new(crash: Result<Crash, String>, told: String, is_repeated: bool) -> Self {
         Self { crash, told, is_repeated, has_focus: false }
     }

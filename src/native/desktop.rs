@@ -33,7 +33,7 @@ pub(super) struct Memory {
 }
 
 enum Stage {
-    /// A crash is told.
+    /// The page about a crash is shown.
     Telling(Box<CrashPage>, Option<Start>),
     Running(Box<App>),
     /// Not even the first scenario can be run.
@@ -81,7 +81,7 @@ impl Desktop {
         ctx.request_repaint();
     }
 
-    /// The explorer, once it is there.
+    /// The explorer, once it runs.
     #[cfg(test)]
     fn app(&mut self) -> Option<&mut App> {
         match &mut self.stage {
@@ -121,7 +121,7 @@ impl Memory {
         Some(CrashPage::new(crash, self.told().display().to_string(), is_repeated))
     }
 
-    /// The place of the note about a crash that has been told.
+    /// The file for the note about a crash that the user has seen.
     fn told(&self) -> PathBuf {
         self.slot.path("last-crash")
     }
@@ -188,7 +188,8 @@ impl eframe::App for Desktop {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
 
-    /// The toolkit keeps the window's place. The state has a file of its own; once it is there, that of an older program goes.
+    /// The toolkit keeps the window's place. The state has a file of its own; once it exists, the state of an older
+    /// program is deleted.
     fn save(&mut self, storage: &mut dyn Storage) {
         let Self { stage, memory } = self;
         match (memory, stage) {

@@ -40,7 +40,7 @@ pub(super) fn choose() -> Choose {
     })
 }
 
-/// The chosen file, or a sentence where no dialog has opened; nothing where the user has cancelled it.
+/// The chosen file, or a sentence if no dialog has opened. `None` if the user has cancelled it.
 fn arrival(path: Option<PathBuf>, time: Duration) -> Option<Arrival> {
     match path {
         Some(path) => Some(Arrival::File(drop::file_name(&path), drop::read_path(&path))),

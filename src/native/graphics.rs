@@ -36,12 +36,12 @@ struct Job {
 }
 
 impl Processor {
-    /// A processor, or a program in its place where that will do.
+    /// A processor, or a software adapter if that is accepted.
     pub(super) fn new(software: Software) -> Self {
         Self { software, found: Arc::new(Mutex::new(Finding::Searching)), jobs: OnceCell::new() }
     }
 
-    /// The way to the thread, which is started here. `None` if the system gives no thread.
+    /// The queue of the thread, which the first call starts. `None` if the system gives no thread.
     fn jobs(&self, ctx: &Context) -> Option<&Sender<Job>> {
         let begin = || {
             let (sender, jobs) = mpsc::channel();
@@ -144,7 +144,7 @@ fn serve(software: Software, found: &Mutex<Finding>, jobs: &Receiver<Job>, ctx: 
             job.ctx.request_repaint();
             return;
         }
-        // Its sender is gone with the job: whoever waits for more is told so.
+        // Dropping the job closes its channel, so that the receiver learns that no more rows come.
         let ctx = job.ctx.clone();
         drop(job);
         ctx.request_repaint();

@@ -33,7 +33,7 @@ struct Present {
     state: Option<Saved>,
     /// The time of the first change that is not on the disk.
     since: Option<Instant>,
-    /// The reason why the last save has failed, until it is told.
+    /// The reason why the last save has failed, until the user has seen it.
     trouble: Option<String>,
     is_over: bool,
 }

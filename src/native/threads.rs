@@ -108,7 +108,7 @@ mod tests {
         (0..sheet.len()).flat_map(|cell| sheet.row(cell).expect("it is known").to_vec()).collect()
     }
 
-    /// Needs a Vulkan driver, of which a program such as Mesa's lavapipe will do.
+    /// Needs a Vulkan driver; a software one such as Mesa's lavapipe is enough.
     #[test]
     fn a_processor_takes_over_and_serves_the_next_map_from_the_beginning() {
         let engine = engine(Software::Allowed);

@@ -103,8 +103,8 @@ fn scaled_plane_ui<R>(
     inner
 }
 
-/// Limits the distance of points from the middle of a plot, in its widths and heights: positions on screen are numbers of single
-/// precision, whose squares overflow.
+/// Limits the distance of points from the middle of a plot, in its widths and heights: positions on screen are in
+/// single precision, and their squares overflow.
 const FARTHEST: f64 = 1e6;
 
 /// Limits points in the first frame, before a plot has bounds.

@@ -1,4 +1,4 @@
-//! Charts take turns where to draw all of them anew takes longer than a frame.
+//! Charts take turns if drawing all of them again takes longer than a frame.
 
 use egui::{Context, Id};
 use web_time::{Duration, Instant};
@@ -23,7 +23,7 @@ pub(crate) fn in_turn<T>(ctx: &Context, chart: Id, budget: Budget, make: impl Fn
     Some(made)
 }
 
-/// Whose turn it is in one pass over all charts.
+/// The chart with the next turn, in one pass over all charts.
 #[derive(Clone, Copy, Debug, Default)]
 struct Turns {
     pass: u64,

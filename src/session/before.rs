@@ -69,7 +69,7 @@ fn is_same_record(a: &Scenario, b: &Scenario) -> bool {
     bare(a) == bare(b)
 }
 
-/// The filters of `before` whose results differ from those of `now`.
+/// The filters of `before` with other results than those of `now`.
 fn concerned(before: &Scenario, now: &Scenario) -> Vec<FilterSettings> {
     let same_record = is_same_record(before, now);
     let is_same = |filter: &FilterSettings| {

@@ -14,7 +14,8 @@ pub enum Budget {
 }
 
 impl Budget {
-    /// A frame computes for at most 12 ms, and draws charts anew for as long, so that it takes no more than 50 ms in all.
+    /// A frame computes for at most 12 ms, and draws charts again for at most 12 ms, so that it takes no more than 50
+    /// ms in all.
     pub const FRAME: Self = Self::Time(Duration::from_millis(12));
 
     /// Whether there is time for more where so much is spent. Where pieces are counted, a frame draws everything.

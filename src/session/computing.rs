@@ -16,8 +16,8 @@ impl Session {
         self.job.is_some() || !self.complete
     }
 
-    /// The share that is computed of the next picture or of the way to where playback stands, from 0 to 1. `None` if
-    /// nothing is to be computed.
+    /// The computed share, from 0 to 1, of the next picture or of the samples up to playback's time. `None` if nothing
+    /// is to be computed.
     pub fn progress(&self) -> Option<f64> {
         if let Some(job) = &self.job {
             return Some(job.progress(&self.study).all);
@@ -104,7 +104,7 @@ impl Session {
         }
     }
 
-    /// Begins anew where the run has samples that are not to be shown, or lacks some that are.
+    /// Begins again if the run has samples that are not to be shown, or lacks some that are.
     pub(super) fn go_back(&mut self) {
         let run = self.study.run();
         let position = self.position() + 1;
@@ -119,7 +119,7 @@ impl Session {
         }
     }
 
-    /// Computes everything anew from the first sample on.
+    /// Computes everything again from the first sample on.
     pub(super) fn begin_again(&mut self) {
         let goal = self.run().done().max(1);
         if self.job.is_some() {
@@ -182,7 +182,8 @@ impl Session {
         }
     }
 
-    /// The changes besides the length of the run: the first sample that is kept, and which analyses are there.
+    /// Everything that may change apart from the length of the run: the first kept sample, and which analyses are
+    /// complete.
     fn shown(&self) -> (usize, [bool; 3]) {
         let analysis = self.study.analysis();
         let there = [analysis.diagnostics().is_empty(), analysis.smoothed().is_empty(), analysis.bounds().is_empty()];

@@ -8,7 +8,7 @@ use kalmanscope_core::{Job, Study};
 use super::Session;
 use crate::elsewhere::{BETWEEN, Elsewhere, FilterWork, Lost};
 
-/// A filter whose whole record takes longer than this on an ordinary processor is not computed in the frames \[s\].
+/// Limits the time of a filter that is computed in the frames, over the whole record on an ordinary processor \[s\].
 const LONG: f64 = 0.3;
 
 /// The filters of the present job that are computed elsewhere.

@@ -8,7 +8,7 @@ use kalmanscope_lessons::records;
 
 use super::Session;
 
-/// Limits the records that are kept besides the one on screen, so that going to and fro takes no time.
+/// Limits the records that are kept in addition to the one on screen, so that switching back takes no time.
 const KEPT: usize = 3;
 
 /// A file with columns of numbers that has been read.

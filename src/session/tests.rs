@@ -81,7 +81,7 @@ fn long() -> Session {
     Session::new(scenario).unwrap()
 }
 
-/// Lets frames pass until the run is there; returns how many it took.
+/// Lets frames pass until the run is complete; returns how many it took.
 fn wait(session: &mut Session) -> usize {
     (0..1000)
         .position(|_| {

@@ -39,7 +39,7 @@ impl Attempt {
         self.search.is_some()
     }
 
-    /// The number of the picture whose filter is tried.
+    /// The number of the picture with the filter that is tried.
     pub(crate) fn picture(&self) -> u64 {
         self.of.0
     }

@@ -55,8 +55,8 @@ pub enum AddressError {
     },
 }
 
-/// Reads what an address opens: the link after `#`, else the lesson or the scenario after `?`. `None` if it has
-/// neither.
+/// The target of an address: the link after `#`, else the lesson or the scenario after `?`. `None` if it has none of
+/// them.
 ///
 /// # Errors
 /// [`AddressError`] with the sentence to show.

@@ -49,7 +49,7 @@ pub enum Topic {
 /// The reason why a message is not followed.
 #[derive(Debug, PartialEq)]
 pub struct Refusal {
-    /// The name of the message. `None` if it is not one of ours, and gets no answer.
+    /// The name of the message. `None` if the message is not one of ours; it then gets no answer.
     pub id: Option<Document>,
     /// The sentence.
     pub reason: String,

@@ -84,7 +84,7 @@ mod tests {
         tiles
     }
 
-    /// Containers inside each other, with one view at last.
+    /// Containers inside each other, with one view in the innermost.
     fn nested(depth: usize) -> Value {
         let tabs = |child: usize| json!({ "Container": { "Tabs": { "children": [child], "active": child } } });
         let mut tiles: serde_json::Map<String, Value> = (0..depth).map(|id| (id.to_string(), tabs(id + 1))).collect();

@@ -61,12 +61,12 @@ impl View for Measured {
     }
 }
 
-/// The quantities of the record, those too that no filter is told.
+/// The quantities of the record, including those that no filter uses.
 fn sensors<'a>(context: &ViewContext<'a>) -> &'a [Quantity] {
     context.session.run().record().sensors()
 }
 
-/// The prediction of a quantity one step ahead, if the filter is told it.
+/// The prediction of a quantity one step ahead, if the filter uses it.
 fn predicted<'a>(
     estimates: &'a Estimates,
     measured: &'a [f64],

@@ -45,7 +45,7 @@ impl View for SpectrogramView {
             ui.weak("Nothing is measured.");
             return None;
         };
-        // A record that grows is drawn anew now and then.
+        // Draws a growing record again every 200 samples only.
         let of = (session.generation(), run.len() / 200, Id::unique(quantity.key()));
         let id = Id::unique("spectrogram");
         let before: Option<Drawn> = ui.data(|data| data.get_temp(id));

@@ -35,7 +35,7 @@ pub(super) struct Message {
 }
 
 impl Messages {
-    /// Listens to the page that embeds this one, and tells it so. `None` if there is no such page.
+    /// Listens to the page that embeds this one, and sends it a message that it does. `None` if there is no such page.
     pub(super) fn listen(ctx: &egui::Context) -> Option<Self> {
         let window = web_sys::window()?;
         let parent = window.parent().ok()??;

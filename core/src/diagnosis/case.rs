@@ -19,8 +19,8 @@ const SLACK: f64 = 0.7;
 /// Limits the normal score that chance explains in one part.
 const NOT_CHANCE: f64 = 4.0;
 
-/// Limits the errors² of a good part, relative to the covariance: of a parameter, whose errors in a part count as one, and
-/// of a motion.
+/// Limits the errors² of a good part, relative to the covariance: for a parameter (its errors in a part count as one
+/// number), and for a motion.
 const OUTSIDE: (f64, f64) = (16.0, 8.0);
 
 /// Limits the bad parts of a record that can be forgiven.
@@ -157,7 +157,7 @@ impl<'a> Case<'a> {
         ranges
     }
 
-    /// The samples from the first to the last forgiven part. `None` if nothing is.
+    /// The samples from the first to the last forgiven part. `None` if no part is forgiven.
     pub(crate) fn forgiven_samples(&self) -> Option<Range<usize>> {
         let first = self.forgiven.iter().position(|&forgiven| forgiven)?;
         let last = self.forgiven.iter().rposition(|&forgiven| forgiven)?;

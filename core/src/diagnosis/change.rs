@@ -8,7 +8,7 @@ const LARGEST: f64 = 50.0;
 /// Limits the search for a change: the shares of a record, at its beginning and end, that it leaves out.
 const MARGINS: (f64, f64) = (0.15, 0.03);
 
-/// Samples of a block, whose mean has the dispersion of squares that resemble the ones before.
+/// Samples of a block. The dispersion of block means includes the correlation of successive squares.
 const BLOCK: usize = 20;
 
 /// Limits the blocks of each level from below.

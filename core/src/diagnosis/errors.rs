@@ -1,4 +1,4 @@
-//! One pass over the errors of each channel whose truth is known.
+//! One pass over the errors of each channel with a known truth.
 
 use std::ops::Range;
 

@@ -96,7 +96,7 @@ fn law(force: &[f64], displacement: &[f64], velocity: &[f64], dt: f64) -> Option
     let left_of_v = without(&v, &[&x]);
     let linear = share(&u, &x) + share(&u, &left_of_v);
     let size = (dot(&v, &v) / samples as f64).sqrt();
-    // A speed near zero has no sign that can be told.
+    // The sign of a speed near zero is uncertain: `tanh` stands in for it.
     let laws: [Vec<f64>; 3] = [
         v.iter().map(|v| libm::tanh(10.0 * v / size)).collect(),
         v.iter().map(|v| v * v.abs()).collect(),

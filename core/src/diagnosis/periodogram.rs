@@ -68,7 +68,7 @@ impl Periodogram {
         }
     }
 
-    /// The mean of the added windows; nothing where they are too few.
+    /// The mean of the added windows; empty if they are too few.
     pub(crate) fn averaged(mut self, windows: &WelchWindows) -> Self {
         if self.windows < WINDOWS / 2 {
             return Self::default();
@@ -124,12 +124,12 @@ pub(crate) struct WelchWindows {
 }
 
 impl WelchWindows {
-    /// The length of the windows of a record of this many samples. `None` if they are too few.
+    /// The length of the windows of a record of this many samples. `None` if these are too few.
     pub(crate) fn length_for(samples: usize) -> Option<usize> {
         (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
     }
 
-    /// The windows of a record of this many samples. `None` if they are too few.
+    /// The windows of a record of this many samples. `None` if these are too few.
     pub(crate) fn of(samples: usize) -> Option<Self> {
         let length = Self::length_for(samples)?;
         let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
@@ -163,7 +163,7 @@ impl WelchWindows {
     }
 }
 
-/// The first samples of as many windows as fit one after the other into ranges, of which neighbours are one.
+/// The first samples of as many windows as fit one after the other into ranges. Adjacent ranges count as one.
 fn window_begins(kept: &[Range<usize>], length: usize) -> Vec<usize> {
     let mut begins = Vec::new();
     let mut run = 0..0;

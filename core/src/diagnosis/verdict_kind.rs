@@ -13,9 +13,9 @@ pub enum VerdictKind {
     Underconfident,
     /// Its errors are larger than it says.
     Overconfident,
-    /// It forgets a parameter faster than the sensors tell it anew.
+    /// It forgets a parameter faster than the sensors give information on it.
     WoundUp,
-    /// Its particles have become one, whose σ says nothing.
+    /// Its particles have become one, so that σ says nothing.
     Collapsed,
     /// Its estimates are not those of an oscillator: negative, beyond what the samples can show, or far from any start.
     Lost,

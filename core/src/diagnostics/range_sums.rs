@@ -20,7 +20,7 @@ pub(super) struct RangeSums {
 }
 
 impl RangeSums {
-    /// Begins anew with rows of `width` numbers, in the same memory.
+    /// Begins again with rows of `width` numbers, in the same memory.
     pub(super) fn restart(&mut self, width: usize) {
         (self.width, self.missing) = (width, BLOCK);
         self.levels.iter_mut().for_each(Vec::clear);

@@ -136,7 +136,7 @@ pub(super) fn stretch(sample: &mut Matrix, centre: &Vector, factor: f64) {
     }
 }
 
-/// Standard normal numbers in `count` columns of `n`, whose mean is zero.
+/// Standard normal numbers in `count` columns of `n`, shifted so that the mean of the columns is zero.
 fn centred_draws(n: usize, count: usize, normal: &mut Normal) -> Matrix {
     let draws = Matrix::from_fn(n, count, |_, _| normal.sample());
     // Centring takes one degree of freedom.

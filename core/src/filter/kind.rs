@@ -60,12 +60,12 @@ impl FilterKind {
         Self::ALL.into_iter().find(|kind| kind.key() == key)
     }
 
-    /// Whether it is one of the registry, whose descriptions are statics.
+    /// Whether it is one of the registry: their descriptions are statics, compared by address.
     fn is_of_registry(self) -> bool {
         Self::ALL.iter().any(|known| std::ptr::eq(known.0, self.0))
     }
 
-    /// Whether it is a kind of your own with a key of the registry: a file would mean the other one.
+    /// Whether it is your own kind with a key of the registry: a file with this key would mean the registry's.
     pub(crate) fn is_impostor(self) -> bool {
         Self::from_key(self.key()).is_some_and(|known| known != self)
     }
@@ -113,7 +113,7 @@ impl Default for FilterKind {
 }
 
 impl PartialEq for FilterKind {
-    /// Kinds are equal by their key, but one of your own is not that of the registry whose key it has.
+    /// Compares keys; your own kind differs from the registry's kind with the same key.
     fn eq(&self, other: &Self) -> bool {
         let is_own = |kind: &Self| !kind.is_of_registry();
         std::ptr::eq(self.0, other.0) || (self.key() == other.key() && is_own(self) && is_own(other))

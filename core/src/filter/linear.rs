@@ -1,4 +1,4 @@
-//! The Kalman filter of a linear system of one's own.
+//! The Kalman filter of a linear system that the user defines.
 
 use super::kalman::{Expected, condition_on};
 use super::measurement_model::{Linearisation, MeasurementModel};
@@ -121,7 +121,7 @@ impl KalmanFilter {
         self.update(measured)
     }
 
-    /// Moves the belief by a step: `x ← A x + B u`, `P ← A P Aᵀ + Q`. What the last update told stays.
+    /// Moves the belief by a step: `x ← A x + B u`, `P ← A P Aᵀ + Q`. The results of the last update stay.
     ///
     /// # Errors
     /// [`SystemError::Length`] where the input has not p numbers, [`SystemError::NotFinite`] where one of them is not finite,

@@ -92,8 +92,8 @@ impl Marginalised {
         Gaussian { mean, cov: symmetric(cov) }
     }
 
-    /// Takes the weight of particles that have run away: they explain nothing. Each becomes a copy of the heaviest of the
-    /// others, without a weight, until it is drawn anew.
+    /// Sets the weight of diverged particles to zero: they explain no measurement. Each becomes a copy of the heaviest
+    /// other particle, without a weight, until the next resampling.
     fn drop(&mut self, lost: &[usize]) -> Result<(), FilterError> {
         let Self { particles, weights, .. } = self;
         if lost.is_empty() {
@@ -108,9 +108,9 @@ impl Marginalised {
         Ok(())
     }
 
-    /// Draws as many particles anew, each as often as its weight says, give or take one, and moves each by a draw from a
-    /// kernel in θ, so that copies part. The rest of its mean follows by regression, and what that does not explain goes into
-    /// its covariance.
+    /// Resamples: copies each particle in proportion to its weight, within one copy, and moves each copy by a draw from
+    /// a kernel in θ, so that copies separate. The rest of its mean follows by regression; the residual is added to its
+    /// covariance.
     fn resample(&mut self, model: &Model) {
         let means = self.means();
         let Self { particles, weights, normal, .. } = self;

@@ -1,10 +1,10 @@
-//! What sensors read in a state of a system of one's own.
+//! The measurement models of systems that the user defines.
 
 use super::kalman::Expected;
 use crate::linalg::{Matrix, Vector, copy, copy_vector, fit, fit_vector};
 
-/// What the m sensors of a [`KalmanFilter`](super::KalmanFilter) read in a state of n components: `z = H x`, which every
-/// m × n matrix H is, or `z = h(x)` with a function of one's own.
+/// The measurement model of a [`KalmanFilter`](super::KalmanFilter) with m sensors and n components of the state: `z =
+/// H x` with an m × n matrix H, or `z = h(x)` with a function.
 pub struct MeasurementModel(Kind);
 
 type Function = Box<dyn Fn(&[f64], &mut [f64]) + Send>;

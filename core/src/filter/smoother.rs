@@ -7,13 +7,13 @@
 //! ```
 //!
 //! In exact arithmetic it is the smoother of Rauch, Tung and Striebel, `G = Pₖ Φᵀ (P⁻ₖ₊₁)⁻¹`. But that one divides by a
-//! covariance which loses its rank where a motion dies out and no noise stirs it: G then grows as the motion decays, so that
-//! the rounding of later samples grows backward until it is as large as the result. The adjoint decays backward as the motion
-//! does forward, and needs no inverse but that of S.
+//! covariance, which becomes singular where a motion dies out and has no process noise: G then grows as the motion
+//! decays, so that the rounding of later samples grows backward until it is as large as the result. The adjoint decays
+//! backward as the motion does forward, and needs no inverse but that of S.
 //!
-//! Φ and H are those that the filter linearises with. Those of sigma points are regressions on the state, of the next state
-//! and of the readings: with them `cov(next, now) = Φ P` and `K S = P⁻ Hᵀ`, which is all that both smoothers ask for. An
-//! update that does not tell its H has it found by division by P⁻, whose lost directions have no part in it.
+//! Φ and H are those that the filter linearises with. Those of sigma points are regressions on the state, of the next
+//! state and of the readings: with them `cov(next, now) = Φ P` and `K S = P⁻ Hᵀ`, which is all that both smoothers
+//! need. For an update without an H, division by P⁻ gives it; directions that P⁻ has lost are left out.
 //!
 //! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`. So does what a
 //! jump ([`super::jump`]) adds to P⁻.
@@ -31,7 +31,7 @@ use crate::sink::Sample;
 use crate::smoother::Beliefs;
 use crate::{Estimates, FilterSettings, Quantity, Record};
 
-/// The beliefs of a filter with these settings. `None` if it cannot begin.
+/// The beliefs of a filter with these settings. `None` if the filter cannot begin.
 pub(crate) fn beliefs(settings: &FilterSettings, context: &FilterContext<'_>) -> Option<Box<dyn Beliefs>> {
     let filter = build_filter(initial_belief(settings, context).ok()?, settings, context);
     let filter = if settings.jump { filter.with_jump() } else { filter };

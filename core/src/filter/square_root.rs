@@ -228,7 +228,7 @@ impl Array {
         }
     }
 
-    /// Adds a deviation of readings and state, of which nothing is left.
+    /// Rotates a deviation of readings and state into the array. This overwrites the deviation.
     fn add(&mut self, deviation: &mut [f64]) {
         let Self { sensors, cross, state } = self;
         let (m, n) = (sensors.nrows(), state.nrows());

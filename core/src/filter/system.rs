@@ -1,4 +1,4 @@
-//! The matrices of a system of one's own, and what is wrong with them.
+//! The matrices of a system that the user defines, and the errors in them.
 
 use std::fmt;
 

@@ -20,7 +20,7 @@ pub struct Imported {
     pub record: Record,
     /// Sentences about its making that a user should know.
     pub remarks: Vec<String>,
-    /// A sensor whose readings are all the same, or that has none: there is no motion to filter.
+    /// A sensor with equal readings, or without any: there is no motion to filter.
     pub still: Option<Quantity>,
 }
 

@@ -67,7 +67,7 @@ pub struct ColumnGuess {
 }
 
 impl ColumnGuess {
-    /// Whether neither name nor unit told the meaning.
+    /// Whether the meaning comes from neither name nor unit.
     pub fn is_a_guess(&self) -> bool {
         self.why == FIRST_FREE
     }
@@ -174,11 +174,11 @@ impl Mapping {
         (mapping, kind)
     }
 
-    /// A guess from names, units and shapes, with the kind of input and a reason for each column: names first; then the
-    /// first column whose numbers rise evenly is the time; and of two columns without a meaning the first is the input and
-    /// the second the displacement. A column whose meaning another one has already is left out, and so is one that counts the rows
-    /// or whose name says that it is something else. Where a sensor says what it is, one other column is the input, but none of
-    /// several.
+    /// A guess from names, units and shapes, with the kind of input and a reason for each column: Names come first;
+    /// then the first column of evenly rising numbers is the time; and of two columns without a meaning the first is
+    /// the input and the second the displacement. It leaves out a column if another one already has its meaning, if it
+    /// counts the rows, or if its name says that it is something else. If a sensor's column has a name, a single other
+    /// column is the input; several others are not.
     pub fn guess_with_reasons(table: &Table) -> (Self, InputKind, Vec<ColumnGuess>) {
         let columns = &table.columns;
         let mut all = candidates(table);

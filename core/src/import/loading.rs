@@ -18,7 +18,7 @@ pub struct Loaded {
     pub table: Table,
 }
 
-/// A file whose bytes are hashed and read, in the dialect that is found.
+/// Hashes a file's bytes and reads them, in the dialect that it finds.
 ///
 /// ```
 /// use kalmanscope_core::InSlices;

@@ -47,7 +47,7 @@ pub struct Mapping {
     /// forward and backward, so that nothing is shifted. A lower limit of 0 makes it a low-pass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<[f64; 2]>,
-    /// Keep every so many samples, after a low-pass below the new Nyquist frequency.
+    /// Keep one of this many samples, after a low-pass below the new Nyquist frequency.
     #[serde(skip_serializing_if = "is_one")]
     pub every: usize,
     /// Put this many steps in place of one: the input is interpolated as a band-limited signal, measurements are

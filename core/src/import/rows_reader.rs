@@ -22,7 +22,7 @@ pub(super) struct RowsReader {
     lines: Lines,
     short: Odd,
     long: Odd,
-    /// Numbers with thousands apart, and numbers that may have them, in a file whose first lines have none.
+    /// Numbers with thousands separators, and numbers that may have them, in a file without any in its first lines.
     grouped: Odd,
     doubtful: Odd,
 }

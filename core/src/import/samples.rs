@@ -1,4 +1,4 @@
-//! Samples at even times, of which some may be missing.
+//! Samples at even times; some may be missing.
 
 /// Samples without a value.
 pub(super) struct Missing {

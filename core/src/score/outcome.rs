@@ -20,7 +20,7 @@ pub struct Outcome {
     pub stop: Option<Stop>,
     /// Whether the filter has stopped or lost the truth ([`Scores::diverged`](super::Scores::diverged)).
     pub diverged: bool,
-    /// The accuracy of each channel whose truth is known, in the filter's order.
+    /// The accuracy of each channel with a known truth, in the filter's order.
     pub channels: Vec<(Channel, ChannelScore)>,
     /// The last mean of every channel, in its unit; NaN where there is no sample.
     pub mean: Vec<f64>,

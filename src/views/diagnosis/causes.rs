@@ -15,7 +15,7 @@ use crate::view::ViewContext;
 /// Limits the causes that are shown at once.
 const LIKELIEST: usize = 3;
 
-/// The most settings whose values a button shows.
+/// Limits the settings that a button shows with their values.
 const SHOWN: usize = 2;
 
 /// The causes that were found so far, and the progress of the trials. While the hand is on them their rows stay as they are.

@@ -56,7 +56,7 @@ pub(super) fn contour_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], contour: &[Pi
     painter.extend(over);
 }
 
-/// The constant truth of the parameter whose guess an axis is.
+/// The constant truth of the parameter, if the axis varies its guess.
 fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
     match scenario.plant.parameter(guessed(&axis.key)?)? {
         Signal::Constant(value) => Some(value),

@@ -1,4 +1,4 @@
-//! The picture of a map: cells and lines of each filter and of their comparison, made anew when rows have come.
+//! The picture of a map: cells and lines of each filter and of their comparison, made again when rows have come.
 
 use std::sync::Arc;
 
@@ -49,10 +49,10 @@ struct Kept {
     cost: Duration,
 }
 
-/// The panels are made anew at most this share of the time while rows come.
+/// While rows come, making the panels takes at most one in `SHARE` + 1 parts of the time.
 const SHARE: u32 = 5;
 
-/// The panels, which are kept until something else is to be seen.
+/// The panels, which are kept until their contents change.
 pub(super) fn panels(
     ctx: &Context,
     laboratory: &Laboratory,

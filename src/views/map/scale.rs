@@ -76,7 +76,7 @@ impl Colors {
         Self::Diverging(Scale::new(1.0 / most, most, true))
     }
 
-    /// The scale of the bar. `None` if each kind has a colour.
+    /// The scale of the colour bar. `None` if a score has no linear or logarithmic scale.
     pub(super) fn scale(&self) -> Option<Scale> {
         match self {
             Self::Sequential(scale) | Self::Diverging(scale) => Some(*scale),
@@ -103,7 +103,7 @@ impl Colors {
         }
     }
 
-    /// The colour of the kind at a place. The quiet one of two is the second.
+    /// The colour of the kind at a place. Of two kinds, the second has the less striking colour.
     pub(super) fn kind(&self, place: usize) -> Color32 {
         match self {
             Self::Kinds(names) if names.len() == 2 => {
@@ -117,7 +117,7 @@ impl Colors {
         }
     }
 
-    /// The colour of a cell. `None` if it is not known, and grey where there is no score.
+    /// The colour of a cell. `None` if it is not known; grey if there is no score.
     pub(super) fn of_cell(&self, cell: Cell, palette: &Palette) -> Option<Color32> {
         let Cell { value, end } = cell;
         match (self, end) {

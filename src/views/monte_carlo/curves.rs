@@ -1,4 +1,4 @@
-//! The numbers that are drawn, made anew when more seeds have come.
+//! The numbers that are drawn, computed again when more seeds have come.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;

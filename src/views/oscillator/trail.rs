@@ -74,7 +74,7 @@ impl<'a> Trail<'a> {
         }
     }
 
-    /// Draws the path of a mass whose displacement at sample k is `x(k)` \[m\].
+    /// Draws the path of a mass with the displacement `x(k)` \[m\] at sample k.
     pub(super) fn line(&self, mass: usize, width: f32, color: Color32, x: impl Fn(usize) -> Option<f64>) {
         let at = |k| Some(self.at(mass, x(k).filter(|x| x.is_finite())?, k));
         let points: Vec<Pos2> = self.samples().filter_map(at).collect();

@@ -37,7 +37,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
             matter.knob(&format!("process_std.{key}"), change * force / period.sqrt()),
         ];
         let sentence = "a force acts that the record lacks, and changes slowly".to_owned();
-        // A force that may change at will fits any record: its freedom has a price besides its two values.
+        // A force that changes freely fits any record: its freedom has a price on top of that of its two values.
         let fitted = 2.0 + periods * change / FREE;
         found.push(Suspect::new(cause, weight, fitted, knobs, sentence));
     }

@@ -1,4 +1,4 @@
-//! The errors of each channel whose truth is known, granule by granule.
+//! The errors of each channel with a known truth, granule by granule.
 
 use std::ops::Range;
 
@@ -40,7 +40,7 @@ struct Columns<'a> {
 }
 
 impl LiveErrors {
-    /// Of the channels whose truth a record has, before the sample with this number.
+    /// The channels with a truth in the record, before the sample `start`.
     pub(super) fn new(estimates: &Estimates, record: &Record, start: usize) -> Self {
         let all = estimates.channels().iter().enumerate();
         let known = all.filter(|(_, channel)| record.truth(**channel).is_some());
@@ -133,7 +133,7 @@ impl Stretch {
         Self { sums, first, last }
     }
 
-    /// Adds to sums of the samples before, whose last known error is `before`.
+    /// Adds itself to the sums of the samples before it. `before` is their last known error.
     fn add_to(&self, sums: &mut Sums, before: &mut f64) {
         if self.sums.count == 0.0 {
             return;

@@ -1,4 +1,4 @@
-//! Granules: short stretches of samples whose sums are kept.
+//! Granules: short stretches of samples with stored sums.
 
 use std::ops::Range;
 

@@ -147,8 +147,8 @@ fn sums(squares: &[f64], near: &[f64], input: &NearInput) -> Sums {
     sums
 }
 
-/// Adds the sums of some samples, whose input is taken less a mean that is `above` the mean of the window, and the sum of the
-/// squares of their input.
+/// Adds the sums of some samples, and `input_square`, the sum of the squares of their input. In `of`, the input has a
+/// mean subtracted that is larger than the window's mean by `above`.
 fn add(sums: &mut Sums, of: &Sums, above: f64, input_square: f64) {
     sums.count += of.count;
     sums.square += of.square;

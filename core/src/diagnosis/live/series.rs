@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// Items that are numbered from the run's beginning, of which the last ones are kept.
+/// Items that are numbered from the run's beginning. Only the last ones are kept.
 #[derive(Clone, Debug)]
 pub(super) struct Series<T> {
     first: usize,

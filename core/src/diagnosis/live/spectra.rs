@@ -51,7 +51,7 @@ impl LiveSpectra {
     }
 }
 
-/// The numbers of the windows of a length that fit into ranges, of which neighbours are one.
+/// The numbers of the windows of a length that fit into ranges. Adjacent ranges count as one.
 fn numbers(kept: &[Range<usize>], length: usize) -> Vec<usize> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for range in kept {
