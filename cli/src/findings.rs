@@ -6,7 +6,7 @@ use kalmanscope_core::{Diagnosis, Scenario};
 
 use crate::number::{fixed, legible};
 
-/// The most pieces of evidence, and the most causes, that are told of a filter.
+/// Limits the pieces of evidence, and the causes, that are printed for a filter.
 const MOST: (usize, usize) = (6, 3);
 
 /// The evidence that counts, the weightiest first, each with its p-value.

@@ -42,7 +42,7 @@ pub fn write<E: From<io::Error>>(
             let (file, temporary) = beside(&target)?;
             let written = fill_and_rename(file, &temporary, &target, old.as_ref(), fill);
             if written.is_err() {
-                // The error that is told is that of the writing.
+                // The error of the writing is the one to report.
                 let _ = fs::remove_file(&temporary);
             }
             written

@@ -58,7 +58,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// `None` if the column has no single numbers.
+    /// `None` if the column does not hold single numbers.
     fn of(column: &ColumnDescriptor) -> Option<Self> {
         use parquet::basic::Type::{BOOLEAN, DOUBLE, FLOAT, INT32, INT64};
         let is_number = [BOOLEAN, DOUBLE, FLOAT, INT32, INT64].contains(&column.physical_type());

@@ -166,7 +166,7 @@ fn is_own_form(table: &Table, mapping: &Mapping) -> bool {
         && sensors
 }
 
-/// The file that a scenario names, from whose folder its path is counted.
+/// The file that a scenario names. Its path is relative to the scenario's folder.
 pub(crate) fn named(scenario: &Path, mapping: &Mapping) -> PathBuf {
     scenario.parent().unwrap_or(Path::new("")).join(&mapping.file)
 }

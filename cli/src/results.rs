@@ -35,8 +35,8 @@ pub(crate) struct FilterResults {
 }
 
 impl<'a> Results<'a> {
-    /// The results of a finished run. `causes` are those of [`crate::causes()`], one list per filter, or empty to leave them out.
-    /// Bounds are told if the analysis has them.
+    /// The results of a finished run. `causes` are those of [`crate::causes()`], one list per filter, or empty to leave
+    /// them out. Bounds are included if the analysis has them.
     pub fn of_run(run: &'a Run, analysis: &Analysis, mut causes: Vec<Vec<Finding>>) -> Self {
         let record = run.record();
         causes.resize_with(run.estimates().len(), Vec::new);

@@ -41,7 +41,8 @@ pub(crate) enum Ending {
     Verdict,
 }
 
-/// Runs the scenario, writes what was asked for and prints the table. What could not be written is told on standard error.
+/// Runs the scenario, writes what was asked for and prints the table. Reports files that cannot be written on standard
+/// error.
 pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     let RunArgs { source, fix, out, record_out, svg: picture, fail_on, json: as_json, quiet } = args;
     let outputs: Places<'_> = [("--out", out), ("--record-out", record_out), ("--svg", picture)]

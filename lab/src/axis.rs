@@ -152,7 +152,7 @@ impl Axis {
         }
     }
 
-    /// The place whose value is nearest to this one, if that lies on the axis or at most half a step beside it.
+    /// The place with the value nearest to `value`, if `value` lies on the axis or at most half a step beyond its ends.
     pub fn place_of(&self, value: f64) -> Option<usize> {
         let last = (self.count.max(1) - 1) as f64;
         let place = libm::round(self.share_of(value) * last);

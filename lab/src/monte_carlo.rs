@@ -226,7 +226,7 @@ mod tests {
             let interval = MonteCarlo::interval(degrees, 400).unwrap();
             values.iter().filter(|value| interval.contains(value)).count()
         };
-        // 20 times, of which 95 % are expected.
+        // 20 times; 95 % of them are expected.
         assert!(inside(all.nees(0).collect(), 2) >= 15, "{:?}", all.nees(0).collect::<Vec<_>>());
         assert!(inside(all.nis(0).collect(), 1) >= 15, "{:?}", all.nis(0).collect::<Vec<_>>());
         for (rmse, std) in all.rmse(0, 0).zip(all.std(0, 0)).skip(2) {

@@ -153,7 +153,7 @@ fn of_sum(measure: Measure, outcome: &Outcome, channels: &[Channel], record: &Re
     }
 }
 
-/// The last mean of a channel in the canonical form of the oscillator, whose natural frequency is not negative.
+/// The last mean of a channel in the canonical form of the oscillator, with a natural frequency that is not negative.
 fn canonical(outcome: &Outcome, channels: &[Channel], place: usize) -> f64 {
     let frequency = channels.iter().position(|channel| *channel == Channel::NATURAL_FREQUENCY);
     let is_mirrored = frequency.is_some_and(|place| outcome.mean[place] < 0.0);

@@ -84,7 +84,7 @@ impl Runner {
         if !self.needs_history() && runs.iter().flatten().all(is_served) { ABREAST } else { 1 }
     }
 
-    /// The runs of some cells. `None` if a scenario is impossible.
+    /// The runs of some cells; `None` for a cell with an impossible scenario.
     pub fn runs(&self, cells: &[usize]) -> Vec<Option<CellRun>> {
         // Those with one record after each other, so that it is simulated once.
         let mut order: Vec<usize> = (0..cells.len()).collect();
@@ -132,8 +132,8 @@ impl Runner {
         rows
     }
 
-    /// The row of a run from the outcomes of all filters of the plan, whose scores need no more than sums. The row of an
-    /// impossible scenario is NaN.
+    /// The row of a run from the outcomes of all filters of the plan. Its scores must need no more than sums. The row
+    /// of an impossible scenario is NaN.
     pub fn row_of_sums(&self, run: Option<&CellRun>, outcomes: &[&Outcome]) -> Vec<f64> {
         let mut row = vec![f64::NAN; self.ensemble.width()];
         if let Some(run) = run {

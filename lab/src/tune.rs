@@ -62,7 +62,7 @@ struct Search {
 pub struct Try {
     /// The settings' values.
     pub values: Vec<f64>,
-    /// The goal's number, of which more is better.
+    /// The goal's number; more is better.
     pub score: f64,
 }
 

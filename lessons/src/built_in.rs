@@ -46,7 +46,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "R wrong by ten": "r-wrong-by-ten",
 ];
 
-/// Scenarios whose plant is an equation, in the menu's order.
+/// Scenarios with an equation as their plant, in the menu's order.
 pub const EQUATIONS: &[BuiltIn] = built_in![
     "equations",
     "Pendulum": "pendulum",

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 /// A measure of a filter, over a range of samples or at a single one. Errors are those of the canonical form of the
-/// oscillator, whose natural frequency is not negative.
+/// oscillator, with a natural frequency that is not negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {

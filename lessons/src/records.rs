@@ -23,9 +23,9 @@ pub const RECORDS: &[(&str, Made)] =
 /// The seed of the files in `assets/records/`.
 pub const SEED: u64 = 1;
 
-/// The bytes of the record that a mapping names, if it comes along: its name is the same, and its hash, if there is one.
+/// The bytes of the built-in record that a mapping names. The name must match, and the hash, if the mapping has one.
 ///
-/// They are made anew, bit by bit as in `assets/records/`: a web page need not load them.
+/// They are computed, bit by bit as in `assets/records/`, so that a web page need not load them.
 pub fn record(mapping: &Mapping) -> Option<Vec<u8>> {
     let (_, file) = RECORDS.iter().find(|(name, _)| *name == mapping.file)?;
     let bytes = file(SEED).into_bytes();

@@ -90,8 +90,8 @@ impl App {
         }
     }
 
-    /// The explorer at the start of a scenario. The file of a measured record may be missing. Then the first scenario
-    /// stays on screen until the user drops the file.
+    /// The explorer at the start of a scenario. If the scenario needs a measured record, the first built-in scenario
+    /// stays on screen until the user drops the record's file.
     fn with_any(scenario: Scenario) -> Result<Self, RunError> {
         if scenario.record.is_none() {
             return Self::with_scenario(scenario);

@@ -4,7 +4,7 @@ use kalmanscope_core::{Channel, Quantity, Scenario};
 use kalmanscope_lab::{Setting, channels};
 
 /// The keys of the settings that may be varied, in the order of a menu: first the filters' settings, then the record's.
-/// The scenario has the chosen filters only; all of them get the same value.
+/// `scenario` has the chosen filters only; all of them get the same value.
 pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> {
     let mut keys = of_filters(scenario);
     if is_measured {

@@ -53,7 +53,7 @@ impl Panel {
         }
     }
 
-    /// A filter's estimate, or its prediction from all samples before. `None` if it has neither.
+    /// A filter's estimate, or its prediction from all earlier samples. `None` if it has neither.
     pub(super) fn curve<'a>(self, estimates: &'a Estimates, record: &'a Record) -> Option<Curve<'a>> {
         Some(match self {
             Self::Channel(channel) => {

@@ -24,7 +24,7 @@ impl Html {
         self.line(&format!("<{tag}>{}</{tag}>", escaped(text)));
     }
 
-    /// A list of texts; nothing where there are none.
+    /// A list of texts; writes nothing if there are none.
     pub(super) fn list(&mut self, items: impl IntoIterator<Item = String>) {
         let items: String = items.into_iter().map(|item| format!("<li>{}</li>", escaped(&item))).collect();
         if !items.is_empty() {

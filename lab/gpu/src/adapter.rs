@@ -8,8 +8,7 @@ use crate::error::GpuError;
 use crate::program::Programs;
 use crate::trouble::Trouble;
 
-/// Whether a software adapter, such as lavapipe, is accepted. It is slower than threads of one's own, and good for
-/// tests.
+/// Whether a software adapter, such as lavapipe, is accepted. It is slower than threads, and useful for tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Software {
     /// Only a graphics processor will do.

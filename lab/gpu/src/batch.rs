@@ -38,14 +38,13 @@ pub fn serves(run: &GpuRun<'_>) -> bool {
     program(run).is_some()
 }
 
-/// The program of a run in WGSL. `None` if it is not served.
+/// The program of a run in WGSL. `None` if the graphics processor does not serve the run.
 pub fn program(run: &GpuRun<'_>) -> Option<String> {
     let (setup, known) = prepare(run)?;
     Program::new(&setup.design, &setup.channels, known).map(|program| program.text)
 }
 
-/// The filter of a run and the number of its channels whose truth is known, if its numbers are such as to go to the graphics
-/// processor.
+/// The filter of a run and the number of its channels with a known truth, if single precision can hold its numbers.
 fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
     let GpuRun { scenario, place, record } = *run;
     let setup = Setup::of_any(scenario, place, record).ok()??;

@@ -19,7 +19,7 @@ const DISPATCH: Duration = Duration::from_millis(50);
 const FIRST: u32 = 64;
 const GROWTH: f64 = 8.0;
 
-/// Limits the programs that are kept: an equation that is typed anew is another one.
+/// Limits the programs that are kept: each edit of an equation makes another one.
 const MOST_PROGRAMS: usize = 24;
 
 /// A dispatch that takes longer than this counts as lost. It is long because some drivers compile the program in the first one.

@@ -38,8 +38,8 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    /// The program of filters of a design with these channels, of which the truth of the first `known` is known. `None`
-    /// if the plant has no list, or a constant is beyond single precision.
+    /// The program of filters of a design with these channels; the first `known` of them have a known truth. `None` if
+    /// the plant has no list, or a constant is beyond single precision.
     pub(crate) fn new(design: &Design, channels: &[Channel], known: usize) -> Option<Self> {
         let Design { model, method, readings, .. } = design;
         if model.size > MOST {

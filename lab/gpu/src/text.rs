@@ -186,7 +186,7 @@ fn called(function: Function) -> Option<(&'static str, &'static str, String)> {
     Some((of, apart, String::new()))
 }
 
-/// A number in single precision. `None` if that has no such number.
+/// A number in single precision. `None` if it overflows there.
 pub(crate) fn literal(number: f64) -> Option<String> {
     let single = number as f32;
     let is_there = single.is_normal() || number == 0.0;

@@ -26,7 +26,7 @@ struct Batch<'a, P, T, const N: usize, const E: usize> {
     belief: Belief<T, N, E>,
     sums: Sums<T, N>,
     outcomes: [Option<Outcome>; LANES],
-    /// Lanes whose filter has stopped.
+    /// Lanes with a stopped filter.
     stopped: [bool; LANES],
     looks: [Vec<Look>; LANES],
 }
@@ -101,7 +101,8 @@ pub(crate) fn run<P: Plant<N>, T: Lane, const N: usize, const E: usize, const UK
     batch.finish()
 }
 
-/// The sensors with a measurement at sample `k`, their number, and the lanes whose other sensors have none either.
+/// The sensors with a measurement at sample `k`, their number, and the lanes with measurements of exactly these
+/// sensors.
 #[inline(always)]
 fn look<T: Lane, const N: usize>(
     token: T::Token,

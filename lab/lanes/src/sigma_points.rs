@@ -84,7 +84,7 @@ impl<P: Plant<N>, T: Lane, const N: usize> Rate<T, N, N> for Decaying<P, T> {
     }
 }
 
-/// By the step of one state, of which the first `MOVING` components change.
+/// Predicts by `step`, the step of one state. It changes the first `MOVING` components.
 #[inline(always)]
 fn predict_by<T: Lane, S: Step<T, N>, const MOVING: usize, const N: usize, const E: usize>(
     belief: &mut Belief<T, N, E>,

@@ -29,7 +29,7 @@ impl Goal {
         }
     }
 
-    /// The number, of which more is better, for a value of the measure.
+    /// The number for a value of the measure; more is better.
     pub fn score(self, value: f64) -> f64 {
         match self {
             Self::Likelihood => value,

@@ -76,7 +76,7 @@ impl Colors {
         Self::Diverging(Scale::new(1.0 / most, most, true))
     }
 
-    /// The scale of the colour bar. `None` if a score has no linear or logarithmic scale.
+    /// The scale of the colour bar. `None` for distances of the NIS and for kinds.
     pub(super) fn scale(&self) -> Option<Scale> {
         match self {
             Self::Sequential(scale) | Self::Diverging(scale) => Some(*scale),

@@ -104,7 +104,8 @@ impl Member {
         self.portions.size()
     }
 
-    /// Ends the worker. The listener of a worker calls this: it cannot drop the worker while that calls it.
+    /// Ends the worker. Its listener calls this instead of dropping the worker, which would drop the listener while it
+    /// runs.
     pub(super) fn end(&mut self) {
         self.worker.terminate();
         (self.is_ready, self.is_over) = (false, true);

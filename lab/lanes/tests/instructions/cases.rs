@@ -1,4 +1,4 @@
-//! The filters whose steps are counted.
+//! The filters with counted steps.
 
 use std::hint::black_box;
 
@@ -13,7 +13,7 @@ pub(crate) struct Case {
     pub(crate) level: Option<Level>,
 }
 
-/// The cases whose names have all of these words.
+/// The cases with all of these words in their names.
 pub(crate) fn chosen(words: &[String]) -> Vec<Case> {
     let mut cases = all();
     cases.retain(|case| words.iter().all(|word| case.name.split([' ', ',']).any(|other| other == word)));
