@@ -1,4 +1,4 @@
-//! Causes by name, each with its evidence and the knob that takes it away.
+//! Causes by name, each with its evidence and the knob that repairs it.
 
 mod changing_noise;
 mod collapsed_sample;
@@ -53,7 +53,7 @@ pub static CAUSES: &[&Cause] = &[
 /// A possible cause of a bad verdict.
 #[derive(Debug)]
 pub struct Cause {
-    /// A name that does not change.
+    /// The key in files and links; it never changes.
     pub key: &'static str,
     /// The name in running text.
     pub name: &'static str,
@@ -68,7 +68,7 @@ pub struct Cause {
 pub struct Suspect {
     /// The cause.
     pub cause: &'static Cause,
-    /// The cause in words and numbers; empty where it only takes back the knob of another one that is repaired before.
+    /// The cause in words and numbers; empty if it only turns back the knob of an earlier cause.
     pub sentence: String,
     /// The share of the evidence that it explains, from 0 to 1, estimated without a trial.
     pub weight: f64,
@@ -87,9 +87,9 @@ pub struct Suspect {
     pub(crate) sign: Option<Sign>,
     /// Whether a hardening spring, once found, rules it out.
     pub(crate) softens: bool,
-    /// Whether it is a fault of the record that no setting mends: it stands before every other cause.
+    /// Whether it is a fault of the record that no setting can mend: it comes before every other cause.
     pub(crate) of_record: bool,
-    /// Whether it silences a sensor instead of explaining it: it stands behind every other cause.
+    /// Whether its remedy silences a sensor instead of explaining it: it comes after every other cause.
     pub(crate) silences: bool,
 }
 
@@ -112,7 +112,7 @@ pub(crate) struct Matter<'a> {
 }
 
 impl Matter<'_> {
-    /// The largest effect of a test among what counts, from 0 to 1.
+    /// The largest effect of a chosen test, among the evidence that counts, from 0 to 1.
     pub(crate) fn effect_of(&self, is: impl Fn(&Evidence) -> bool) -> f64 {
         let effects = self.evidence.iter().filter(|one| one.counts && is(one)).map(|one| one.effect);
         let largest = effects.fold(0.0, f64::max);
@@ -130,7 +130,7 @@ impl Matter<'_> {
         self.knob("augment", keys.collect::<Vec<String>>())
     }
 
-    /// The root mean square of the estimated displacement of the first mass, which springs answer to; in m.
+    /// The root mean square of the estimated displacement of the first mass, which loads the springs \[m\].
     pub(crate) fn size(&self) -> f64 {
         let Some(place) = self.case.estimates.place(Channel::DISPLACEMENT) else { return 0.0 };
         rms(&self.case.estimates.canonical_means(place)[self.case.samples.clone()])
@@ -164,7 +164,7 @@ impl Suspect {
     }
 }
 
-/// The root mean square of the numbers among some values.
+/// The root mean square of some values without NaN.
 fn rms(values: &[f64]) -> f64 {
     let (sum, count) = values.iter().filter(|x| x.is_finite()).fold((0.0, 0_u32), |(sum, n), x| (sum + x * x, n + 1));
     (sum / f64::from(count.max(1))).sqrt()

@@ -1,4 +1,4 @@
-//! Tails of distributions, as fast as a verdict on every frame needs them.
+//! Tails of distributions, fast enough for a verdict on every frame.
 
 /// The probability that a standard normal number is above `z`.
 ///

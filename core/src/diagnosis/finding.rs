@@ -1,21 +1,21 @@
-//! A remedy: causes that are repaired one after the other, and the filter then.
+//! A remedy: causes that are repaired one after the other, and the resulting filter.
 
 use super::cause::Suspect;
 use super::knob::Knob;
 use super::verdict::Verdict;
 use super::verdict_kind::VerdictKind;
 
-/// A cause, or several one after the other, and what turning their knobs does to the filter.
+/// A cause, or several one after the other, and the effect of turning their knobs.
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// The cause, its evidence and its knobs.
     pub suspect: Suspect,
-    /// The causes of what is left once the first one is repaired, in the order in which they are.
+    /// The causes of the remaining misfit after the first one is repaired, in the order of their repairs.
     pub then: Vec<Suspect>,
     /// The knobs of all causes together, the last of each key.
     pub knobs: Vec<Knob>,
-    /// The log likelihood that the knobs gain over the window, less half the logarithm of the number of samples for each
-    /// number that is fitted (the Bayesian information criterion); NaN where it has not been tried.
+    /// The log likelihood that the knobs gain over the window, less half the logarithm of the number of samples for
+    /// each number that is fitted (the Bayesian information criterion); NaN if it has not been tried.
     ///
     /// Source: Schwarz (1978), Estimating the dimension of a model, *The Annals of Statistics* 6.
     pub gain: f64,

@@ -18,11 +18,11 @@ pub(super) struct Path {
     pub(super) scenario: Scenario,
     /// The gain that sorts it.
     pub(super) rank: f64,
-    /// The gain of the filter with all knobs turned, less the price of what they fit.
+    /// The gain of the filter with all knobs turned, less the price of the numbers that they fit.
     pub(super) gain: f64,
     /// The verdict on the resulting filter.
     pub(super) after: Option<Verdict>,
-    /// Whether causes of what is left have been tried.
+    /// Whether causes of the remaining misfit have been tried.
     pub(super) is_tried: bool,
 }
 
@@ -96,7 +96,8 @@ impl Path {
         keys
     }
 
-    /// Whether it has some of another one's causes alone, explains as much and ends as well: the others are needless.
+    /// Whether it has only some of another path's causes, explains as much and ends in as good a verdict: the other
+    /// causes are needless.
     pub(super) fn is_enough_for(&self, other: &Self) -> bool {
         let (causes, all) = (self.causes(), other.causes());
         let precedence = |path: &Self| path.finding().map(|finding| finding.precedence());
@@ -106,7 +107,7 @@ impl Path {
             && precedence(self) >= precedence(other)
     }
 
-    /// The remedy in order. `None` if there is nothing to tell.
+    /// The path as a finding. `None` if it has no cause.
     pub(super) fn finding(&self) -> Option<Finding> {
         let mut knobs: Vec<Knob> = Vec::new();
         for knob in self.steps.iter().flat_map(|step| &step.suspect.knobs) {

@@ -8,10 +8,10 @@ use crate::fourier::Transform;
 /// Limits the length of a window from above: at 100 Hz about ten seconds.
 const LONGEST: usize = 1024;
 
-/// Limits the length of a window from below.
+/// The least length of a window.
 const SHORTEST: usize = 32;
 
-/// Limits the number of windows in a record from below.
+/// The least number of windows in a record.
 const WINDOWS: usize = 4;
 
 /// The mean power of a series over windows that do not overlap, at frequencies from one cycle a window on.
@@ -31,7 +31,7 @@ pub(crate) struct Periodogram {
     power: Vec<f64>,
 }
 
-/// Limits the frequencies from below, in cycles per window: the window's own shape dominates there.
+/// The least frequency, in cycles per window: below it the window's own shape dominates.
 const FIRST: usize = 2;
 
 impl Periodogram {
@@ -55,7 +55,7 @@ impl Periodogram {
         all.into_iter().map(|one| one.averaged(&windows)).collect()
     }
 
-    /// The sum over no window yet of `length` samples.
+    /// A sum over windows of `length` samples, none added yet.
     pub(crate) fn empty(length: usize) -> Self {
         Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }
     }

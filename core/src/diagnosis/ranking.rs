@@ -5,7 +5,7 @@ use super::finding::Finding;
 use super::trial::{Outcome, Trials};
 use crate::sorting::sort_short_by;
 
-/// Limits the gain in log likelihood, less what its numbers would gain by chance, below which no cause is named.
+/// The least gain in log likelihood of a cause that is named, less the gain of its numbers by chance.
 pub(super) const WORTH: f64 = 8.0;
 
 /// The least size of a parameter with a significant sign, in standard deviations.
@@ -14,7 +14,7 @@ const SIGNIFICANT: f64 = 4.0;
 /// A cause explains a record better than noise if its log likelihood is larger by this.
 const BEYOND: f64 = 20.0;
 
-/// Whether a suspect is noise that the filter takes to be too small or too large.
+/// Whether a suspect is a noise that the filter assumes too small or too large.
 fn is_noise(suspect: &Suspect) -> bool {
     matches!(suspect.cause.key, "sensor_noise" | "process_noise" | "felt_disturbance")
 }
@@ -24,7 +24,7 @@ pub(super) struct Ranked {
     pub(super) finding: Finding,
     /// The gain that sorts it.
     pub(super) rank: f64,
-    /// The gain of the filter with the knobs turned, less the price of what they fit.
+    /// The gain of the filter with the knobs turned, less the price of the numbers that they fit.
     pub(super) achieved: f64,
 }
 
@@ -93,7 +93,7 @@ impl Trials {
 
 /// The order of two findings with their ranks, the later one first.
 pub(super) fn compare(one: (&Finding, f64), other: (&Finding, f64)) -> std::cmp::Ordering {
-    // A remedy that ends good stands before one that is only likelier.
+    // A remedy that ends in a good verdict comes before one that is only likelier.
     let key = |(finding, rank): (&Finding, f64)| (finding.precedence(), rank, finding.suspect.weight);
     key(one).partial_cmp(&key(other)).unwrap_or(std::cmp::Ordering::Equal)
 }

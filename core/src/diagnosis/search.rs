@@ -37,9 +37,9 @@ pub struct Search {
     /// The causes that were tried alone.
     alone: Vec<Ranked>,
     before: Option<Verdict>,
-    /// The log likelihood of the filter as it is.
+    /// The log likelihood of the unchanged filter.
     likelihood: f64,
-    /// The filter as it is.
+    /// The unchanged filter.
     origin: Path,
     paths: Vec<Path>,
     /// The filters on which causes were tried.
@@ -75,8 +75,8 @@ impl Search {
         Self { trials, stage, alone, before: None, likelihood: f64::NAN, origin, paths, filters, law: None }
     }
 
-    /// Goes on for as long as `while_time` says that there is time, which is asked after each little piece of work. Returns
-    /// whether all is done.
+    /// Goes on while `while_time` returns true; it is called after each small piece of work. Returns whether all is
+    /// done.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let is_ready = match &mut self.stage {
@@ -132,7 +132,8 @@ impl Search {
             let Some(finding) = path.finding() else { continue };
             let (key, path_rank) = (finding.suspect.cause.key, self.rank(path));
             match all.iter_mut().find(|(other, ..)| other.suspect.cause.key == key) {
-                // Among those that begin alike, what they gain counts, not what a filter with any noise would gain.
+                // Remedies that begin with the same cause are compared by their own gain, not by that with all noise
+                // fitted.
                 Some((other, rank, gain)) if compare((&finding, path.gain), (other, *gain)).is_gt() => {
                     (*other, *rank, *gain) = (finding, rank.max(path_rank), path.gain);
                 }
@@ -158,7 +159,7 @@ impl Search {
         findings
     }
 
-    /// Takes in what the trials have found, and begins the next ones.
+    /// Takes in the results of the trials, and begins the next ones.
     fn conclude(&mut self) {
         match std::mem::replace(&mut self.stage, Stage::Done) {
             Stage::Causes(on) => {

@@ -1,5 +1,5 @@
-//! Trials: the filter runs again with a knob turned, and what it then makes of the record tells whether that was the cause.
-//! No truth is needed.
+//! Trials: the filter runs again with a knob turned, and its likelihood shows whether that was the cause. No truth is
+//! needed.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::verdict::Verdict;
 use super::window::window;
 use crate::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
 
-/// Limits the samples of a trial, which are the last ones of the record.
+/// Limits the samples of a trial; it takes the last ones of the record.
 const WINDOW: usize = 10_000;
 
 /// Limits the samples of a trial between two checks of the time: half a millisecond of the slowest step.
@@ -26,7 +26,7 @@ pub struct Trials {
     scenario: Scenario,
     /// The filter before any knob of a search was turned.
     origin: FilterSettings,
-    /// None until the filter has run as it is, where its suspects follow from that run.
+    /// `None` until the unchanged filter has run, if its suspects follow from that run.
     suspects: Option<Vec<Suspect>>,
     current: Option<(Pass, Estimates)>,
     /// The sample of the run's record at which the window begins.
@@ -63,7 +63,7 @@ impl Outcome {
         verdict: None,
     };
 
-    /// Whether the filter with the knob turned is to be believed.
+    /// Whether the filter with the knob turned has a good verdict.
     pub(super) fn is_good(&self) -> bool {
         self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
     }
@@ -103,15 +103,15 @@ impl Trials {
         let mut scenario = Scenario { filters: vec![filter], ..scenario.clone() };
         scenario.dt = record.dt();
         let record = window(record, first..estimates.len().min(record.len()));
-        // A scenario that cannot begin is an error now, not at the first trial.
+        // Checks now, not at the first trial, that the scenario can begin.
         Pass::new(&scenario, 0, &record)?;
         let origin = scenario.filters[0].clone();
         let trials = Self::over(Arc::new(record), scenario, origin, Some(suspects));
         Ok(Self { first, own, ..trials })
     }
 
-    /// The trials of the only filter of a scenario over a whole record. `origin` is that filter before the knobs of other causes
-    /// were turned. Without suspects, they are those that the filter's run speaks for.
+    /// The trials of the only filter of a scenario over a whole record. `origin` is that filter before the knobs of
+    /// other causes were turned. If `suspects` is `None`, they follow from the run of the filter.
     pub(super) fn over(
         record: Arc<Record>,
         scenario: Scenario,
@@ -132,8 +132,8 @@ impl Trials {
         }
     }
 
-    /// Goes on for as long as `while_time` says that there is time, which is asked after each little piece of work. Returns
-    /// whether all is done.
+    /// Goes on while `while_time` returns true; it is called after each small piece of work. Returns whether all is
+    /// done.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let Some((mut pass, mut estimates)) = self.current.take().or_else(|| self.begin()) else {
@@ -165,12 +165,12 @@ impl Trials {
         (done as f64 / (1 + all) as f64).min(1.0)
     }
 
-    /// The verdict on the filter over the window as it is; none before it is known.
+    /// The verdict on the unchanged filter over the window, once it is known.
     pub fn before(&self) -> Option<&Verdict> {
         self.before.as_ref()?.verdict.as_ref()
     }
 
-    /// The result of the filter as it is.
+    /// The result of the unchanged filter.
     pub(super) fn outcome_before(&self) -> Option<&Outcome> {
         self.before.as_ref()
     }
@@ -180,12 +180,12 @@ impl Trials {
         self.suspects.iter().flatten().zip(&self.outcomes)
     }
 
-    /// The log likelihood of the filter itself, where another one stands in for it.
+    /// The log likelihood of the filter itself, if a UKF stands in for it.
     pub(super) fn own_likelihood(&self) -> Option<f64> {
         self.own
     }
 
-    /// The log likelihood that one number more must gain.
+    /// The log likelihood that one more fitted number must gain.
     pub(super) fn price(&self) -> f64 {
         0.5 * libm::log(self.record.len().max(2) as f64)
     }
@@ -195,12 +195,12 @@ impl Trials {
         &self.record
     }
 
-    /// The scenario with the filter as it is.
+    /// The scenario with the unchanged filter.
     pub(super) fn scenario(&self) -> &Scenario {
         &self.scenario
     }
 
-    /// The suspect that is tried now; none while the filter runs as it is.
+    /// The suspect that is tried now. `None` while the unchanged filter runs.
     fn suspect(&self) -> Option<&Suspect> {
         self.before.as_ref()?;
         self.suspects.as_ref()?.get(self.outcomes.len())

@@ -9,7 +9,7 @@ use super::evidence::{Evidence, Subject};
 use super::verdict_kind::VerdictKind;
 use super::words::{percent, short};
 
-/// Whether a filter is to be believed, and why.
+/// The verdict on a filter, and its reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// The verdict.
@@ -18,7 +18,7 @@ pub struct Verdict {
     pub reason: String,
 }
 
-/// Limits the number of measurements for a verdict from below.
+/// The least number of measurements for a verdict.
 const ENOUGH: u32 = 20;
 
 /// Limits the pieces of evidence in a sentence.
@@ -41,7 +41,7 @@ impl Verdict {
         let kind = counting().map(|one| one.speaks_for).max().unwrap_or(VerdictKind::Consistent);
         let mut grounds: Vec<&Evidence> = counting().filter(|one| one.speaks_for == kind).collect();
         sort_short_by(&mut grounds, |a, b| b.effect.total_cmp(&a.effect));
-        // The same of the last fifth adds nothing.
+        // The same evidence on the last fifth adds nothing.
         let mut told: Vec<(&str, Subject)> = Vec::new();
         grounds.retain(|one| {
             let of = (one.test.name, one.subject);

@@ -1,9 +1,9 @@
-//! A force acts that nobody records, and stays for longer than a sample.
+//! An unrecorded force acts, and lasts longer than a sample.
 
 use super::{Cause, Matter, Suspect};
 use crate::Channel;
 
-/// The change of a force over one period that costs one value a period: one that is free in each.
+/// The relative change of a force over one period that costs one fitted value per period.
 const FREE: f64 = 0.3;
 
 /// The tried changes of the force over one period of the oscillator, relative to the force that moves the spring.

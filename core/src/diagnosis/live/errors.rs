@@ -109,7 +109,7 @@ impl<'a> Columns<'a> {
 }
 
 impl Stretch {
-    /// Of some errors, at least one.
+    /// The sums of some known errors, at least one.
     fn of_known(errors: &[f64]) -> Self {
         let sums = Sums {
             count: errors.len() as f64,
@@ -120,7 +120,7 @@ impl Stretch {
         Self { sums, first: errors[0], last: errors[errors.len() - 1] }
     }
 
-    /// Of those errors that are known.
+    /// The sums of the errors that are known.
     fn of_any(errors: &[f64], variances: &[f64]) -> Self {
         let (mut sums, mut first, mut last) = (Sums::default(), 0.0, 0.0);
         for (&error, &variance) in errors.iter().zip(variances) {

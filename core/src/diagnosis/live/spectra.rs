@@ -15,7 +15,7 @@ pub(super) struct LiveSpectra {
 }
 
 impl LiveSpectra {
-    /// Takes in the new windows in some samples, and forgets those before.
+    /// Takes in the new windows in some samples, and forgets the windows before.
     pub(super) fn follow(&mut self, samples: &Range<usize>, innovations: &LiveInnovations) {
         let length = WelchWindows::length_for(samples.len());
         if self.windows.as_ref().map(WelchWindows::length) != length {
