@@ -1,4 +1,4 @@
-//! A belief that is widened once where the innovations grow at once.
+//! Widens a belief once if the innovations grow suddenly.
 
 /// Detects a sudden growth of a filter's innovations, and computes what to add to P.
 ///
@@ -26,7 +26,7 @@ pub(crate) struct Jump {
     initial: Vec<f64>,
     /// s
     sum: f64,
-    /// The mean of NIS/m before, and the number of samples that it is of.
+    /// The mean of NIS/m before, and the number of samples in that mean.
     level: f64,
     learnt: usize,
     /// The samples until a change can be found.
@@ -39,7 +39,7 @@ pub(crate) struct Jump {
     has_widened: bool,
 }
 
-/// ρ, the growth of S that is found first, and its logarithm.
+/// ρ, the growth of S that is found fastest, and its logarithm.
 const GROWTH: f64 = 1.5;
 const LN_GROWTH: f64 = 0.405_465_108_108_164_4;
 
@@ -128,7 +128,7 @@ impl Jump {
         self.level += (mean.min(LEVEL_LIMIT * self.level) - self.level) / weight;
     }
 
-    /// ℓ: 1 while the level may be 1 by its standard error of three, else the level and twice its error.
+    /// ℓ: 1 while the level is within three standard errors of 1, else the level plus two standard errors.
     fn level_before(&self, m: f64) -> f64 {
         let error = (2.0 / (m * (self.learnt + LEVEL_PRIOR) as f64)).sqrt();
         if self.level > 1.0 + 3.0 * error { self.level * (1.0 + 2.0 * error) } else { 1.0 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::{Belief, FilterError, Gaussian, Normal, Propagation};
 
-/// All that is known of a kind of filter.
+/// The description of a kind of filter.
 #[derive(Debug)]
 pub struct FilterInfo {
     /// The key in scenario files.
@@ -20,8 +20,8 @@ pub struct FilterInfo {
     pub reference: &'static str,
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub is_sampled: bool,
-    /// Whether the belief reports a log likelihood and an effective sample size of its own, as particle filters do. That of
-    /// any other follows from NIS and S.
+    /// Whether the belief reports a log likelihood and an effective sample size of its own, as particle filters do. For
+    /// all other kinds the log likelihood follows from NIS and S.
     pub has_own_likelihood: bool,
     /// The number of times that a filter with these settings evaluates `g(y, f)` of an n-component state in one prediction.
     pub evaluations: fn(&MethodSettings, usize) -> usize,
@@ -30,7 +30,7 @@ pub struct FilterInfo {
     pub begin: Begin,
 }
 
-/// The settings that a method of filtering reads, beside model, belief and noise.
+/// The settings that a method of filtering reads, in addition to model, belief and noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodSettings {
     /// The propagation of the mean of a KF, EKF or IEKF.
@@ -44,13 +44,13 @@ pub struct MethodSettings {
 /// Makes the belief that a filter begins with.
 pub type Begin = fn(Gaussian, &MethodSettings, Normal) -> Result<Box<dyn Belief>, FilterError>;
 
-/// A kind of filter, by what it is called.
+/// A kind of filter, identified by its key.
 #[derive(Clone, Copy)]
 pub struct FilterKind(&'static FilterInfo);
 
 impl FilterKind {
-    /// A kind of your own. Files name kinds of the registry only, and a scenario with a kind that has the key of one of these is
-    /// refused.
+    /// Your own kind. Files can name kinds of the registry only, and a scenario with your own kind under a key of the
+    /// registry is refused.
     pub const fn new(info: &'static FilterInfo) -> Self {
         Self(info)
     }
@@ -70,7 +70,7 @@ impl FilterKind {
         Self::from_key(self.key()).is_some_and(|known| known != self)
     }
 
-    /// All that is known of it.
+    /// Its description.
     pub const fn info(self) -> &'static FilterInfo {
         self.0
     }

@@ -15,7 +15,7 @@ use crate::linalg::{Matrix, Vector, add_product, copy_vector, multiply, multiply
 /// zₖ = H xₖ + v,           v ~ N(0, R),   or h(xₖ) + v with a function of one's own
 /// ```
 ///
-/// A is n × n, B n × p, H m × n, Q n × n, R m × m: they need no units but their own, and no sensor need be independent. With a
+/// A is n × n, B n × p, H m × n, Q n × n, R m × m: in any units, and with correlated sensors if R says so. With a
 /// function h this is an extended Kalman filter ([`MeasurementModel`]).
 ///
 /// ```
@@ -66,7 +66,7 @@ impl KalmanFilter {
     /// n × 0. `initial` has the mean and the covariance P of the state.
     ///
     /// # Errors
-    /// [`SystemError`]: where a matrix has another shape than the others ask for, a number is not finite, or Q, R or P is no
+    /// [`SystemError`]: if the shape of a matrix does not fit the others, a number is not finite, or Q, R or P is no
     /// covariance.
     pub fn new(
         a: Matrix,
@@ -192,7 +192,8 @@ impl KalmanFilter {
         &self.belief.cov
     }
 
-    /// The belief before the last update, and after the last prediction where there was none since.
+    /// The belief before the last update. Since the last prediction, if no update has followed it, this is the
+    /// prediction.
     pub fn prior(&self) -> &Gaussian {
         &self.prior
     }

@@ -1,4 +1,4 @@
-//! Beliefs as a mean and a covariance, which the engine moves and conditions.
+//! Beliefs as a mean and a covariance, predicted and updated by the engine.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ enum Way {
 #[derive(Clone, Debug)]
 struct Engine {
     single: Single,
-    /// The readings of all sensors, some of which the model may not have.
+    /// The readings of all sensors; `None` for those that the model does not have.
     readings: Arc<[Option<Reading>]>,
     /// The sensors that the model has, by their places among all.
     sensors: Vec<usize>,
@@ -52,7 +52,7 @@ impl Moments {
         Self { belief, way: Way::Linearised(propagation, iterations), engine: None }
     }
 
-    /// A belief that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn afresh for the
+    /// A belief that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn again for the
     /// measurement.
     pub fn sigma_points(belief: Gaussian, rule: Rule) -> Self {
         Self { belief, way: Way::SigmaPoints(rule), engine: None }
@@ -65,7 +65,7 @@ impl Moments {
         &self.belief
     }
 
-    /// The belief, to be changed.
+    /// The belief, mutable.
     pub(super) fn belief_mut(&mut self) -> &mut Gaussian {
         &mut self.belief
     }
@@ -109,7 +109,7 @@ impl Engine {
         Self { single, readings, sensors, values, variances }
     }
 
-    /// Takes in the measurements that are there.
+    /// Takes in the measurements of a sample.
     fn take(&mut self, observation: &Observation) {
         let Self { sensors, values, variances, .. } = self;
         values.fill(f64::NAN);
@@ -183,7 +183,7 @@ impl Belief for Moments {
         let Self { belief, way, engine } = self;
         let mut transition = Matrix::zeros(belief.size(), belief.size());
         let single = &mut Engine::of(engine, *way, model, None).single;
-        // The belief stays where it is.
+        // The mean stays: only Φ is wanted.
         let mut belief = belief.clone();
         single.transition_into(&mut belief.slices(), &step.of_engine(), transition.as_mut_slice())?;
         Ok(transition)

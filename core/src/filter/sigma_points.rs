@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Means and covariances are taken about the centre's image: in exact arithmetic that is the weighted sum of the
-//! textbooks, in floating point it leaves a component that does not vary exactly where it is.
+//! textbooks, in floating point it leaves a constant component exactly as it is.
 
 use super::{Belief, FilterError, FilterInfo, Gaussian, Moments, Rule, Step};
 use crate::Model;

@@ -1,4 +1,4 @@
-//! The modified Bryson-Frazier smoother: the adjoint of the filter goes back.
+//! The modified Bryson-Frazier smoother: it runs the adjoint of the filter backward.
 //!
 //! ```text
 //! Λ̂ₖ = Φᵀ Λ̃ₖ₊₁ Φ,                          λ̂ₖ = Φᵀ λ̃ₖ₊₁,  both zero at the last sample
@@ -78,7 +78,7 @@ struct Update {
 }
 
 impl Update {
-    /// The last update that `correction` tells of, of a belief that had this covariance before it.
+    /// The last update of `correction`, with `predicted`, the covariance before it.
     ///
     /// # Errors
     /// Those of [`kalman::factor`].
@@ -120,7 +120,7 @@ impl Adjoint {
     }
 }
 
-/// Makes of the symmetric X the matrix `Aᵀ X A`; `work` is memory to work in.
+/// Replaces the symmetric X by `Aᵀ X A`; `work` is scratch memory.
 fn congruence(x: &mut Matrix, a: &Matrix, work: &mut Matrix) {
     multiply(work, x, a);
     let transposed = a.transpose();
@@ -136,7 +136,7 @@ impl Beliefs for Smoothed {
     fn filter(&mut self, forces: [f64; 2], record: &Record, k: usize) -> Result<(), FilterError> {
         let Self { filter, sensors, correction, filtered, steps, .. } = self;
         if k == 0 {
-            // Memory that grows is copied, which takes long where there is much of it.
+            // Reserves memory now: growing a large vector copies it, which takes long.
             filtered.reserve(record.len());
             steps.reserve(record.len());
         } else {
@@ -172,7 +172,7 @@ impl Beliefs for Smoothed {
         congruence(&mut told, cov, &mut Matrix::zeros(0, 0));
         *cov -= told;
         for i in 0..cov.nrows() {
-            // Zero but for rounding.
+            // Zero up to rounding.
             cov[(i, i)] = cov[(i, i)].max(0.0);
         }
     }

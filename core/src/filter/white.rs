@@ -17,8 +17,8 @@ use crate::{Channel, FilterSettings, Hold, Model, Quantity};
 /// ```
 ///
 /// with the intensity q of the white force \[m²/s³\]: its two-sided spectral density. The filter of the state with w is
-/// that of process noise and sensor noise that are correlated, Γ s² Dᵀ: the covariance of x and w after an update is
-/// the term that textbooks subtract from the next prediction.
+/// that of correlated process noise and sensor noise, with the covariance Γ s² Dᵀ: the covariance of x and w after an
+/// update is the term that textbooks subtract from the next prediction.
 ///
 /// The course of the force between samples depends on input and sensors ([`Course`]).
 ///
@@ -82,7 +82,7 @@ impl White {
 }
 
 impl Gaussian {
-    /// Makes a component another one, which has mean zero and this variance and knows nothing of the others.
+    /// Replaces a component by an independent one with mean zero and this variance.
     pub fn renew(&mut self, place: usize, variance: f64) {
         let Self { mean, cov } = self;
         mean[place] = 0.0;

@@ -32,7 +32,7 @@ impl<const N: usize> Gaussian<N> {
 
     /// Whether every number of it is finite.
     pub fn is_finite(&self) -> bool {
-        // A sum is finite only if all its terms are, short of an overflow, which is as bad.
+        // A sum is finite only if all its terms are. A sum that overflows counts as not finite too.
         let mut sum = self.mean;
         for j in 0..N {
             sum += self.cov.column(j);

@@ -153,7 +153,7 @@ fn congruence<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Ma
     result
 }
 
-/// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, where not every sensor reads a component of the state.
+/// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, for sensors that do not all read a component of the state.
 fn expect<P: Model<N>, const N: usize, const M: usize>(
     model: &P,
     belief: &Gaussian<N>,

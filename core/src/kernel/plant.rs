@@ -1,4 +1,4 @@
-//! The common plants, one a file, and the one place where a plant becomes a model of a size that the compiler knows.
+//! The common plants, one per file, and the only place where a plant becomes a model of a size known to the compiler.
 
 pub mod bouc_wen;
 pub mod duffing;
@@ -25,7 +25,7 @@ pub(crate) const ALL: [PlantKind; 6] = [
     PlantKind::SHEAR_4,
 ];
 
-/// Something to be done with a model, whatever its type and size.
+/// A function of a model of any type and size.
 pub(crate) trait Visitor {
     type Output;
 
@@ -45,7 +45,7 @@ pub(crate) fn visit<V: Visitor>(kind: PlantKind, eta: f64, visitor: V) -> Option
     })
 }
 
-/// As [`visit`], with the logarithms of the positive parameters in the state instead of themselves if so wished.
+/// As [`visit`], with the logarithms of the positive parameters in the state if `log`.
 pub(crate) fn visit_log<V: Visitor>(kind: PlantKind, eta: f64, log: bool, visitor: V) -> Option<V::Output> {
     struct WithLogarithms<V>(V, bool);
     impl<V: Visitor> Visitor for WithLogarithms<V> {

@@ -44,7 +44,7 @@ pub fn exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N,
         return (identity + a * integral, integral);
     }
     let doublings = doublings(norm(&m));
-    // A power of two: what is scaled by it is not rounded.
+    // A power of two: scaling by it rounds nothing.
     let scale = 1.0 / libm::exp2(f64::from(doublings));
     let (m, square, short) = (m * scale, square * (scale * scale), dt * scale);
     // Four powers at a time: six products of matrices, not fifteen.

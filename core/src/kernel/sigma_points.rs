@@ -23,7 +23,7 @@ use crate::filter::{FilterError, Rule};
 use crate::kernel::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::kernel::model::Model;
 
-/// A Gaussian that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn afresh for the
+/// A Gaussian that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn again for the
 /// measurement.
 #[derive(Clone, Debug)]
 pub struct SigmaPoints<const N: usize> {
@@ -106,7 +106,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     ) -> Result<(), FilterError> {
         let Self { belief, rule } = self;
         if let Some(components) = observation.components() {
-            // Sigma points through a linear function give its exact moments, which this gives for less.
+            // For a linear function, sigma points give its exact moments; this computes the same with less work.
             return kalman::condition_on_components(belief, components, observation, correction);
         }
         let expected = expect(model, belief, *rule, observation)?;
@@ -119,7 +119,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     }
 }
 
-/// The predicted measurements, from sigma points drawn afresh from the prediction.
+/// The predicted measurements, from sigma points drawn again from the prediction.
 fn expect<P: Model<N>, const N: usize, const M: usize>(
     model: &P,
     belief: &Gaussian<N>,

@@ -33,7 +33,7 @@ pub(crate) struct ChainResponse<const M: usize> {
     pub(crate) decaying: Matrix<M, M>,
 }
 
-/// Parts of a response that the transition is made of, M × M each.
+/// The parts of the transition, M × M each.
 struct Parts<const M: usize> {
     /// `-q Dᵀ`
     drop_integral: Matrix<M, M>,

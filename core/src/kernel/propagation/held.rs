@@ -39,7 +39,7 @@ pub fn oscillator_step<const N: usize>(
     (mean, transition)
 }
 
-/// [`oscillator_step`] with a decay; apart, so that the step without one stays short.
+/// [`oscillator_step`] with a decay, in a function of its own, so that the step without one stays short.
 ///
 /// ```text
 /// Φ = [1 + a q, h, r c; a h, 1 + a q + b h, r' c; 0, 0, exp(-η dt) I],  r = ∫₀^dt h(dt - s) exp(-η s) ds,  r' = h - η r
@@ -107,7 +107,7 @@ pub fn held_parameters_step<const M: usize, const N: usize>(
     (mean, transition)
 }
 
-/// [`held_parameters_step`] with a decay; apart, so that the step without one stays short.
+/// [`held_parameters_step`] with a decay, in a function of its own, so that the step without one stays short.
 #[inline(never)]
 fn decaying_parameters_step<const M: usize, const N: usize>(
     state: &Vector<N>,
@@ -117,7 +117,7 @@ fn decaying_parameters_step<const M: usize, const N: usize>(
     dt: f64,
 ) -> (Vector<N>, Matrix<N, N>) {
     if eta * dt > 1.0 {
-        // Beside so fast a decay exp((F + η I) dt) may overflow.
+        // With so fast a decay, exp((F + η I) dt) may overflow.
         let (transition, integral) = shared_exp_and_integral(jacobian, dt);
         return (state + integral * rate, transition);
     }
