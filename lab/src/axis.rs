@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::Setting;
 
-/// The most values on one axis.
+/// Limits the values on one axis.
 pub const MAX_COUNT: usize = 1_000_000;
 
 /// Equally spaced values of one setting, both ends included.
@@ -89,7 +89,7 @@ impl Axis {
         Ok(axis)
     }
 
-    /// Whether the axis is possible.
+    /// Checks that the axis is possible.
     ///
     /// # Errors
     /// [`AxisError`] where it is not.
@@ -133,14 +133,14 @@ impl Axis {
         let (from, to) = (self.from, self.to);
         match spacing {
             Spacing::Linear => from + share * (to - from),
-            // A power keeps decades round, as far as the ratio of the ends is a number.
+            // A power keeps decades round, if the ratio of the ends is a normal number.
             Spacing::Logarithmic if (to / from).is_normal() => from * libm::pow(to / from, share),
             Spacing::Logarithmic => libm::exp(libm::log(from) + share * (libm::log(to) - libm::log(from))),
         }
     }
 
-    /// The share of the axis at which a value lies: 0 at its beginning, 1 at its end, beyond them outside; NaN where an axis
-    /// of ratios has no such value.
+    /// The share of the axis at which a value lies: 0 at its beginning, 1 at its end, beyond them outside; NaN if a
+    /// logarithmic axis cannot have the value.
     pub fn share_of(&self, value: f64) -> f64 {
         let (from, to) = (self.from, self.to);
         if from == to {

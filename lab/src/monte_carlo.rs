@@ -113,7 +113,7 @@ impl MonteCarlo {
         self.done
     }
 
-    /// The samples that are looked at.
+    /// The samples of the traces.
     pub fn samples(&self) -> &[usize] {
         self.trace.samples()
     }
@@ -191,7 +191,7 @@ mod tests {
     use crate::Runner;
     use kalmanscope_core::{FilterKind, Run, Source};
 
-    /// A linear filter that knows everything: its theory is exact.
+    /// A linear filter that knows the true model: its theory is exact.
     fn scenario(noise: f64) -> Scenario {
         let text = "duration = 10.0\n[plant]\nnatural_frequency = 6.0\ndisturbance_std = 2.0\n[plant.initial]\ndisplacement = 0.0\n\
                     [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.02\n[[filters]]\nkind = \"kf\"\n\

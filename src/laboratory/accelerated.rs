@@ -1,4 +1,4 @@
-//! A graphics processor in front of another engine, which does what it cannot do.
+//! A graphics processor with another engine behind it, for the work that the processor does not serve.
 
 use std::rc::Rc;
 
@@ -8,14 +8,14 @@ use kalmanscope_lab::{Ensemble, EnsembleError};
 
 use super::engine::{Engine, Finding, Graphics, GraphicsWork, Precision, Rows, Task, Work};
 
-/// Gives maps to a graphics processor. The other engine computes as long as there is none, and when it gives up.
+/// Gives maps to a graphics processor. The other engine computes until the processor is found, and after it gives up.
 pub struct Accelerated {
     graphics: Rc<dyn Graphics>,
     other: Rc<dyn Engine>,
 }
 
 impl Accelerated {
-    /// A graphics processor, and the engine in its place.
+    /// A graphics processor, and the engine that stands in for it.
     pub fn new(graphics: Rc<dyn Graphics>, other: Rc<dyn Engine>) -> Self {
         Self { graphics, other }
     }
@@ -79,7 +79,7 @@ impl Work for AcceleratedWork {
         match self.on_graphics.as_mut().map(|work| work.poll()) {
             Some(Ok(new)) => {
                 if !new.is_empty() {
-                    // It has begun: nobody else need compute the same.
+                    // The graphics processor has begun: the other engine stops.
                     self.on_other = None;
                 }
                 rows = new;

@@ -1,4 +1,4 @@
-//! All that the user has chosen in the laboratory, for links and sessions.
+//! The user's choices in the laboratory, for links and sessions.
 
 use kalmanscope_core::Scenario;
 
@@ -30,7 +30,7 @@ impl Choices {
             .map_err(|reason| format!("Tune for me: {reason}"))
     }
 
-    /// These choices, and others where there is none.
+    /// These choices; those that are `None` come from `others`.
     pub(crate) fn or(self, others: Self) -> Self {
         let Self { map, seeds, tuning } = self;
         Self { map: map.or(others.map), seeds: seeds.or(others.seeds), tuning: tuning.or(others.tuning) }

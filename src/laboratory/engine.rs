@@ -42,7 +42,7 @@ pub struct Task<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Precision {
-    /// The fastest one: single precision where there is a graphics processor.
+    /// The fastest one: single precision if there is a graphics processor.
     #[default]
     Fastest,
     /// Double precision, by the processor.
@@ -117,9 +117,9 @@ pub enum Finding {
     Searching,
     /// It was found.
     Ready,
-    /// There is none, for a reason.
+    /// There is none, for this reason.
     Absent(String),
-    /// There was one, and it has failed, for a reason.
+    /// There was one, and it has failed, for this reason.
     Lost(String),
 }
 
@@ -128,10 +128,10 @@ pub trait GraphicsWork {
     /// The rows that have come since the last call.
     ///
     /// # Errors
-    /// [`GivenUp`] where no more will come.
+    /// [`GivenUp`] if no more will come.
     fn poll(&mut self) -> Result<Vec<Rows>, GivenUp>;
 }
 
-/// A graphics processor does not go on: it does not serve the map, or has been lost. [`Graphics::found`] tells.
+/// A graphics processor does not go on: it does not serve the map, or has been lost. [`Graphics::found`] says which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GivenUp;

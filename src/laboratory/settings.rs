@@ -46,7 +46,7 @@ pub(crate) fn is_possible(scenario: &Scenario, key: &str) -> bool {
 /// Whether two axes would set the same number: the same key, or a number and the factor on its table.
 pub(crate) fn collide(a: &str, b: &str) -> bool {
     let is_in = |a: &str, b: &str| a.strip_prefix(b).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-    // A setting of all filters is one of each.
+    // A setting of all filters collides with that of each.
     let (a, b) = match (of_filter(a), of_filter(b)) {
         (Some((one, a)), Some((other, b))) if one == other || one == "*" || other == "*" => (a, b),
         _ => (a, b),

@@ -66,7 +66,7 @@ struct Search {
 /// The tuning of one filter.
 #[derive(Default)]
 pub struct Tuning {
-    /// The user's choice; none for the usual one.
+    /// The user's choice. `None` for the usual one.
     choice: Option<TuneChoice>,
     search: Option<Search>,
     result: Option<TuneResult>,
@@ -74,13 +74,13 @@ pub struct Tuning {
 }
 
 impl Tuning {
-    /// The choice as far as a scenario has what it names.
+    /// The choice, reduced to the filter and settings that a scenario has.
     pub fn choice(&self, scenario: &Scenario) -> Option<TuneChoice> {
         let chosen = self.choice.as_ref().and_then(|choice| choice.fitted(scenario));
         chosen.or_else(|| TuneChoice::usual(scenario, None))
     }
 
-    /// The choice as the user has made it; none for the usual one.
+    /// The user's own choice. `None` for the usual one.
     pub fn chosen(&self) -> Option<&TuneChoice> {
         self.choice.as_ref()
     }

@@ -17,7 +17,7 @@ pub(super) struct Slices;
 /// Space between the plots \[points\].
 const GAP: f32 = 8.0;
 
-/// Limits the width of a plot below which plots are one below the other, and the height in which they are \[points\].
+/// The least width of plots side by side, and the least height of plots one below the other \[points\].
 const LEAST: f32 = 170.0;
 const LEAST_HEIGHT: f32 = 240.0;
 
@@ -88,7 +88,7 @@ struct Slice<'a> {
     survey: &'a Survey,
     measure: Measure,
     present: [f64; 2],
-    /// 0 along the axis across, 1 along that which goes up.
+    /// 0 along the axis across, 1 along the axis up.
     at: usize,
 }
 
@@ -188,7 +188,8 @@ fn range(measure: Measure, values: impl Iterator<Item = f64>) -> Scale {
     Scale::new(low - margin, high + margin, false)
 }
 
-/// The least log likelihood on a scale: impossible settings have such small ones that nothing else would be seen.
+/// The least log likelihood on a scale: impossible settings have very small ones, which would hide all differences
+/// between the others.
 fn least_shown(mut values: Vec<f64>, best: f64) -> f64 {
     sort_numbers(&mut values);
     let median = values.get(values.len() / 2).copied().unwrap_or(best);

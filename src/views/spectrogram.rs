@@ -17,7 +17,7 @@ const POINTS: usize = 600;
 /// The power of the first sensor over time and frequency.
 pub(super) struct SpectrogramView;
 
-/// A picture of a spectrogram, and what it is of.
+/// A picture of a spectrogram, with its inputs.
 #[derive(Clone)]
 struct Drawn {
     of: (u64, usize, Id),

@@ -6,10 +6,10 @@
 //! ```
 //!
 //! Means and covariances are taken about the centre's image: in exact arithmetic that is the weighted sum of the
-//! textbooks, in floating point it leaves a component that does not vary exactly where it is.
+//! textbooks, in floating point it leaves a constant component exactly as it is.
 //!
-//! A prediction sums over pairs `d± = c (bᵢ ± aᵢ)` instead, which halves the work: what is linear in its distance from the
-//! mean, as parameters are, has no `b`. Since `2W c² = 1`, the `aᵢ` are the columns of a root.
+//! A prediction sums over pairs `d± = c (bᵢ ± aᵢ)` instead, which halves the work: components that are linear in the
+//! distance from the mean, such as parameters, have no `b`. Since `2W c² = 1`, the `aᵢ` are the columns of a root.
 //!
 //! ```text
 //! s = Σ bᵢ / c,  cov = Σ (aᵢ aᵢᵀ + bᵢ bᵢᵀ) + o s sᵀ

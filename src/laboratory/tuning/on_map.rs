@@ -1,4 +1,4 @@
-//! A search and a map that has settings of it as its axes: the map's best cell, and the path of the search in the map.
+//! A search and a map with some of its settings as axes: the map's best cell, and the path of the search in the map.
 
 use kalmanscope_core::Scenario;
 use kalmanscope_lab::tune::Try;

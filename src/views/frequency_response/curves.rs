@@ -15,7 +15,7 @@ const POINTS: usize = 385;
 /// The number of a curve's frequencies per frequency of the spectrum. The spectrum's windows cannot resolve sharper
 /// peaks.
 const COARSER: usize = 2;
-/// Limits the range beyond the natural frequencies from below, as a ratio.
+/// The least range beyond the natural frequencies, as a ratio.
 const BEYOND: f64 = 4.0;
 /// Margin beyond round numbers, so that the last ticks' texts are not cut off, as a ratio.
 const ROOM: f64 = 1.15;

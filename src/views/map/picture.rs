@@ -32,7 +32,7 @@ pub(super) struct Panel {
     pub(super) contour: Vec<Piece>,
     /// Cells across and up.
     counts: [usize; 2],
-    /// One texel a cell; none for a figure.
+    /// One texel a cell. `None` for a figure.
     texture: Option<TextureHandle>,
     shades: Vec<Option<Color32>>,
 }
@@ -123,8 +123,8 @@ impl Panel {
         }
     }
 
-    /// One mesh of rectangles for each colour, which a figure can carry. Neighbours of one colour are one rectangle, and each
-    /// overlaps the next, so that no seams are seen.
+    /// One mesh of rectangles for each colour, which a figure can carry. Neighbours of one colour are one rectangle,
+    /// and each overlaps the next, so that no seams show.
     fn areas(&self, graph: &Graph) -> Vec<Shape> {
         const OVERLAP: f32 = 0.25;
         let [across, up] = self.counts;
@@ -190,7 +190,7 @@ impl Panel {
         lines
     }
 
-    /// Whether a cell ended so.
+    /// Whether any cell has this end.
     pub(super) fn has(&self, end: End) -> bool {
         self.cells.iter().any(|cell| cell.end == end)
     }

@@ -17,7 +17,7 @@ pub(super) const CONSISTENT: f64 = 2.575_829_303_548_901;
 /// The ratio of the largest to the smallest score beyond which colours are logarithmic.
 const DECADES: f64 = 10.0;
 
-/// Limits the scores that the range of colours is taken from, and the share of them beyond either end.
+/// The range of colours follows from at most this many scores, and leaves out this share of them at either end.
 const MOST: usize = 4096;
 const BEYOND: f64 = 0.02;
 
@@ -26,7 +26,7 @@ const BEYOND: f64 = 0.02;
 pub(super) enum Colors {
     /// From dark to light, along a scale.
     Sequential(Scale),
-    /// About a middle.
+    /// Two hues, for scores below and above a middle.
     Diverging(Scale),
     /// The distance of a mean NIS from 1 in standard deviations, finest about zero.
     Distance(f64),
@@ -130,7 +130,7 @@ impl Colors {
     }
 }
 
-/// Makes small distances wide and large ones narrow, with a sign.
+/// Stretches small distances and compresses large ones; keeps the sign.
 pub(super) fn spread(distance: f64) -> f64 {
     (distance / CONSISTENT).asinh()
 }

@@ -19,6 +19,6 @@ pub(super) fn arrow(stage: &Stage, painter: &Painter, x: f32, share: f64, color:
     if room < stage.font().size {
         return;
     }
-    // The label is above the mast: at the tip it would jump with every change of sign.
+    // The label is above the mast: at the tip it would jump at every change of sign.
     painter.text(tail - vec2(0.0, 3.0 * unit), Align2::CENTER_BOTTOM, "f", stage.font(), color);
 }

@@ -63,7 +63,7 @@ impl<'a> Trail<'a> {
         for mass in 0..stage.masses() {
             painter.vline(stage.rest(mass), paper.y_range(), grid);
         }
-        // Not one after the other: far from zero, a second less is the same number.
+        // Multiplies instead of subtracting one by one: far from zero, subtracting a second changes nothing.
         let seconds = (0..=(paper.height() / SPEED).max(0.0) as usize).map(|age| now.floor() - age as f64);
         for second in seconds.take_while(|second| *second >= self.record.time(0)) {
             let y = paper.top() + SPEED * (now - second) as f32;
