@@ -11,13 +11,13 @@ pub(crate) const FOR_PLOTS: f32 = 0.45;
 /// The lower height as a share of the window's.
 const LOW: f32 = 0.2;
 
-/// Limits both heights from below \[points\].
+/// The least height of both \[points\].
 const LEAST: f32 = 110.0;
 
 /// The size of the grip in the middle of the handle \[points\].
 const GRIP: egui::Vec2 = vec2(36.0, 4.0);
 
-/// Limits the height of the heading on the handle from below \[points\].
+/// The least height of the heading on the handle \[points\].
 const HANDLE: f32 = 26.0;
 
 /// The height of a drawer. A drag of its handle changes it; a tap goes to the other of two heights.

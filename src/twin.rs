@@ -27,7 +27,7 @@ const UNKNOWN: &str = "not known yet";
 /// The screen in words and tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Twin {
-    /// The views in sight.
+    /// The views on screen.
     pub parts: Vec<Part>,
     /// Failures and remarks, as sentences.
     pub messages: Vec<String>,

@@ -24,8 +24,8 @@ const BOUND_CHUNK: usize = 2_000;
 /// Time that the diagnostics take for one sample, to within a factor of two \[ns\].
 const DIAGNOSTICS_COST: f64 = 60.0;
 
-/// Diagnostics, smoothed estimates and bounds of a run's filters, as far as they are wanted. Each of the three is
-/// available once it is complete for all filters.
+/// The wanted ones of diagnostics, smoothed estimates and bounds of a run's filters. Each of the three is available
+/// once it is complete for all filters.
 #[derive(Default)]
 pub struct Analysis {
     wanted: Wanted,

@@ -30,7 +30,7 @@ const PORTION: usize = 64;
 /// The depth of the diagnostics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Depth {
-    /// NIS, NEES and likelihood, at half the cost of all: there are no tallies of errors, no whiteness and no diagnosis.
+    /// NIS, NEES and likelihood, at half the cost of everything: no tallies of errors, no whiteness and no diagnosis.
     Consistency,
     /// Everything.
     #[default]

@@ -110,14 +110,14 @@ pub enum FilterError {
     /// The covariance has a negative variance in some direction.
     #[error("the covariance is no longer positive semidefinite: rounding has made a variance negative")]
     IndefiniteCovariance,
-    /// The innovation covariance S cannot be inverted: to the filter, some combination of the sensors cannot err, or what
-    /// it can is lost to rounding.
+    /// The innovation covariance S cannot be inverted: the filter expects no error in some combination of the sensors,
+    /// or rounding removes the expected error.
     #[error("the innovation covariance S is singular: some combination of the sensors has no variance left")]
     SingularInnovation,
     /// The innovation covariance S has a negative variance in some direction.
     #[error("the innovation covariance S is not positive definite: rounding has made a variance negative")]
     IndefiniteInnovation,
-    /// The measurement has no likelihood that is a number: it is too far from what the filter expects.
+    /// The likelihood of the measurement is not finite: it is too far from the filter's prediction.
     #[error("a measurement is so far from what the filter expects that its likelihood is zero")]
     ImpossibleMeasurement,
     /// A measurement is infinite.
@@ -157,8 +157,8 @@ pub trait Belief: Send {
         correction: &mut Correction,
     ) -> Result<(), FilterError>;
 
-    /// Makes a component of the state another one, of mean zero and this variance, that knows nothing of the others: a
-    /// [`White`] force at the next sample. See [`Gaussian::renew`].
+    /// Replaces a component of the state by an independent one, of mean zero and this variance: a [`White`] force at
+    /// the next sample. See [`Gaussian::renew`].
     ///
     /// # Errors
     /// Any [`FilterError`].
@@ -220,8 +220,8 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
 }
 
 impl<B: Belief + ?Sized> Filter<B> {
-    /// A filter at k = 0, with `dt` \[s\] between samples. A sensor for a quantity that the model does not have tells it
-    /// nothing.
+    /// A filter at k = 0, with `dt` \[s\] between samples. It ignores a sensor for a quantity that the model does not
+    /// have.
     pub fn new(
         model: Model,
         belief: Box<B>,
@@ -312,7 +312,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         self.predict_by(forces, |_, _, _| Ok(()))
     }
 
-    /// [`Self::predict`], which calls `before` with model, belief and what comes next before each of its parts.
+    /// [`Self::predict`], which calls `before` with model, belief and the next part of the step, before each part.
     pub(crate) fn predict_by(
         &mut self,
         forces: [f64; 2],
@@ -352,7 +352,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         white.renew(&mut **belief)
     }
 
-    /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A
+    /// Conditions the belief on one sample of the sensors, while `force` acts, and writes the update to `correction`. A
     /// measurement that is NaN skips its sensor.
     ///
     /// # Errors

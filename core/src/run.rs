@@ -143,8 +143,8 @@ impl Run {
         true
     }
 
-    /// Computes the next sample ahead, of one filter after the other, and calls `while_time` after each. Returns early if it is
-    /// false. What has been computed is seen once [`Self::advance_to`] comes to that sample.
+    /// Computes the next sample ahead, of one filter after the other, and calls `while_time` after each. Returns early
+    /// if it is false. The result appears once [`Self::advance_to`] comes to that sample.
     pub(crate) fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done, bank } = self;
         let goal = (*done + 1).min(*all);
@@ -211,7 +211,7 @@ impl Run {
         self.recording.record()
     }
 
-    /// The estimates so far, as far as they are kept, one per filter.
+    /// The kept estimates so far, one per filter.
     pub fn estimates(&self) -> &[Estimates] {
         &self.bank.estimates
     }

@@ -15,7 +15,7 @@ pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -
     single(settings, context)
 }
 
-/// Builds the filter of one guess: a tuned kernel where there is one, else the engine's, else that of the book.
+/// Builds the filter of one guess: a tuned kernel if there is one, else the engine's, else the reference filter.
 fn single(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
     let kernel = if settings.substeps == 1 { kernel::estimator::estimator(settings, context) } else { None };
     kernel.or_else(|| of_engine(settings, &context)).unwrap_or_else(|| filter::estimator::estimator(settings, &context))

@@ -1,4 +1,4 @@
-//! Estimates with hindsight: the whole record tells of every sample.
+//! Smoothed estimates: each sample's estimate uses the whole record.
 
 use crate::waste::Piecewise;
 use crate::{Estimates, FilterError, Record, Stop};
@@ -6,8 +6,9 @@ use crate::{Estimates, FilterError, Record, Stop};
 /// Limits the samples freed in one call, which takes about a millisecond.
 const FREED: usize = 4_000;
 
-/// A smoother in progress: the filter goes forward, the smoother back, as [`crate::filter::smoother`] says. Sampled filters have no
-/// smoother here: they give no estimates. Where the filter stops, the smoother begins with the last sample before.
+/// A smoother in progress: the filter goes forward, the smoother backward ([`crate::filter::smoother`]). Sampled
+/// filters have no smoother here: they give no estimates. If the filter stops, the smoother begins with the last sample
+/// before.
 pub(crate) struct Smoother {
     beliefs: Box<dyn Beliefs>,
     input_delay: i32,

@@ -7,7 +7,7 @@ use crate::{Analysis, Run, RunError, Scenario, Source, Wanted, cost};
 /// Keep the memory of at most this many samples for the next edit; return the rest to the system.
 const KEPT_SPARE: usize = 100_000;
 
-/// Limits a window from below: there must be something to forget and something to keep.
+/// The least window: a part of it is forgotten, and a part is kept.
 const LEAST_WINDOW: usize = 4;
 
 /// The samples to forget at the limit of a window. A quarter stays: all that stays is moved, and analysed again, within one

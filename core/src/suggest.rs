@@ -246,7 +246,7 @@ impl Suggestion {
         if mean > BETTER {
             return;
         }
-        // The innovations then tell how large it is.
+        // The innovations then show the size of the noise.
         let errors: Vec<f64> = before.iter().map(|error| surprise * error).collect();
         self.scenario = self.with_error(&errors);
         self.reasons.push(format!(
@@ -285,7 +285,7 @@ fn no_motion(quantity: Quantity, measured: &[f64]) -> String {
     format!("{NO_GUESS} {why}: the guess is a default, please set it by hand")
 }
 
-/// Mean and standard deviation of the values that are there.
+/// Mean and standard deviation of the values that are not missing.
 fn moments(values: &[f64]) -> (f64, f64) {
     let there = || values.iter().filter(|value| !value.is_nan());
     let count = there().count().max(1) as f64;

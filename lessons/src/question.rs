@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use crate::LessonError;
 
-/// Limits the number of choices from below.
+/// The least number of choices.
 const FEWEST: usize = 2;
 /// Limits the number of choices, so that all are read.
 const MOST: usize = 4;

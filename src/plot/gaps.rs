@@ -16,7 +16,7 @@ const GROUND: f32 = 0.45;
 /// The distance between a mark and its words, and of words from each other \[points\].
 const APART: f32 = 5.0;
 
-/// Limits the height of a plot with words from below \[points\].
+/// The least height of a plot with words \[points\].
 const ENOUGH: f32 = 80.0;
 
 /// The marks of a plot.

@@ -68,7 +68,7 @@ impl RangeSums {
         }
     }
 
-    /// The sum of a column over the rows in `range`, as far as there are any.
+    /// The sum of a column over the existing rows in `range`.
     pub(super) fn within(&self, column: usize, range: Range<usize>) -> f64 {
         let end = range.end.min(self.len());
         let (mut low, mut high) = (range.start.min(end), end);

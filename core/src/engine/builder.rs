@@ -1,4 +1,4 @@
-//! Operations as they are noted: each common part once, constants computed, and derivatives.
+//! Collects operations: stores each common part once, computes constants, and derives.
 
 use std::collections::HashMap;
 

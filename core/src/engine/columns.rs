@@ -1,5 +1,5 @@
-//! Columns of numbers: the linear algebra of a step. A matrix stands column by column; of a symmetric one the lower triangle
-//! counts.
+//! Columns of numbers: the linear algebra of a step. Matrices are stored column by column; only the lower triangle of a
+//! symmetric one is read.
 
 use super::level::{Baseline, Level};
 use super::number::{Mask, Number};

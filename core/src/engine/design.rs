@@ -5,7 +5,7 @@ use super::model::Model;
 use super::propagation::Propagation;
 use crate::model::Reading;
 
-/// Where sigma points are and what they weigh.
+/// The places and weights of sigma points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// c², the square of their distance in standard deviations; each but the centre weighs `W = 1/(2 c²)`.

@@ -10,7 +10,7 @@ use crate::FilterError;
 use crate::estimator::Estimator;
 use crate::sink::{Sample, Sink};
 
-/// A filter, and memory for what it reports.
+/// A filter, and memory for its reports.
 struct Followed<L> {
     filter: Filter<f64, L>,
     /// The place of each sensor that the model has, among all sensors.

@@ -146,7 +146,7 @@ impl<T: Number> Exponential<T> {
         let Self { transition, constant, slope, powers: [first, second, third, fourth], work, kept: _ } = self;
         let quartets = (class + 2).min(4);
         let doublings = Classes::<3>::doublings(class);
-        // Powers of two: what they divide is not rounded.
+        // A power of two: dividing by it rounds nothing.
         let scale = libm::exp2(-(doublings as f64));
         let scales = [1.0, scale, scale * scale, scale * scale * scale];
         let (k, sum) = if with_slope { (2, &mut *slope) } else { (1, &mut *constant) };
@@ -209,7 +209,7 @@ mod tests {
     use crate::integrate::exponential_integrals;
     use crate::linalg::Matrix;
 
-    /// Sizes of steps of every class, some that are no numbers among them.
+    /// Sizes of steps of every class, including NaN.
     const SIZES: [f64; 8] = [1e-3, 3.0, 0.2, 0.4, 1e-6, f64::NAN, 40.0, 1e305];
 
     /// The rates of two oscillators that pull on each other, this much faster.

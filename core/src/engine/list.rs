@@ -1,4 +1,4 @@
-//! A list of operations: what an equation computes.
+//! An equation as a list of operations.
 
 use super::function::Function;
 use super::number::Real;
@@ -50,7 +50,7 @@ pub struct List {
     /// The registers that are used.
     registers: usize,
     steps: Vec<Step>,
-    /// The place that each output goes to, and its register.
+    /// The place of each output, and its register.
     outputs: Vec<(usize, u8)>,
 }
 

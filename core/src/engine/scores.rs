@@ -240,7 +240,7 @@ impl<T: Number> Tracked<T> {
             self.recent = self.recent + counted;
             self.recent_known = self.recent_known + count;
         }
-        // An unknown error moves the beginning of what has settled only where nothing has.
+        // An unknown error does not end a settled stretch; it only delays the beginning of the first one.
         let (now, next) = (T::of(number as f64), T::of((number + 1) as f64));
         let stays = size.le(truth.abs() * SETTLED) | (!is_known & self.settled.lt(now));
         self.settled = T::select(stays, self.settled, next);

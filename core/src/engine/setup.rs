@@ -86,7 +86,7 @@ impl Setup {
         let belief = Moments::linearised(initial.clone(), Propagation::LocalLinearisation, 1);
         let filter = build_filter(Box::new(belief), settings, context);
         let (noise, white) = (filter.noise(), filter.white_force());
-        // A sensor for what the model does not have tells it nothing.
+        // Leaves out a sensor for a quantity that the model does not have.
         let sensor = |(sensor, column): (usize, usize)| {
             Some((column, book.reading(context.sensors[sensor])?, noise.sensors[sensor]))
         };
@@ -135,8 +135,8 @@ fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bo
         && kernel::estimator::serves(settings, context)
 }
 
-/// Whether input and measurements of a record are finite, but for measurements that are missing. The single filter tells where
-/// they are not.
+/// Whether input and measurements of a record are finite, except for missing measurements. If not, the single filter
+/// reports the place.
 fn is_finite(record: &Record, columns: &[usize]) -> bool {
     record.forgotten() == 0
         && !record.is_empty()

@@ -20,7 +20,7 @@ impl EquationError {
         Self { what: what.into(), place: Some((place, String::new())) }
     }
 
-    /// The same with the equation in which it stands.
+    /// The same with its equation.
     pub(super) fn within(mut self, text: &str) -> Self {
         if let Some((_, whole)) = &mut self.place {
             text.clone_into(whole);

@@ -30,7 +30,7 @@ impl PlantKind {
     /// The plant of an equation that a user typed.
     ///
     /// # Errors
-    /// [`EquationError`] where it is none, with the character and what is allowed there.
+    /// [`EquationError`] if it is not an equation, with the character and what is allowed there.
     pub fn of_equation(settings: &EquationSettings) -> Result<Self, EquationError> {
         let mut known = EQUATIONS.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(equation) = known.iter().find(|one| one.settings() == settings) {

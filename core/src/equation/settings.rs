@@ -87,7 +87,7 @@ impl ParameterSettings {
     }
 }
 
-/// The size of what has this mean.
+/// The typical size of a parameter with this mean.
 pub(super) fn size(mean: f64) -> f64 {
     if mean == 0.0 { 1.0 } else { mean.abs() }
 }
@@ -118,7 +118,7 @@ impl EquationSettings {
         self.parameters.iter().find(|(name, _)| key(name) == of).map(|(_, one)| one)
     }
 
-    /// The same, to be changed: the usual ones where there are none.
+    /// The same, mutable; inserts the usual ones if there are none.
     pub fn parameter_mut(&mut self, of: &str) -> &mut ParameterSettings {
         let name = self.parameters.keys().find(|name| key(name) == of).cloned();
         self.parameters.entry(name.unwrap_or_else(|| of.to_owned())).or_default()

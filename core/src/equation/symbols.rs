@@ -1,4 +1,4 @@
-//! The names of an equation: what the program takes each for.
+//! The names of an equation, and their meanings.
 
 use super::error::EquationError;
 use super::own::of_all_plants;

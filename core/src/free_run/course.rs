@@ -5,7 +5,7 @@ use crate::Record;
 use crate::model::Hold;
 use crate::simulate::response::Response;
 
-/// The samples between two looks at the clock: at most about a millisecond.
+/// The samples between two checks of the clock: at most about a millisecond.
 pub(super) const CHUNK: usize = 64;
 
 /// A motion under way.

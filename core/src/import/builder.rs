@@ -153,7 +153,7 @@ impl<'a> Builder<'a> {
         Ok(self.conditioning().input(values))
     }
 
-    /// A column at even times, with unit, gain, offset and delay, and what there is to say about its cells.
+    /// A column at even times, with unit, gain, offset and delay, and remarks on its cells.
     fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
         let table = (*self.table).borrow();
         let column_place = place(table, &mapped.column)?;

@@ -69,7 +69,7 @@ impl Encoding {
         own.map_or(0, |(mark, _)| mark.len())
     }
 
-    /// Appends the text of some bytes. Characters that are none become `�`.
+    /// Appends the text of some bytes. Invalid characters become `�`.
     pub(super) fn decode(self, bytes: &[u8], text: &mut String) {
         match self {
             Self::Utf8 => text.push_str(&String::from_utf8_lossy(bytes)),

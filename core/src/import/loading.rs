@@ -3,7 +3,7 @@
 use super::{Hash, ImportError, Reader, Table};
 use crate::in_slices::InSlices;
 
-/// The bytes that are hashed between two looks at the clock: about a millisecond.
+/// The bytes that are hashed between two checks of the clock: about a millisecond.
 const CHUNK: usize = 500_000;
 
 /// The share of the time that the hash takes.
@@ -44,7 +44,7 @@ enum Stage {
 }
 
 impl Loading {
-    /// A file's bytes, before the first look at them.
+    /// A file's bytes, none of them read yet.
     pub fn new(bytes: Vec<u8>) -> Self {
         Self(Stage::Hashing(bytes, Hash::default(), 0))
     }

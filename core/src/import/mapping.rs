@@ -21,7 +21,7 @@ pub struct Mapping {
     /// The file's name. The command line looks for it beside the scenario.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub file: String,
-    /// A hash of the file's bytes ([`super::hash`]), to tell whether a file is the same; may be empty.
+    /// A hash of the file's bytes ([`super::hash`]), to recognise the same file; may be empty.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub hash: String,
     /// The file's form, where it is not to be found by looking.
@@ -160,7 +160,7 @@ impl Offset {
 }
 
 impl MappedColumn {
-    /// A column as it is.
+    /// A column without conversion.
     pub fn new(column: impl Into<String>) -> Self {
         let (unit, gain, offset, delay, missing) = (String::new(), one(), Offset::default(), 0, None);
         Self { column: column.into(), unit, gain, offset, delay, missing }

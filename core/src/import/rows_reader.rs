@@ -52,7 +52,8 @@ impl Odd {
 }
 
 impl RowsReader {
-    /// The columns of a table in a file of some length that begins with some lines: of known rows, or as its header tells.
+    /// The columns of a table in a file of some length that begins with some lines: those of known rows, or those of
+    /// its header.
     pub(super) fn new(
         dialect: Dialect,
         lines: &[&str],

@@ -45,7 +45,7 @@ pub(super) fn shift(values: &mut [f64], delay: i32) {
     }
 }
 
-/// The mean of the values that are there.
+/// The mean of the values that are not missing.
 pub(super) fn mean(values: &[f64]) -> f64 {
     let (sum, count) = values
         .iter()

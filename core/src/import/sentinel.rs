@@ -1,8 +1,8 @@
-//! Numbers that stand where a reading is missing, such as -9999.
+//! Numbers that mark a missing reading, such as -9999.
 
 use super::Table;
 
-/// A number that seems to stand where a reading is missing: it occurs several times, far from all others.
+/// A number that seems to mark missing readings: it occurs several times, far from all others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sentinel {
     /// The number.
@@ -32,7 +32,7 @@ struct End {
 }
 
 impl Table {
-    /// The number in the column at a place that seems to stand where a reading is missing.
+    /// The number that seems to mark missing readings in the column at a place.
     pub fn sentinel(&self, place: usize) -> Option<Sentinel> {
         let values = &self.columns[place].values;
         let (low, high) = (end(values, 1.0)?, end(values, -1.0)?);

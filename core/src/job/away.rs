@@ -1,4 +1,4 @@
-//! Filters of a job that are computed elsewhere, for a caller with other processors.
+//! Filters of a job that the caller computes on other processors.
 
 use super::Job;
 use crate::tape::Tape;

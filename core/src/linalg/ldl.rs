@@ -28,7 +28,7 @@ impl Ldl {
         factor.refactor(s).then_some(factor)
     }
 
-    /// [`Self::new`] in place of what it holds. Returns whether the matrix is positive definite: if not, the factor is of no
+    /// [`Self::new`], written over `self`. Returns whether the matrix is positive definite: if not, the factor is of no
     /// meaning.
     pub fn refactor(&mut self, s: &Matrix) -> bool {
         self.eliminate(s, |pivot, _| pivot > 0.0 && (1.0 / pivot).is_normal());

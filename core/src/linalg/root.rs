@@ -28,7 +28,7 @@ pub fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
     Ok(root)
 }
 
-/// [`lower_root`] in place of what `root` holds.
+/// [`lower_root`], written over `root`.
 ///
 /// # Errors
 /// As [`lower_root`]; `root` is of no meaning then.

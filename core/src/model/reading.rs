@@ -40,7 +40,7 @@ impl Model {
         Some(reading)
     }
 
-    /// `h(y, f)`: what a perfect sensor reads, in its quantity's unit.
+    /// `h(y, f)`: the reading of a perfect sensor, in its quantity's unit.
     pub fn read(&self, reading: &Reading, state: &[f64], force: f64) -> f64 {
         self.read_disturbed(reading, state, force, 0.0)
     }
@@ -54,7 +54,7 @@ impl Model {
         self.read_moving(reading, state, rate.as_slice(), force)
     }
 
-    /// [`Self::read`] in a state that moves at this rate, which only readings of rates look at.
+    /// [`Self::read`] in a state that moves at this rate; only readings of rates use it.
     pub fn read_moving(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
         let Reading { state: components, rates, ground, .. } = reading;
         let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
@@ -74,8 +74,7 @@ impl Model {
         gradient
     }
 
-    /// `∂h/∂y` where A is `jacobian`, which only readings of rates look at: adds every part of it that is not zero to its
-    /// place.
+    /// Adds the non-zero parts of `∂h/∂y` to their places. A is `jacobian`; only readings of rates use it.
     pub fn read_gradient_into(
         &self,
         reading: &Reading,

@@ -26,7 +26,7 @@ pub struct Outcome {
     pub mean: Vec<f64>,
     /// The last standard deviation of every channel, in its unit; NaN where there is no sample.
     pub std: Vec<f64>,
-    /// The filter at the samples that were asked for, as far as it came.
+    /// The filter at the wanted samples, up to the last one that it reached.
     pub looks: Vec<Look>,
 }
 

@@ -98,9 +98,9 @@ impl Ambient {
 }
 
 impl Suggestion {
-    /// The accelerometers beside a displacement or a velocity. Either tells ωₙ and ζ of an oscillator under an unknown force as
-    /// well as both do. Together they also tell the course of the force between samples, which is none that a filter could
-    /// take it to have: an error of that course, or of the accelerometer's delay, then passes for one of ζ.
+    /// The accelerometers beside a displacement or a velocity. One sensor gives ωₙ and ζ of an oscillator under an
+    /// unknown force as well as both do. Together they also show the force's course between samples, which no filter
+    /// can model exactly: an error of that course, or of the accelerometer's delay, then looks like an error of ζ.
     fn felt_twice(&mut self) -> Vec<Quantity> {
         let sensors = || self.scenario.sensors.iter().map(|sensor| sensor.measures);
         let is_other = sensors().any(|quantity| order(quantity) < 2);

@@ -1,7 +1,7 @@
 //! The search for the most likely sizes of several noises.
 
-/// Tries factors on several sizes in turn, first large ones, and keeps those that are likelier: it goes as far as the
-/// likelihood rises.
+/// Tries factors on several sizes in turn, first large ones, and keeps those that are likelier: it goes on in a
+/// direction while the likelihood rises.
 #[derive(Clone, Debug)]
 pub(super) struct Climb {
     /// The best factors so far, and their log likelihood.
@@ -27,7 +27,7 @@ const MOST: usize = 48;
 const FAR: f64 = 1e9;
 
 impl Climb {
-    /// Before the first trial, which is of the sizes as they are.
+    /// Before the first trial, which leaves the sizes unchanged.
     pub(super) fn new(sizes: usize) -> Self {
         let best = vec![1.0; sizes];
         Self { best, likelihood: f64::NEG_INFINITY, round: 0, size: 0, is_down: false, has_moved: false, trials: 0 }

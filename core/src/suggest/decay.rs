@@ -17,13 +17,13 @@ pub(super) struct Decay {
     pub(super) damping_ratio: f64,
     /// The amplitude of the readings where they are largest, in the sensor's unit.
     pub(super) amplitude: f64,
-    /// Whether it leaves nothing but noise, so that no force is left to look for.
+    /// Whether it leaves only noise, so that there is no force to look for.
     pub(super) is_all: bool,
 }
 
 /// Limits the samples that are fitted.
 const MOST: usize = 16_384;
-/// Limits the samples of a first look from below.
+/// The least number of samples of a first fit.
 const SHORTEST: usize = 64;
 /// The largest share of the power in the first time constants that a decay leaves unexplained.
 const UNEXPLAINED: f64 = 0.5;

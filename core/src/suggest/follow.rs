@@ -5,7 +5,7 @@ use crate::{FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
 /// The samples that the free run covers.
 const FREE: usize = 16_384;
 
-/// The samples of a trial between two looks at the clock.
+/// The samples of a trial between two checks of the clock.
 const CHUNK: usize = 200;
 
 /// Runs a trial on the first samples of a record. `None` while it is under way, `Some(None)` where it is impossible.
@@ -83,7 +83,7 @@ pub(super) fn likelihood(run: &Run) -> Option<f64> {
     sum.is_finite().then_some(sum)
 }
 
-/// The size of the innovations over what the filter expects: 1 where they agree.
+/// The size of the innovations over their expected size: 1 for a consistent filter.
 pub(super) fn surprise(run: &Run) -> f64 {
     let Some(estimates) = run.estimates().first() else { return 1.0 };
     // The filter finds its parameters in the first half.

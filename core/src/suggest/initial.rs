@@ -13,7 +13,7 @@ impl Suggestion {
         let hertz = rounded(wn / std::f64::consts::TAU);
         self.reasons.push(format!("guess of ωₙ: {wn} rad/s ({hertz} Hz) and of ζ: {zeta}, {reason}"));
         for (channel, value) in [(Channel::NATURAL_FREQUENCY, wn), (Channel::DAMPING_RATIO, zeta)] {
-            // The truth of a measured record is not known: this is what a simulation in its place begins with.
+            // The truth of a measured record is not known: these values are for a simulation in its place.
             if self.scenario.plant.parameter(channel).is_some() {
                 self.scenario.plant.set(channel, Signal::Constant(value));
             }

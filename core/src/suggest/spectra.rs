@@ -10,7 +10,7 @@ use crate::sorting::sort_numbers;
 pub(super) const SHORT: usize = 256;
 /// Limits the length of a window for a resonance.
 pub(super) const LONG: usize = 8192;
-/// Limits the length of a window from below.
+/// The least length of a window.
 const SHORTEST: usize = 32;
 /// The number of windows at least, which overlap by half.
 const WINDOWS: usize = 7;
@@ -28,7 +28,7 @@ const THERE: f64 = 0.75;
 pub(super) enum Gaps {
     /// Take windows between the gaps, shorter ones where need be: the noise at high frequencies is that of the sensor alone.
     Avoid,
-    /// Fill short gaps by a line and long ones by the mean, and scale what is left: a resonance needs long windows.
+    /// Fill short gaps by a line and long ones by the mean, and scale up the rest: a resonance needs long windows.
     Fill,
 }
 
@@ -234,7 +234,7 @@ fn between_gaps(values: &[f64], length: usize) -> Vec<usize> {
     begins
 }
 
-/// The distance between measurements: one, but for the empty samples that an interpolation puts between them.
+/// The distance between measurements: one, or more if an interpolation put empty samples between them.
 pub(super) fn stride(measured: &[f64]) -> usize {
     let mut there = measured.iter().enumerate().filter(|(_, value)| !value.is_nan()).map(|(k, _)| k);
     let Some(first) = there.next().filter(|&first| first == 0) else { return 1 };

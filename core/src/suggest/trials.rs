@@ -11,7 +11,7 @@ use crate::{Record, Run, Running, Scenario};
 /// The samples of which the likelihood is taken.
 const LIKELY: usize = 4096;
 
-/// The same where there is no input: the size of a force that is not known takes longer to tell.
+/// The same without an input: the size of an unknown force takes more samples to estimate.
 const LIKELY_AMBIENT: usize = 8192;
 
 /// Where a motion needs no noise, as a decay does, a white force is taken for its cause if the log likelihood is larger by
@@ -72,7 +72,7 @@ struct Gaps {
 }
 
 impl Suggest {
-    /// Suggestions for a scenario on a record, before the first look at it.
+    /// Suggestions for a scenario on a record, none made yet.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
         let (trial, free, search, likelihoods, ambient, errors) = Default::default();
@@ -111,7 +111,7 @@ impl Suggest {
         lost.lose(&mut self.record);
     }
 
-    /// Begins to search the parameters of an equation, if there is an input that tells them.
+    /// Begins to search the parameters of an equation, if there is an input to identify them from.
     fn begin_search(&mut self) -> Stage {
         self.search = Search::of(&self.suggestion);
         if has_no_input(&self.record) {
@@ -125,7 +125,7 @@ impl Suggest {
         if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
     }
 
-    /// Ends the trials of noise with what is most likely. Returns whether that is a white force.
+    /// Ends the trials of noise with the most likely result. Returns whether that is a white force.
     fn choose(&mut self) -> bool {
         let best = self.likelihoods.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied();
         if let Some(mut ambient) = self.ambient.take()

@@ -15,10 +15,10 @@ const OFF: f64 = 4.0;
 /// Limits the squared errors of a motion from above, relative to the covariance.
 const TOO_LARGE: f64 = 2.0;
 
-/// Limits the squared errors of a motion from below, relative to the covariance.
+/// The least squared errors of a motion, relative to the covariance.
 const TOO_SMALL: f64 = 0.3;
 
-/// Limits the share of the samples with the truth in the 95 % ellipsoid from below.
+/// The least share of the samples with the truth in the 95 % ellipsoid.
 const OUTSIDE: f64 = 0.5;
 
 /// The same where each channel by itself is inside: the errors are then outside in a direction across the channels only, in
