@@ -50,7 +50,7 @@ impl Drawer {
         let height = self.dragged.unwrap_or(usual).clamp(low, high);
         let frame = Frame { inner_margin: egui::Margin { top: 0, ..frame.inner_margin }, ..frame };
         Panel::bottom(name).frame(frame).exact_size(height).show(ui, |ui| {
-            // The drawer keeps its size, however short its contents are.
+            // The drawer keeps its size even with short contents.
             ui.set_min_size(ui.available_size());
             let handle = handle_ui(ui, heading);
             let action = if self.is_low { "higher" } else { "lower" };

@@ -30,20 +30,20 @@ pub trait Elsewhere {
     fn suggest(&self, scenario: &Scenario, record: &Record) -> Option<SuggestWork>;
 }
 
-/// Work that is done elsewhere. It ends when it is dropped.
+/// Work in a worker or a thread. It ends when it is dropped.
 pub trait Work<T> {
     /// Takes the next message of the work, if one has come.
     ///
     /// # Errors
-    /// [`Lost`] where no more will come.
+    /// [`Lost`] if no more will come.
     fn next(&mut self) -> Result<Option<T>, Lost>;
 }
 
-/// The work has failed, and its messages so far are worth nothing.
+/// The work has failed; its messages so far must be dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lost;
 
-/// How far work is that has an outcome.
+/// A message of work that has an outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Report<T> {
     /// The share that is done, from 0 to 1.

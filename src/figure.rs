@@ -36,8 +36,8 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Draws these views in rows, each row from left to right, with a legend above them. A figure shows what the context
-    /// shows, but no cursor, no handle and no verdict.
+    /// Draws these views in rows, each row from left to right, with a legend above them. A figure shows the contents of
+    /// the context without cursor, handles and verdicts.
     pub fn new(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureFormat) -> Self {
         arrange(context, rows, format)
     }

@@ -1,4 +1,4 @@
-//! A scenario and its run, and where playback stands in it.
+//! A scenario, its run, and the position of playback.
 
 mod before;
 mod budget;
@@ -45,9 +45,9 @@ pub enum Mode {
 
 /// The scenario on screen with everything that follows from it.
 ///
-/// The same engine serves both modes: live, the run is stepped to where playback stands; whole, to its end. A change of
-/// the scenario is computed beside what is shown, a slice of a frame after the other, and takes its place once it is
-/// complete: what is shown always follows from one scenario, that of its run.
+/// The same engine serves both modes: live, the run is stepped to playback's time; whole, to its end. A change of the
+/// scenario is computed beside the picture on screen, a slice of a frame after the other, and replaces it once it is
+/// complete: the picture always follows from one scenario, that of its run.
 ///
 /// Live, a record may be of any length: no more than [`Self::KEPT`] samples are kept, and which ones follows from where the
 /// run stands. Samples are counted from the start, but for [`Self::index`] and all indices of the run's record.
@@ -62,7 +62,7 @@ pub struct Session {
     slices: usize,
     /// Whether the scenario has been edited since the job began.
     waiting: bool,
-    /// Whether the run is where playback stands, and its analysis complete.
+    /// Whether the run has reached playback's time, and its analysis is complete.
     complete: bool,
     budget: Budget,
     wanted: Wanted,
@@ -171,13 +171,13 @@ impl Session {
         &self.scenario
     }
 
-    /// The run that is shown, as far as it is kept.
+    /// The run on screen, without forgotten samples.
     pub fn run(&self) -> &Run {
         self.study.run()
     }
 
-    /// A number that changes whenever the sample at an index becomes another one: with a new run, and when samples have been
-    /// forgotten. What has been computed from samples before is worth nothing then.
+    /// A number that changes whenever the sample at an index becomes another one: with a new run, and when samples have
+    /// been forgotten. Results from earlier samples are then invalid.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -197,7 +197,7 @@ impl Session {
         self.study.analysis().bounds()
     }
 
-    /// Says what is to be computed beside the estimates.
+    /// Sets the results to compute in addition to the estimates.
     pub fn want(&mut self, wanted: Wanted) {
         let before = std::mem::replace(&mut self.wanted, wanted);
         if wanted == before {
@@ -261,7 +261,7 @@ impl Session {
     /// Keeps a file as the record on which the identified models are tested.
     ///
     /// # Errors
-    /// A sentence where there is no measured record on screen, or the columns do not mean the same.
+    /// A sentence if there is no measured record on screen, or the columns have other meanings.
     pub fn hold_out(&mut self, file: &RecordFile) -> Result<(), String> {
         self.library.hold_out(file, &self.scenario)?;
         self.drawn += 1;
@@ -279,7 +279,7 @@ impl Session {
         matches!(self.run().source(), Source::Measured(_))
     }
 
-    /// Shows the record as it grows, or all of it, as soon as it is short enough for that.
+    /// Shows the record as it grows, or the whole record once it is short enough.
     pub fn set_mode(&mut self, mode: Mode) {
         self.wanted_mode = mode;
         self.want_of_study();
@@ -287,7 +287,7 @@ impl Session {
         self.compute();
     }
 
-    /// Takes over an edited scenario and computes what follows from it; until that is complete, the last picture stays. An
+    /// Takes over an edited scenario and computes its picture; until that is complete, the last picture stays. An
     /// impossible scenario is kept for editing, while the run stays that of the last possible one.
     pub fn set_scenario(&mut self, mut scenario: Scenario) {
         scenario.number_filters();

@@ -9,7 +9,7 @@ use crate::ruler::Ruler;
 use crate::session::Mode;
 use crate::share::{Picture, PictureError, Screen, outline_of_tiles};
 
-/// The key that tells such a file from others; its value is the format.
+/// The key by which such a file is recognised; its value is the format.
 const KEY: &str = "kalmanscope_session";
 
 /// The newest format. The first had tiles that name each other, no marks, and all of the legend.

@@ -18,7 +18,7 @@ use crate::visibility::Visibility;
 /// A table has a row at the end of each of this many equal parts of the record.
 const PARTS: usize = 10;
 
-/// The text where there is no number.
+/// The text in place of a missing number.
 const NONE: &str = "–";
 
 /// The verdict before there is one.

@@ -29,7 +29,7 @@ pub struct ViewContext<'a> {
     pub axis: &'a TimeAxis,
     /// The marked times.
     pub ruler: &'a Ruler,
-    /// The maps, where there are some.
+    /// The maps, if there are any.
     pub laboratory: Option<&'a Laboratory>,
     /// A version number of everything that is drawn over time.
     version: u64,
@@ -52,7 +52,7 @@ impl<'a> ViewContext<'a> {
         Self { session, palette, visible, axis, ruler, laboratory: None, version: hasher.finish() }
     }
 
-    /// The context with maps, where there are some.
+    /// The context with maps, if there are any.
     #[must_use]
     pub fn in_laboratory(self, laboratory: Option<&'a Laboratory>) -> Self {
         Self { laboratory, ..self }

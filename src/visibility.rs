@@ -79,7 +79,7 @@ impl Visibility {
         parts.chain(hidden_filters.iter().map(|id| LegendEntry::Filter(*id))).collect()
     }
 
-    /// Shows everything again, but for verdicts that a lecturer has hidden.
+    /// Shows everything again, except verdicts that a lecturer has hidden.
     pub(crate) fn reset(&mut self) {
         *self = Self { verdicts: self.verdicts, ..Self::default() };
     }

@@ -1,4 +1,4 @@
-//! The causes of what is wrong with each filter.
+//! The causes of each filter's verdict.
 
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario};

@@ -25,7 +25,7 @@ pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
 pub(crate) struct CauseInWords {
     /// The causes in order, the gain in likelihood with all knobs turned, and the verdict then.
     pub(crate) sentence: String,
-    /// The lines to write into the scenario, or a hint where there is no setting to change.
+    /// The lines to write into the scenario, or a hint if there is no setting to change.
     pub(crate) remedies: Vec<String>,
 }
 

@@ -49,7 +49,7 @@ pub(crate) fn write_fixed<'a>(
     Ok(())
 }
 
-/// Turns knobs of the filter at a place, whatever others are called.
+/// Turns knobs of the filter at a place, even if other filters have the same name.
 fn turn(scenario: &mut Scenario, place: usize, knobs: &[Knob]) -> Result<(), kalmanscope_core::ScenarioError> {
     let alone = Scenario { filters: vec![scenario.filters[place].clone()], ..scenario.clone() };
     let turned = Knob::apply_all(knobs, &alone)?;

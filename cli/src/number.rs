@@ -1,6 +1,6 @@
 //! Numbers for people to read.
 
-/// The sign for what is no number: a dash where nothing is known, and infinity where a number is beyond all others.
+/// The sign for a value that is not finite: a dash for NaN, and ∞ for infinity.
 fn no_number(value: f64) -> Option<&'static str> {
     match value {
         _ if value.is_nan() => Some("–"),

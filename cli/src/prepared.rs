@@ -17,7 +17,7 @@ use crate::record::{measured, named, read};
 /// history.
 const MOST: usize = 2_000_000;
 
-/// The samples between two looks at the progress.
+/// The samples between two updates of the progress.
 const CHUNK: usize = 10_000;
 
 /// A run that is about to begin, with its origin.

@@ -79,7 +79,7 @@ impl<'a> Results<'a> {
         self
     }
 
-    /// The same with the time per step of each filter \[ns\], as far as there are any.
+    /// The same with the time per step of each filter \[ns\], if it is known.
     #[must_use]
     pub fn with_step_times(mut self, times: &[Option<f64>]) -> Self {
         for (filter, time) in self.filters.iter_mut().zip(times) {

@@ -11,7 +11,7 @@ use crate::number::{deviation, fixed, plain, short, with_spread};
 /// of its last third, share inside ±2σ, settling time.
 pub(crate) const COLUMNS: usize = 11;
 
-/// The rows of a channel: its own, and the same in another unit where there is one.
+/// The rows of a channel: its own, and the same in another unit if there is one.
 pub(crate) fn rows(last: &Final, mapping: Option<&Mapping>) -> Vec<[String; COLUMNS]> {
     let length = Length::of(mapping);
     let mut rows = vec![row(last, length)];

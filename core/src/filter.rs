@@ -1,13 +1,12 @@
-//! The textbook: predict and update as the books have them, for any plant, any size and any augmentation.
+//! The reference filters: predict and update as in textbooks, for any plant, any size and any augmentation.
 //!
 //! ```text
 //! predict   y⁻ = g-step of y,  P⁻ = λ cov(g-step of y) + Q
 //! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
 //! ```
 //!
-//! [`Filter`] has what all filters share. A method of filtering is a [`Belief`]: how it moves, and how it takes in
-//! measurements. Each has a file of its own, which ends with the description of its kind;
-//! the registry below lists them.
+//! [`Filter`] has the part that all filters share. A method of filtering is a [`Belief`] with its prediction and its
+//! update. Each has a file of its own, which ends with the description of its kind; the registry below lists them.
 
 mod adaptation;
 mod correction;

@@ -118,7 +118,7 @@ impl Axis {
         }
         let (place, last) = (place as f64, (count - 1) as f64);
         match spacing {
-            // The product comes first: it keeps seeds whole.
+            // Multiplies first: this keeps seeds whole.
             Spacing::Linear => from + place * (to - from) / last,
             Spacing::Logarithmic => self.at(place / last, *spacing),
         }

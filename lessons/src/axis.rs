@@ -37,7 +37,7 @@ impl Axis {
         let is_possible = from.is_finite() && to.is_finite() && (!is_log || from.min(to) > 0.0);
         let at = |place: usize| {
             let (place, last) = (place as f64, (count - 1) as f64);
-            // Of equal differences the product comes first: it keeps seeds whole.
+            // With equal differences, multiplies first: this keeps seeds whole.
             if is_log { from * libm::pow(to / from, place / last) } else { from + place * (to - from) / last }
         };
         is_possible.then(|| Self { key: key.trim().to_owned(), values: (0..count).map(at).collect() })

@@ -64,7 +64,7 @@ pub const EQUATIONS: &[BuiltIn] = built_in![
 ];
 
 impl BuiltIn {
-    /// The scenario that a new user sees first: it tells a story within seconds.
+    /// The scenario that a new user sees first: it shows an effect within seconds.
     pub const FIRST: Self = BUILT_IN[0];
 
     /// The scenario with this file name.

@@ -17,7 +17,7 @@ pub enum LessonError {
     UnknownPath {
         /// The setting's path.
         path: String,
-        /// The end of the sentence: the filters that there are, where the path is of none of them.
+        /// The end of the sentence: the names of the filters, if the path names none of them.
         filters: String,
     },
     /// A change or a check names a filter that the scenario lacks.
@@ -43,7 +43,7 @@ pub enum LessonError {
     /// A question lacks something, or its answer is none of its choices.
     #[error("the question {0}")]
     Question(String),
-    /// A record does not come along.
+    /// A record is not built in.
     #[error("the record `{0}` does not come along")]
     UnknownRecord(String),
     /// A record cannot be used.

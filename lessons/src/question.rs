@@ -1,4 +1,4 @@
-//! Questions: what a step asks before it shows.
+//! Questions that a step asks before it shows its effect.
 
 use kalmanscope_core::Scenario;
 use serde::Deserialize;
@@ -32,7 +32,7 @@ impl Question {
         choice + 1 == self.answer
     }
 
-    /// The text of the right choice; empty where there is none, which [`crate::Lesson::from_toml`] rules out.
+    /// The text of the right choice; empty if there is none, which [`crate::Lesson::from_toml`] rules out.
     pub fn right_choice(&self) -> &str {
         self.answer.checked_sub(1).and_then(|place| self.choices.get(place)).map_or("", String::as_str)
     }

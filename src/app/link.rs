@@ -1,4 +1,4 @@
-//! Links: what an address opens, and the address of the picture on screen.
+//! Links: opening an address, and the address of the picture on screen.
 
 use egui::{Context, Event, OpenUrl};
 
@@ -85,7 +85,7 @@ impl App {
         }
     }
 
-    /// Shows a picture, paused. The settings before it come back with undo.
+    /// Shows a picture, paused. Undo brings back the earlier settings.
     pub(super) fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
         let Picture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;

@@ -18,7 +18,7 @@ use super::state_file::StateFile;
 /// Makes the explorer from a saved state.
 pub(super) type Start = Box<dyn FnOnce(&Context, Option<&dyn Storage>) -> Result<App, RunError>>;
 
-/// The explorer, or the page that tells of a crash before it.
+/// The explorer, or the page about a crash before it.
 pub(super) struct Desktop {
     stage: Stage,
     memory: Option<Memory>,
@@ -28,7 +28,7 @@ pub(super) struct Desktop {
 pub(super) struct Memory {
     keeper: Keeper,
     slot: Slot,
-    /// A sentence for the first frame of the explorer, where the state is not the one that was saved last.
+    /// A sentence for the first frame of the explorer, if the state is not the one that was saved last.
     said: Option<String>,
 }
 

@@ -8,8 +8,8 @@ use kalmanscope::drop;
 use kalmanscope::inbox::{Arrival, Choose};
 use rfd::AsyncFileDialog;
 
-/// Limits the time of a dialog that has not opened. Nobody closes one as fast, and the library does not tell one that was
-/// cancelled from one that could not be opened.
+/// Limits the time of a dialog that has not opened. No user closes one so fast, and the library reports a cancelled
+/// dialog like one that could not open.
 const FAST: Duration = Duration::from_millis(500);
 
 /// Said where no dialog opens.

@@ -19,7 +19,7 @@ const FIRST: usize = 64;
 const PORTION: Duration = Duration::from_millis(150);
 const MOST: usize = 1 << 14;
 
-/// The graphics processor of this machine. Nobody looks for it before the first map.
+/// The graphics processor of this machine. The search begins with the first map.
 pub(super) struct Processor {
     software: Software,
     found: Arc<Mutex<Finding>>,
@@ -122,7 +122,7 @@ fn set(found: &Mutex<Finding>, finding: Finding) {
     *found.lock().unwrap_or_else(PoisonError::into_inner) = finding;
 }
 
-/// Looks for the processor, then serves jobs for as long as there are any to come.
+/// Looks for the processor, then serves jobs until the queue is closed.
 fn serve(software: Software, found: &Mutex<Finding>, jobs: &Receiver<Job>, ctx: &Context) {
     let gpu = pollster::block_on(Gpu::find(software));
     let gpu = match gpu {

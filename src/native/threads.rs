@@ -15,8 +15,8 @@ use super::graphics::Processor;
 /// Threads that serve all maps.
 struct Threads(Crew);
 
-/// The graphics processor for the maps that it serves, and threads, or slices of the frames where the system gives no threads.
-/// One processor is left to the frames where there are more than two.
+/// The graphics processor for the maps that it serves, and threads, or slices of the frames if the system gives no
+/// threads. With more than two processors, one is left to the frames.
 pub(super) fn engine(software: Software) -> Box<dyn Engine> {
     let processors = thread::available_parallelism().map_or(1, NonZero::get);
     let threads = if processors > 2 { processors - 1 } else { processors };

@@ -22,7 +22,7 @@ const ENOUGH: f32 = 80.0;
 /// The marks of a plot.
 pub(super) struct Gaps {
     gaps: Vec<Gap>,
-    /// Whether the words stand beside the marks, as in the plot that has the time axis.
+    /// Whether the words are beside the marks, as in the plot with the time axis.
     worded: bool,
     colors: [Color32; 3],
 }

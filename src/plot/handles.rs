@@ -27,7 +27,7 @@ pub(crate) struct Handle<'a> {
 /// Puts a setting to a time \[s\] and a value.
 pub(crate) type Set<'a> = Box<dyn Fn(&mut Scenario, f64, f64) + 'a>;
 
-/// Shows the handles of a chart. While one is dragged the axes stay, because the picture changes under the hand.
+/// Shows the handles of a chart. While one is dragged the axes stay, since the picture changes under the pointer.
 pub(super) fn handles_ui(
     ui: &Ui,
     key: &str,

@@ -5,7 +5,7 @@ use egui::{Context, Id};
 /// The medium that a context draws for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Medium {
-    /// A screen: fast, and with everything that a hand needs.
+    /// A screen: fast, with handles and cursors.
     #[default]
     Screen,
     /// A figure: outlines that can be enlarged, and nothing that a reader cannot use, such as handles or values at the pointer.

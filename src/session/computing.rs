@@ -1,4 +1,4 @@
-//! Computes what follows from the scenario, a slice of time after the other.
+//! Computes the scenario's picture, a slice of time after the other.
 
 use kalmanscope_core::{Job, Source};
 
@@ -10,8 +10,8 @@ use super::{Mode, Session};
 const PATIENCE: usize = 6;
 
 impl Session {
-    /// Whether there is something yet to be computed: the next picture, or what is missing of this one. Playback waits for it,
-    /// and every [`Self::advance`] brings it nearer.
+    /// Whether something is yet to be computed: the next picture, or missing parts of this one. Playback waits for it;
+    /// [`Self::advance`] computes it.
     pub fn behind(&self) -> bool {
         self.job.is_some() || !self.complete
     }
@@ -25,8 +25,8 @@ impl Session {
         (!self.complete).then(|| (self.run().done() as f64 / (self.position() + 1) as f64).min(1.0))
     }
 
-    /// Gives up what is being computed, and keeps the last complete picture and its scenario. Returns whether there was
-    /// anything to give up.
+    /// Cancels the present computation, and keeps the last complete picture and its scenario. Returns whether there was
+    /// one.
     pub fn cancel(&mut self) -> bool {
         if !self.behind() {
             return false;
@@ -55,7 +55,7 @@ impl Session {
         self.waiting = false;
     }
 
-    /// Time between samples and their number, as they are once all is computed.
+    /// Time between samples and their number, once all is computed.
     pub(super) fn target(&self) -> (f64, usize) {
         match &self.job {
             None => (self.run().record().dt(), self.run().samples()),
@@ -63,8 +63,8 @@ impl Session {
         }
     }
 
-    /// Begins to compute what follows from the scenario, in place of what is being computed. Where it is impossible, notes
-    /// why.
+    /// Begins to compute the scenario's picture, in place of the present computation. If the scenario is impossible,
+    /// notes why.
     pub(super) fn begin_job(&mut self) {
         self.give_up_job();
         self.slices = 0;
@@ -88,7 +88,7 @@ impl Session {
         let goal = if is_whole {
             samples
         } else {
-            // Playback goes on from here, by as much as there is already of a longer way.
+            // Playback goes on from here, by the samples that are already computed.
             let position = ((*clock / dt + 1e-6) as usize).saturating_add(1).min(samples);
             position.min(study.run().done().max(1))
         };
@@ -132,7 +132,7 @@ impl Session {
         self.job = Job::new(&mut self.study, &scenario, Some(source), goal).ok();
     }
 
-    /// Takes note of an edited scenario. One that comes while a picture is nearly there waits for it.
+    /// Takes note of an edited scenario. An edit during the last part of a computation waits for its picture.
     pub(super) fn edited(&mut self) {
         if let Err(error) = self.scenario.validate() {
             self.problem = Some(error.to_string());

@@ -61,7 +61,7 @@ fn compare(before: &Document, now: &Document, path: &mut Vec<String>, all: &mut 
     }
 }
 
-/// The name of a setting: the field's symbols where there are some, else the words of its key.
+/// The name of a setting: the field's symbols if there are any, else the words of its key.
 fn name(path: &[String]) -> String {
     let word = |key: &String| match key.as_str() {
         "fading" => "λ".to_owned(),

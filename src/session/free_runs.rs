@@ -49,7 +49,7 @@ struct Next {
 }
 
 impl FreeRuns {
-    /// Forgets what has been made.
+    /// Forgets all free runs.
     pub(super) fn forget(&mut self) {
         self.made.clear();
         self.next = None;

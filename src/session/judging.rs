@@ -1,4 +1,4 @@
-//! Whether the filters are to be believed, as far as the record has come.
+//! The diagnoses of the filters over the record so far.
 
 use kalmanscope_core::{Diagnosis, LiveDiagnosis};
 
@@ -25,7 +25,7 @@ pub(super) struct Judged {
     age: f64,
 }
 
-/// The user's hand on a number.
+/// The dragging of a number by the user.
 pub(super) struct Hand {
     is_down: bool,
     /// Real time since diagnoses were last made \[s\].

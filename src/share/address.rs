@@ -82,7 +82,7 @@ pub fn allows_software_graphics(address: &str) -> bool {
     value(address, "gpu").is_some_and(|value| value == "software")
 }
 
-/// The address of the page alone, without what it opens.
+/// The address of the page, without query and fragment.
 pub fn page(address: &str) -> &str {
     address.split(['?', '#']).next().unwrap_or_default()
 }

@@ -134,7 +134,7 @@ pub fn answer(id: &Document, key: &str, contents: Document) -> Document {
     Document::of_entries([("kalmanscope", Document::Integer(VERSION)), ("id", id.clone()), (key, contents)])
 }
 
-/// The answer that says why there is no other.
+/// The answer with the reason of a failure.
 pub(crate) fn answer_error(id: &Document, reason: &str) -> Document {
     answer(id, "error", reason.into())
 }

@@ -1,4 +1,4 @@
-//! The places of the views as a tree that cannot have rings, for texts from elsewhere.
+//! The places of the views as a tree that cannot have rings, for texts from outside.
 
 use egui_tiles::{Container, Grid, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,5 @@
-//! The places of views as the files of older programs have them: tiles that name each other. Such a file may be made by hand,
-//! so nothing of it is shown before it is an [`Outline`].
+//! The places of views as the files of older programs have them: tiles that name each other. Such a file may be made by
+//! hand, so it is converted to an [`Outline`] and checked before it is shown.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;

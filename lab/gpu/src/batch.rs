@@ -31,9 +31,10 @@ pub struct GpuRun<'a> {
     pub record: &'a Record,
 }
 
-/// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the program has
-/// or that is an equation, with all that the engine serves ([`Setup::of_any`]), sensors with noise, and numbers that single
-/// precision can hold. A record knows the truth of the first components of the state, or of none.
+/// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the
+/// program has or that is an equation, with all settings that the engine serves ([`Setup::of_any`]), sensors with
+/// noise, and numbers that single precision can hold. A record has the truth of the first components of the state, or
+/// of none.
 pub fn serves(run: &GpuRun<'_>) -> bool {
     program(run).is_some()
 }
@@ -66,7 +67,7 @@ struct Kind {
     samples: usize,
 }
 
-/// A run that goes to the graphics processor, by its place among all.
+/// A run for the graphics processor, with its place among all runs.
 struct Member<'a> {
     place: usize,
     setup: Setup,
@@ -75,7 +76,7 @@ struct Member<'a> {
     tape: usize,
 }
 
-/// The runs of one kind, as many as go at once; none goes where they have no program.
+/// The runs of one kind, as many as go at once; no run if they have no program.
 struct Batch<'a> {
     kind: Kind,
     program: Option<Program>,
@@ -84,7 +85,8 @@ struct Batch<'a> {
 }
 
 impl Gpu {
-    /// The outcomes of some runs, in their order; none of a run that is not served. `is_wanted` is asked now and then.
+    /// The outcomes of some runs, in their order; `None` for a run that is not served. It calls `is_wanted` now and
+    /// then.
     ///
     /// # Errors
     /// [`GpuError::Failed`] where the graphics processor fails or is lost, [`GpuError::Unwanted`] where the results are not

@@ -14,7 +14,7 @@ use crate::unroll::unrolled;
 /// The number of threads in a group, as `main.wgsl` has it.
 pub(crate) const GROUP: u32 = 64;
 
-/// Limits the components of a state. Its numbers stand in registers, where loops are written out; of more components programs
+/// Limits the components of a state. Its numbers are kept in registers by unrolled loops; with more components programs
 /// become too long.
 pub(crate) const MOST: usize = 9;
 

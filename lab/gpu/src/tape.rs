@@ -8,7 +8,7 @@ use crate::layout::put_sample;
 /// Limits numbers: the squares of greater ones are not single precision any more.
 pub(crate) const LARGEST: f64 = 1e15;
 
-/// The samples of a record, with what filters see of them, and what sums of the whole record need.
+/// The samples of a record as filters read them, and the numbers that sums over the whole record need.
 pub(crate) struct Tape {
     pub(crate) words: Vec<u32>,
     /// The number of measurements, and of samples with one, up to each sample.

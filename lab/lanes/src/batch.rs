@@ -26,7 +26,7 @@ pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
     Ok(search.is_found || engine::serves(run)?)
 }
 
-/// A search for a plant with which a run goes in lanes.
+/// A search for the plant with lanes that serve a run.
 struct Search<'a> {
     run: &'a LaneRun<'a>,
     is_found: bool,
@@ -38,9 +38,9 @@ impl Visitor for Search<'_> {
     }
 }
 
-/// The outcomes of some runs, in their order, with the best instructions that this processor has. Runs that differ in numbers
-/// only, over one record or over records of the same length and dt, go side by side. Each has the bits of [`Outcome::of`], or
-/// those of the engine, which differ by rounding; either way they do not depend on the other runs.
+/// The outcomes of some runs, in their order, with the best instructions that this processor has. Runs that differ in
+/// numbers only, over one record or over records of the same length and dt, run side by side. Each has the bits of
+/// [`Outcome::of`], or those of the engine, which differ by rounding; either way they do not depend on the other runs.
 ///
 /// # Errors
 /// Those of [`Pass::new`], for the first run that has one.
@@ -64,7 +64,7 @@ pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>], samples: &[usize]) -> R
     all.results.into_iter().zip(runs).map(single).collect()
 }
 
-/// All runs, and the outcomes of those that have gone in lanes.
+/// All runs, and the outcomes of those that lanes have run.
 struct All<'a> {
     level: Level,
     runs: &'a [LaneRun<'a>],
@@ -119,7 +119,7 @@ struct Kind<'a> {
     knows_truth: bool,
 }
 
-/// The places of runs that can go side by side; those over one record stand together.
+/// The places of runs that can go side by side; those over one record come together.
 fn groups<P: Plant<N>, const N: usize>(
     filters: &[Option<OscillatorFilter<P, N>>],
     runs: &[LaneRun<'_>],

@@ -31,8 +31,8 @@ struct Batch<'a, P, T, const N: usize, const E: usize> {
     looks: [Vec<Look>; LANES],
 }
 
-/// Runs the filters, UKFs if so, else KFs and EKFs, and looks at them at these samples, which are in order; a lane without an
-/// outcome is left to the single filter.
+/// Runs the filters (UKFs if `UKF`, else KFs and EKFs), and looks at them at these samples, which are in order. A lane
+/// without an outcome is left to the single filter.
 #[inline(always)]
 pub(crate) fn run<P: Plant<N>, T: Lane, const N: usize, const E: usize, const UKF: bool>(
     token: T::Token,

@@ -38,7 +38,7 @@ trait Step<T, const N: usize> {
     fn step(&self, state: [T; N]) -> [T; N];
 }
 
-/// With parameters that stay as they are.
+/// With constant parameters.
 struct Held<P, T> {
     plant: PhantomData<P>,
     force: T,
@@ -130,7 +130,7 @@ fn predict_by<T: Lane, S: Step<T, N>, const MOVING: usize, const N: usize, const
         for i in j..N {
             let mut sum = zero;
             for k in 0..N {
-                // Above the diagonal of what does not move there are zeros.
+                // For components that do not move there are zeros above the diagonal.
                 if i < MOVING || k <= i {
                     sum = sum + root[i][k] * root[j][k];
                 }

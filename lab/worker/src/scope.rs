@@ -72,7 +72,7 @@ pub fn answer(job: f64, cells: &[usize], rows: &[f64], watch: &Watch) {
 
 /// Sends a message, and hands over buffers in it.
 pub(crate) fn send(message: &Array, handed_over: &Array) {
-    // A page that has gone needs no numbers.
+    // A closed page needs no numbers.
     let _ = scope().post_message_with_transfer(message, handed_over);
 }
 

@@ -1,4 +1,4 @@
-//! Whether the sample of a particle filter still stands for a belief.
+//! Whether the sample of a particle filter still represents a belief.
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
