@@ -188,7 +188,7 @@ pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut
     }
 }
 
-/// Two whole settings, A and B, to go to and fro between.
+/// Switches between two whole settings, A and B.
 fn settings_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     for setting in Setting::BOTH {
         let is_on = session.setting() == setting;

@@ -74,7 +74,7 @@ fn text(bytes: Vec<u8>) -> Result<String, String> {
 /// The reason why a file above [`LARGEST`] is not opened.
 pub const TOO_LARGE: &str = "it is larger than 500 MB";
 
-/// Whether a file is one of the program's own, by its name. Any other is taken for a record.
+/// Whether a file is one of the program's own, by its name. Any other file is read as a record.
 fn is_toml(name: &str) -> bool {
     name.rsplit('.').next().is_some_and(|end| end.eq_ignore_ascii_case("toml"))
 }

@@ -43,14 +43,14 @@ pub enum Mode {
     Whole,
 }
 
-/// The scenario on screen with everything that follows from it.
+/// The scenario on screen with all its results.
 ///
 /// The same engine serves both modes: live, the run is stepped to playback's time; whole, to its end. A change of the
 /// scenario is computed beside the picture on screen, a slice of a frame after the other, and replaces it once it is
 /// complete: the picture always follows from one scenario, that of its run.
 ///
-/// Live, a record may be of any length: no more than [`Self::KEPT`] samples are kept, and which ones follows from where the
-/// run stands. Samples are counted from the start, but for [`Self::index`] and all indices of the run's record.
+/// Live, a record may be of any length: at most [`Self::KEPT`] samples are kept, chosen by the position of the run.
+/// Samples are counted from the start, except for [`Self::index`] and all indices of the run's record.
 pub struct Session {
     scenario: Scenario,
     /// The complete picture.
@@ -156,7 +156,7 @@ impl Session {
         Ok(session)
     }
 
-    /// Says how much is computed at once from now on.
+    /// Sets how much is computed at once from now on.
     pub fn set_budget(&mut self, budget: Budget) {
         self.budget = budget;
     }
@@ -212,13 +212,13 @@ impl Session {
         self.compute();
     }
 
-    /// There is hindsight of whole records only.
+    /// Only whole records are smoothed.
     fn want_of_study(&mut self) {
         let smoothed = self.mode() == Mode::Whole;
         self.study.want(Wanted { smoothed, ..self.wanted });
     }
 
-    /// The estimates with hindsight of the whole record, of the filters that have a smoother.
+    /// The smoothed estimates over the whole record, of the filters that have a smoother.
     pub fn smoothed(&self) -> &[Estimates] {
         self.study.analysis().smoothed()
     }

@@ -58,7 +58,7 @@ impl Visibility {
     pub(crate) fn without(hidden: &[LegendEntry]) -> Self {
         let mut visible = Self::default();
         for entry in hidden {
-            // Twice in the list is as good as once.
+            // A double entry in the list counts once.
             if !visible.hidden().contains(entry) {
                 visible.toggle(*entry);
             }

@@ -113,7 +113,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
 /// Words for no column.
 const NOTHING: [&str; 2] = ["none", "nothing"];
 
-/// What a column was taken for, and why, in one line.
+/// The guessed meaning of a column, and the reason, in one line.
 fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String {
     let name = Some(&guess.column);
     let sensor = mapping.sensors.iter().find(|(_, sensor)| sensor.column == guess.column);

@@ -46,7 +46,7 @@ pub(crate) fn read(bytes: Vec<u8>) -> Result<Table, String> {
     Ok(Table::of_columns("Parquet", columns, remarks))
 }
 
-/// A column of numbers on its way.
+/// A column of numbers, not yet written.
 struct Numbers {
     name: String,
     unit: Option<&'static str>,

@@ -37,7 +37,7 @@ pub(crate) trait Beliefs: Send {
 /// The progress of a smoother.
 #[derive(Clone, Copy)]
 enum Stage {
-    /// The filter is on its way.
+    /// The filter is under way.
     Forth,
     /// The samples before this one are to be smoothed.
     Back(usize),

@@ -24,7 +24,7 @@ const LARGE: f32 = 19.0;
 
 /// An equation that is being edited. The plant has it once it is complete: with Enter, or when a field is left.
 pub(crate) struct Editor {
-    /// The equation that the plant has; none while it is built in.
+    /// The plant's equation. `None` while the plant is built in.
     taken: Option<EquationSettings>,
     draft: EquationSettings,
     /// The symbols of the draft when it was an equation last, and the typeset text.

@@ -126,7 +126,7 @@ impl Memory {
         self.slot.path("last-crash")
     }
 
-    /// Takes up the state as of a crash, or none.
+    /// Restores the state of the crash, or none.
     fn take_up(&self, choice: Choice, session: Option<String>) {
         let mut file = self.keeper.kept().file();
         match (choice, session) {

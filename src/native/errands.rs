@@ -1,4 +1,4 @@
-//! Long filters, large files and start values on threads of this machine, beside the frames.
+//! Long filters, large files and start values on threads of this machine, outside the frames.
 
 use std::num::NonZero;
 use std::rc::Rc;

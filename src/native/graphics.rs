@@ -104,7 +104,7 @@ impl GraphicsWork for Working {
         loop {
             match self.rows.try_recv() {
                 Ok(rows) => all.push(rows),
-                // The last rows have come, or none at all: the first are worth taking before the thread is missed.
+                // The thread has ended. Hands over the last rows before reporting that.
                 Err(TryRecvError::Disconnected) if all.is_empty() => return Err(GivenUp),
                 Err(_) => return Ok(all),
             }

@@ -16,7 +16,7 @@ const GRASP: f32 = 10.0;
 pub(crate) struct Handle<'a> {
     /// The name of the setting, for the hint and for screen readers.
     pub(crate) name: String,
-    /// \[s\]; none for the right edge of the plot.
+    /// \[s\]; `None` for the right edge of the plot.
     pub(crate) time: Option<f64>,
     pub(crate) value: f64,
     pub(crate) color: Color32,

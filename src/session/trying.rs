@@ -87,7 +87,7 @@ fn in_places_of(before: &[Finding], mut found: Vec<Finding>) -> Vec<Finding> {
 }
 
 impl Session {
-    /// Says which filters, by id, to try the causes of where they are not to be believed.
+    /// Sets the filters, by id, that causes are tried for if the verdict is bad.
     pub fn want_trials(&mut self, filters: Vec<u32>) {
         self.trying.wanted = filters;
     }

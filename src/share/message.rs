@@ -107,7 +107,7 @@ impl Message {
             let version = Document::json(version).unwrap_or_default();
             return Err(refused(format!("The version of a message is {version}, but must be {VERSION}.")));
         }
-        // A list would be taken for an object's values.
+        // A list would be read as an object's values.
         if value.get("set").is_some_and(|set| !matches!(set, Document::Table(_))) {
             return Err(refused("The value of `set` must be an object.".to_owned()));
         }

@@ -24,7 +24,7 @@ const LEAST_HEIGHT: f32 = 240.0;
 /// Limits the ratio of height to width above which plots are one below the other.
 const UPRIGHT: f32 = 1.1;
 
-/// Limits how far below the best log likelihood a scale reaches: as a multiple of the distance of the median.
+/// Limits the range of a scale below the best log likelihood, as a multiple of the median's distance.
 const BELOW_BEST: f64 = 3.0;
 
 /// The ratio of the largest to the smallest score beyond which a scale is logarithmic.

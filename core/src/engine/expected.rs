@@ -177,7 +177,7 @@ impl<T: Number> Expected<T> {
         times_cov(reading, &self.rows[row * n..(row + 1) * n], cov, out);
     }
 
-    /// As a UKF has it, by sigma points that are drawn afresh.
+    /// The prediction of a UKF, by sigma points that are drawn again.
     ///
     /// ```text
     /// h = h(y⁻) + s,  s = Σ W d,  S = Σ W d dᵀ + o s sᵀ,  P⁻ Hᵀ = Σ W (χ - y⁻) dᵀ,  d = h(χ) - h(y⁻)

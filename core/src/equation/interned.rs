@@ -47,7 +47,7 @@ impl PlantKind {
         Ok(kind)
     }
 
-    /// The equation of a plant that a user typed; none for a built-in plant.
+    /// The equation of a plant that a user typed. `None` for a built-in plant.
     pub fn own_equation(self) -> Option<&'static Equation> {
         let plant: &'static dyn std::any::Any = self.plant();
         plant.downcast_ref()

@@ -12,7 +12,7 @@ use crate::linalg::{Matrix, Vector, add_product, copy_vector, multiply, multiply
 ///
 /// ```text
 /// xₖ₊₁ = A xₖ + B uₖ + w,  w ~ N(0, Q)
-/// zₖ = H xₖ + v,           v ~ N(0, R),   or h(xₖ) + v with a function of one's own
+/// zₖ = H xₖ + v,           v ~ N(0, R),   or h(xₖ) + v with a function h
 /// ```
 ///
 /// A is n × n, B n × p, H m × n, Q n × n, R m × m: in any units, and with correlated sensors if R says so. With a

@@ -57,7 +57,7 @@ const OTHERS: [&str; 22] = [
 const COUNTERS: [&str; 14] =
     ["record", "rn", "index", "sample", "samples", "scan", "frame", "row", "nr", "no", "n", "#", "count", "counter"];
 
-/// What a column was taken for, and why.
+/// The guessed meaning of a column, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColumnGuess {
     /// The name of the column.
@@ -152,7 +152,7 @@ fn is_truth(column: &Column) -> bool {
     column.name.starts_with("true_")
 }
 
-/// A column on its way to a meaning.
+/// A column that may still get a meaning.
 struct Candidate {
     place: usize,
     role: Option<Role>,

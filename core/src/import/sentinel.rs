@@ -15,7 +15,7 @@ pub struct Sentinel {
     pub is_usual: bool,
 }
 
-/// The distance to all other numbers, in their range, from which on a usual sentinel and another number are taken for one.
+/// The least distance of a sentinel from all other numbers, over their range: of a usual one and of any other number.
 const FAR: [f64; 2] = [3.0, 30.0];
 
 /// The fewest cells that have an unusual sentinel.

@@ -2,7 +2,7 @@
 
 use super::Matrix;
 
-/// Makes of the lower triangular root `L`, n × n, that of `L Lᵀ + d dᵀ`. What is left of d is of no meaning.
+/// Replaces the lower triangular root `L`, n × n, by that of `L Lᵀ + d dᵀ`. Overwrites d.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 6.5.4.
 pub fn add_to_root(root: &mut Matrix, d: &mut [f64]) {

@@ -31,7 +31,7 @@ pub fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
 /// [`lower_root`], written over `root`.
 ///
 /// # Errors
-/// As [`lower_root`]; `root` is of no meaning then.
+/// As [`lower_root`]; `root` is then meaningless.
 pub fn lower_root_into(root: &mut Matrix, s: &Matrix) -> Result<(), RootError> {
     let n = s.nrows();
     fit(root, n, n);

@@ -33,7 +33,7 @@ impl Climb {
         Self { best, likelihood: f64::NEG_INFINITY, round: 0, size: 0, is_down: false, has_moved: false, trials: 0 }
     }
 
-    /// The factors of the next trial; none once nothing is left to try.
+    /// The factors of the next trial. `None` if nothing is left to try.
     pub(super) fn next(&self) -> Option<Vec<f64>> {
         if self.trials == 0 {
             return Some(self.best.clone());

@@ -10,7 +10,7 @@ const MOST: usize = 1 << 18;
 const THERE: f64 = 0.75;
 /// The process noise of the filter, as a share of the motion's size a step.
 const SHARE: f64 = 1e-3;
-/// The largest innovations of a filter that is worth to be believed, as a share of the readings' size.
+/// Limits the innovations of a filter with usable predictions, as a share of the readings' size.
 const KNOWN: f64 = 0.5;
 
 /// The places of a record's lost readings, sensor by sensor.

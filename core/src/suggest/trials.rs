@@ -14,8 +14,8 @@ const LIKELY: usize = 4096;
 /// The same without an input: the size of an unknown force takes more samples to estimate.
 const LIKELY_AMBIENT: usize = 8192;
 
-/// Where a motion needs no noise, as a decay does, a white force is taken for its cause if the log likelihood is larger by
-/// this.
+/// For a motion that needs no noise, such as a decay, a white force must gain this much log likelihood to count as its
+/// cause.
 const CLEARLY: f64 = 10.0;
 
 /// Parts of the motion's size that are tried for its process noise per step.

@@ -84,7 +84,7 @@ impl Text<'_> {
         }
     }
 
-    /// By how much a number changes with the state, as an expression; none for a number that stays.
+    /// The derivative of a number by the state, as an expression. `None` for a constant.
     fn change_name(&self, node: Node) -> Option<String> {
         let of_state = (1_u64 << self.size) - 1;
         (self.builder.needs(node) & of_state != 0).then(|| match self.operation(node.place()) {

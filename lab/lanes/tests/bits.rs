@@ -164,7 +164,7 @@ proptest! {
     }
 }
 
-/// The random ensembles above are of all kinds: most go in lanes, some stop, some need doubled steps.
+/// The random ensembles above are of all kinds: lanes serve most runs, some stop, some need doubled steps.
 #[test]
 fn random_ensembles_are_of_all_kinds() {
     let mut runner = TestRunner::new(config(1));

@@ -9,7 +9,7 @@ use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with};
 pub(crate) struct Case {
     pub(crate) name: String,
     scenario: Scenario,
-    /// The instructions of lanes; none for a filter alone.
+    /// The instruction set of the lanes. `None` for a single filter.
     pub(crate) level: Option<Level>,
 }
 
