@@ -70,11 +70,11 @@ pub struct App {
     editor: Option<Editor>,
     /// A message, until it is dismissed.
     notice: Option<Notice>,
-    /// The way to the user's files; none where there is none.
+    /// Writes a file where the user finds it. `None` if the platform has no way to do so.
     deliver: Option<Deliver>,
-    /// The way to choose one of them; none where there is none.
+    /// Opens the file dialog. `None` if the platform has none.
     choose: Option<Choose>,
-    /// The files that arrive from there.
+    /// Receives the files that the user chooses.
     inbox: Inbox,
     /// The address at which links begin; empty where no page is known.
     page: String,
@@ -131,7 +131,8 @@ impl App {
         })
     }
 
-    /// For users who prefer reduced motion: begins paused with the whole record on screen, without animations.
+    /// Follows the system's setting for reduced motion: begins paused with the whole record on screen, without
+    /// animations.
     pub fn reduce_motion(&mut self, ctx: &egui::Context) {
         ctx.all_styles_mut(|style| style.animation_time = 0.0);
         self.session.set_mode(Mode::Whole);
@@ -187,7 +188,7 @@ impl App {
         self.notice.as_ref().map(|notice| notice.sentence.as_str())
     }
 
-    /// The ids of the filters whose causes are asked for.
+    /// The ids of the filters that a causes search is wanted for.
     fn tried(&self) -> Vec<u32> {
         if !self.layout.in_sight().contains(&ViewKind::Diagnosis) {
             return Vec::new();

@@ -33,7 +33,7 @@ pub(crate) struct Bar<'a> {
     pub(crate) transport: Extent,
     /// Whether another page embeds this one: transport only.
     pub(crate) embedded: bool,
-    /// Whether there is a change to take back, and one to make again.
+    /// Whether undo and redo are possible.
     pub(crate) history: (bool, bool),
 }
 
@@ -96,7 +96,7 @@ fn choose_file_ui(ui: &mut Ui, text: &str, requests: &mut Vec<Request>) -> bool 
     button.clicked()
 }
 
-/// The scenarios that come along; with them the way to other files where the bar has no room for it.
+/// The built-in scenarios; also the entry to open files, if the bar has no room for it.
 fn scenario_menu_ui(ui: &mut Ui, session: &Session, is_roomy: bool, requests: &mut Vec<Request>) {
     let button = menu_ui(ui, "Scenario", Closing::AtOnce, |ui| {
         if !is_roomy {
@@ -188,7 +188,7 @@ pub(crate) fn history_ui(ui: &mut Ui, (undo, redo): (bool, bool), requests: &mut
     }
 }
 
-/// Two whole settings, A and B, to go to and fro between.
+/// Switches between two whole settings, A and B.
 fn settings_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     for setting in Setting::BOTH {
         let is_on = session.setting() == setting;

@@ -9,20 +9,20 @@ use crate::views::view;
 /// Limits the height per view above which all views fit on screen; below it they scroll \[points\].
 const ENOUGH: f32 = 180.0;
 
-/// Limits the height of other views than flat ones from below where views scroll \[points\].
+/// The least height of views that are not flat, if views scroll \[points\].
 const LEAST: f32 = 300.0;
 
 /// Relative height of a tall view.
 const TALL: f32 = 1.7;
 
-/// Limits the height of a tall view from below where it is higher than the column \[points\].
+/// The least height of a tall view that is higher than the column \[points\].
 const LEAST_TALL: f32 = 240.0;
 
 /// The height of a flat view without its bar, as a share of the column's width.
 const FLAT: f32 = 0.3;
 
-/// Limits the height of a flat view without its bar: as a share of the column's height for each of the other views, and
-/// from below where all views fit and where they scroll \[points\].
+/// Limits the height of a flat view without its bar, as a share of the column's height for each of the other views; and
+/// the least heights if all views fit and if they scroll \[points\].
 const FLAT_SHARE: f32 = 0.2;
 const LEAST_FLAT: f32 = 64.0;
 const LEAST_FLAT_SCROLLING: f32 = 84.0;

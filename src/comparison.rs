@@ -1,4 +1,4 @@
-//! Changes of the whole scenario that one key makes, to compare what follows from them.
+//! Changes of the whole scenario by one key, to compare their results.
 
 use kalmanscope_core::{Channel, Hold, Scenario};
 

@@ -11,13 +11,13 @@ pub(crate) const FOR_PLOTS: f32 = 0.45;
 /// The lower height as a share of the window's.
 const LOW: f32 = 0.2;
 
-/// Limits both heights from below \[points\].
+/// The least height of both \[points\].
 const LEAST: f32 = 110.0;
 
 /// The size of the grip in the middle of the handle \[points\].
 const GRIP: egui::Vec2 = vec2(36.0, 4.0);
 
-/// Limits the height of the heading on the handle from below \[points\].
+/// The least height of the heading on the handle \[points\].
 const HANDLE: f32 = 26.0;
 
 /// The height of a drawer. A drag of its handle changes it; a tap goes to the other of two heights.
@@ -29,8 +29,7 @@ pub(crate) struct Drawer {
 }
 
 impl Drawer {
-    /// The lower and the larger height in a window of this height, of which `room` is left below bar and legend
-    /// \[points\].
+    /// The lower and the larger height in a window of this height with `room` left below bar and legend \[points\].
     fn heights(window: f32, room: f32) -> [f32; 2] {
         let high = (room - FOR_PLOTS * window).max(LEAST).min(room.max(0.0));
         [(LOW * window).max(LEAST).min(high), high]
@@ -51,7 +50,7 @@ impl Drawer {
         let height = self.dragged.unwrap_or(usual).clamp(low, high);
         let frame = Frame { inner_margin: egui::Margin { top: 0, ..frame.inner_margin }, ..frame };
         Panel::bottom(name).frame(frame).exact_size(height).show(ui, |ui| {
-            // The drawer keeps its size, however short its contents are.
+            // The drawer keeps its size even with short contents.
             ui.set_min_size(ui.available_size());
             let handle = handle_ui(ui, heading);
             let action = if self.is_low { "higher" } else { "lower" };

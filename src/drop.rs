@@ -25,7 +25,7 @@ pub(crate) fn dropped(ctx: &Context, requests: &mut Vec<Request>) {
     }
 }
 
-/// The request to open a file of this name, or to say why it cannot be opened.
+/// The request to open a file of this name, or to show why it cannot be opened.
 pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
     if let Some(session) = bytes.as_ref().ok().and_then(|bytes| session_file::read(bytes)) {
         return session.map_or_else(|error| refused(name, &error), |saved| Request::OpenSession(Box::new(saved)));
@@ -43,7 +43,7 @@ pub(crate) fn opened(name: &str, bytes: Result<Vec<u8>, String>) -> Request {
     }
 }
 
-/// The request to say why a file cannot be opened.
+/// The request to show why a file cannot be opened.
 fn refused(name: &str, reason: &impl ToString) -> Request {
     let reason = reason.to_string();
     Request::Report(format!("“{name}” cannot be opened: {}.", reason.trim_end_matches(['.', '\n', ' '])))
@@ -74,7 +74,7 @@ fn text(bytes: Vec<u8>) -> Result<String, String> {
 /// The reason why a file above [`LARGEST`] is not opened.
 pub const TOO_LARGE: &str = "it is larger than 500 MB";
 
-/// Whether a file is one of the program's own, by its name. Any other is taken for a record.
+/// Whether a file is one of the program's own, by its name. Any other file is read as a record.
 fn is_toml(name: &str) -> bool {
     name.rsplit('.').next().is_some_and(|end| end.eq_ignore_ascii_case("toml"))
 }

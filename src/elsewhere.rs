@@ -1,4 +1,4 @@
-//! Long work beside the frames, where there is something that does it: workers of a page, threads of the desktop.
+//! Long work outside the frames: in workers of a page, in threads of the desktop.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use kalmanscope_core::import::Loaded;
 use kalmanscope_core::suggest::Suggestion;
 use kalmanscope_core::{Record, Scenario, Tape};
 
-/// The time between two frames that only show how far such work is.
+/// The time between two frames that only show the progress of such work.
 pub(crate) const BETWEEN: Duration = Duration::from_millis(100);
 
 /// A filter under way. It sends samples.
@@ -18,7 +18,7 @@ pub type LoadingWork = Box<dyn Work<Report<Result<Loaded, String>>>>;
 /// Start values under way. They send their share that is done, then the settings.
 pub type SuggestWork = Box<dyn Work<Report<Suggestion>>>;
 
-/// Does long work beside the frames. Each answer is none where it cannot.
+/// Does long work outside the frames. Each method returns `None` if it cannot.
 pub trait Elsewhere {
     /// Begins to run the filter at a place of a scenario over all of a record.
     fn filter(&self, scenario: &Scenario, place: usize, record: &Record) -> Option<FilterWork>;
@@ -30,20 +30,20 @@ pub trait Elsewhere {
     fn suggest(&self, scenario: &Scenario, record: &Record) -> Option<SuggestWork>;
 }
 
-/// Work that is done elsewhere. It ends when it is dropped.
+/// Work in a worker or a thread. It ends when it is dropped.
 pub trait Work<T> {
     /// Takes the next message of the work, if one has come.
     ///
     /// # Errors
-    /// [`Lost`] where no more will come.
+    /// [`Lost`] if no more will come.
     fn next(&mut self) -> Result<Option<T>, Lost>;
 }
 
-/// The work has failed, and its messages so far are worth nothing.
+/// The work has failed; its messages so far must be dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lost;
 
-/// How far work is that has an outcome.
+/// A message of work that has an outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Report<T> {
     /// The share that is done, from 0 to 1.

@@ -1,7 +1,7 @@
-//! Figures: the views on screen, drawn anew for paper or a slide, as SVG and PNG.
+//! Figures: the views on screen, drawn again for paper or a slide, as SVG and PNG.
 //!
-//! The views draw themselves in a context of their own, with a white ground, type of one size and thin lines. The shapes that
-//! they leave become SVG as they are, or triangles for pixels. Both need neither a screen nor a graphics card.
+//! The views draw themselves in a context of their own, with a white ground, type of one size and thin lines. Their
+//! shapes become SVG directly, or triangles for pixels. Neither needs a screen or a graphics card.
 
 mod arrange;
 mod canvas;
@@ -36,8 +36,8 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Draws these views in rows, each row from left to right, with a legend above them. A figure shows what the context
-    /// shows, but no cursor, no handle and no verdict.
+    /// Draws these views in rows, each row from left to right, with a legend above them. A figure shows the contents of
+    /// the context without cursor, handles and verdicts.
     pub fn new(context: &ViewContext<'_>, rows: &[Vec<ViewKind>], format: FigureFormat) -> Self {
         arrange(context, rows, format)
     }

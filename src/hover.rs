@@ -1,4 +1,4 @@
-//! Texts over widgets, written only where somebody sees or hears them: most frames nobody does.
+//! Texts over widgets. They are built only when they are shown or read aloud, which most frames do not need.
 
 use egui::Response;
 

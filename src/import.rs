@@ -31,14 +31,14 @@ pub const LARGEST: usize = 500_000_000;
 /// Limits the size of a file that is read in the frames, a few of them \[bytes\].
 const LONG_FILE: usize = 4_000_000;
 
-/// Limits the length of a record whose start values are made in the frames \[samples\].
+/// Limits the length of a record with start values that are made in the frames \[samples\].
 const LONG_RECORD: usize = 50_000;
 
 /// An import under way.
 pub struct Import {
     name: String,
     stage: Stage,
-    /// Does long work beside the frames, where there are workers or threads.
+    /// Does long work outside the frames, if there are workers or threads.
     elsewhere: Option<Rc<dyn Elsewhere>>,
 }
 
@@ -74,7 +74,7 @@ impl Import {
         Self { name: name.to_owned(), stage, elsewhere }
     }
 
-    /// The import of a file that has been read, as a scenario uses it now.
+    /// The import of a file that has been read, with the present choices of a scenario.
     pub fn again(file: &Arc<RecordFile>, scenario: &Scenario, elsewhere: Option<Rc<dyn Elsewhere>>) -> Self {
         let draft = Draft::of_scenario(Arc::clone(file), scenario);
         Self { name: file.name.clone(), stage: Stage::Asking(Box::new(draft)), elsewhere }

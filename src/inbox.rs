@@ -21,13 +21,13 @@ pub enum Arrival {
 pub struct Inbox(Arc<Mutex<Vec<Arrival>>>);
 
 impl Inbox {
-    /// Adds what has arrived, and asks for a frame that opens it.
+    /// Adds an arrival, and asks for a frame that opens it.
     pub fn put(&self, arrival: Arrival, ctx: &Context) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(arrival);
         ctx.request_repaint();
     }
 
-    /// Takes out what has arrived since the last time.
+    /// Takes out all arrivals since the last call.
     pub(crate) fn take(&self) -> Vec<Arrival> {
         std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }

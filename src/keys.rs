@@ -31,7 +31,7 @@ const fn plain(
     Shortcut { name, what, keys, modifiers: Modifiers::NONE, request }
 }
 
-/// All keys, by what they are for. Where one includes another, it stands first.
+/// All keys, by purpose. If one shortcut includes another, it comes first.
 const GROUPS: &[(&str, &[Shortcut])] = &[
     (
         "Playback",

@@ -3,8 +3,8 @@
 //! ```text
 //! Session ──scenario, source──▶ Survey ──cells──▶ Engine ──rows──▶ Sheet ──▶ views
 //! ```
-//! A change of the scenario begins another survey. The one before stays in sight until the new one covers the map. A change of
-//! the axes' own settings moves a dot and begins nothing.
+//! A change of the scenario begins another survey. The earlier one stays on screen until the new one covers the map. A
+//! change of the axes' own settings only moves the dot.
 
 mod accelerated;
 mod choice;
@@ -47,10 +47,10 @@ const FEW: usize = 32;
 /// The maps of the session on screen.
 pub struct Laboratory {
     engine: Box<dyn Engine>,
-    /// The user's choice; none until a map is in sight.
+    /// The user's choice. `None` until a map is on screen.
     choice: Option<Choice>,
     survey: Option<Survey>,
-    /// The survey before, until the present one covers the map.
+    /// The earlier survey, until the present one covers the map.
     before: Option<Survey>,
     seeds: Seeds,
     tuning: Tuning,
@@ -74,7 +74,7 @@ impl Laboratory {
         }
     }
 
-    /// The axes, score and filters; none until a map has been in sight.
+    /// The axes, score and filters. `None` until a map has been on screen.
     pub fn choice(&self) -> Option<&Choice> {
         self.choice.as_ref()
     }
@@ -85,7 +85,7 @@ impl Laboratory {
         self.state.go_on();
     }
 
-    /// The survey to show: the present one, or the one before as long as that covers more.
+    /// The survey to show: the present one, or the earlier one as long as that covers more.
     pub fn shown(&self) -> Option<&Survey> {
         self.before.as_ref().or(self.survey.as_ref())
     }
@@ -95,7 +95,7 @@ impl Laboratory {
         self.before.is_some()
     }
 
-    /// The share of the present map that is known, from 0 to 1; none where it is complete or there is none.
+    /// The share of the present map that is known, from 0 to 1. `None` if the map is complete or there is none.
     pub fn progress(&self) -> Option<f64> {
         let sheet = self.survey.as_ref()?.sheet();
         (!sheet.is_complete()).then(|| sheet.done() as f64 / sheet.len() as f64)
@@ -106,13 +106,13 @@ impl Laboratory {
         self.survey.as_ref().is_some_and(Survey::is_working)
     }
 
-    /// Whether the user has stopped the map, why there is none, and a number that changes with what is to be shown, also
-    /// when rows have come.
+    /// Whether the user has stopped the map, why there is none, and a number that changes whenever the map has to be
+    /// drawn again, also when rows have come.
     pub fn state(&self) -> &WorkState {
         &self.state
     }
 
-    /// Whether the graphics processor is there; none where the engine uses none.
+    /// Whether a graphics processor was found. `None` if the engine uses none.
     pub fn graphics(&self) -> Option<Finding> {
         self.engine.graphics()
     }
@@ -131,8 +131,8 @@ impl Laboratory {
         changes
     }
 
-    /// Follows the session while a view of the laboratory is in sight, and rests otherwise. A new map is coarse on a small
-    /// screen.
+    /// Follows the session while a view of the laboratory is on screen, and rests otherwise. A new map is coarse on a
+    /// small screen.
     pub fn follow(&mut self, session: &Session, is_in_sight: bool, is_small: bool, ctx: &Context) {
         if !is_in_sight {
             return self.rest();
@@ -162,13 +162,13 @@ impl Laboratory {
         &self.seeds
     }
 
-    /// The runs with many seeds, to be chosen and stopped.
+    /// The runs with many seeds, mutable.
     pub fn seeds_mut(&mut self) -> &mut Seeds {
         &mut self.seeds
     }
 
-    /// Follows the session with many seeds of some filters while that is in sight, and rests otherwise. An engine has one
-    /// task at a time: a map under way comes first, because a hand may be on it.
+    /// Runs the session's scenario with many seeds of some filters while its view is on screen, and rests otherwise. An
+    /// engine has one task at a time: a map under way comes first, because the user may be dragging its dot.
     pub fn follow_seeds(&mut self, session: &Session, filters: &[u32], is_in_sight: bool, ctx: &Context) {
         if !is_in_sight {
             return self.seeds.rest();
@@ -182,25 +182,25 @@ impl Laboratory {
         &self.tuning
     }
 
-    /// The tuning of a filter, to be chosen and stopped.
+    /// The tuning of a filter, mutable.
     pub fn tuning_mut(&mut self) -> &mut Tuning {
         &mut self.tuning
     }
 
-    /// Begins to tune, from the best cell of the map where that has settings of the tuning.
+    /// Begins to tune, from the best cell of the map if the map varies settings of the tuning.
     pub fn tune(&mut self, session: &Session) {
         let Self { survey, tuning, .. } = self;
         tuning.begin(session.run(), session.is_measured(), survey.as_ref());
     }
 
-    /// Goes on with the tuning while that is in sight.
+    /// Goes on with the tuning while its view is on screen.
     pub fn follow_tuning(&mut self, session: &Session, is_in_sight: bool, ctx: &Context) {
         if is_in_sight {
             self.tuning.follow(session.run().scenario(), session.budget(), ctx);
         }
     }
 
-    /// The choice as far as the run has what it names.
+    /// The choice, reduced to the filters and settings that the run has.
     fn fit(&self, run: &Run, is_measured: bool, is_small: bool) -> Result<Choice, String> {
         if run.samples() > Session::LONGEST_WHOLE + 1 {
             return Err(format!("The record has {} samples: too many to run it for every cell.", run.samples()));
@@ -212,7 +212,7 @@ impl Laboratory {
         choice.ok_or_else(|| "There is no filter whose settings could be varied.".to_owned())
     }
 
-    /// Begins another survey. The present one stays in sight if it covers the map.
+    /// Begins another survey. The present one stays on screen if it covers the map.
     fn begin(&mut self, run: &Run, source: Source, choice: &Choice) {
         self.edition += 1;
         self.state.begin();
@@ -223,7 +223,7 @@ impl Laboratory {
                     last.rest();
                     self.before = Some(last);
                 }
-                // Another score than it has cannot be shown.
+                // Only the scores that were computed can be shown.
                 self.before = self.before.take().filter(|before| before.has(choice.measure));
             }
             Err(problem) => {

@@ -17,7 +17,7 @@ pub struct Layout {
     enlarged: Option<ViewKind>,
 }
 
-/// The first screen: few and large, so that a stranger sees the mass and what the filters learn.
+/// The first screen: few, large views, so that a new user sees the mass and the estimates.
 impl Default for Layout {
     fn default() -> Self {
         let rows: Rows<'_> = &[(0.34, &[ViewKind::Oscillator]), (0.66, &[ViewKind::Parameters])];
@@ -65,7 +65,7 @@ impl Layout {
         self.tree.root().map_or_else(Vec::new, |root| self.panes(root))
     }
 
-    /// The views in sight in rows, from top to bottom; those of a row from left to right.
+    /// The views on screen in rows, from top to bottom; those of a row from left to right.
     pub(crate) fn rows(&self) -> Vec<Vec<ViewKind>> {
         if let Some(view) = self.enlarged {
             return vec![vec![view]];

@@ -123,7 +123,7 @@ impl Legend<'_> {
         entry_ui(ui, LegendEntry::Verdicts, "verdicts", (Mark::Chip, palette.weak, visible.verdicts), requests);
     }
 
-    /// The chip of the picture from before, in what is left of a row.
+    /// The chip of the earlier picture, in the rest of a row.
     fn before_ui(&self, ui: &mut Ui, text: &str, requests: &mut Vec<Request>) {
         let left = ui.available_size_before_wrap().x;
         let room = if left < CHIP { ui.max_rect().width() } else { left };
@@ -163,7 +163,7 @@ impl Legend<'_> {
     }
 }
 
-/// The words of the picture from before, without the name of the filter that stands beside them.
+/// The words of the earlier picture, without the name of the filter beside them.
 fn short(before: &Before, changed: &[(usize, &Estimates)]) -> String {
     let words = match changed {
         [(_, only)] => before.words().replace(&format!("{} ", only.name()), ""),

@@ -1,4 +1,4 @@
-//! Kalmanscope's entry points: a window, a report where there is no display, or a web page.
+//! Kalmanscope's entry points: a window, a report without a display, or a web page.
 
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {
@@ -62,7 +62,7 @@ mod native {
         let Err(error) = window::open(address, file) else {
             return ExitCode::SUCCESS;
         };
-        // The message is what follows the last colon; before it is a place in the toolkit's source.
+        // The message follows the last colon; a place in the toolkit's source comes before it.
         let error = error.to_string();
         let reason = error.rsplit(": ").next().unwrap_or(&error).trim_end_matches('.');
         match report(reason, target) {
@@ -161,7 +161,7 @@ mod web {
                 self.fragment.clone_from(fragment);
                 self.app.open_address(fragment);
             }
-            // One message a frame: its answer tells what follows from it.
+            // One message a frame, so that its answer shows its effect.
             let message = self.messages.as_ref().and_then(Messages::next);
             let taken = message.as_ref().map(|Message { text, .. }| self.app.take_message(text));
             self.app.logic(ctx, frame);
@@ -269,7 +269,7 @@ mod web {
             .start(canvas, options, creator)
             .await
             .map_err(|error| error.as_string().unwrap_or_else(|| format!("{error:?}")))?;
-        // The toolkit's own field, which gets what is typed into the picture.
+        // The toolkit's own field, which receives the keys typed into the picture.
         if let Ok(Some(field)) = document.query_selector("#kalmanscope + input") {
             field.set_attribute("aria-label", "Text for the field that is edited in the picture").ok();
         }

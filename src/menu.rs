@@ -1,4 +1,4 @@
-//! A menu, which leaves its button in sight: it scrolls where it is longer than the window has room.
+//! A menu that does not cover its button: it scrolls if the window has no room for all of it.
 
 use egui::containers::menu::{MenuConfig, menu_style};
 use egui::{Popup, PopupCloseBehavior, Response, ScrollArea, Ui, UiKind, UiStackInfo};
@@ -6,7 +6,7 @@ use egui::{Popup, PopupCloseBehavior, Response, ScrollArea, Ui, UiKind, UiStackI
 /// The distance of a menu's contents from its button and from the window's edge, together \[points\].
 const MARGINS: f32 = 28.0;
 
-/// Limits the height of a menu's contents from below \[points\].
+/// The least height of a menu's contents \[points\].
 const LEAST: f32 = 100.0;
 
 /// When a menu closes.
@@ -27,7 +27,7 @@ pub(crate) fn menu_ui(
 ) -> Response {
     let button = ui.button(text.into());
     let window = ui.ctx().content_rect();
-    // It opens above the button where there is more room.
+    // It opens above the button if there is more room.
     let room = (window.bottom() - button.rect.bottom()).max(button.rect.top() - window.top());
     let height = (room - MARGINS).max(LEAST);
     let close_behavior = match closing {

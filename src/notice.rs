@@ -49,7 +49,8 @@ impl From<String> for Notice {
     }
 }
 
-/// Shows the message with a button to dismiss it, over the foot of the plots: nothing moves when it comes or goes.
+/// Shows the message with a button to dismiss it, over the foot of the plots, so that nothing moves when it appears or
+/// disappears.
 pub(crate) fn notice_ui(ctx: &Context, notice: &Notice, plots: Rect, palette: &Palette, requests: &mut Vec<Request>) {
     let at = plots.center_bottom() - vec2(0.0, APART);
     let area = Area::new(Id::unique("notice")).order(Order::Foreground).pivot(Align2::CENTER_BOTTOM).fixed_pos(at);

@@ -19,12 +19,12 @@ const TARGET: f32 = 24.0;
 /// The way in which views share the room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Way {
-    /// As the layout has them, where there is room for that.
+    /// As the layout has them, if there is room.
     Tiles,
     /// In one column.
     Column,
-    /// In one column of views without bars, each with all the room, and without pictures of the plant: while a setting is
-    /// changed on a phone, the curves that it changes are in sight.
+    /// In one column of views without bars, each with all the room, and without pictures of the plant: while a setting
+    /// is changed on a phone, the curves that it changes are on screen.
     Plots,
 }
 
@@ -45,7 +45,7 @@ pub(crate) fn panes_ui(ui: &mut Ui, layout: &Layout, context: &ViewContext<'_>, 
         panes.draggable = false;
         let mut kinds = layout.in_order();
         if !narrow {
-            // On a phone that lies on its side the picture of the plant would leave the plots no room in sight.
+            // On a phone in landscape the picture of the plant would leave the plots no room.
             sort_short_by_key(&mut kinds, |kind| view(*kind).proportions() == Proportions::Flat);
         }
         panes.show_column(ui, &kinds);

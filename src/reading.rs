@@ -40,7 +40,7 @@ pub(crate) struct Row {
 }
 
 impl Reading {
-    /// The values of what is shown at both marks; none without A.
+    /// The values on screen at both marks. `None` without A.
     pub(crate) fn of(ruler: &Ruler, session: &Session, visible: &Visibility, palette: &Palette) -> Option<Self> {
         let b = ruler.time(End::B);
         let times = [ruler.time(End::A)?, b.unwrap_or_else(|| session.time())];

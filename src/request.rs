@@ -79,7 +79,7 @@ pub enum Request {
     ChangeLesson,
     /// Note that the lesson is finished.
     FinishLesson,
-    /// Leave the lesson and keep everything as it is.
+    /// Leave the lesson and keep the scenario and the views.
     LeaveLesson,
     /// Show or hide an entry of the legend in all plots.
     ToggleEntry(LegendEntry),
@@ -123,7 +123,7 @@ pub enum Request {
     ToggleMark(End),
     /// Take both marks away.
     ClearMarks,
-    /// Write what is on screen to a file.
+    /// Write the picture on screen to a file.
     Export(Export),
     /// Open or close the menu of exports.
     ToggleExports,
@@ -184,7 +184,7 @@ pub enum Picture {
     Png,
 }
 
-/// A file as it is.
+/// A file's bytes, not yet read.
 #[derive(Clone, PartialEq)]
 pub struct RawFile {
     /// Its name.

@@ -28,7 +28,7 @@ impl End {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Ruler {
-    /// A and B \[s\], none where not set.
+    /// A and B \[s\]. `None` if it is not set.
     times: [Option<f64>; 2],
 }
 

@@ -1,4 +1,4 @@
-//! A scenario and its run, and where playback stands in it.
+//! A scenario, its run, and the position of playback.
 
 mod before;
 mod budget;
@@ -43,14 +43,14 @@ pub enum Mode {
     Whole,
 }
 
-/// The scenario on screen with everything that follows from it.
+/// The scenario on screen with all its results.
 ///
-/// The same engine serves both modes: live, the run is stepped to where playback stands; whole, to its end. A change of
-/// the scenario is computed beside what is shown, a slice of a frame after the other, and takes its place once it is
-/// complete: what is shown always follows from one scenario, that of its run.
+/// The same engine serves both modes: live, the run is stepped to playback's time; whole, to its end. A change of the
+/// scenario is computed beside the picture on screen, a slice of a frame after the other, and replaces it once it is
+/// complete: the picture always follows from one scenario, that of its run.
 ///
-/// Live, a record may be of any length: no more than [`Self::KEPT`] samples are kept, and which ones follows from where the
-/// run stands. Samples are counted from the start, but for [`Self::index`] and all indices of the run's record.
+/// Live, a record may be of any length: at most [`Self::KEPT`] samples are kept, chosen by the position of the run.
+/// Samples are counted from the start, except for [`Self::index`] and all indices of the run's record.
 pub struct Session {
     scenario: Scenario,
     /// The complete picture.
@@ -62,7 +62,7 @@ pub struct Session {
     slices: usize,
     /// Whether the scenario has been edited since the job began.
     waiting: bool,
-    /// Whether the run is where playback stands, and its analysis complete.
+    /// Whether the run has reached playback's time, and its analysis is complete.
     complete: bool,
     budget: Budget,
     wanted: Wanted,
@@ -84,7 +84,7 @@ pub struct Session {
     trying: Trying,
     library: Library,
     free: FreeRuns,
-    /// Counts changes of what is drawn besides the run.
+    /// Counts changes of the picture other than those of the run.
     drawn: u64,
 }
 
@@ -156,7 +156,7 @@ impl Session {
         Ok(session)
     }
 
-    /// Says how much is computed at once from now on.
+    /// Sets how much is computed at once from now on.
     pub fn set_budget(&mut self, budget: Budget) {
         self.budget = budget;
     }
@@ -171,18 +171,18 @@ impl Session {
         &self.scenario
     }
 
-    /// The run that is shown, as far as it is kept.
+    /// The run on screen, without forgotten samples.
     pub fn run(&self) -> &Run {
         self.study.run()
     }
 
-    /// A number that changes whenever the sample at an index becomes another one: with a new run, and when samples have been
-    /// forgotten. What has been computed from samples before is worth nothing then.
+    /// A number that changes whenever the sample at an index becomes another one: with a new run, and when samples have
+    /// been forgotten. Results from earlier samples are then invalid.
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
-    /// A number that changes with what is drawn besides the run.
+    /// A number that changes with everything on screen that is not the run.
     pub fn drawn(&self) -> u64 {
         self.drawn
     }
@@ -197,7 +197,7 @@ impl Session {
         self.study.analysis().bounds()
     }
 
-    /// Says what is to be computed beside the estimates.
+    /// Sets the results to compute in addition to the estimates.
     pub fn want(&mut self, wanted: Wanted) {
         let before = std::mem::replace(&mut self.wanted, wanted);
         if wanted == before {
@@ -212,19 +212,19 @@ impl Session {
         self.compute();
     }
 
-    /// There is hindsight of whole records only.
+    /// Only whole records are smoothed.
     fn want_of_study(&mut self) {
         let smoothed = self.mode() == Mode::Whole;
         self.study.want(Wanted { smoothed, ..self.wanted });
     }
 
-    /// The estimates with hindsight of the whole record, of the filters that have a smoother.
+    /// The smoothed estimates over the whole record, of the filters that have a smoother.
     pub fn smoothed(&self) -> &[Estimates] {
         self.study.analysis().smoothed()
     }
 
-    /// The quantities that the run's filters are told, in the order of their innovations. A measured record may have more, and
-    /// in another order.
+    /// The quantities that the run's filters use, in the order of their innovations. A measured record may have more,
+    /// and in another order.
     pub fn sensors(&self) -> Vec<Quantity> {
         self.run().scenario().sensors.iter().map(|sensor| sensor.measures).collect()
     }
@@ -261,7 +261,7 @@ impl Session {
     /// Keeps a file as the record on which the identified models are tested.
     ///
     /// # Errors
-    /// A sentence where there is no measured record on screen, or the columns do not mean the same.
+    /// A sentence if there is no measured record on screen, or the columns have other meanings.
     pub fn hold_out(&mut self, file: &RecordFile) -> Result<(), String> {
         self.library.hold_out(file, &self.scenario)?;
         self.drawn += 1;
@@ -279,7 +279,7 @@ impl Session {
         matches!(self.run().source(), Source::Measured(_))
     }
 
-    /// Shows the record as it grows, or all of it, as soon as it is short enough for that.
+    /// Shows the record as it grows, or the whole record once it is short enough.
     pub fn set_mode(&mut self, mode: Mode) {
         self.wanted_mode = mode;
         self.want_of_study();
@@ -287,7 +287,7 @@ impl Session {
         self.compute();
     }
 
-    /// Takes over an edited scenario and computes what follows from it; until that is complete, the last picture stays. An
+    /// Takes over an edited scenario and computes its picture; until that is complete, the last picture stays. An
     /// impossible scenario is kept for editing, while the run stays that of the last possible one.
     pub fn set_scenario(&mut self, mut scenario: Scenario) {
         scenario.number_filters();

@@ -9,7 +9,7 @@ use crate::ruler::Ruler;
 use crate::session::Mode;
 use crate::share::{Picture, PictureError, Screen, outline_of_tiles};
 
-/// The key that tells such a file from others; its value is the format.
+/// The key by which such a file is recognised; its value is the format.
 const KEY: &str = "kalmanscope_session";
 
 /// The newest format. The first had tiles that name each other, no marks, and all of the legend.
@@ -58,7 +58,7 @@ pub(crate) fn text(picture: &Picture) -> Result<String, SessionFileError> {
     Ok(Document::json_lines(&Written { kalmanscope_session: VERSION, program, scenario, screen })?)
 }
 
-/// The session in a file; none where it is another kind of file.
+/// Reads the session in a file. `None` for another kind of file.
 pub(crate) fn read(bytes: &[u8]) -> Option<Result<Picture, SessionFileError>> {
     if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
         return None;

@@ -1,4 +1,4 @@
-//! A picture as a link: what is on screen, compressed, in the fragment of an address.
+//! A picture as a link: the state of the screen, compressed, in the fragment of an address.
 //!
 //! ```text
 //! #link=1.DATA     DATA = base64url(deflate(line of JSON + scenario as TOML) + check)
@@ -45,7 +45,7 @@ pub enum LinkError {
     /// The version is not known.
     #[error("it is of version {0}, and this program reads links up to version {VERSION}")]
     Newer(u64),
-    /// The text is not what a program has written.
+    /// The text was not written by a program, or is damaged.
     #[error("it is damaged: a part of it is missing or changed")]
     Damaged,
     /// The picture is not valid.

@@ -1,11 +1,11 @@
-//! Blocks of text that do not become lower under a hand: what follows them keeps its place.
+//! Blocks of text that do not shrink under the pointer, so that widgets below them do not move.
 
 use egui::{Id, Ui};
 
 /// The time for which blocks keep their heights after the pointer has left, or the finger \[s\].
 const STAYS: f64 = 2.0;
 
-/// Whether the hand is on the part of the window that `ui` has, or was a moment ago.
+/// Whether the pointer is on the part of the window that `ui` covers, or was a moment ago.
 pub(crate) fn is_held(ui: &Ui, key: &str) -> bool {
     let id = ui.scope_id().with(key);
     let now = ui.input(|input| input.time);

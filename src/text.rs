@@ -14,13 +14,13 @@ pub fn fixed(x: f64, decimals: usize) -> String {
     if x.is_finite() && x.abs() < 1e6 { format!("{x:.decimals$}").replace('-', "−") } else { significant(x, 3) }
 }
 
-/// An angular frequency \[rad/s\] in hertz; `None` where the unit is another one.
+/// An angular frequency \[rad/s\] in hertz. `None` for another unit.
 pub fn in_hertz(x: f64, unit: &str) -> Option<String> {
     (unit == "rad/s").then(|| format!("{} Hz", significant(x / TAU, 4)))
 }
 
-/// An error of an angular frequency \[rad/s\] in hertz, for one that is written with `decimals`; `None` where the unit is
-/// another one.
+/// An error of an angular frequency \[rad/s\] in hertz, for one that is written with `decimals`. `None` for another
+/// unit.
 pub fn error_in_hertz(x: f64, unit: &str, decimals: usize) -> Option<String> {
     // A hertz is more than six radians a second.
     (unit == "rad/s").then(|| format!("{} Hz", fixed(x / TAU, decimals + 1)))

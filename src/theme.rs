@@ -33,7 +33,7 @@ pub fn readout() -> TextStyle {
     TextStyle::Name("readout".into())
 }
 
-/// Makes everything that is pressed large enough for a finger, once there is one.
+/// Makes buttons large enough for a finger, once the screen has been touched.
 pub fn fit_targets(ctx: &egui::Context) {
     if ctx.input(egui::InputState::has_touch_screen) {
         expect_fingers(ctx);
@@ -52,7 +52,7 @@ pub fn is_for_fingers(ctx: &egui::Context) -> bool {
     ctx.global_style().spacing.interact_size.y >= FINGER
 }
 
-/// The height of what a finger presses \[points\].
+/// The height of buttons for fingers \[points\].
 const FINGER: f32 = 40.0;
 
 /// Makes the numbers above plots large, for a lecture hall, or as large as small text.

@@ -13,7 +13,7 @@ pub(crate) struct Trouble {
     pub(crate) is_failure: bool,
 }
 
-/// All that there is to say.
+/// All troubles of a session.
 pub(crate) fn troubles(session: &Session) -> Vec<Trouble> {
     let record = session.run().record();
     let mut troubles = Vec::new();

@@ -1,4 +1,4 @@
-//! A lesson in progress: something to look at, a question, a change, what happens, why.
+//! A lesson in progress. Each step has something to look at, a question, a change, its effect and an explanation.
 
 mod catalogue;
 mod heading;
@@ -28,7 +28,7 @@ pub struct Tutor {
     step: usize,
     changed: bool,
     answer: Option<Answer>,
-    /// The addresses of the settings that the step is about, by ids as far as filters of these names have been there.
+    /// The addresses of the settings that the step is about, by ids for the filters that the scenario has had.
     lit: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! The screen in words and tables, for readers who cannot see it.
+//! The screen in words and tables, for screen readers.
 
 use egui::Theme;
 
@@ -15,10 +15,10 @@ use crate::view::ViewContext;
 use crate::views::view;
 use crate::visibility::Visibility;
 
-/// The number of equal parts of the record, at whose ends a table has a row.
+/// A table has a row at the end of each of this many equal parts of the record.
 const PARTS: usize = 10;
 
-/// The text where there is no number.
+/// The text in place of a missing number.
 const NONE: &str = "–";
 
 /// The verdict before there is one.
@@ -27,7 +27,7 @@ const UNKNOWN: &str = "not known yet";
 /// The screen in words and tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Twin {
-    /// The views in sight.
+    /// The views on screen.
     pub parts: Vec<Part>,
     /// Failures and remarks, as sentences.
     pub messages: Vec<String>,
@@ -44,7 +44,7 @@ pub struct Part {
     pub tables: Vec<Table>,
 }
 
-/// A table whose first column has the names of the rows.
+/// A table with the names of the rows in its first column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Its title.

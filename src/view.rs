@@ -29,7 +29,7 @@ pub struct ViewContext<'a> {
     pub axis: &'a TimeAxis,
     /// The marked times.
     pub ruler: &'a Ruler,
-    /// The maps, where there are some.
+    /// The maps, if there are any.
     pub laboratory: Option<&'a Laboratory>,
     /// A version number of everything that is drawn over time.
     version: u64,
@@ -52,7 +52,7 @@ impl<'a> ViewContext<'a> {
         Self { session, palette, visible, axis, ruler, laboratory: None, version: hasher.finish() }
     }
 
-    /// The context with maps, where there are some.
+    /// The context with maps, if there are any.
     #[must_use]
     pub fn in_laboratory(self, laboratory: Option<&'a Laboratory>) -> Self {
         Self { laboratory, ..self }
@@ -75,8 +75,8 @@ impl<'a> ViewContext<'a> {
         session.run().estimates().iter().enumerate().filter(|(_, estimates)| visible.filter(estimates.id()))
     }
 
-    /// The diagnostics of the filters that are shown, each with the filter's place and estimates; none where they are
-    /// not computed.
+    /// The diagnostics of the filters that are shown, each with the filter's place and estimates. Empty if they are not
+    /// computed.
     pub(crate) fn diagnostics(&self) -> impl Iterator<Item = (usize, &'a Estimates, &'a Diagnostics)> + use<'a> {
         let all = self.session.diagnostics();
         self.filters().filter_map(|(place, estimates)| Some((place, estimates, all.get(place)?)))
@@ -105,7 +105,7 @@ pub trait View: Sync {
     /// A description in three lines: the contents and how to read them.
     fn help(&self) -> [&'static str; 3];
 
-    /// The results besides the estimates that it needs.
+    /// The results that it needs in addition to the estimates.
     fn wanted(&self) -> Wanted {
         Wanted::NOTHING
     }
@@ -125,7 +125,7 @@ pub trait View: Sync {
         Proportions::Wide
     }
 
-    /// The numbers of its plots; none where it has no numbers over time.
+    /// The numbers of its plots; empty if it has no numbers over time.
     fn sheets<'a>(&self, _context: &ViewContext<'a>) -> Vec<Sheet<'a>> {
         Vec::new()
     }

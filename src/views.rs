@@ -53,7 +53,7 @@ pub fn view(kind: ViewKind) -> &'static dyn View {
     }
 }
 
-/// The results besides the estimates that some views need.
+/// The results that some views need in addition to the estimates.
 pub fn wanted(views: &[ViewKind]) -> Wanted {
     views.iter().map(|kind| view(*kind).wanted()).fold(Wanted::NOTHING, Wanted::and)
 }

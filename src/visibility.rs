@@ -58,7 +58,7 @@ impl Visibility {
     pub(crate) fn without(hidden: &[LegendEntry]) -> Self {
         let mut visible = Self::default();
         for entry in hidden {
-            // Twice in the list is as good as once.
+            // A double entry in the list counts once.
             if !visible.hidden().contains(entry) {
                 visible.toggle(*entry);
             }
@@ -79,7 +79,7 @@ impl Visibility {
         parts.chain(hidden_filters.iter().map(|id| LegendEntry::Filter(*id))).collect()
     }
 
-    /// Shows everything again, but for verdicts that a lecturer has hidden.
+    /// Shows everything again, except verdicts that a lecturer has hidden.
     pub(crate) fn reset(&mut self) {
         *self = Self { verdicts: self.verdicts, ..Self::default() };
     }

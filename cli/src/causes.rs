@@ -1,12 +1,13 @@
-//! The causes of what is wrong with each filter.
+//! The causes of each filter's verdict.
 
 use kalmanscope_core::diagnosis::Finding;
 use kalmanscope_core::{Analysis, Diagnosis, Diagnostics, Estimates, Record, Run, Scenario};
 
 use crate::telling::{Told, Work};
 
-/// The remedies of each filter's verdict, each of one cause or of several, the likeliest first: none where a filter is consistent,
-/// or there is no verdict. Each is confirmed by running the filter again with its knobs turned, over 10,000 samples at most.
+/// The remedies of each filter's verdict, each of one cause or of several, the likeliest first. A consistent filter, or
+/// one without a verdict, has none. Running the filter again with the knobs turned, over 10,000 samples at most,
+/// confirms each remedy.
 pub fn causes(run: &Run, analysis: &Analysis) -> Vec<Vec<Finding>> {
     causes_telling(run, analysis, &mut |_| {})
 }

@@ -7,7 +7,7 @@ use kalmanscope_core::{Diagnosis, Scenario};
 
 use crate::number::{fixed, legible};
 
-/// The most pieces of evidence, and the most causes, that are told of a filter.
+/// Limits the pieces of evidence, and the causes, that are printed for a filter.
 const MOST: (usize, usize) = (6, 3);
 
 /// The evidence that counts, the weightiest first, each with its p-value.
@@ -26,7 +26,7 @@ pub(crate) fn evidence(diagnosis: &Diagnosis) -> Vec<String> {
 pub(crate) struct CauseInWords {
     /// The causes in order, the gain in likelihood with all knobs turned, and the verdict then.
     pub(crate) sentence: String,
-    /// The lines to write into the scenario, or a hint where there is no setting to change.
+    /// The lines to write into the scenario, or a hint if there is no setting to change.
     pub(crate) remedies: Vec<String>,
 }
 

@@ -11,8 +11,8 @@ use crate::places::{say, write_text};
 use crate::prepared::Prepared;
 use crate::record::named;
 
-/// Writes the scenario of a run with remedy `number` of each filter that is not to be believed, and says which. `causes` are
-/// those of the run.
+/// Writes the scenario of a run with remedy `number` of each filter with a bad verdict, and names these filters.
+/// `causes` are those of the run.
 pub(crate) fn write_fixed<'a>(
     prepared: &Prepared,
     causes: impl Iterator<Item = &'a [Finding]>,

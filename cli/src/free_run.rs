@@ -68,8 +68,8 @@ pub(crate) fn fits(run: &Run, record: &Record) -> Vec<FreeFit> {
     run.estimates().iter().enumerate().flat_map(of).collect()
 }
 
-/// The free run of the final model of the filter at `place` of a scenario, whose estimates these are; none where it has none. Over
-/// the record that the filter has followed, its predictions one step ahead are compared too.
+/// The free run of the final model of the filter at `place` of a scenario, from the filter's estimates. `None` if it
+/// has no free run. Over the record that the filter has followed, its predictions one step ahead are compared too.
 pub(crate) fn fits_of(
     scenario: &Scenario,
     place: usize,

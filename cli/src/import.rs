@@ -64,7 +64,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
         kind = InputKind::GroundAcceleration;
     }
     if !sensor.is_empty() {
-        // Who names the sensors knows the columns: nothing else is guessed to be the input.
+        // A user with named sensors knows the columns: no other column is guessed to be the input.
         let is_said = |mapped: &MappedColumn| {
             guesses.iter().any(|guess| guess.column == mapped.column && !guess.is_a_guess())
                 && !sensor.iter().any(|(_, column)| *column == mapped.column)
@@ -113,7 +113,7 @@ pub(crate) fn import(args: &ImportArgs) -> Result<(), InputError> {
 /// Words for no column.
 const NOTHING: [&str; 2] = ["none", "nothing"];
 
-/// What a column was taken for, and why, in one line.
+/// The guessed meaning of a column, and the reason, in one line.
 fn meaning(guess: &ColumnGuess, mapping: &Mapping, args: &ImportArgs) -> String {
     let name = Some(&guess.column);
     let sensor = mapping.sensors.iter().find(|(_, sensor)| sensor.column == guess.column);

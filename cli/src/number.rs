@@ -1,6 +1,6 @@
 //! Numbers for people to read.
 
-/// The sign for what is no number: a dash where nothing is known, and infinity where a number is beyond all others.
+/// The sign for a value that is not finite: a dash for NaN, and ∞ for infinity.
 fn no_number(value: f64) -> Option<&'static str> {
     match value {
         _ if value.is_nan() => Some("–"),
@@ -19,7 +19,7 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// The decimals that show two digits of a standard deviation; `None` where fixed notation would be illegible.
+/// The decimals that show two digits of a standard deviation. `None` if fixed notation would be illegible.
 fn decimals(spread: f64) -> Option<usize> {
     let exponent = spread.log10().floor();
     (-8.0..7.0).contains(&exponent).then(|| (1.0 - exponent).max(0.0) as usize)

@@ -42,7 +42,7 @@ pub fn write<E: From<io::Error>>(
             let (file, temporary) = beside(&target)?;
             let written = fill_and_rename(file, &temporary, &target, old.as_ref(), fill);
             if written.is_err() {
-                // The error that is told is that of the writing.
+                // The error of the writing is the one to report.
                 let _ = fs::remove_file(&temporary);
             }
             written
@@ -100,7 +100,7 @@ fn resolved(path: &Path) -> io::Result<PathBuf> {
     for _ in 0..MOST_LINKS {
         match fs::symlink_metadata(&path) {
             Ok(found) if found.file_type().is_symlink() => {
-                // A link of the system, such as that of standard output, names what is no path.
+                // A link of the system, such as that of standard output, may point to something without a path.
                 let to = fs::read_link(&path)?;
                 let to = path.parent().unwrap_or(Path::new("")).join(to);
                 if fs::symlink_metadata(&to).is_err() && fs::metadata(&path).is_ok() {

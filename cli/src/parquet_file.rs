@@ -46,7 +46,7 @@ pub(crate) fn read(bytes: Vec<u8>) -> Result<Table, String> {
     Ok(Table::of_columns("Parquet", columns, remarks))
 }
 
-/// A column of numbers on its way.
+/// A column of numbers, not yet written.
 struct Numbers {
     name: String,
     unit: Option<&'static str>,
@@ -58,7 +58,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// None where the column has no single numbers.
+    /// `None` if the column does not hold single numbers.
     fn of(column: &ColumnDescriptor) -> Option<Self> {
         use parquet::basic::Type::{BOOLEAN, DOUBLE, FLOAT, INT32, INT64};
         let is_number = [BOOLEAN, DOUBLE, FLOAT, INT32, INT64].contains(&column.physical_type());

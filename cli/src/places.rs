@@ -80,7 +80,7 @@ pub(crate) fn say(line: &dyn std::fmt::Display) {
     let _ = writeln!(io::stderr(), "{}", shown(&line.to_string()));
 }
 
-/// Standard output; what a closed pipe does not take is dropped without a message.
+/// Standard output. Output to a closed pipe is dropped without a message.
 struct Open<'a>(StdoutLock<'a>);
 
 impl Write for Open<'_> {

@@ -17,7 +17,7 @@ use crate::record::{measured, named, read};
 /// history.
 const MOST: usize = 2_000_000;
 
-/// The samples between two looks at the progress.
+/// The samples between two updates of the progress.
 const CHUNK: usize = 10_000;
 
 /// A run that is about to begin, with its origin.
@@ -147,8 +147,8 @@ fn check_with_record(scenario: &Scenario, source: &SourceArgs, outputs: &Places<
     check(&inputs, outputs)
 }
 
-/// Lets each filter begin with the parameters that it has found, at the end of these estimates: their means and standard deviations,
-/// without the correlations between them. The motion begins anew.
+/// Lets each filter begin with the parameters at the end of its estimates: their means and standard deviations, without
+/// the correlations between them. The motion begins again as the scenario says.
 fn continue_from<'a>(all: impl Iterator<Item = &'a Estimates>, scenario: &mut Scenario) {
     for (filter, estimates) in scenario.filters.iter_mut().zip(all) {
         let Some(last) = estimates.len().checked_sub(1) else { continue };

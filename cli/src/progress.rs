@@ -27,7 +27,7 @@ impl Progress {
         Self { started: Instant::now(), whole, bar: None, quiet }
     }
 
-    /// Shows how many pieces are done, and what is done now.
+    /// Shows the number of finished pieces, and the present one.
     pub(crate) fn tell(&mut self, done: usize, what: &str) {
         let Self { started, whole, bar, quiet } = self;
         if *quiet || bar.is_none() && started.elapsed() < PATIENCE {
@@ -45,7 +45,7 @@ impl Progress {
         Self::new(filters * OF_FILTER, quiet)
     }
 
-    /// Shows how far the results of the filters are.
+    /// Shows the progress of the filters' results.
     pub(crate) fn tell_results(&mut self, Told { place, name, work, share }: Told<'_>) {
         let (begin, pieces, what) = match work {
             Work::Filter => (0, 400, name.to_owned()),

@@ -40,7 +40,7 @@ pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<O
         }
         (None, None) => return Ok(None),
     };
-    // A file beside the scenario goes before a record that comes along.
+    // A file beside the scenario comes before a built-in record.
     if record.is_none()
         && !path.exists()
         && let Some(mapping) = &scenario.record
@@ -50,7 +50,7 @@ pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<O
         let table = import::read(bytes, mapping.dialect).map_err(bad)?;
         return of_table(&path, &table, scenario).map(Some);
     }
-    // A scenario may come from elsewhere: it opens no device and no pipe.
+    // A scenario may come from an untrusted source: it must not open a device or a pipe.
     if record.is_none() && path.exists() && !path.is_file() {
         return Err(InputError::NoFile { file: path });
     }
@@ -88,7 +88,7 @@ fn of_table(path: &Path, table: &Table, scenario: &mut Scenario) -> Result<Impor
     let mapping = if mapping.sensors.is_empty() {
         let (mut guess, kind, reasons) = Mapping::guess_with_reasons(table);
         scenario.input = kind;
-        // A scenario says what is measured: a column that is like a sensor of another kind is none.
+        // The scenario names the measured quantities: a column that looks like another sensor is left out.
         if scenario.sensors.iter().any(|sensor| guess.sensors.contains_key(&sensor.measures)) {
             guess.sensors.retain(|quantity, _| scenario.sensors.iter().any(|sensor| sensor.measures == *quantity));
         }
@@ -154,7 +154,7 @@ fn columns_without_meaning(mapping: &Mapping, columns: &[ColumnGuess]) -> Option
     (!names.is_empty()).then(|| format!("left out: {}", names.join(", ")))
 }
 
-/// Whether a file is as the command line writes it: then there is nothing to say about it.
+/// Whether the command line wrote a file: then remarks on its form are not needed.
 fn is_own_form(table: &Table, mapping: &Mapping) -> bool {
     let Dialect { encoding, delimiter, decimal, names, .. } = table.dialect;
     let is_plain = (encoding, delimiter, decimal, names) == (Encoding::Utf8, Delimiter::Comma, Decimal::Point, 1);
@@ -166,7 +166,7 @@ fn is_own_form(table: &Table, mapping: &Mapping) -> bool {
         && sensors
 }
 
-/// The file that a scenario names, from whose folder its path is counted.
+/// The file that a scenario names. Its path is relative to the scenario's folder.
 pub(crate) fn named(scenario: &Path, mapping: &Mapping) -> PathBuf {
     scenario.parent().unwrap_or(Path::new("")).join(&mapping.file)
 }

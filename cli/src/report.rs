@@ -1,4 +1,4 @@
-//! The results of a run as one page, for a browser or a printer: no scripts, and nothing fetched from elsewhere.
+//! The results of a run as one page, for a browser or a printer: no scripts, and nothing loaded from the network.
 
 mod filter;
 mod html;

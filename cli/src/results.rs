@@ -35,8 +35,8 @@ pub(crate) struct FilterResults {
 }
 
 impl<'a> Results<'a> {
-    /// The results of a finished run. `causes` are those of [`crate::causes()`], one list per filter, or empty to leave them out.
-    /// Bounds are told if the analysis has them.
+    /// The results of a finished run. `causes` are those of [`crate::causes()`], one list per filter, or empty to leave
+    /// them out. Bounds are included if the analysis has them.
     pub fn of_run(run: &'a Run, analysis: &Analysis, mut causes: Vec<Vec<Finding>>) -> Self {
         let record = run.record();
         causes.resize_with(run.estimates().len(), Vec::new);
@@ -79,7 +79,7 @@ impl<'a> Results<'a> {
         self
     }
 
-    /// The same with the time per step of each filter \[ns\], as far as there are any.
+    /// The same with the time per step of each filter \[ns\], if it is known.
     #[must_use]
     pub fn with_step_times(mut self, times: &[Option<f64>]) -> Self {
         for (filter, time) in self.filters.iter_mut().zip(times) {

@@ -1,5 +1,5 @@
-//! The rows of the table of estimates, also in the units that a user wants besides those of the filters: frequencies in Hz, gains for
-//! the column as it was recorded.
+//! The rows of the table of estimates, also in further units that a user wants: frequencies in Hz, gains for the column
+//! as it was recorded.
 
 use kalmanscope_core::Channel;
 use kalmanscope_core::diagnostics::Final;
@@ -11,7 +11,7 @@ use crate::number::{deviation, fixed, plain, short, with_spread};
 /// of its last third, share inside ±2σ, settling time.
 pub(crate) const COLUMNS: usize = 11;
 
-/// The rows of a channel: its own, and the same in another unit where there is one.
+/// The rows of a channel: its own, and the same in another unit if there is one.
 pub(crate) fn rows(last: &Final, mapping: Option<&Mapping>) -> Vec<[String; COLUMNS]> {
     let length = Length::of(mapping);
     let mut rows = vec![row(last, length)];
@@ -60,7 +60,7 @@ fn gain(last: &Final, length: Length, mapping: &Mapping) -> Option<[String; COLU
     Some(scaled(last, length, input.gain, ["", name, &unit]))
 }
 
-/// A row with another unit, whose symbol, name and unit are given.
+/// A row in another unit, with the given symbol, name and unit.
 fn scaled(last: &Final, length: Length, factor: f64, [symbol, name, unit]: [&str; 3]) -> [String; COLUMNS] {
     let other = Final { mean: factor * last.mean, std: factor.abs() * last.std, score: None, ..*last };
     let mut row = row(&other, length);

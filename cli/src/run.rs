@@ -41,7 +41,8 @@ pub(crate) enum Ending {
     Verdict,
 }
 
-/// Runs the scenario, writes what was asked for and prints the table. What could not be written is told on standard error.
+/// Runs the scenario, writes the wanted files and prints the table. Reports files that cannot be written on standard
+/// error.
 pub(crate) fn run(args: &RunArgs) -> Result<Ending, InputError> {
     let RunArgs { source, fix, out, record_out, svg: picture, fail_on, json: as_json, quiet } = args;
     let outputs: Places<'_> = [("--out", out), ("--record-out", record_out), ("--svg", picture)]
@@ -103,7 +104,7 @@ fn of_history<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Results<'a>
     Results::of_run(run, &analysis, causes).with_free_runs(run, &prepared.for_free_runs(run))
 }
 
-/// The analysis of a run with bounds, and the causes of what is wrong with each filter.
+/// The analysis of a run with bounds, and the causes of each filter's verdict.
 pub(crate) fn judged(run: &Run, quiet: bool) -> (Analysis, Vec<Vec<Finding>>) {
     let progress = Progress::wait(quiet, "diagnostics and Cramér-Rao bounds");
     let analysis = Analysis::new(run, Wanted { bounds: true, ..Wanted::default() });
@@ -122,14 +123,14 @@ fn in_turn<'a>(prepared: &Prepared, run: &'a Run, quiet: bool) -> Result<Results
     results.map_err(|error| prepared.bad_run(error))
 }
 
-/// The results as JSON, but for times, which differ from run to run.
+/// The results as JSON, without times, which differ from run to run.
 fn json(prepared: &Prepared, results: &Results<'_>) -> Result<String, InputError> {
     let Prepared { file, .. } = prepared;
     let bad = |error: DocumentError| InputError::Laboratory { file: file.clone(), reason: error.to_string() };
     Ok(results.json().map_err(bad)? + "\n")
 }
 
-/// Writes the record of a run, so that `--record` reads it, whatever mapping the scenario has.
+/// Writes the record of a run, so that `--record` reads it with any mapping of the scenario.
 fn write_record(run: &Run, is_measured: bool, file: &mut dyn Write) -> Result<(), OutputError> {
     if is_measured {
         file.write_all(READY.as_bytes())?;

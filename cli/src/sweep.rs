@@ -27,8 +27,8 @@ use table::Format;
 /// Limits the threads.
 const MOST_THREADS: usize = 256;
 
-/// Runs all cells of a shard and writes their table: as a file, in which it goes on where an earlier call of the same sweep was
-/// ended, or row by row on standard output.
+/// Runs all cells of a shard and writes their table: as a file, which continues that of an interrupted call of the same
+/// sweep, or row by row on standard output.
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), InputError> {
     let SweepArgs { scenario: file, out, shard, .. } = args;
     let is_stream = is_standard_output(out);
@@ -68,7 +68,7 @@ fn stream(args: &SweepArgs, runner: &Arc<Runner>, cells: Range<usize>) -> Result
     run.and(written.map_err(|error| unwritten(&args.out, &error)))
 }
 
-/// Runs the cells but for those that are done, and appends their rows in the order of the cells.
+/// Runs the cells that are not done, and appends their rows in the order of the cells.
 fn run_cells(
     args: &SweepArgs,
     runner: &Arc<Runner>,
@@ -81,7 +81,7 @@ fn run_cells(
     let bar = bar(cells.len(), done);
     let order: Vec<usize> = (cells.start + done..cells.end).collect();
     let work = crew.start(runner, order, || {});
-    // Rows come in any order and are written in that of the cells.
+    // Rows come in any order, and are written in the order of the cells.
     let mut waiting = BTreeMap::new();
     let mut next = cells.start + done;
     while let Some(slice) = work.wait() {
@@ -144,7 +144,7 @@ fn hash_of(record: &Record) -> String {
     hash.text()
 }
 
-/// The places of the filters with these names; of all where there is none.
+/// The places of the filters with these names; of all if there is no name.
 fn filters(scenario: &Scenario, names: &[String]) -> Result<Vec<usize>, String> {
     if names.is_empty() {
         return Ok((0..scenario.filters.len()).collect());

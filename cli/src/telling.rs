@@ -1,4 +1,4 @@
-//! The progress of what takes long.
+//! The progress of long work.
 
 /// The progress of the results of a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]

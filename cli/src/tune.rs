@@ -14,7 +14,7 @@ use crate::input::InputError;
 use crate::places::{is_standard_output, places, print, say, write_text};
 use crate::prepared::scenario_and_record;
 
-/// Tunes a filter, prints what came of it, and writes the scenario.
+/// Tunes a filter, prints the result, and writes the scenario.
 pub(crate) fn tune(args: &TuneArgs) -> Result<(), InputError> {
     let TuneArgs { scenario: file, turn, filter, goal, record, map, out } = args;
     let (scenario, imported) = scenario_and_record(file, record.as_ref(), map.as_ref(), &places("--out", out))?;

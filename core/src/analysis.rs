@@ -24,8 +24,8 @@ const BOUND_CHUNK: usize = 2_000;
 /// Time that the diagnostics take for one sample, to within a factor of two \[ns\].
 const DIAGNOSTICS_COST: f64 = 60.0;
 
-/// Diagnostics, smoothed estimates and bounds of a run's filters, as far as they are wanted. Each of the three is
-/// available once it is complete for all filters.
+/// The wanted ones of diagnostics, smoothed estimates and bounds of a run's filters. Each of the three is available
+/// once it is complete for all filters.
 #[derive(Default)]
 pub struct Analysis {
     wanted: Wanted,
@@ -46,7 +46,7 @@ pub struct Analysis {
     /// Whether the bounds belong to the present scenario.
     chosen: bool,
     all_bounded: bool,
-    /// Diagnostics whose memory is free for reuse.
+    /// Old diagnostics; their memory is used again.
     spare: Vec<Diagnostics>,
     /// The rest of the unused memory.
     waste: Waste,
@@ -98,9 +98,9 @@ impl Analysis {
         if self.diagnosed { &self.diagnostics } else { &[] }
     }
 
-    /// The diagnosis of the filter at a place. Of a run that goes on, it is that of an earlier sample: it is made anew as soon
-    /// as half as many samples have come as are kept, and at the end. While diagnoses are put off, it is that of an earlier
-    /// run with as many samples. None where there is none yet.
+    /// The diagnosis of the filter at a place, or `None` before the first one. While a run goes on, the diagnosis may
+    /// be of an earlier sample: it is computed again when the number of new samples reaches half the number of kept
+    /// ones, and at the end. While diagnoses are put off, it is that of an earlier run with as many samples.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         self.diagnoses.get(place).filter(|_| self.diagnosed)?.0.as_ref()
     }

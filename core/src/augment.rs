@@ -4,14 +4,15 @@
 //! F = g f + o + u + w,  zᵢ = hᵢ(y, F) + bᵢ
 //! ```
 //!
-//! with the recorded force over mass f, its gain g, its offset o, an unknown force over mass u, a white force over mass w and
-//! the bias bᵢ of a sensor. Each is one more component of the state, constant except for its process noise, so that an
-//! unknown force is a random walk. The white force alone does not last: it is drawn anew for each sample, with its process
-//! noise as its standard deviation ([`crate::filter::White`]).
+//! with the recorded force over mass f, its gain g, its offset o, an unknown force over mass u, a white force over mass
+//! w and the bias bᵢ of a sensor. Each is one more component of the state, constant except for its process noise, so
+//! that an unknown force is a random walk. The white force alone does not last: each sample has an independent one,
+//! with the process noise as its standard deviation ([`crate::filter::White`]).
 //!
-//! Source: Lourens, Reynders, De Roeck, Degrande and Lombaert (2012), An augmented Kalman filter for force identification in
-//! structural dynamics (the unknown force); Friedland (1969), Treatment of bias in recursive filtering; Simon (2006), *Optimal
-//! State Estimation*, section 7.1 (process noise that the measurement feels: the white force).
+//! Source: Lourens, Reynders, De Roeck, Degrande and Lombaert (2012), An augmented Kalman filter for force
+//! identification in structural dynamics (the unknown force); Friedland (1969), Treatment of bias in recursive
+//! filtering; Simon (2006), *Optimal State Estimation*, section 7.1 (process noise that the measurement feels: the
+//! white force).
 
 use crate::channel::{ChannelInfo, Role, Usual};
 use crate::{Channel, PlantKind, Quantity};

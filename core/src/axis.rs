@@ -6,7 +6,7 @@ use thiserror::Error;
 use crate::Scenario;
 use crate::setting::{Address, FADING, RECORD_GAIN, SEED};
 
-/// The most values on one axis.
+/// Limits the values on one axis.
 pub const MAX_COUNT: usize = 1_000_000;
 
 /// Equally spaced values of one setting, both ends included.
@@ -89,7 +89,7 @@ impl Axis {
         Ok(axis)
     }
 
-    /// Whether the axis is possible.
+    /// Checks that the axis is possible.
     ///
     /// # Errors
     /// [`AxisError`] where it is not.
@@ -118,7 +118,7 @@ impl Axis {
         }
         let (place, last) = (place as f64, (count - 1) as f64);
         match spacing {
-            // The product comes first: it keeps seeds whole.
+            // Multiplies first: this keeps seeds whole.
             Spacing::Linear => from + place * (to - from) / last,
             Spacing::Logarithmic => self.at(place / last, *spacing),
         }
@@ -133,14 +133,14 @@ impl Axis {
         let (from, to) = (self.from, self.to);
         match spacing {
             Spacing::Linear => from + share * (to - from),
-            // A power keeps decades round, as far as the ratio of the ends is a number.
+            // A power keeps decades round, if the ratio of the ends is a normal number.
             Spacing::Logarithmic if (to / from).is_normal() => from * libm::pow(to / from, share),
             Spacing::Logarithmic => libm::exp(libm::log(from) + share * (libm::log(to) - libm::log(from))),
         }
     }
 
-    /// The share of the axis at which a value lies: 0 at its beginning, 1 at its end, beyond them outside; NaN where an axis
-    /// of ratios has no such value.
+    /// The share of the axis at which a value lies: 0 at its beginning, 1 at its end, beyond them outside; NaN if a
+    /// logarithmic axis cannot have the value.
     pub fn share_of(&self, value: f64) -> f64 {
         let (from, to) = (self.from, self.to);
         if from == to {
@@ -152,7 +152,7 @@ impl Axis {
         }
     }
 
-    /// The place whose value is nearest to this one, if that lies on the axis or at most half a step beside it.
+    /// The place with the value nearest to `value`, if `value` lies on the axis or at most half a step beyond its ends.
     pub fn place_of(&self, value: f64) -> Option<usize> {
         let last = (self.count.max(1) - 1) as f64;
         let place = libm::round(self.share_of(value) * last);

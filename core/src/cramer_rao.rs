@@ -21,7 +21,7 @@ use crate::{Channel, FilterError, FilterKind, FilterSettings, Quantity, Record, 
 /// ```
 ///
 /// with Φ and H along the true trajectory, in place of the mean over all trajectories. The recursion is that of `J⁻¹`,
-/// computed by the predict and update of a filter whose mean is set to the truth at every sample. This is algebraically
+/// computed by the predict and update of a filter with its mean set to the truth at every sample. This is algebraically
 /// the same, and it allows parameters of variance zero. For a linear plant with known parameters the bound is the
 /// Kalman filter's own covariance.
 ///
@@ -188,7 +188,7 @@ impl Visitor for Start<'_> {
     }
 }
 
-/// A tuned filter whose mean is set to the truth at every sample.
+/// A tuned filter with its mean set to the truth at every sample.
 struct BoundFilter<P, const N: usize> {
     filter: Filter<P, Linearised<N>, N>,
     sensors: Vec<Quantity>,
@@ -224,7 +224,7 @@ impl<P: Model<N>, const N: usize> Recursion for BoundFilter<P, N> {
     }
 }
 
-/// A filter of any model whose mean is set to the truth at every sample.
+/// A filter of any model with its mean set to the truth at every sample.
 struct DynamicBoundFilter {
     filter: filter::Filter<filter::Moments>,
     sensors: Vec<Quantity>,

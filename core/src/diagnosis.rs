@@ -1,4 +1,4 @@
-//! Whether a filter is to be believed, on which evidence, and what to turn where it is not.
+//! The diagnosis of a filter: the verdict, its evidence, and the settings to turn if it is bad.
 //!
 //! ```text
 //! Diagnostics, Estimates, Record ──tests──▶ Evidence ──level──▶ Verdict ──causes──▶ Suspects ──trials, search──▶ Findings
@@ -53,19 +53,19 @@ pub use verdict_kind::VerdictKind;
 /// The diagnosis of one filter: a verdict and its evidence.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnosis {
-    /// Whether the filter is to be believed, if there are enough measurements to tell.
+    /// The verdict on the filter, if there are enough measurements for one.
     pub verdict: Option<Verdict>,
     /// The results of all tests.
     pub evidence: Vec<Evidence>,
-    /// The samples, of those that are kept, in which the filter was not to be believed: parts of the record one by one.
+    /// The kept samples with a bad verdict, judged part by part of the record.
     pub bad_parts: Vec<Range<usize>>,
     /// The diagnosed samples, of those that are kept.
     samples: Range<usize>,
 }
 
 impl Diagnosis {
-    /// The diagnosis of a filter whose estimates, on a record, these diagnostics have followed; none where they have followed
-    /// consistency only. With a bound, σ is compared with it.
+    /// The diagnosis of a filter from its estimates, its record and their diagnostics. `None` if the diagnostics have
+    /// the depth [`Depth::Consistency`]. With a bound, σ is compared with it.
     ///
     /// One pass over the kept samples, of about 0.1 µs each.
     pub fn new(
@@ -103,8 +103,8 @@ impl Diagnosis {
         Self { verdict, evidence, bad_parts: case.bad_samples(), samples }
     }
 
-    /// The possible causes for the filter at `place` of a scenario, the likeliest first as far as the evidence tells without
-    /// a trial. The other arguments are those of [`Self::new`].
+    /// The possible causes for the filter at `place` of a scenario, the likeliest by the evidence, without a trial,
+    /// first. The other arguments are those of [`Self::new`].
     pub fn suspects(
         &self,
         scenario: &Scenario,
@@ -117,7 +117,7 @@ impl Diagnosis {
         self.since(filter, scenario, place, diagnostics, estimates, record)
     }
 
-    /// The same for a filter some of whose knobs have been turned since it was another one.
+    /// The same for a filter that was made from `origin` by turning knobs.
     fn since(
         &self,
         origin: &FilterSettings,

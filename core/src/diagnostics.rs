@@ -30,7 +30,7 @@ const PORTION: usize = 64;
 /// The depth of the diagnostics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Depth {
-    /// NIS, NEES and likelihood, at half the cost of all: there are no tallies of errors, no whiteness and no diagnosis.
+    /// NIS, NEES and likelihood, at half the cost of everything: no tallies of errors, no whiteness and no diagnosis.
     Consistency,
     /// Everything.
     #[default]
@@ -159,25 +159,26 @@ impl Diagnostics {
         self.stop
     }
 
-    /// The channels that the filter estimates and whose truth is known.
+    /// The estimated channels with a known truth.
     pub fn known(&self) -> impl Iterator<Item = Channel> {
         self.accuracy.known().iter().map(|known| known.channel)
     }
 
-    /// A channel's last error, estimate minus truth, in its unit; `None` where the truth is not known.
+    /// A channel's last error, estimate minus truth, in its unit. `None` if the truth is not known.
     pub fn error(&self, channel: Channel) -> Option<f64> {
         Some(self.accuracy.error(self.accuracy.place(channel)?)).filter(|error| !error.is_nan())
     }
 
-    /// The tally of a channel's errors over a range of samples; `None` where the truth is not known, or at the depth
+    /// The tally of a channel's errors over a range of samples. `None` if the truth is not known, or at the depth
     /// [`Depth::Consistency`].
     pub fn tally(&self, channel: Channel, range: Range<usize>) -> Option<Tally> {
         let tally = self.accuracy.within(self.accuracy.place(channel)?, range);
         (tally.known > 0).then_some(tally)
     }
 
-    /// The channels whose root mean square error over the last fifth is more than `limit` standard deviations, and larger than
-    /// the truth ever was and than was thought possible at first: each with that error in standard deviations and in its unit.
+    /// The channels that the filter has lost, each with its root mean square error over the last fifth in standard
+    /// deviations and in its unit. This error is more than `limit` standard deviations, larger than the truth ever was
+    /// and larger than the initial belief allows.
     pub(crate) fn lost(&self, estimates: &Estimates, limit: f64) -> Vec<(Channel, f64, f64)> {
         let Some(last) = self.samples.checked_sub(1) else { return Vec::new() };
         let recent = self.samples * 4 / 5..self.samples;
@@ -196,7 +197,7 @@ impl Diagnostics {
     }
 
     /// The sample since which a channel's estimate has stayed within 5 % of the truth, counted from the run's beginning
-    /// ([`Record::time_of`]). `None` where the last estimate is not, the truth is not known, or the depth is
+    /// ([`Record::time_of`]). `None` if the last estimate is outside these 5 %, the truth is not known, or the depth is
     /// [`Depth::Consistency`].
     pub fn settled(&self, channel: Channel) -> Option<usize> {
         self.accuracy.settled(self.accuracy.place(channel)?)

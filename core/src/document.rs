@@ -68,13 +68,13 @@ impl Document {
         Self::List(numbers.into_iter().map(Self::Number).collect())
     }
 
-    /// The value of a key; `None` where this is not a table or has no such key.
+    /// The value of a key. `None` if this is not a table or has no such key.
     pub fn get(&self, key: &str) -> Option<&Self> {
         let Self::Table(entries) = self else { return None };
         entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)
     }
 
-    /// The values of a table or a list, in order; none where this is neither.
+    /// The values of a table or a list, in order; empty for anything else.
     pub fn children(&self) -> impl Iterator<Item = &Self> {
         let (entries, values): (&[_], &[_]) = match self {
             Self::Table(entries) => (entries, &[]),

@@ -37,11 +37,11 @@ pub struct Estimates {
     color: Option<FilterColor>,
     plant: PlantKind,
     channels: Vec<Channel>,
-    /// The place of the natural frequency, whose sign determines the canonical form.
+    /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
     sensors: Vec<Quantity>,
     forgotten: usize,
-    /// The number of kept samples, from the first one on, whose matrices have been dropped.
+    /// The number of kept samples, from the first one on, without their matrices: these have been dropped.
     dropped: usize,
     initial_mean: Vec<f64>,
     initial_std: Vec<f64>,

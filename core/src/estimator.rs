@@ -27,7 +27,7 @@ impl Estimator for Failed {
     }
 }
 
-/// The inputs of a filter's construction besides its settings.
+/// The inputs of a filter's construction other than its settings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FilterContext<'a> {
     /// The truth's kind of plant; the filter uses it unless its settings name another.
@@ -80,7 +80,7 @@ pub(crate) struct Recipe {
 }
 
 impl Recipe {
-    /// The settings, and the inputs besides them.
+    /// The settings, and the other inputs.
     pub(crate) fn parts(&self) -> (&FilterSettings, FilterContext<'_>) {
         let &Self { ref settings, plant, input, hold, ref sensors, dt, seed, stream } = self;
         (settings, FilterContext { plant, input, hold, sensors, dt, seed, stream })

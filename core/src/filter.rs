@@ -1,13 +1,12 @@
-//! The textbook: predict and update as the books have them, for any plant, any size and any augmentation.
+//! The reference filters: predict and update as in textbooks, for any plant, any size and any augmentation.
 //!
 //! ```text
 //! predict   y⁻ = g-step of y,  P⁻ = λ cov(g-step of y) + Q
 //! update    e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e,  P = (I - K H) P⁻ (I - K H)ᵀ + K R Kᵀ
 //! ```
 //!
-//! [`Filter`] has what all filters share. A method of filtering is a [`Belief`]: how it moves, and how it takes in
-//! measurements. Each has a file of its own, which ends with the description of its kind;
-//! the registry below lists them.
+//! [`Filter`] has the part that all filters share. A method of filtering is a [`Belief`] with its prediction and its
+//! update. Each has a file of its own, which ends with the description of its kind; the registry below lists them.
 
 mod adaptation;
 mod correction;
@@ -66,7 +65,7 @@ pub use step::Step;
 pub use system::{Shape, SystemError};
 pub use white::{Course, White};
 
-/// The registry: a constant for each kind, whose description stands in the file of its method, and all of them.
+/// The registry: a constant for each kind, and the list of all of them. The file of its method describes a kind.
 macro_rules! registry {
     ($($(#[$doc:meta])* $name:ident = $info:expr;)*) => {
         impl FilterKind {
@@ -110,14 +109,14 @@ pub enum FilterError {
     /// The covariance has a negative variance in some direction.
     #[error("the covariance is no longer positive semidefinite: rounding has made a variance negative")]
     IndefiniteCovariance,
-    /// The innovation covariance S cannot be inverted: to the filter, some combination of the sensors cannot err, or what
-    /// it can is lost to rounding.
+    /// The innovation covariance S cannot be inverted: the filter expects no error in some combination of the sensors,
+    /// or rounding removes the expected error.
     #[error("the innovation covariance S is singular: some combination of the sensors has no variance left")]
     SingularInnovation,
     /// The innovation covariance S has a negative variance in some direction.
     #[error("the innovation covariance S is not positive definite: rounding has made a variance negative")]
     IndefiniteInnovation,
-    /// The measurement has no likelihood that is a number: it is too far from what the filter expects.
+    /// The likelihood of the measurement is not finite: it is too far from the filter's prediction.
     #[error("a measurement is so far from what the filter expects that its likelihood is zero")]
     ImpossibleMeasurement,
     /// A measurement is infinite.
@@ -146,7 +145,7 @@ pub trait Belief: Send {
     /// [`FilterError::IndefiniteCovariance`] and [`FilterError::NotFinite`] where the covariance or Q has no root.
     fn predict(&mut self, model: &Model, step: Step, noise: &Noise) -> Result<(), FilterError>;
 
-    /// Conditions the belief on measurements, of which there is at least one, and reports in `correction` how.
+    /// Conditions the belief on one measurement or more, and writes the update to `correction`.
     ///
     /// # Errors
     /// Any [`FilterError`].
@@ -157,8 +156,8 @@ pub trait Belief: Send {
         correction: &mut Correction,
     ) -> Result<(), FilterError>;
 
-    /// Makes a component of the state another one, of mean zero and this variance, that knows nothing of the others: a
-    /// [`White`] force at the next sample. See [`Gaussian::renew`].
+    /// Replaces a component of the state by an independent one, of mean zero and this variance: a [`White`] force at
+    /// the next sample. See [`Gaussian::renew`].
     ///
     /// # Errors
     /// Any [`FilterError`].
@@ -220,8 +219,8 @@ pub struct Filter<B: Belief + ?Sized = dyn Belief> {
 }
 
 impl<B: Belief + ?Sized> Filter<B> {
-    /// A filter at k = 0, with `dt` \[s\] between samples. A sensor for a quantity that the model does not have tells it
-    /// nothing.
+    /// A filter at k = 0, with `dt` \[s\] between samples. It ignores a sensor for a quantity that the model does not
+    /// have.
     pub fn new(
         model: Model,
         belief: Box<B>,
@@ -250,7 +249,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         Self { jump: Some(Jump::new(initial)), ..self }
     }
 
-    /// The same filter with a white force, whose part of Q counts no more.
+    /// The same filter with a white force. Its row and column of Q are set to zero: each sample draws it again.
     #[must_use]
     pub fn with_white_force(mut self, white: Option<White>) -> Self {
         self.white = white;
@@ -312,7 +311,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         self.predict_by(forces, |_, _, _| Ok(()))
     }
 
-    /// [`Self::predict`], which calls `before` with model, belief and what comes next before each of its parts.
+    /// [`Self::predict`], which calls `before` with model, belief and the next part of the step, before each part.
     pub(crate) fn predict_by(
         &mut self,
         forces: [f64; 2],
@@ -352,7 +351,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         white.renew(&mut **belief)
     }
 
-    /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A
+    /// Conditions the belief on one sample of the sensors, while `force` acts, and writes the update to `correction`. A
     /// measurement that is NaN skips its sensor.
     ///
     /// # Errors

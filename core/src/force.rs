@@ -22,7 +22,7 @@ pub enum Force {
         /// \[rad/s\]
         frequency: f64,
     },
-    /// A sine whose frequency rises linearly from `from` to `to` within `sweep`, then begins again.
+    /// A sine with a frequency that rises linearly from `from` to `to` within `sweep`, then begins again.
     Chirp {
         /// \[m/s²\]
         amplitude: f64,

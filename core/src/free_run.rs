@@ -1,4 +1,4 @@
-//! Free runs: an identified model alone over a record, without a look at its measurements.
+//! Free runs: an identified model over a record, without using its measurements.
 
 mod beginning;
 mod course;
@@ -34,7 +34,7 @@ pub struct FreeRun {
     /// The predicted readings of each of the record's sensors over the part; NaN where the model has none or has run
     /// away.
     pub predicted: Vec<Vec<f64>>,
-    /// The fit to each sensor's measurements; `None` where there is nothing to compare.
+    /// The fit to each sensor's measurements. `None` if there is nothing to compare.
     pub fits: Vec<Option<Fit>>,
 }
 
@@ -62,7 +62,7 @@ impl Identified {
         Self { model, values, input_delay: settings.input_delay }
     }
 
-    /// The channels of the model with their values, in the channels' units; those of the motion say nothing.
+    /// The channels of the model with their values, in the channels' units; those of the motion have no meaning.
     pub fn values(&self) -> impl Iterator<Item = (Channel, f64)> {
         self.model.channels().iter().copied().zip(self.values.iter().copied())
     }

@@ -28,7 +28,7 @@ const BATCHES: usize = 4;
 pub struct Believed {
     /// |H| of the estimated parameters.
     pub mean: Vec<f64>,
-    /// The 2.5 % and the 97.5 % quantile of |H|; `None` where the covariance of the parameters has no root.
+    /// The 2.5 % and the 97.5 % quantile of |H|. `None` if the covariance of the parameters has no root.
     pub band: Option<(Vec<f64>, Vec<f64>)>,
 }
 
@@ -39,7 +39,7 @@ pub fn transfer_function(plant: PlantKind, value: impl Fn(Channel) -> f64) -> Tr
     TransferFunction::of(&Model::new(plant), &rest)
 }
 
-/// The true transfer function at sample `k`; `None` where a parameter of the truth is not known.
+/// The true transfer function at sample `k`. `None` if a parameter of the truth is not known.
 pub fn true_transfer_function(plant: PlantKind, record: &Record, k: usize) -> Option<TransferFunction> {
     let known = |channel| record.truth(channel)?.get(k).copied().filter(|value| value.is_finite());
     plant.parameters().all(|c| known(c).is_some()).then(|| transfer_function(plant, |c| known(c).unwrap_or(f64::NAN)))

@@ -4,9 +4,10 @@ use crate::estimator::Estimator;
 use crate::sink::{LastSample, Sink};
 use crate::{Channel, FilterError, FilterSettings};
 
-/// A filter that begins from several guesses of ωₙ, spread evenly in its logarithm from e⁻² to e² times the initial mean. Each
-/// guess has a filter of its own, and the likeliest of them so far is reported. At every 500th measured sample a filter is given
-/// up that is 30 behind the likeliest in log likelihood and has not gained on it since the last look; so only one is left at last.
+/// A filter that begins from several guesses of ωₙ, spread evenly in its logarithm from e⁻² to e² times the initial
+/// mean. Each guess has a filter of its own, and the likeliest so far is reported. Every 500 measured samples, each
+/// filter that is 30 behind the likeliest in log likelihood and has not gained on it since the last check is dropped,
+/// so that one remains in the end.
 ///
 /// Source: Magill (1965), Optimal adaptive estimation of sampled stochastic processes (a bank of filters, weighed by their
 /// likelihoods).
@@ -23,7 +24,7 @@ struct Member {
     estimator: Box<dyn Estimator>,
     last: LastSample,
     log_likelihood: f64,
-    /// Its log likelihood behind the likeliest at the last look.
+    /// The amount by which its log likelihood was below the likeliest at the last check.
     behind: f64,
 }
 
@@ -33,11 +34,11 @@ const REACH: f64 = 2.0;
 /// The measured samples between two checks for filters that are far behind.
 const LOOK: usize = 500;
 
-/// Limits the log likelihood that a guess may be behind.
+/// Limits the amount by which a guess may be below the likeliest in log likelihood.
 const FAR_BEHIND: f64 = 30.0;
 
-/// The settings of the filters of all guesses, the one that is nearest to the initial mean first. A guess has a standard
-/// deviation of its share of the way to the next one, at least.
+/// The settings of the filters of all guesses, the nearest to the initial mean first. A guess's standard deviation is
+/// at least about half the distance to the next guess, in logarithms.
 pub(crate) fn members(settings: &FilterSettings) -> Vec<FilterSettings> {
     let count = settings.guesses;
     let place = |i: usize| 2.0 * REACH * i as f64 / (count - 1) as f64 - REACH;

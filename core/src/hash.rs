@@ -1,7 +1,7 @@
 //! A hash of bytes.
 
-/// A hash of a file's bytes (FNV-1a, 64 bits), to tell whether a file is the same one; it is no protection against
-/// forgery. The bytes may come in pieces.
+/// A hash of a file's bytes (FNV-1a, 64 bits), to recognise the same file; it does not protect against forgery. The
+/// bytes may come in pieces.
 #[derive(Clone, Copy, Debug)]
 pub struct Hash(u64);
 

@@ -4,8 +4,8 @@
 //! bytes ──dialect──▶ Table ──mapping──▶ Record
 //! ```
 //!
-//! Each step says what it found and can be told otherwise: [`Dialect`] by looking at the first lines,
-//! [`Mapping::guess`] by names, units and shapes.
+//! Each step reports what it found, and the caller can change it: [`Dialect`] comes from the first lines,
+//! [`Mapping::guess`] from names, units and shapes.
 //!
 //! ```
 //! use kalmanscope_core::import::{Builder, Mapping, read};

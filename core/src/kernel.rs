@@ -1,5 +1,5 @@
-//! Tuned twins of the filters in [`crate::filter`], for the common plants, whose sizes the compiler knows. Tests hold each
-//! of them to the book.
+//! Tuned versions of the filters in [`crate::filter`], for common plants of a size known to the compiler. Tests compare
+//! each of them with the reference filters.
 
 #[doc(hidden)]
 pub mod abreast;
@@ -63,7 +63,7 @@ pub struct Correction<const N: usize> {
     pub innovation: [f64; MAX_SENSORS],
     /// S, the covariance of e.
     pub innovation_cov: [[f64; MAX_SENSORS]; MAX_SENSORS],
-    /// K: for each sensor, what a unit of innovation adds to each channel.
+    /// K: for each sensor, the change of each channel per unit of innovation.
     pub gain: [[f64; N]; MAX_SENSORS],
     /// Normalised innovation squared `eᵀ S⁻¹ e`.
     pub nis: f64,
@@ -146,7 +146,7 @@ pub struct Filter<P, B, const N: usize> {
 }
 
 impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
-    /// A filter at k = 0. `outputs` says what each sensor reads, if the model knows it; `dt` \[s\] is the time between
+    /// A filter at k = 0. `outputs` has the reading of each sensor, if the model has it; `dt` \[s\] is the time between
     /// samples.
     pub fn new(
         model: P,
@@ -218,7 +218,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Filter<P, B, N> {
         self.belief.predict(&self.model, force, self.dt, &self.noise)
     }
 
-    /// Conditions the belief on one sample of the sensors, while `force` acts, and reports in `correction` how. A
+    /// Conditions the belief on one sample of the sensors, while `force` acts, and writes the update to `correction`. A
     /// measurement that is NaN skips its sensor.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Matrices of any size: nalgebra's, and the factors that filters need besides.
+//! Matrices of any size: nalgebra's, and the factorisations that filters also need.
 
 mod givens;
 mod ldl;
@@ -50,8 +50,7 @@ pub fn copy_vector(out: &mut Vector, of: &Vector) {
     out.as_mut_slice().copy_from_slice(of.as_slice());
 }
 
-/// The lower triangle of a square matrix, mirrored: what rounding has made of a symmetric matrix is symmetric to the last
-/// bit again.
+/// The lower triangle of a square matrix, mirrored: this makes a matrix symmetric to the last bit again after rounding.
 #[must_use]
 pub fn symmetric(mut matrix: Matrix) -> Matrix {
     matrix.fill_upper_triangle_with_lower_triangle();

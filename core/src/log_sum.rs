@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 pub struct LogSum {
     /// The sum of the logarithms that have been taken.
     pub taken: f64,
-    /// The product whose logarithm has not been taken.
+    /// The factors that are multiplied but not yet in the logarithm.
     pub product: f64,
 }
 

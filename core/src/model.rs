@@ -42,7 +42,7 @@ pub enum Hold {
     First,
 }
 
-/// The n-component state `y` of a plant and its surroundings, how it moves and what sensors read of it.
+/// The n-component state `y` of a plant and its surroundings, its motion, and the readings of sensors.
 ///
 /// ```text
 /// y = [motion, parameters, augmentations]
@@ -70,7 +70,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// A plant as it is.
+    /// A plant without augmentations.
     pub fn new(plant: PlantKind) -> Self {
         let channels = plant.channels().to_vec();
         let (motion, own) = (plant.motion(), channels.len());
@@ -206,22 +206,22 @@ impl Model {
         rate
     }
 
-    /// [`Self::rate`] in place of what `rate` holds.
+    /// [`Self::rate`], written over `rate`.
     pub fn rate_into(&self, state: &[f64], force: f64, rate: &mut [f64]) {
         self.rate_under_into(state, self.acting_force(state, force), rate);
     }
 
-    /// The rates of the components that move alone, M numbers, in place of what `rate` holds.
+    /// The rates of the components that move alone, M numbers, written over `rate`.
     pub fn motion_rate_into(&self, state: &[f64], force: f64, rate: &mut [f64]) {
         self.motion_rate_under_into(state, self.acting_force(state, force), rate);
     }
 
-    /// [`Self::motion_rate_into`] under the force over mass that acts, whatever it is made of \[m/s²\].
+    /// [`Self::motion_rate_into`] under the total force over mass \[m/s²\].
     pub(crate) fn motion_rate_under_into(&self, state: &[f64], acting: f64, rate: &mut [f64]) {
         self.with_plain(state, |plain| self.plant.plant().motion_rate(plain, acting, rate));
     }
 
-    /// `g` under the force over mass that acts, whatever it is made of \[m/s²\].
+    /// `g` under the total force over mass \[m/s²\].
     pub fn rate_under(&self, state: &[f64], acting: f64) -> Vector {
         let mut rate = Vector::zeros(self.size());
         self.rate_under_into(state, acting, rate.as_mut_slice());
@@ -246,7 +246,7 @@ impl Model {
         jacobian
     }
 
-    /// [`Self::jacobian`] in place of what `jacobian` holds; `rows` is memory to work in.
+    /// [`Self::jacobian`], written over `jacobian`; `rows` is scratch memory.
     pub fn jacobian_into(&self, state: &[f64], force: f64, rows: &mut Vec<f64>, jacobian: &mut Matrix) {
         let (n, motion, own) = (self.size(), self.motion, self.own);
         rows.clear();
@@ -297,7 +297,7 @@ impl Model {
         by_force
     }
 
-    /// The first M numbers of [`Self::by_force`], in place of what `by_force` holds; `work` is of the same size.
+    /// The first M numbers of [`Self::by_force`], written over `by_force`; `work` is of the same size.
     pub fn motion_by_force_into(&self, state: &[f64], by_force: &mut [f64], work: &mut [f64]) {
         self.with_plain(state, |plain| {
             self.plant.plant().motion_rate(plain, 1.0, by_force);
@@ -318,7 +318,7 @@ impl Model {
         self.by_force(state) * self.gain(state)
     }
 
-    /// The state for values in the channels' units, and what a unit of each channel is in the state's.
+    /// The state for values in the channels' units, and the size of each channel's unit in the state's unit.
     pub fn to_state(&self, values: &[f64]) -> (Vector, Vector) {
         let mut state = Vector::from_column_slice(values);
         let mut unit = Vector::repeat(values.len(), 1.0);
@@ -329,14 +329,14 @@ impl Model {
         (state, unit)
     }
 
-    /// The values in the channels' units for a state, and what a unit of each component is in them.
+    /// The values in the channels' units for a state, and the size of each component's unit in its channel's unit.
     pub fn to_units(&self, state: &[f64]) -> (Vector, Vector) {
         let (mut values, mut unit) = (Vector::from_column_slice(state), Vector::zeros(state.len()));
         self.to_units_in_place(values.as_mut_slice(), unit.as_mut_slice());
         (values, unit)
     }
 
-    /// [`Self::to_units`] in place of the state, and of what `unit` holds.
+    /// [`Self::to_units`], written over `state` and `unit`.
     pub fn to_units_in_place(&self, state: &mut [f64], unit: &mut [f64]) {
         unit.fill(1.0);
         for &place in &self.logarithms {

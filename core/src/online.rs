@@ -56,7 +56,7 @@ pub struct OnlineFilter {
     last: LastSample,
 }
 
-/// Forget samples when there are this many, since it moves all others.
+/// Forget samples only when there are this many, since forgetting moves all others.
 const FORGET: usize = 64;
 
 impl OnlineFilter {
@@ -102,8 +102,9 @@ impl OnlineFilter {
     }
 
     /// Takes in a sample: its time \[s\], the input \[m/s²\] in the scenario's meaning, and a reading for each of the
-    /// scenario's sensors in the unit of its quantity, NaN where it has none. Returns the estimate of this sample, or of the
-    /// one [`Self::latency`] samples before; none while there is no such sample. It has the belief before the update too.
+    /// scenario's sensors in the unit of its quantity, NaN where it has none. Returns the estimate of this sample, or
+    /// of the one [`Self::latency`] samples before; `None` while there is no such sample. It has the belief before the
+    /// update too.
     ///
     /// # Errors
     /// [`OnlineError`]: for a time that is not a whole number of steps of dt after the last one, within
@@ -149,7 +150,7 @@ impl OnlineFilter {
         self.follow(self.latency, sink)
     }
 
-    /// Computes the last [`Self::latency`] samples as a record ends: its last input stands from then on.
+    /// Computes the last [`Self::latency`] samples as a record does at its end: the last input holds from then on.
     ///
     /// # Errors
     /// [`OnlineError::Stopped`] where the filter has failed.

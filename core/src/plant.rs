@@ -13,7 +13,7 @@ use crate::channel::MAX_MASSES;
 use crate::quantity::Term;
 use crate::{Channel, Quantity};
 
-/// A plant's data besides its equation.
+/// A plant's data other than its equation.
 #[derive(Clone, Copy, Debug)]
 pub struct PlantInfo {
     /// The key in scenario files.
@@ -43,8 +43,8 @@ pub enum Spring {
     Slipping(Channel),
 }
 
-/// A plant with the state `y = [motion, parameters]`, of whose N components the first M move. Its parameters are
-/// constant or decay at a rate η; the model of the plant adds that, not the plant's equation.
+/// A plant with the state `y = [motion, parameters]` of N components. The first M move. Its parameters are constant or
+/// decay at a rate η; the model of the plant adds that, not the plant's equation.
 ///
 /// ```text
 /// ẏ = g(y, f),  A = ∂g/∂y
@@ -81,9 +81,9 @@ macro_rules! registry {
 registry! {
     /// A linear oscillator with a single degree of freedom: [`sdof::Sdof`].
     SDOF = sdof::Sdof;
-    /// An oscillator whose spring has a cubic part: [`duffing::Duffing`].
+    /// An oscillator with a cubic part in its spring: [`duffing::Duffing`].
     DUFFING = duffing::Duffing;
-    /// An oscillator whose spring yields and remembers: [`bouc_wen::BoucWen`].
+    /// An oscillator with a spring that yields and remembers: [`bouc_wen::BoucWen`].
     BOUC_WEN = bouc_wen::BoucWen::TWO;
     /// The same with exponent 1.
     BOUC_WEN_1 = bouc_wen::BoucWen::ONE;

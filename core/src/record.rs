@@ -270,7 +270,7 @@ impl Record {
     }
 
     /// The force over mass \[m/s²\] that acts at sample `k` where the plant feels the input `delay` samples after it is
-    /// recorded, or before where that is negative. Where the record does not reach, its first or last value stands.
+    /// recorded, or before if that is negative. Beyond the record's ends its first or last value holds.
     #[inline]
     pub fn delayed_force(&self, k: usize, delay: i32) -> f64 {
         let place = if delay < 0 { k + delay.unsigned_abs() as usize } else { k.saturating_sub(delay as usize) };

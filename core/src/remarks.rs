@@ -62,7 +62,7 @@ const RATIO_LIMIT: f64 = 1e6;
 /// Limits the square of a correlation, with a margin for rounding.
 const CORRELATION_LIMIT: f64 = 1.0 + 1e-6;
 
-/// Limits the variances whose products cannot overflow.
+/// Limits the variances, so that their products cannot overflow.
 const PRODUCT_LIMIT: f64 = 1e150;
 
 /// The number of successive samples that make a remark.

@@ -44,7 +44,7 @@ impl Run {
         Self::from_source(scenario, Source::Simulated)
     }
 
-    /// A run of the scenario's filters over a given record, whose `dt` replaces the scenario's.
+    /// A run of the scenario's filters over a given record. The record's `dt` replaces the scenario's.
     ///
     /// # Errors
     /// [`RunError::Scenario`] where the scenario is impossible, [`RunError::MissingSensor`] where the record lacks one
@@ -128,8 +128,8 @@ impl Run {
         *done - begin
     }
 
-    /// Simulates the record that [`Self::advance_to`] needs for so many samples, and calls `while_time` where that takes long.
-    /// Returns early if it is false.
+    /// Simulates the part of the record that [`Self::advance_to`] needs for `samples`, and calls `while_time` between
+    /// portions. Returns false early if `while_time` does.
     pub(crate) fn simulate(&mut self, samples: usize, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done: _, bank } = self;
         let goal = (samples.min(*all) + bank.lookahead()).min(*all);
@@ -143,8 +143,8 @@ impl Run {
         true
     }
 
-    /// Computes the next sample ahead, of one filter after the other, and calls `while_time` after each. Returns early if it is
-    /// false. What has been computed is seen once [`Self::advance_to`] comes to that sample.
+    /// Computes the next sample ahead, of one filter after the other, and calls `while_time` after each. Returns early
+    /// if it is false. The result appears once [`Self::advance_to`] comes to that sample.
     pub(crate) fn prepare(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         let Self { recording, samples: all, done, bank } = self;
         let goal = (*done + 1).min(*all);
@@ -211,7 +211,7 @@ impl Run {
         self.recording.record()
     }
 
-    /// The estimates so far, as far as they are kept, one per filter.
+    /// The kept estimates so far, one per filter.
     pub fn estimates(&self) -> &[Estimates] {
         &self.bank.estimates
     }

@@ -36,7 +36,7 @@ pub use scored_pass::ScoredPass;
 #[derive(Clone, Debug)]
 pub struct Scores {
     channels: usize,
-    /// The place of the natural frequency, whose sign determines the canonical form.
+    /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
     sensors: usize,
     samples: usize,
@@ -149,7 +149,7 @@ impl Scores {
         self.likelihood.value(self.nis)
     }
 
-    /// The accuracy of a channel; `None` where the truth is not known.
+    /// The accuracy of a channel. `None` if the truth is not known.
     pub fn channel(&self, channel: Channel) -> Option<ChannelScore> {
         let at = self.known.iter().position(|known| known.channel == channel)?;
         self.sums(at).score(self.samples)

@@ -15,7 +15,7 @@ pub(crate) fn estimator(settings: &FilterSettings, context: FilterContext<'_>) -
     single(settings, context)
 }
 
-/// Builds the filter of one guess: a tuned kernel where there is one, else the engine's, else that of the book.
+/// Builds the filter of one guess: a tuned kernel if there is one, else the engine's, else the reference filter.
 fn single(settings: &FilterSettings, context: FilterContext<'_>) -> Box<dyn Estimator> {
     let kernel = if settings.substeps == 1 { kernel::estimator::estimator(settings, context) } else { None };
     kernel.or_else(|| of_engine(settings, &context)).unwrap_or_else(|| filter::estimator::estimator(settings, &context))
@@ -81,7 +81,8 @@ mod tests {
         Ok(bits)
     }
 
-    /// The engine's own filter has the bits of the book's, whose beliefs the engine moves: a page has the latter only.
+    /// The engine's estimator and the reference filter with the engine's beliefs give the same bits. A web page has
+    /// only the reference filter.
     #[test]
     fn both_ways_to_the_engine_give_the_same_bits() -> Result<(), Box<dyn std::error::Error>> {
         let augmentations: [&[Channel]; 4] =

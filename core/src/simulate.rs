@@ -118,8 +118,9 @@ impl Simulator {
         place_of_next(record) > before
     }
 
-    /// Appends samples until `record` has `samples`, counted from the run's beginning, but stops after about a millisecond where
-    /// the plant is hard to follow, also amid a sample. Returns whether the truth goes on as far as that.
+    /// Appends samples until `record` has `samples`, counted from the run's beginning, but stops after about a
+    /// millisecond, even within a sample, if the plant is hard to simulate. Returns whether the truth goes on until
+    /// then.
     pub fn advance_some(&mut self, record: &mut Record, samples: usize) -> bool {
         let end = self.response.halved() + HALVED;
         while place_of_next(record) < samples && self.response.halved() < end {
@@ -158,7 +159,7 @@ impl Simulator {
         is_done
     }
 
-    /// Takes the measurements of sample `k`, and says what acts from there on.
+    /// Takes the measurements of sample `k`, and returns the load from there on.
     fn sample(&mut self, k: usize) -> Result<Load, TruthError> {
         let Self {
             scenario, inputs, disturbance_noise, sensor_noise, model, signals, readings, measured, state, ..
@@ -223,7 +224,7 @@ fn place_of_next(record: &Record) -> usize {
 mod tests {
     use super::*;
 
-    /// A plant whose steps are halved thousands of times for each sample.
+    /// A plant that needs thousands of halved steps for each sample.
     const HARD: &str = include_str!("../../tests/hostile/hard-truth.toml");
 
     #[test]

@@ -7,7 +7,7 @@ use crate::{Estimates, Pass, Record, RunError, Scenario};
 /// [`Run::smoothed`](crate::Run::smoothed), to the bit, whether or not the filter's settings ask for a smoother. They have
 /// means and covariances, but no innovations.
 ///
-/// A filter that stops on its way leaves the smoother the samples before; [`Estimates::stop`] says where and why.
+/// If the filter stops, the smoother gets the samples before; [`Estimates::stop`] gives the sample and the reason.
 ///
 /// ```
 /// use kalmanscope_core::{Run, Scenario, smoothed};

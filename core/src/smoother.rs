@@ -1,13 +1,14 @@
-//! Estimates with hindsight: the whole record tells of every sample.
+//! Smoothed estimates: each sample's estimate uses the whole record.
 
 use crate::waste::Piecewise;
 use crate::{Estimates, FilterError, Record, Stop};
 
-/// Samples whose memory is returned at once, in about a millisecond.
+/// Limits the samples freed in one call, which takes about a millisecond.
 const FREED: usize = 4_000;
 
-/// A smoother in progress: the filter goes forward, the smoother back, as [`crate::filter::smoother`] says. Sampled filters have no
-/// smoother here: they give no estimates. Where the filter stops, the smoother begins with the last sample before.
+/// A smoother in progress: the filter goes forward, the smoother backward ([`crate::filter::smoother`]). Sampled
+/// filters have no smoother here: they give no estimates. If the filter stops, the smoother begins with the last sample
+/// before.
 pub(crate) struct Smoother {
     beliefs: Box<dyn Beliefs>,
     input_delay: i32,
@@ -23,7 +24,7 @@ pub(crate) trait Beliefs: Send {
     /// Filters sample `k`, the next one, under the forces over mass of the sample before it and of its own \[m/s²\].
     fn filter(&mut self, forces: [f64; 2], record: &Record, k: usize) -> Result<(), FilterError>;
 
-    /// Smooths sample `k`, whose successor is smooth.
+    /// Smooths sample `k`, after sample `k + 1`.
     fn smooth(&mut self, k: usize);
 
     /// Frees the memory of up to this many of the last samples that still have some. Returns whether there were any.
@@ -36,7 +37,7 @@ pub(crate) trait Beliefs: Send {
 /// The progress of a smoother.
 #[derive(Clone, Copy)]
 enum Stage {
-    /// The filter is on its way.
+    /// The filter is under way.
     Forth,
     /// The samples before this one are to be smoothed.
     Back(usize),
@@ -50,8 +51,8 @@ impl Smoother {
         Self { beliefs, input_delay, stop: None, stage: Stage::Forth }
     }
 
-    /// Goes on for at most `steps` steps over the first `samples` samples of a record, which must be the same each time;
-    /// appends to `estimates` at last. Returns whether all is done.
+    /// Goes on for at most `steps` steps over the first `samples` samples of a record. Both must be the same in each
+    /// call. The last call appends to `estimates`. Returns whether all is done.
     pub(crate) fn advance(&mut self, record: &Record, samples: usize, steps: usize, estimates: &mut Estimates) -> bool {
         let Self { beliefs, input_delay, stop, stage } = self;
         let force = |k: usize| record.delayed_force(k, *input_delay);

@@ -11,7 +11,7 @@ pub enum Source {
     /// A simulation of the scenario's truth.
     #[default]
     Simulated,
-    /// A given record, whose time between samples replaces the scenario's.
+    /// A given record. Its time between samples replaces the scenario's.
     Measured(Arc<Record>),
 }
 
@@ -93,7 +93,7 @@ impl Recording {
         true
     }
 
-    /// The same, but stops after about a millisecond where the plant is hard to follow, also amid a sample.
+    /// The same, but stops after about a millisecond, even within a sample, if the plant is hard to simulate.
     pub(crate) fn advance_some(&mut self, samples: usize) -> bool {
         let Self::Simulated { simulator, record } = self else { return self.len() >= samples };
         simulator.advance_some(record, samples)

@@ -19,15 +19,15 @@ pub struct Spectrogram {
     pub start: f64,
     /// The time between windows \[s\].
     pub step: f64,
-    /// The distance of the frequencies, of which the first is 0 \[rad/s\].
+    /// The distance between frequencies; the first one is 0 \[rad/s\].
     pub resolution: f64,
     /// The power in each window at each frequency up to the Nyquist frequency, in dB below the highest.
     pub decibels: Vec<Vec<f32>>,
 }
 
 impl Spectrogram {
-    /// The spectrogram of the first `samples` measurements of a sensor; none where there are too few. A missing measurement
-    /// repeats the one before it.
+    /// The spectrogram of the first `samples` measurements of a sensor. `None` if there are too few. A missing
+    /// measurement repeats the one before it.
     ///
     /// Source: Oppenheim and Schafer (2010), *Discrete-Time Signal Processing*, section 10.3.
     pub fn new(record: &Record, sensor: usize, samples: usize) -> Option<Self> {
@@ -62,8 +62,9 @@ pub struct Windows {
 }
 
 impl Windows {
-    /// No window yet of the first `samples` measurements of a sensor, of which `count` would fit side by side at least, and
-    /// more overlap; none where there are too few samples. A missing measurement repeats the one before it.
+    /// Windows of the first `samples` measurements of a sensor, none computed yet. They are short enough for `count` of
+    /// them side by side; they overlap, so that there are more. `None` if there are too few samples. A missing
+    /// measurement repeats the one before it.
     pub fn new(record: &Record, sensor: usize, samples: usize, count: usize) -> Option<Self> {
         let mut last = 0.0;
         let measured = record.measured(sensor).iter().take(samples);

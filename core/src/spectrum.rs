@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 /// The number of cycles in a window, unless the longest window is shorter.
 const CYCLES: f64 = 8.0;
-/// Limits the samples of half a window from below.
+/// The least number of samples of half a window.
 const FEWEST: usize = 4;
 /// The number of frequencies that share a window, so that the compiler can vectorise over them.
 const LANES: usize = 8;

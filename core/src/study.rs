@@ -4,10 +4,10 @@ use crate::analysis::Subject;
 use crate::spare::Spare;
 use crate::{Analysis, Run, RunError, Scenario, Source, Wanted, cost};
 
-/// Limits the samples whose memory is kept for the next edit; more is returned to the system.
+/// Keep the memory of at most this many samples for the next edit; return the rest to the system.
 const KEPT_SPARE: usize = 100_000;
 
-/// Limits a window from below: there must be something to forget and something to keep.
+/// The least window: a part of it is forgotten, and a part is kept.
 const LEAST_WINDOW: usize = 4;
 
 /// The samples to forget at the limit of a window. A quarter stays: all that stays is moved, and analysed again, within one
@@ -51,7 +51,7 @@ impl Study {
         self.window = window.max(LEAST_WINDOW);
     }
 
-    /// Sets the results to compute besides the estimates from now on.
+    /// Sets the results to compute from now on, in addition to the estimates.
     pub fn want(&mut self, wanted: Wanted) {
         self.analysis.want(wanted);
     }

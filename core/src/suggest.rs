@@ -85,7 +85,7 @@ pub fn suggest(scenario: &Scenario, record: &Record) -> Suggestion {
 const NO_GUESS: &str = "no start values of ωₙ and ζ could be found, because";
 
 impl Suggestion {
-    /// Why no guess of the motion's frequency was found; `None` where there is one.
+    /// Why no guess of the motion's frequency was found. `None` if there is one.
     pub fn why_no_guess(&self) -> Option<&str> {
         let reason = self.reasons.iter().find(|reason| reason.starts_with(NO_GUESS));
         reason.filter(|_| !self.is_guessed).map(String::as_str)
@@ -210,8 +210,8 @@ impl Suggestion {
         ));
     }
 
-    /// Gives filters whose motion has no process noise the least of it, where the first does not go through without: once
-    /// nothing moves any more, rounding takes the rank of a covariance that nothing adds to.
+    /// Gives the motion of all filters the smallest process noise, if the first filter has none there: once nothing
+    /// moves any more, rounding makes a covariance without process noise singular.
     fn keep_from_rounding(&mut self) {
         let (kind, input) = (self.scenario.plant.kind, self.scenario.input);
         let is_without = |filter: &FilterSettings| {
@@ -248,7 +248,7 @@ impl Suggestion {
         if mean > BETTER {
             return;
         }
-        // The innovations then tell how large it is.
+        // The innovations then show the size of the noise.
         let errors: Vec<f64> = before.iter().map(|error| surprise * error).collect();
         self.scenario = self.with_error(&errors);
         self.reasons.push(format!(
@@ -287,7 +287,7 @@ fn no_motion(quantity: Quantity, measured: &[f64]) -> String {
     format!("{NO_GUESS} {why}: the guess is a default, please set it by hand")
 }
 
-/// Mean and standard deviation of the values that are there.
+/// Mean and standard deviation of the values that are not missing.
 fn moments(values: &[f64]) -> (f64, f64) {
     let there = || values.iter().filter(|value| !value.is_nan());
     let count = there().count().max(1) as f64;

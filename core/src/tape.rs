@@ -3,8 +3,8 @@
 use crate::sink::{AssumedNoise, Sample, Sink};
 use crate::{Estimates, FilterError, Stop};
 
-/// Consecutive samples of one filter, for a history that is kept elsewhere. A history that takes them in has the same bits
-/// as one that the filter writes to.
+/// Consecutive samples of one filter, for a history in another thread or worker. A history that takes them in has the
+/// same bits as one that the filter writes to.
 ///
 /// The first numbers are the count of samples, and the sample and the reason of a [`Stop`]; NaN where there is none.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,7 +13,7 @@ pub struct Tape(Vec<f64>);
 /// The numbers before the first sample.
 const HEAD: usize = 3;
 
-/// The numbers of a sample besides vectors and matrices.
+/// The numbers of a sample that are not in vectors or matrices.
 const SCALARS: usize = 5;
 
 /// Every reason to stop; its place is its number.

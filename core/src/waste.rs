@@ -1,4 +1,4 @@
-//! Unused memory on its way back to the system: to return all of it at once takes longer than a frame.
+//! Unused memory that is returned to the system piece by piece: returning all of it at once takes longer than a frame.
 
 use crate::{CramerRao, Diagnostics};
 

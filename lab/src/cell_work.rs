@@ -15,7 +15,8 @@ const PIECE: f64 = 1e6;
 /// The time to simulate one sample of an ordinary plant, to within a factor of three \[ns\].
 const OF_SAMPLE: f64 = 500.0;
 
-/// The run of one cell, as far as it has come. Its row has the bits of [`Runner::rows`], however the work is divided.
+/// The run of one cell, as far as it has come. Its row has the bits of [`Runner::rows`], into whatever slices the work
+/// is divided.
 pub struct CellWork {
     runner: Arc<Runner>,
     cell: usize,
@@ -41,7 +42,7 @@ enum Stage {
     Done,
 }
 
-/// The run of a filter: of all estimates where a measure needs them, or of sums.
+/// The run of a filter: with all estimates if a measure needs them, or with sums alone.
 enum FilterPass {
     History(Box<HistoryPass>),
     Sums(Box<ScoredPass>),
@@ -82,7 +83,7 @@ impl CellWork {
         self.row
     }
 
-    /// About as much as there is time for before the next check of the clock.
+    /// Works for about as long as the time to the next check of the clock.
     fn piece(&mut self) {
         self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
             Stage::Record { scenario, mut simulator, mut record } => {
@@ -90,7 +91,7 @@ impl CellWork {
                 let goal = samples.min(record.len() + self.samples_for(OF_SAMPLE));
                 let begin = record.len();
                 let goes_on = simulator.advance_some(&mut record, goal);
-                // A truth that is hard to follow stops before its goal once its time is up.
+                // The simulation of a hard truth stops before its goal once its time is up.
                 let is_slow = goes_on && record.len() < goal;
                 self.spent += if is_slow { PIECE } else { OF_SAMPLE * (record.len() - begin) as f64 };
                 if goes_on && record.len() < samples {
@@ -130,7 +131,7 @@ impl CellWork {
             FilterPass::History(pass) => {
                 let scores = pass.measures(scenario, place, record, &self.runner.ensemble().plan().measures);
                 self.runner.fill_scores(nth, &scores, &mut self.row);
-                // To look at nothing needs no second run.
+                // Without samples to look at, no second run is needed.
                 let is_looked_at = !self.runner.ensemble().trace().samples().is_empty();
                 if is_looked_at { self.sums(&run, place).ok() } else { None }
             }

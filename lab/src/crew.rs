@@ -9,7 +9,7 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use crate::{Runner, Slice};
 
-/// Limits the time between two portions of rows from one thread, where the cells that are computed at once do not take longer.
+/// Limits the time between two portions of rows from one thread, unless the cells that it computes at once take longer.
 const PORTION: Duration = Duration::from_millis(25);
 
 /// The cells of the first portions: as many as run side by side, at most.
@@ -20,7 +20,7 @@ pub struct Crew {
     pool: ThreadPool,
 }
 
-/// The work on one ensemble. It ends when it is dropped: no cell is begun after that.
+/// The work on one ensemble. It ends when it is dropped: no cell begins after that.
 pub struct Work {
     slices: Receiver<Slice>,
     is_wanted: Arc<AtomicBool>,
@@ -30,7 +30,7 @@ impl Crew {
     /// A crew of this many threads; 0 for one a processor.
     ///
     /// # Errors
-    /// Where the system gives no threads.
+    /// If the system gives no threads.
     pub fn new(threads: usize) -> Result<Self, ThreadPoolBuildError> {
         let name = |nth| format!("laboratory {nth}");
         Ok(Self { pool: ThreadPoolBuilder::new().num_threads(threads).thread_name(name).build()? })

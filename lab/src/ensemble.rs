@@ -8,13 +8,13 @@ use crate::trace::Trace;
 use kalmanscope_core::setting::{Address, UnknownSetting};
 use kalmanscope_core::{Axis, AxisError, Channel, Document, DocumentError, RunError, Scenario};
 
-/// The most cells of an ensemble.
+/// Limits the cells of an ensemble.
 pub const MAX_CELLS: usize = 100_000_000;
 
 /// A grid over some settings of a scenario, with scores of some of its filters in each cell.
 ///
-/// Cells are numbered in the order of the axes, the last axis fastest. A cell's row has the measures of the first filter, then
-/// those of the next. Where the plan has times, the trace of each filter follows ([`Trace`]).
+/// Cells are numbered in the order of the axes, the last axis fastest. A cell's row has the measures of the first
+/// filter, then those of the next. If the plan has times, the trace of each filter follows ([`Trace`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ensemble {
     scenario: Scenario,
@@ -81,7 +81,7 @@ impl Ensemble {
         Document::json(&(&self.scenario, &self.plan)).unwrap_or_default()
     }
 
-    /// The ensemble that [`Self::to_json`] has written. Unlike TOML files, which people write, it leaves nothing out.
+    /// The ensemble that [`Self::to_json`] has written. Unlike a TOML file, the JSON leaves no default out.
     ///
     /// # Errors
     /// As [`Self::new`], and [`EnsembleError::Syntax`] where it cannot be read.
@@ -91,7 +91,7 @@ impl Ensemble {
         Self::new(scenario, plan)
     }
 
-    /// Calls the filters as those with their ids in another scenario: no number depends on a name.
+    /// Takes over the names of the filters with the same ids in another scenario: no number depends on a name.
     pub fn call_filters(&mut self, scenario: &Scenario) {
         for filter in &mut self.scenario.filters {
             if let Some(other) = scenario.filters.iter().find(|other| other.id == filter.id) {
@@ -167,7 +167,7 @@ impl Ensemble {
         self.plan.axes.iter().zip(places).fold(0, |cell, (axis, place)| cell * axis.count + place)
     }
 
-    /// The values of a cell, one an axis. Those of a setting without fractions are rounded, as the cell's scenario has them.
+    /// The values of a cell, one an axis. Values of an integer setting are rounded, as in the cell's scenario.
     pub fn values(&self, cell: usize) -> Vec<f64> {
         let axes = self.plan.axes.iter().zip(&self.settings).zip(self.places(cell));
         axes.map(|((axis, setting), place)| setting.rounded(axis.value(place))).collect()
@@ -189,7 +189,7 @@ impl Ensemble {
         places.map(|places| self.cell(&places))
     }
 
-    /// The cells in the order in which they are best computed for a picture.
+    /// The cells in the best order for a picture.
     pub fn coarse_to_fine(&self) -> Vec<usize> {
         order::coarse_to_fine(&self.counts())
     }

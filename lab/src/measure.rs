@@ -1,4 +1,4 @@
-//! The numbers that a run is scored by.
+//! The scores of a run.
 
 use std::fmt;
 use std::str::FromStr;
@@ -37,11 +37,11 @@ pub enum Measure {
     Estimate(Channel),
     /// The last standard deviation of a channel.
     Std(Channel),
-    /// The time after which a channel has stayed within 5 % of the truth \[s\]; infinite where it has not.
+    /// The time after which a channel has stayed within 5 % of the truth \[s\]; infinite if it has not.
     Settled(Channel),
     /// The share of samples with a channel's truth inside ±2σ.
     Inside(Channel),
-    /// Root mean square of measured minus predicted by the identified model, run freely, for one sensor in its unit.
+    /// Root mean square error of the identified model's free run, for one sensor in its unit.
     FreeRun(Quantity),
     /// Root mean square of the innovations of one sensor, in its unit.
     OneStep(Quantity),
@@ -79,7 +79,7 @@ type OfSensor = fn(Quantity) -> Measure;
 const OF_SENSORS: [(&str, OfSensor); 2] = [("free_run", Measure::FreeRun), ("one_step", Measure::OneStep)];
 
 impl Measure {
-    /// Whether the measure needs every estimate of the run, not sums alone.
+    /// Whether the measure needs every estimate of the run; sums are not enough.
     pub fn needs_history(self) -> bool {
         matches!(self, Self::Verdict | Self::FreeRun(_) | Self::OneStep(_))
     }

@@ -112,7 +112,7 @@ impl MonteCarlo {
         self.done
     }
 
-    /// The samples that are looked at.
+    /// The samples of the traces.
     pub fn samples(&self) -> &[usize] {
         self.trace.samples()
     }
@@ -190,7 +190,7 @@ mod tests {
     use crate::Runner;
     use kalmanscope_core::{FilterKind, Run, Source};
 
-    /// A linear filter that knows everything: its theory is exact.
+    /// A linear filter that knows the true model: its theory is exact.
     fn scenario(noise: f64) -> Scenario {
         let text = "duration = 10.0\n[plant]\nnatural_frequency = 6.0\ndisturbance_std = 2.0\n[plant.initial]\ndisplacement = 0.0\n\
                     [[sensors]]\nmeasures = \"displacement\"\nnoise_std = 0.02\n[[filters]]\nkind = \"kf\"\n\
@@ -225,7 +225,7 @@ mod tests {
             let interval = MonteCarlo::interval(degrees, 400).unwrap();
             values.iter().filter(|value| interval.contains(value)).count()
         };
-        // 20 times, of which 95 % are expected.
+        // 20 times; 95 % of them are expected.
         assert!(inside(all.nees(0).collect(), 2) >= 15, "{:?}", all.nees(0).collect::<Vec<_>>());
         assert!(inside(all.nis(0).collect(), 1) >= 15, "{:?}", all.nis(0).collect::<Vec<_>>());
         for (rmse, std) in all.rmse(0, 0).zip(all.std(0, 0)).skip(2) {

@@ -1,7 +1,7 @@
 //! The order in which cells are computed: coarse to fine.
 
-/// The cells of a grid, the last axis fastest, in an order that covers the grid evenly at every moment: first every cell whose
-/// places are multiples of the widest stride, then those of half the stride, down to 1.
+/// The cells of a grid, the last axis fastest, in an order that covers the grid evenly at every moment: first every
+/// cell at places that are multiples of the widest stride, then those of half the stride, down to 1.
 ///
 /// ```
 /// use kalmanscope_lab::order;
@@ -28,7 +28,7 @@ pub fn widest(counts: &[usize]) -> usize {
     if stride > longest { 1 } else { stride }
 }
 
-/// The cell whose result stands for another one as long as only cells on multiples of `stride` are done.
+/// The cell that stands in for another one as long as only cells on multiples of `stride` are done.
 pub fn stand_in(counts: &[usize], cell: usize, stride: usize) -> usize {
     let (mut rest, mut scale, mut found) = (cell, 1, 0);
     for &count in counts.iter().rev() {

@@ -36,7 +36,7 @@ fn of_history(scenario: &Scenario, place: usize, record: &Record, measures: &[Me
     Ok(pass.measures(scenario, place, record, measures))
 }
 
-/// A filter's run over a record of which all estimates remain, as far as it has come.
+/// A filter's run over a record, as far as it has come. It keeps all estimates.
 pub(crate) struct HistoryPass {
     pass: Pass,
     estimates: Estimates,
@@ -109,7 +109,7 @@ impl Sink for Both<'_> {
     }
 }
 
-/// The measures that sums alone give.
+/// The measures that follow from sums alone.
 pub(crate) fn of_sums(
     scenario: &Scenario,
     place: usize,
@@ -153,7 +153,7 @@ fn of_sum(measure: Measure, outcome: &Outcome, channels: &[Channel], record: &Re
     }
 }
 
-/// The last mean of a channel in the canonical form of the oscillator, whose natural frequency is not negative.
+/// The last mean of a channel in the canonical form of the oscillator, with a natural frequency that is not negative.
 fn canonical(outcome: &Outcome, channels: &[Channel], place: usize) -> f64 {
     let frequency = channels.iter().position(|channel| *channel == Channel::NATURAL_FREQUENCY);
     let is_mirrored = frequency.is_some_and(|place| outcome.mean[place] < 0.0);

@@ -1,11 +1,11 @@
-//! What an ensemble varies and scores.
+//! The plan of an ensemble: the settings that it varies, and its scores.
 
 use serde::{Deserialize, Serialize};
 
 use crate::Measure;
 use kalmanscope_core::Axis;
 
-/// The axes, filters and measures of an ensemble, beside its scenario: plain data for files and messages.
+/// The axes, filters and measures of an ensemble, without its scenario: plain data for files and messages.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
@@ -13,7 +13,7 @@ pub struct Plan {
     pub filters: Vec<usize>,
     /// The scores to take.
     pub measures: Vec<Measure>,
-    /// The number of times, equally spaced over the record, at which each run is looked at: for Monte Carlo.
+    /// The number of times, equally spaced over the record, at which each run is recorded, for Monte Carlo.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub times: usize,
     /// The settings to vary, in the order of the cells; without one there is a single cell.

@@ -14,7 +14,7 @@ use crate::plan::Plan;
 /// The records that are kept for the next cells.
 const KEPT: usize = 16;
 
-/// The scenario of a cell, which is possible, and its record.
+/// The valid scenario of a cell, and its record.
 #[derive(Clone, Debug)]
 pub struct CellRun {
     /// The scenario.
@@ -23,7 +23,7 @@ pub struct CellRun {
     pub record: Arc<Record>,
 }
 
-/// Runs the cells of an ensemble, in any order and on any number of threads: a cell's row has the same bits always.
+/// Runs the cells of an ensemble, in any order and on any number of threads: a cell's row always has the same bits.
 pub struct Runner {
     ensemble: Ensemble,
     source: Source,
@@ -65,8 +65,8 @@ impl Runner {
         1e-9 * samples as f64 * self.ensemble.plan().filters.iter().map(time).sum::<f64>()
     }
 
-    /// The rows of some cells, one after the other. The row of an impossible scenario is NaN. Filters that lanes serve go
-    /// side by side, so a portion should have eight cells or more.
+    /// The rows of some cells, one after the other. The row of an impossible scenario is NaN. Lanes run the filters
+    /// that they serve side by side, so a portion should have eight cells or more.
     pub fn rows(&self, cells: &[usize]) -> Vec<f64> {
         let runs = self.runs(cells);
         let outcomes: Vec<Vec<Option<Outcome>>> = if self.needs_history() {
@@ -78,16 +78,16 @@ impl Runner {
         self.rows_of(&runs, &outcomes)
     }
 
-    /// The number of cells to compute at once: the number of lanes where lanes take the filters of this cell, else one.
+    /// The number of cells to compute at once: the number of lanes if lanes serve the filters of this cell, else one.
     pub fn at_once(&self, cell: usize) -> usize {
         let runs = self.runs(&[cell]);
         let is_served = |run: &CellRun| self.ensemble.plan().filters.iter().all(|&place| is_served(run, place));
         if !self.needs_history() && runs.iter().flatten().all(is_served) { ABREAST } else { 1 }
     }
 
-    /// The runs of some cells; none where a scenario is impossible.
+    /// The runs of some cells; `None` for a cell with an impossible scenario.
     pub fn runs(&self, cells: &[usize]) -> Vec<Option<CellRun>> {
-        // Those with one record after each other, so that it is simulated once.
+        // Cells with the same record come after each other, so that it is simulated once.
         let mut order: Vec<usize> = (0..cells.len()).collect();
         order.sort_by_key(|&at| self.ensemble.record_of(cells[at]));
         let mut runs = vec![None; cells.len()];
@@ -106,8 +106,8 @@ impl Runner {
         self.ensemble.plan().measures.iter().any(|measure| measure.needs_history())
     }
 
-    /// The rows of some runs, from their outcomes: for each filter of the plan those of all runs. An outcome that is missing is
-    /// computed here; the others have the looks that the plan's times ask for.
+    /// The rows of some runs, from their outcomes: for each filter of the plan those of all runs. Missing outcomes are
+    /// computed here; the others must have the looks at the plan's times.
     pub fn rows_of(&self, runs: &[Option<CellRun>], outcomes: &[Vec<Option<Outcome>>]) -> Vec<f64> {
         let width = self.ensemble.width();
         let mut rows = vec![f64::NAN; runs.len() * width];
@@ -121,7 +121,7 @@ impl Runner {
                     self.fill(nth, run, outcome, row);
                 } else if let Ok(scores) = outcome::any(scenario, place, record, &plan.measures) {
                     self.fill_scores(nth, &scores, row);
-                    // To look at nothing needs no second run.
+                    // Without samples to look at, no second run is needed.
                     if !trace.samples().is_empty()
                         && let Ok(outcome) = Outcome::at(scenario, place, record, trace.samples())
                     {
@@ -133,8 +133,8 @@ impl Runner {
         rows
     }
 
-    /// The row of a run from the outcomes of all filters of the plan, whose scores need no more than sums. The row of an
-    /// impossible scenario is NaN.
+    /// The row of a run from the outcomes of all filters of the plan. Its scores must need no more than sums. The row
+    /// of an impossible scenario is NaN.
     pub fn row_of_sums(&self, run: Option<&CellRun>, outcomes: &[&Outcome]) -> Vec<f64> {
         let mut row = vec![f64::NAN; self.ensemble.width()];
         if let Some(run) = run {
@@ -145,7 +145,7 @@ impl Runner {
         row
     }
 
-    /// Writes what the outcome of the plan's `nth` filter says into the row of a run.
+    /// Writes the outcome of the plan's `nth` filter into the row of a run.
     pub(crate) fn fill(&self, nth: usize, CellRun { scenario, record }: &CellRun, outcome: &Outcome, row: &mut [f64]) {
         let Plan { filters, measures, .. } = self.ensemble.plan();
         let scores = outcome::of_sums(scenario, filters[nth], record, measures, outcome);
@@ -153,18 +153,19 @@ impl Runner {
         self.ensemble.trace().fill(nth, &outcome.looks, row);
     }
 
-    /// The factor on the input of a given record in a scenario: it was imported with the gain of the ensemble's scenario.
+    /// The factor on the input of a given record in a scenario: the record was imported with the gain of the ensemble's
+    /// scenario.
     fn input_factor(&self, scenario: &Scenario) -> f64 {
         let [gain, own] = [scenario, self.ensemble.scenario()].map(RECORD_GAIN.get);
         if gain.is_nan() || own.is_nan() { 1.0 } else { gain / own }
     }
 
-    /// The record of a cell with this scenario, which is possible.
+    /// The record of a cell with this valid scenario.
     fn record(&self, cell: usize, scenario: &Scenario) -> Arc<Record> {
         self.record_at_hand(cell, scenario).unwrap_or_else(|| self.keep(cell, simulate(scenario)))
     }
 
-    /// The same, unless it is yet to be simulated.
+    /// The same, if it need not be simulated.
     pub(crate) fn record_at_hand(&self, cell: usize, scenario: &Scenario) -> Option<Arc<Record>> {
         let factor = self.input_factor(scenario);
         if let Source::Measured(record) = &self.source
@@ -195,28 +196,28 @@ impl Runner {
         record
     }
 
-    /// Writes what the history of the plan's `nth` filter says into the row of a run.
+    /// Writes the scores from the history of the plan's `nth` filter into the row of a run.
     pub(crate) fn fill_scores(&self, nth: usize, scores: &[f64], row: &mut [f64]) {
         let width = self.ensemble.plan().measures.len();
         row[nth * width..][..width].copy_from_slice(scores);
     }
 }
 
-/// The runs that go side by side.
+/// The number of runs side by side.
 #[cfg(feature = "lanes")]
 const ABREAST: usize = kalmanscope_lanes::LANES;
 
-/// The runs that go side by side.
+/// The number of runs side by side.
 #[cfg(not(feature = "lanes"))]
 const ABREAST: usize = 1;
 
-/// Whether lanes take the filter at a place of a run.
+/// Whether lanes serve the filter at a place of a run.
 #[cfg(feature = "lanes")]
 fn is_served(CellRun { scenario, record }: &CellRun, place: usize) -> bool {
     kalmanscope_lanes::serves(&kalmanscope_lanes::LaneRun { scenario, place, record }).is_ok_and(|is_served| is_served)
 }
 
-/// Whether lanes take the filter at a place of a run.
+/// Whether lanes serve the filter at a place of a run.
 #[cfg(not(feature = "lanes"))]
 fn is_served(_: &CellRun, _: usize) -> bool {
     false

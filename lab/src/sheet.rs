@@ -45,7 +45,7 @@ impl Sheet {
         self.known.get(cell)?.then(|| &self.rows[cell * self.width..(cell + 1) * self.width])
     }
 
-    /// The row of a cell, or else that of the finest known cell that stands for it in a picture.
+    /// The row of a cell, or else that of the finest known cell that stands in for it in a picture.
     pub fn shown(&self, cell: usize) -> Option<&[f64]> {
         let mut stride = 1;
         while stride <= widest(&self.counts) {
@@ -59,7 +59,7 @@ impl Sheet {
 
     /// A hash of all rows, to compare platforms.
     pub fn checksum(&self) -> u64 {
-        // NaN has many forms.
+        // NaN has many bit patterns.
         let bits = |number: &f64| if number.is_nan() { u64::MAX } else { number.to_bits() };
         self.rows.iter().fold(0, |sum: u64, number| sum.rotate_left(5) ^ bits(number))
     }
@@ -89,7 +89,7 @@ impl Sheet {
         self.done == self.known.len()
     }
 
-    /// Whether every cell is known or has one that stands for it.
+    /// Whether every cell is known or has one that stands in for it.
     pub fn covers_all(&self) -> bool {
         let stride = widest(&self.counts);
         let coarse = |cell: &usize| stand_in(&self.counts, *cell, stride) == *cell;

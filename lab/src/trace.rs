@@ -5,8 +5,9 @@ use kalmanscope_core::{Channel, Scenario};
 
 use crate::plan::Plan;
 
-/// The places of a run's numbers at the plan's times, within a cell's row: for each filter and each time NEES, NIS, and error
-/// and standard deviation of each of the filter's channels. NaN where there is none, as after a filter has stopped.
+/// The places of a run's numbers at the plan's times, within a cell's row: for each filter and each time NEES, NIS, and
+/// error and standard deviation of each of the filter's channels. NaN without a value, for example after a filter has
+/// stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     begin: usize,
@@ -29,7 +30,7 @@ impl Trace {
         Self { begin: plan.filters.len() * plan.measures.len(), samples, channels }
     }
 
-    /// The samples that are looked at.
+    /// The samples of the trace.
     pub fn samples(&self) -> &[usize] {
         &self.samples
     }

@@ -18,7 +18,7 @@ use point::Point;
 pub use goal::Goal;
 pub use remark::Remark;
 
-/// Values of a setting that are tried first, along its axis.
+/// The number of values of a setting that are tried first, along its axis.
 const SCAN: usize = 9;
 
 /// Limits the iterations of the search.
@@ -27,7 +27,7 @@ const ITERATIONS: u64 = 300;
 /// The size of the first simplex, as a share of each axis.
 const SIMPLEX: f64 = 0.08;
 
-/// The search ends where the scores of the simplex differ by less, relative to their size or absolutely.
+/// The search ends when the scores of the simplex differ by less than this, relative to their size or absolutely.
 const TOLERANCE: f64 = 1e-7;
 
 /// A search for the settings of a filter with the best score, in small portions: first along each axis alone, then by the
@@ -62,7 +62,7 @@ struct Search {
 pub struct Try {
     /// The settings' values.
     pub values: Vec<f64>,
-    /// The goal's number, of which more is better.
+    /// The goal's number; more is better.
     pub score: f64,
 }
 
@@ -96,7 +96,7 @@ impl Tuner {
     ) -> Result<Self, EnsembleError> {
         let cost = Arc::new(Cost::new(scenario, place, record, axes, goal)?);
         let best = cost.present();
-        // The present values count even where they are beyond an axis.
+        // The present values count even if they are beyond an axis.
         let path = vec![Try { values: cost.present_values(), score: -cost.of_scenario(&cost.scenario) }];
         Ok(Self { cost, stage: Stage::Scanning(0, 0), best, path, runs: 1 })
     }
@@ -136,7 +136,7 @@ impl Tuner {
         &self.path
     }
 
-    /// The share of the search that is done, at least, from 0 to 1.
+    /// A lower limit of the share of the search that is done, from 0 to 1.
     pub fn progress(&self) -> f64 {
         let axes = self.cost.axes.len().max(1) as f64;
         match &self.stage {

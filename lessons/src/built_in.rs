@@ -46,7 +46,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "R wrong by ten": "r-wrong-by-ten",
 ];
 
-/// Scenarios whose plant is an equation, in the menu's order.
+/// Scenarios with an equation as their plant, in the menu's order.
 pub const EQUATIONS: &[BuiltIn] = built_in![
     "equations",
     "Pendulum": "pendulum",
@@ -64,7 +64,7 @@ pub const EQUATIONS: &[BuiltIn] = built_in![
 ];
 
 impl BuiltIn {
-    /// The scenario that a new user sees first: it tells a story within seconds.
+    /// The scenario that a new user sees first: it shows an effect within seconds.
     pub const FIRST: Self = BUILT_IN[0];
 
     /// The scenario with this file name.

@@ -39,7 +39,7 @@ pub enum LessonError {
     /// A question lacks something, or its answer is none of its choices.
     #[error("the question {0}")]
     Question(String),
-    /// A record does not come along.
+    /// A record is not built in.
     #[error("the record `{0}` does not come along")]
     UnknownRecord(String),
     /// A record cannot be used.

@@ -159,7 +159,7 @@ impl Lesson {
         for (number, (step, scenario)) in lesson.steps.iter().zip(&scenarios).enumerate() {
             let before = number.checked_sub(1).map_or(&first, |last| &scenarios[last]);
             if let Some(question) = &step.question {
-                // It is asked before the change.
+                // The question comes before the change.
                 question.validate(before).map_err(|error| error.in_step(number))?;
             }
             if let Some(map) = &step.map {

@@ -30,10 +30,10 @@ pub(crate) struct FilterOutcome<'a> {
 }
 
 impl Outcome {
-    /// Runs a scenario over its whole record: a simulated one, or the one that it names and that comes along.
+    /// Runs a scenario over its whole record: a simulated one, or the built-in one that it names.
     ///
     /// # Errors
-    /// [`LessonError`] where the scenario is impossible, or its record does not come along.
+    /// [`LessonError`] where the scenario is impossible, or its record is not built in.
     pub fn of(scenario: &Scenario) -> Result<Self, LessonError> {
         Self::on(scenario, records::source(scenario)?)
     }

@@ -1,11 +1,11 @@
-//! Questions: what a step asks before it shows.
+//! Questions that a step asks before it shows its effect.
 
 use kalmanscope_core::Scenario;
 use serde::Deserialize;
 
 use crate::LessonError;
 
-/// Limits the number of choices from below.
+/// The least number of choices.
 const FEWEST: usize = 2;
 /// Limits the number of choices, so that all are read.
 const MOST: usize = 4;
@@ -32,7 +32,7 @@ impl Question {
         choice + 1 == self.answer
     }
 
-    /// The text of the right choice; empty where there is none, which [`crate::Lesson::from_toml`] rules out.
+    /// The text of the right choice; empty if there is none, which [`crate::Lesson::from_toml`] rules out.
     pub fn right_choice(&self) -> &str {
         self.answer.checked_sub(1).and_then(|place| self.choices.get(place)).map_or("", String::as_str)
     }

@@ -1,4 +1,4 @@
-//! The records that come along.
+//! The built-in records.
 
 mod circuit;
 mod earthquake;
@@ -16,26 +16,26 @@ use crate::LessonError;
 /// The text of a file with the random numbers of a seed.
 pub type Made = fn(u64) -> String;
 
-/// Every record that a scenario can name without its file at hand: the file's name, and what makes it.
+/// Every record that a scenario can name without having its file: the file's name, and the function that makes it.
 pub const RECORDS: &[(&str, Made)] =
     &[("circuit.csv", circuit::file), ("earthquake.csv", earthquake::file), ("staircase.csv", staircase::file)];
 
 /// The seed of the files in `assets/records/`.
 pub const SEED: u64 = 1;
 
-/// The bytes of the record that a mapping names, if it comes along: its name is the same, and its hash, if there is one.
+/// The bytes of the built-in record that a mapping names. The name must match, and the hash, if the mapping has one.
 ///
-/// They are made anew, bit by bit as in `assets/records/`: a web page need not load them.
+/// They are computed, bit by bit as in `assets/records/`, so that a web page need not load them.
 pub fn record(mapping: &Mapping) -> Option<Vec<u8>> {
     let (_, file) = RECORDS.iter().find(|(name, _)| *name == mapping.file)?;
     let bytes = file(SEED).into_bytes();
     (mapping.hash.is_empty() || mapping.hash == hash(&bytes)).then_some(bytes)
 }
 
-/// The source of a scenario's samples: a simulation, or the record that it names and that comes along.
+/// The source of a scenario's samples: a simulation, or the built-in record that it names.
 ///
 /// # Errors
-/// [`LessonError::UnknownRecord`] where no such record comes along, [`LessonError::Record`] where its columns are not a
+/// [`LessonError::UnknownRecord`] where no such record is built in, [`LessonError::Record`] where its columns are not a
 /// record.
 pub fn source(scenario: &Scenario) -> Result<Source, LessonError> {
     let Some(mapping) = &scenario.record else { return Ok(Source::Simulated) };
@@ -43,7 +43,7 @@ pub fn source(scenario: &Scenario) -> Result<Source, LessonError> {
     source_in(scenario, &bytes)
 }
 
-/// As [`source()`], with the bytes of a file in place of those that come along.
+/// As [`source()`], with the bytes of a file in place of the built-in ones.
 ///
 /// # Errors
 /// [`LessonError::Record`] where the file's columns are not a record.

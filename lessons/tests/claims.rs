@@ -2,7 +2,7 @@
 
 use kalmanscope_lessons::{Claim, LESSONS, Lesson, verify, verify_all};
 
-/// The lessons whose file name contains the value of `LESSON`, if it is set, to save time while writing one.
+/// The lessons with the value of `LESSON` in their file names, if it is set: this saves time while writing one.
 fn wanted() -> Vec<Lesson> {
     let part = std::env::var("LESSON").unwrap_or_default();
     let chosen = LESSONS.iter().filter(|(name, _)| name.contains(&part));

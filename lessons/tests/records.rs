@@ -1,4 +1,4 @@
-//! The records that come along are those of the program that makes them, and the claims about them hold for others of their
+//! The built-in records are those of the program that makes them, and the claims about them hold for others of their
 //! kind.
 
 use kalmanscope_core::{Scenario, Source};

@@ -141,7 +141,7 @@ impl App {
     /// Plays a scenario from its start.
     pub(super) fn open(&mut self, scenario: Scenario, ctx: &egui::Context) {
         if scenario.record.is_some() {
-            // Without a truth this is what tells whether a model is right.
+            // Without a truth, this view shows whether a model is right.
             self.layout.show(ViewKind::Measured);
         }
         if let Some(assumed) = scenario.assumed_parameters() {

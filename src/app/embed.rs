@@ -1,4 +1,4 @@
-//! The app in the frame of another page: what that page may read.
+//! The app in the frame of another page, and the data that this page may read.
 
 use kalmanscope_core::Document;
 use serde::Serialize;

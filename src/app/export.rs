@@ -41,7 +41,7 @@ impl App {
         });
     }
 
-    /// Restores a session from a file. The settings before it come back with undo.
+    /// Restores a session from a file. Undo brings back the earlier settings.
     pub(super) fn open_session(&mut self, picture: share::Picture, ctx: &Context) {
         let record = picture.scenario.record.as_ref().map(|mapping| mapping.file.clone());
         let laboratory = picture.laboratory.clone();

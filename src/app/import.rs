@@ -22,7 +22,7 @@ impl App {
         self.importing = Some(Import::new(&name, bytes, self.session.elsewhere().cloned()));
     }
 
-    /// Asks again what the columns of the record on screen mean.
+    /// Opens the window for the meaning of the columns again, for the record on screen.
     pub(super) fn change_columns(&mut self) {
         let scenario = self.session.scenario();
         let file = scenario.record.as_ref().and_then(|mapping| self.session.library().file(mapping));

@@ -38,7 +38,7 @@ impl App {
         &mut self.laboratory
     }
 
-    /// Maps follow the session while they are in sight.
+    /// Maps follow the session while they are on screen.
     pub(super) fn follow_laboratory(&mut self, ctx: &Context) {
         let is_in_sight = self.layout.in_sight().iter().any(|kind| view(*kind).is_of_laboratory());
         self.laboratory.follow(&self.session, is_in_sight, self.width < NARROW, ctx);

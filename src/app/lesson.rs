@@ -90,7 +90,7 @@ impl App {
         }
     }
 
-    /// Leaves the lesson and keeps everything as it is.
+    /// Leaves the lesson and keeps the scenario and the views.
     pub(super) fn leave_lesson(&mut self) {
         self.tutor = None;
         self.axis.framed = None;

@@ -1,4 +1,4 @@
-//! Links: what an address opens, and the address of the picture on screen.
+//! Links: opening an address, and the address of the picture on screen.
 
 use egui::{Context, Event, OpenUrl};
 
@@ -25,7 +25,8 @@ impl App {
         Self { page: page.to_owned(), ..self }
     }
 
-    /// Opens what an address asks for, or says why it cannot be opened; nothing where it asks for nothing.
+    /// Opens the picture, scenario or lesson that an address names, or says why it cannot be opened. An address without
+    /// one changes nothing.
     pub fn open_address(&mut self, address: &str) {
         self.requests.push(Request::OpenAddress(address.to_owned()));
     }
@@ -84,7 +85,7 @@ impl App {
         }
     }
 
-    /// Shows a picture, paused. The settings before it come back with undo.
+    /// Shows a picture, paused. Undo brings back the earlier settings.
     pub(super) fn show_picture(&mut self, picture: Picture, ctx: &Context) {
         let layout = picture.layout();
         let Picture { scenario, laboratory, mode, time, speed, ruler, hidden, views: _, enlarged: _ } = picture;

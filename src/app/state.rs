@@ -90,8 +90,8 @@ impl App {
         }
     }
 
-    /// The explorer at the start of a scenario. One with a measured record, whose file may not be here, comes after the first
-    /// scenario: until its file is dropped, that one stays on screen.
+    /// The explorer at the start of a scenario. If the scenario needs a measured record, the first built-in scenario
+    /// stays on screen until the user drops the record's file.
     fn with_any(scenario: Scenario) -> Result<Self, RunError> {
         if scenario.record.is_none() {
             return Self::with_scenario(scenario);

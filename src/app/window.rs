@@ -23,13 +23,14 @@ pub(super) struct Drawers {
     lesson: Drawer,
 }
 
-/// Limits the width of a window whose settings are a drawer under the plots \[points\].
+/// Limits the width of a window that shows its settings in a drawer under the plots \[points\].
 pub(super) const NARROW: f32 = 720.0;
 
 /// Limits the width of a window in which a lesson replaces the settings, unless the user opens them \[points\].
 pub(super) const WIDE: f32 = 1500.0;
 
-/// In presenter mode the bar is there for a pointer near it, for a finger, and for who goes through it by keyboard.
+/// In presenter mode the bar is shown if the pointer is near it, on touch screens, and while a widget has the
+/// keyboard's focus or a menu is open.
 fn is_bar_wanted(ctx: &Context) -> bool {
     let near =
         ctx.input(|input| input.pointer.latest_pos().is_none_or(|at| at.y < NEAR_BAR + input.content_rect().top()));
@@ -65,7 +66,7 @@ impl App {
             Panel::top("transport").frame(frame).show(ui, |ui| bar.ui(ui, requests));
         }
         if narrow {
-            // Above a drawer, whose height follows from what is left.
+            // The drawer comes first: its height depends on the room that is left.
             let frame = frame.inner_margin(Margin { bottom: 0, ..frame.inner_margin });
             let legend = Panel::top("legend").frame(frame).show_separator_line(false);
             legend.show(ui, |ui| self.legend_ui(ui, &palette));

@@ -13,7 +13,7 @@ use crate::theme::Palette;
 /// Limits the characters of an equation.
 const LENGTH: usize = 1000;
 
-/// The width of the window, where there is room \[points\].
+/// The width of the window, if there is room \[points\].
 const WIDTH: f32 = 760.0;
 
 /// The distance of the window from the sides of the screen \[points\].
@@ -24,7 +24,7 @@ const LARGE: f32 = 19.0;
 
 /// An equation that is being edited. The plant has it once it is complete: with Enter, or when a field is left.
 pub(crate) struct Editor {
-    /// The equation that the plant has; none while it is built in.
+    /// The plant's equation. `None` while the plant is built in.
     taken: Option<EquationSettings>,
     draft: EquationSettings,
     /// The symbols of the draft when it was an equation last, and the typeset text.
@@ -79,7 +79,7 @@ impl Editor {
         open
     }
 
-    /// Goes along with a change from elsewhere, as that of an undo.
+    /// Takes over a change made outside the editor, such as an undo.
     fn follow(&mut self, scenario: &Scenario) {
         let now = scenario.plant.kind.own_equation().map(Equation::settings);
         if now != self.taken.as_ref() {
@@ -163,7 +163,7 @@ impl Editor {
     /// Makes the draft the plant's equation, if it is one without new symbols.
     fn take(&mut self, scenario: &Scenario, requests: &mut Vec<Request>) {
         let draft = EquationSettings { equation: self.draft.equation.trim().to_owned(), ..self.draft.clone() };
-        // A parameter that is no longer there has no numbers.
+        // Drops the numbers of parameters that the equation no longer has.
         let Ok(kept) = draft.checked() else { return };
         if self.taken.as_ref() == Some(&kept) || !self.news().is_empty() {
             return;

@@ -7,8 +7,8 @@ use kalmanscope_core::equation::{Level, typeset};
 /// The size of powers and subscripts, relative to that of the line.
 const SMALL: f32 = 0.72;
 
-/// An equation of text, a line for each equation, powers raised and subscripts lowered. A text that is no equation, as that of
-/// some built-in plants, stays as it is.
+/// An equation of text, a line for each equation, powers raised and subscripts lowered. A text that is no equation,
+/// such as that of some built-in plants, stays unchanged.
 pub(crate) fn job(text: &str, font: &FontId, color: Color32) -> LayoutJob {
     let Ok(lines) = typeset(text) else {
         return LayoutJob::simple(text.to_owned(), font.clone(), color, f32::INFINITY);

@@ -10,8 +10,8 @@ use super::File;
 /// Limits the files of one name.
 const MOST: u32 = 10_000;
 
-/// Writes a file into the folder of downloads, and returns its path. A file of that name stays as it is: the new one gets a
-/// number.
+/// Writes a file into the folder of downloads, and returns its path. It does not replace a file of that name: the new
+/// one gets a number.
 ///
 /// # Errors
 /// The reason why it cannot be written.

@@ -1,5 +1,5 @@
-//! The places of views in a figure. Nothing is cut off: the height follows the contents, and where the height is given, as on a
-//! slide, the canvas becomes larger and its type smaller.
+//! The places of views in a figure. Nothing is cut off: the height follows the contents. If the height is given, as on
+//! a slide, the canvas becomes larger and its type smaller.
 
 use egui::epaint::ClippedShape;
 use egui::{Pos2, RichText, Ui, Vec2, pos2, vec2};

@@ -1,4 +1,4 @@
-//! The context in which a figure's parts are drawn, and what they leave.
+//! The context in which a figure's parts are drawn, and their shapes.
 
 use egui::emath::TSTransform;
 use egui::epaint::ClippedShape;
@@ -22,7 +22,7 @@ pub(super) struct Canvas {
 
 /// A part of a figure.
 pub(super) struct Part {
-    /// The shapes of the part, whose left upper corner is the origin.
+    /// The shapes of the part; its left upper corner is the origin.
     pub(super) shapes: Vec<ClippedShape>,
     /// The part's place.
     pub(super) to: TSTransform,
@@ -81,7 +81,7 @@ impl Part {
     }
 }
 
-/// Limits that reach beyond the ground where they end with it: letters of an axis may stand over a little.
+/// Extends limits that end with the ground: letters of an axis may reach beyond it a little.
 fn beyond(limits: Rect, ground: Rect) -> Rect {
     let mut limits = limits;
     for axis in 0..2 {

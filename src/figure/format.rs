@@ -12,7 +12,7 @@ pub(super) const TYPE: f32 = 12.0;
 pub(super) struct Geometry {
     /// Width \[points\].
     pub(super) width: f32,
-    /// Height over width, or none where the contents determine the height.
+    /// Height over width. `None` if the contents determine the height.
     pub(super) aspect: Option<f32>,
     /// The size of type \[points\].
     pub(super) type_size: f32,

@@ -1,4 +1,4 @@
-//! The legend of a figure: what is shown, and nothing to click on.
+//! The legend of a figure: the entries that are shown, without buttons.
 
 use egui::{Color32, Label, Sense, Ui, vec2};
 use kalmanscope_core::Channel;

@@ -30,7 +30,7 @@ pub(super) fn png(figure: &Figure) -> Result<Vec<u8>, PngError> {
     encoded(&pixels, figure.density / figure.scale / MILLIMETRES_PER_POINT)
 }
 
-/// The file of some pixels, of which so many are on a millimetre.
+/// Encodes pixels as a PNG file with `per_millimetre` pixels per millimetre.
 fn encoded(pixels: &Pixels, per_millimetre: f32) -> Result<Vec<u8>, PngError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, pixels.width as u32, pixels.height as u32);
@@ -76,8 +76,8 @@ impl Pixels {
         }
     }
 
-    /// Fills the pixels whose middle is in a triangle. A middle on an edge belongs to one of the two triangles at it: the one
-    /// to the right, or below.
+    /// Fills the pixels that have their middle in a triangle. A middle on an edge belongs to the triangle to the right
+    /// of it, or below it.
     fn triangle(
         &mut self,
         mut corners: [&Vertex; 3],

@@ -118,7 +118,7 @@ impl Writer {
     }
 }
 
-/// The stroke of a path; one whose colour varies is grey.
+/// The stroke of a path; grey if its colour varies.
 fn plain(stroke: &PathStroke) -> Stroke {
     match stroke.color {
         ColorMode::Solid(color) => Stroke::new(stroke.width, color),

@@ -11,7 +11,7 @@ use super::draft::{Draft, Role};
 use crate::text::significant;
 use crate::theme::Palette;
 
-/// The rows whose numbers are shown.
+/// The number of rows that are shown.
 const FIRST: usize = 3;
 /// Limits the columns that are shown.
 const MOST: usize = 60;

@@ -18,8 +18,8 @@ enum Choice {
 }
 
 impl Import {
-    /// Shows the window. Returns the outcome where the record is opened at once.
-    /// `can_hold_out` says whether there are models from another record to test.
+    /// Shows the window. Returns the outcome if the record is opened at once. `can_hold_out` is true if there are
+    /// models from another record to test.
     pub(crate) fn ui(
         &mut self,
         ctx: &Context,
@@ -57,8 +57,8 @@ impl Import {
         }
     }
 
-    /// The choice that a key makes, unless it is typed into a field or presses what has the focus: Esc closes the window, Enter
-    /// opens the record.
+    /// The choice by a key, unless it is typed into a field or presses the widget with the focus: Esc closes the
+    /// window, Enter opens the record.
     fn pressed(&self, ctx: &Context) -> Option<Choice> {
         if ctx.text_edit_focused() || Popup::is_any_open(ctx) {
             return None;

@@ -1,4 +1,4 @@
-//! The meaning of a file's columns, as it is being chosen.
+//! The meaning of a file's columns while the user chooses it.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::spark::Spark;
 use super::spectra::Spectra;
 use crate::session::RecordFile;
 
-/// The meaning of a file's columns, as it is being chosen.
+/// The meaning of a file's columns while the user chooses it.
 pub struct Draft {
     file: Arc<RecordFile>,
     /// The meaning of the columns.
@@ -125,7 +125,7 @@ impl Draft {
         }
     }
 
-    /// Says what the input is; `None` where no input was recorded: then no column is it.
+    /// Sets the kind of input. `None` if no input was recorded: then no column is the input.
     pub fn set_input(&mut self, kind: Option<InputKind>) {
         self.mapping.no_input = kind.is_none();
         match kind {
@@ -175,8 +175,8 @@ impl Draft {
         Some(outcome.as_ref().map_err(String::as_str))
     }
 
-    /// Whether there is a record that follows from the choices, with start values where they are wanted: of readings that
-    /// stand still none can be made.
+    /// Whether there is a record that follows from the choices, with start values where they are wanted: equal readings
+    /// allow no start values.
     pub(super) fn is_possible(&self) -> bool {
         let is_fit = |imported: &Imported| !(self.suggest && imported.still.is_some());
         !self.is_behind() && self.outcome().is_some_and(|outcome| outcome.is_ok_and(is_fit))

@@ -21,7 +21,8 @@ pub(super) struct Spectra {
 }
 
 impl Spectra {
-    /// The spectra for a record that follows from some choices; none where nothing is taken away or it is too short.
+    /// The spectra for a record that follows from some choices. `None` if the choices remove nothing or the record is
+    /// too short.
     pub(super) fn new(table: Shared, (mapping, kind, hold): &Choices, record: &Record) -> Option<Self> {
         if mapping.band.is_none() && mapping.every == 1 {
             return None;

@@ -1,25 +1,25 @@
-//! Work of an import: done elsewhere, or in slices of the frames.
+//! Work of an import: in a worker or thread, or in slices of the frames.
 
 use kalmanscope_core::InSlices;
 
 use crate::elsewhere::{Report, Work};
 
-/// Work with an outcome. It is done elsewhere as long as that goes well, and here from its beginning else.
+/// Work with an outcome. A worker or thread does it; if that fails, it starts again in slices of the frames.
 pub(super) struct Task<H: InSlices, T> {
     here: Option<H>,
-    /// The outcome in the form in which it comes from elsewhere.
+    /// Converts the outcome to the form in which a worker sends it.
     outcome: fn(H::Outcome) -> T,
     there: Option<Box<dyn Work<Report<T>>>>,
     share: f64,
 }
 
 impl<H: InSlices, T> Task<H, T> {
-    /// Work that can be done here, and that may have been begun elsewhere.
+    /// Work that can be done here, and that a worker or thread may have begun.
     pub(super) fn new(here: H, outcome: fn(H::Outcome) -> T, there: Option<Box<dyn Work<Report<T>>>>) -> Self {
         Self { here: Some(here), outcome, there, share: 0.0 }
     }
 
-    /// Whether frames only show how far it is.
+    /// Whether frames only show its progress.
     pub(super) fn is_elsewhere(&self) -> bool {
         self.there.is_some()
     }

@@ -5,7 +5,7 @@ use egui::{Align2, Context, Label, RichText, ScrollArea, Ui, Vec2, Window, vec2}
 use super::{GESTURES, GROUPS};
 use crate::theme;
 
-/// The least width of a window whose list has two columns \[points\].
+/// The least width of a window that shows the list in two columns \[points\].
 const TWO_COLUMNS: f32 = 660.0;
 
 /// The width of a column at most, and of the names of keys in it \[points\].

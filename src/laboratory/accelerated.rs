@@ -1,4 +1,4 @@
-//! A graphics processor in front of another engine, which does what it cannot do.
+//! A graphics processor with another engine behind it, for the work that the processor does not serve.
 
 use std::rc::Rc;
 
@@ -8,14 +8,14 @@ use kalmanscope_lab::{Ensemble, EnsembleError};
 
 use super::engine::{Engine, Finding, Graphics, GraphicsWork, Precision, Rows, Task, Work};
 
-/// Gives maps to a graphics processor. The other engine computes as long as there is none, and when it gives up.
+/// Gives maps to a graphics processor. The other engine computes until the processor is found, and after it gives up.
 pub struct Accelerated {
     graphics: Rc<dyn Graphics>,
     other: Rc<dyn Engine>,
 }
 
 impl Accelerated {
-    /// A graphics processor, and the engine in its place.
+    /// A graphics processor, and the engine that stands in for it.
     pub fn new(graphics: Rc<dyn Graphics>, other: Rc<dyn Engine>) -> Self {
         Self { graphics, other }
     }
@@ -79,7 +79,7 @@ impl Work for AcceleratedWork {
         match self.on_graphics.as_mut().map(|work| work.poll()) {
             Some(Ok(new)) => {
                 if !new.is_empty() {
-                    // It has begun: nobody else need compute the same.
+                    // The graphics processor has begun: the other engine stops.
                     self.on_other = None;
                 }
                 rows = new;
@@ -107,7 +107,7 @@ impl Work for AcceleratedWork {
 }
 
 impl AcceleratedWork {
-    /// The cells whose rows have not come.
+    /// The cells without a row.
     fn task(&self) -> Task<'_> {
         let order = self.order.iter().copied().filter(|cell| !self.is_done[*cell]).collect();
         Task { ensemble: &self.ensemble, source: &self.source, order, precision: Precision::Fastest }
@@ -127,7 +127,7 @@ mod tests {
     use crate::laboratory::{Rows, Slices};
     use crate::session::Budget;
 
-    /// A graphics processor that is ready and gives up as it is told.
+    /// A graphics processor that is ready and fails as the test wants.
     struct Played {
         finding: RefCell<Finding>,
         /// The portions of two cells that it computes before it gives up.
@@ -171,7 +171,7 @@ mod tests {
             .unwrap()
     }
 
-    /// Polls until all cells are known; `before` is called before each poll. Returns who has computed each row.
+    /// Polls until all cells are known; `before` is called before each poll. Returns the computer of each row.
     fn run(graphics: &Rc<Played>, precision: Precision, before: impl Fn(usize)) -> Vec<(Computer, usize)> {
         let (ensemble, ctx) = (ensemble(), Context::default());
         let engine = Accelerated::new(Rc::clone(graphics) as Rc<dyn Graphics>, Rc::new(Slices(Budget::Pieces(1))));

@@ -9,7 +9,7 @@ use super::engine::Precision;
 use super::measures;
 use super::settings::{candidates, collide, is_possible};
 
-/// The most values on an axis of a map.
+/// Limits the values on an axis of a map.
 pub const MOST: usize = 256;
 
 /// The axes of a map, the score that is shown, and the filters.
@@ -22,7 +22,7 @@ pub struct Choice {
     pub measure: Measure,
     /// The id of the filter.
     pub filter: u32,
-    /// The id of a second filter beside it.
+    /// The id of a second filter.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second: Option<u32>,
     /// The precision: a graphics processor has single precision only.
@@ -31,8 +31,8 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// The usual map of a scenario's first filter: the guess of the first parameter and the factor on Q. None where there is
-    /// no filter, or there are no two settings to vary.
+    /// The usual map of a scenario's first filter: the guess of the first parameter and the factor on Q. `None` if
+    /// there is no filter, or there are no two settings to vary.
     pub fn usual(scenario: &Scenario, record: &Record, is_measured: bool, count: usize) -> Option<Self> {
         let filter = scenario.filters.first()?.id;
         let part = part_of(scenario, &[filter]);
@@ -46,13 +46,13 @@ impl Choice {
         })
     }
 
-    /// The same as far as the scenario has its filters, settings and scores; the usual in place of the rest.
+    /// The choice with the filters, settings and scores that the scenario has, and usual ones in place of the others.
     pub(crate) fn fitted(&self, scenario: &Scenario, record: &Record, is_measured: bool) -> Option<Self> {
         let exists = |id: u32| scenario.filters.iter().any(|filter| filter.id == id);
         let filter = if exists(self.filter) { self.filter } else { scenario.filters.first()?.id };
         let second = self.second.filter(|second| *second != filter && exists(*second));
         let part = part_of(scenario, &[Some(filter), second].into_iter().flatten().collect::<Vec<_>>());
-        // A filter that is renamed stays the one that is meant.
+        // Keys address filters by id, so that a renamed filter is still found.
         let axes = self.axes.each_ref().map(|axis| Axis { key: part.address_by_id(&axis.key), ..axis.clone() });
         let is_free =
             |key: &str| !is_measured || Address::parse(&part, key).is_ok_and(|setting| setting.suits_given_record());
@@ -67,7 +67,7 @@ impl Choice {
         Some(Self { axes, measure, filter, second, precision: self.precision })
     }
 
-    /// Whether a map of this choice can be made of a scenario.
+    /// Checks that a scenario can have a map of this choice.
     ///
     /// # Errors
     /// A sentence that says what is wrong.
@@ -100,7 +100,7 @@ impl Choice {
     }
 }
 
-/// A scenario with some of its filters, in the given order and in no particular colour.
+/// A scenario with some of its filters, in the given order and without colours.
 pub(crate) fn part_of(scenario: &Scenario, filters: &[u32]) -> Scenario {
     let filter = |id: &u32| scenario.filters.iter().find(|filter| filter.id == *id).cloned();
     let mut filters: Vec<_> = filters.iter().filter_map(filter).collect();
@@ -108,7 +108,7 @@ pub(crate) fn part_of(scenario: &Scenario, filters: &[u32]) -> Scenario {
     Scenario { filters, ..scenario.clone() }
 }
 
-/// Whether two scenarios are the same but for the names of their filters, on which no number depends.
+/// Whether two scenarios differ at most in the names of their filters: no number depends on these.
 pub(crate) fn is_same_but_for_names(a: &Scenario, b: &Scenario) -> bool {
     let mut a = a.clone();
     a.filters.iter_mut().zip(&b.filters).for_each(|(one, other)| one.name.clone_from(&other.name));
@@ -136,7 +136,7 @@ fn usual_axes(part: &Scenario, is_measured: bool, kept: [Option<&Axis>; 2], coun
     Some([first, second])
 }
 
-/// The error of the natural frequency, or of another parameter, where its truth is known; else the mean NIS.
+/// The error of the natural frequency, or of another parameter, if its truth is known; else the mean NIS.
 fn usual_measure(part: &Scenario, record: &Record) -> Measure {
     let wish = Measure::Rmse(Channel::NATURAL_FREQUENCY);
     let offered = measures::offered(part, record);

@@ -1,10 +1,10 @@
-//! All that the user has chosen in the laboratory, for links and sessions.
+//! The user's choices in the laboratory, for links and sessions.
 
 use kalmanscope_core::Scenario;
 
 use super::{Choice, Laboratory, SeedChoice, TuneChoice};
 
-/// The choices of all views of the laboratory; none where the usual one holds.
+/// The choices of all views of the laboratory. `None` stands for the usual choice.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choices {
     /// The map.
@@ -30,7 +30,7 @@ impl Choices {
             .map_err(|reason| format!("Tune for me: {reason}"))
     }
 
-    /// These choices, and others where there is none.
+    /// These choices; those that are `None` come from `others`.
     pub(crate) fn or(self, others: Self) -> Self {
         let Self { map, seeds, tuning } = self;
         Self { map: map.or(others.map), seeds: seeds.or(others.seeds), tuning: tuning.or(others.tuning) }

@@ -19,7 +19,7 @@ pub trait Engine {
     /// The number of values on each axis of a new map, so that it is complete soon.
     fn usual_count(&self) -> usize;
 
-    /// Whether the graphics processor is there; none where the engine uses none.
+    /// Whether a graphics processor was found. `None` if the engine uses none.
     fn graphics(&self) -> Option<Finding> {
         None
     }
@@ -42,7 +42,7 @@ pub struct Task<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Precision {
-    /// The fastest one: single precision where there is a graphics processor.
+    /// The fastest one: single precision if there is a graphics processor.
     #[default]
     Fastest,
     /// Double precision, by the processor.
@@ -98,15 +98,15 @@ impl fmt::Display for Computer {
     }
 }
 
-/// A graphics processor that there may be.
+/// A graphics processor, if there is one.
 pub trait Graphics {
-    /// Whether it is there. The first call begins the search, and the context is woken when that ends.
+    /// Whether it was found. The first call begins the search; the search's end wakes the context.
     fn find(&self, ctx: &Context) -> Finding;
 
-    /// Whether it is there, as far as the search has come.
+    /// Whether it was found so far.
     fn found(&self) -> Finding;
 
-    /// Begins to run cells. None where it cannot.
+    /// Begins to run cells. `None` if it cannot.
     fn start(&self, task: Task<'_>, ctx: &Context) -> Option<Box<dyn GraphicsWork>>;
 }
 
@@ -115,11 +115,11 @@ pub trait Graphics {
 pub enum Finding {
     /// Nothing yet.
     Searching,
-    /// It is there.
+    /// It was found.
     Ready,
-    /// There is none, for a reason.
+    /// There is none, for this reason.
     Absent(String),
-    /// There was one, and it has failed, for a reason.
+    /// There was one, and it has failed, for this reason.
     Lost(String),
 }
 
@@ -128,10 +128,10 @@ pub trait GraphicsWork {
     /// The rows that have come since the last call.
     ///
     /// # Errors
-    /// [`GivenUp`] where no more will come.
+    /// [`GivenUp`] if no more will come.
     fn poll(&mut self) -> Result<Vec<Rows>, GivenUp>;
 }
 
-/// A graphics processor does not go on: it does not serve the map, or has been lost. [`Graphics::found`] tells.
+/// A graphics processor does not go on: it does not serve the map, or has been lost. [`Graphics::found`] says which.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GivenUp;

@@ -16,7 +16,8 @@ fn scored(scenario: &Scenario) -> Vec<Channel> {
     channels
 }
 
-/// The scores that are taken of every cell: all that need no history, so that another of them is shown at once.
+/// The scores that are computed for every cell: all that need no history, so that the map can switch between them at
+/// once.
 pub(crate) fn taken(scenario: &Scenario) -> Vec<Measure> {
     Measure::of_sums(&scored(scenario))
 }

@@ -3,8 +3,8 @@
 //! ```text
 //! Session ──scenario──▶ SeedRuns ──seeds──▶ Engine ──rows──▶ MonteCarlo ──▶ view
 //! ```
-//! Rows are taken into the statistics as they come and are not kept. The statistics before stay in sight until those of
-//! another scenario have enough seeds.
+//! Rows are taken into the statistics as they come and are not kept. The earlier statistics stay on screen until those
+//! of another scenario have enough seeds.
 
 mod table;
 #[cfg(test)]
@@ -24,13 +24,13 @@ use super::state::WorkState;
 /// Limits the number of seeds.
 pub const SEEDS: RangeInclusive<usize> = 10..=10_000;
 
-/// The number of seeds at first: fewer on the page, whose runs take longer.
+/// The initial number of seeds: fewer on the page, where a run takes longer.
 const USUAL: usize = if cfg!(target_arch = "wasm32") { 100 } else { 200 };
 
-/// The number of times, equally spaced over the record, at which each run is looked at.
+/// The number of times, equally spaced over the record, at which each run is recorded.
 const TIMES: usize = 60;
 
-/// Limits the seeds of statistics that replace those before.
+/// The least number of seeds of statistics that replace earlier ones.
 const ENOUGH: usize = 10;
 
 /// The user's choice of runs, as plain data.
@@ -39,7 +39,7 @@ const ENOUGH: usize = 10;
 pub struct SeedChoice {
     /// The number of seeds: 1 up to this one.
     pub seeds: usize,
-    /// The parameter whose errors and estimates are shown; none for the first one.
+    /// The parameter to show errors and estimates of. `None` for the first one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parameter: Option<Channel>,
 }
@@ -113,7 +113,7 @@ impl SeedRuns {
         self.filters == filters && is_same_but_for_names(self.scenario(), &bare(scenario, filters))
     }
 
-    /// Goes on with what the same runs with fewer seeds have found.
+    /// Takes over the statistics of the same runs with fewer seeds.
     fn continue_from(&mut self, before: &Self) {
         if before.is_of(self.scenario(), &self.filters) && before.seeds() <= self.seeds() {
             self.statistics = before.statistics.clone();
@@ -121,7 +121,7 @@ impl SeedRuns {
         }
     }
 
-    /// Goes on where there is something to do. Returns whether rows have come.
+    /// Goes on if there is work to do. Returns whether rows have come.
     fn follow(&mut self, engine: &dyn Engine, ctx: &Context) -> Result<bool, String> {
         if self.is_complete() {
             self.work = None;
@@ -147,7 +147,7 @@ impl SeedRuns {
     }
 }
 
-/// A scenario with these filters and no seed or colour of its own.
+/// A scenario with these filters, with seed and colours reset.
 fn bare(scenario: &Scenario, filters: &[u32]) -> Scenario {
     Scenario { seed: 0, ..part_of(scenario, filters) }
 }
@@ -157,7 +157,7 @@ fn bare(scenario: &Scenario, filters: &[u32]) -> Scenario {
 pub struct Seeds {
     choice: SeedChoice,
     runs: Option<SeedRuns>,
-    /// The runs before, until the present ones have enough seeds.
+    /// The earlier runs, until the present ones have enough seeds.
     before: Option<SeedRuns>,
     state: WorkState,
     /// The seeds of the statistics with the present version.
@@ -176,7 +176,7 @@ impl Seeds {
         self.state.go_on();
     }
 
-    /// The runs to show: the present ones, or those before as long as the present ones are too few.
+    /// The runs to show: the present ones, or the earlier ones as long as the present ones are too few.
     pub fn shown(&self) -> Option<&SeedRuns> {
         self.before.as_ref().or(self.runs.as_ref()).filter(|runs| runs.statistics.done() > 0)
     }
@@ -186,7 +186,7 @@ impl Seeds {
         self.before.is_some()
     }
 
-    /// The seeds that are done, and all of them; none where they are complete or there are none.
+    /// The number of seeds that are done, and of all. `None` if all are done or there are no runs.
     pub fn progress(&self) -> Option<[usize; 2]> {
         let runs = self.runs.as_ref().filter(|runs| !runs.is_complete())?;
         Some([runs.statistics.done(), runs.seeds()])
@@ -197,8 +197,8 @@ impl Seeds {
         self.runs.as_ref().is_some_and(|runs| runs.work.is_some())
     }
 
-    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes with what is to be
-    /// shown: while seeds come in, with each twentieth more of them.
+    /// Whether the user has stopped the seeds, why there are no statistics, and a number that changes when the view has
+    /// to be drawn again: while seeds come in, whenever there are 5 % more.
     pub fn state(&self) -> &WorkState {
         &self.state
     }
@@ -246,7 +246,7 @@ impl Seeds {
         self.state.fail(problem);
     }
 
-    /// Begins other runs. The present ones stay in sight if they have enough seeds.
+    /// Begins other runs. The present ones stay on screen if they have enough seeds.
     fn begin(&mut self, mut next: SeedRuns) {
         self.state.begin();
         self.rest();
@@ -269,7 +269,7 @@ impl Seeds {
         }
     }
 
-    /// Counts the version up where there is something new to show.
+    /// Increments the version if there is something new to show.
     fn show_new(&mut self) {
         let Some(runs) = &self.runs else { return };
         let done = runs.statistics.done();

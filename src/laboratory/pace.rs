@@ -6,7 +6,7 @@ use web_time::Duration;
 /// The shares of the cells that the first pictures have: every sixteenth and every eighth each way.
 const FIRST: [usize; 2] = [256, 64];
 
-/// The time between two other pictures: drawing takes processors from what computes the map.
+/// The time between two other pictures: drawing takes processor time from computing the map.
 const BETWEEN: Duration = Duration::from_millis(200);
 
 /// Wakes the screen as rows come: at once for the first pictures and the last, else a few times a second.

@@ -6,8 +6,8 @@ use kalmanscope_core::setting::{
 };
 use kalmanscope_lab::channels;
 
-/// The keys of the settings that may be varied, in the order of a menu: first what filters are told, then what the record is
-/// made with. The scenario has the chosen filters only; all of them get the same value.
+/// The keys of the settings that may be varied, in the order of a menu: first the filters' settings, then the record's.
+/// `scenario` has the chosen filters only; all of them get the same value.
 pub(crate) fn candidates(scenario: &Scenario, is_measured: bool) -> Vec<String> {
     let mut keys = of_filters(scenario);
     if is_measured {

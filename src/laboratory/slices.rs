@@ -1,4 +1,4 @@
-//! Runs ensembles in the frames themselves, a slice of each, where there are no threads.
+//! Runs ensembles in slices of the frames, for platforms without threads.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ struct SlicedWork {
     order: Vec<usize>,
     /// The place of the next cell in the order.
     next: usize,
-    /// The next cell, where it is under way.
+    /// The next cell, if it is under way.
     cell: Option<CellWork>,
     budget: Budget,
     ctx: Context,

@@ -20,7 +20,7 @@ impl WorkState {
         self.problem.as_deref()
     }
 
-    /// A number that changes with what is to be shown.
+    /// A number that changes whenever the view has to be drawn again.
     pub fn version(&self) -> u64 {
         self.version
     }

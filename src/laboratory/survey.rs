@@ -1,4 +1,4 @@
-//! One ensemble of a map, with the rows that are known of it.
+//! One ensemble of a map, with its rows so far.
 
 use egui::Context;
 use kalmanscope_core::setting::{Address, TableInfo};
@@ -78,25 +78,25 @@ impl Survey {
         &self.filters
     }
 
-    /// Whether the score is among those that are taken.
+    /// Whether the score is among those that are computed.
     pub fn has(&self, measure: Measure) -> bool {
         self.ensemble.plan().measures.contains(&measure)
     }
 
-    /// The place in a row of a filter's score; the filter is meant by its place in the map.
+    /// The place in a row of a filter's score; `filter` is its place in the map.
     pub fn column(&self, filter: usize, measure: Measure) -> Option<usize> {
         let measures = &self.ensemble.plan().measures;
         let at = measures.iter().position(|other| *other == measure)?;
         (filter < self.filters.len()).then_some(filter * measures.len() + at)
     }
 
-    /// The score of a filter, by its place in the map, in a cell or in the one that stands for it; none where it is not known
-    /// yet.
+    /// The score of a filter, by its place in the map, in a cell or in the cell that stands in for it. `None` if it is
+    /// not known yet.
     pub fn value(&self, cell: usize, filter: usize, measure: Measure) -> Option<f64> {
         self.sheet.shown(cell)?.get(self.column(filter, measure)?).copied()
     }
 
-    /// The values that a scenario has of the axes' settings; NaN where it has none.
+    /// The values of the axes' settings in a scenario; NaN for a setting without a value.
     pub fn present(&self, scenario: &Scenario) -> [f64; 2] {
         let part = part_of(scenario, &self.filters);
         [0, 1].map(|at| self.ensemble.settings().get(at).map_or(f64::NAN, |setting| setting.get(&part)))
@@ -143,12 +143,12 @@ impl Survey {
         }
     }
 
-    /// Calls the filters as a scenario does.
+    /// Takes over the filters' names from a scenario.
     pub(super) fn call_filters(&mut self, scenario: &Scenario) {
         self.ensemble.call_filters(scenario);
     }
 
-    /// Whether a source is another one only since an axis varies the record that is given. The scenario says which it is.
+    /// Whether a source differs only because an axis varies the given record. The scenario identifies that record.
     fn varies(&self, source: &Source) -> bool {
         let is_given = matches!((&self.source, source), (Source::Measured(_), Source::Measured(_)));
         is_given && self.ensemble.settings().iter().any(|setting| !setting.is_of_filters())
@@ -172,7 +172,7 @@ impl Survey {
         })
     }
 
-    /// Goes on where there is something to do. Returns whether rows have come.
+    /// Goes on if there is work to do. Returns whether rows have come.
     ///
     /// # Errors
     /// A sentence where the cells cannot be run.

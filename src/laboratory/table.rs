@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use super::Survey;
 
 impl Survey {
-    /// One row a cell: the values of the axes, named by their keys, then the scores of each filter. A cell that is not known
-    /// and a score that is no number are empty.
+    /// One row a cell: the values of the axes, named by their keys, then the scores of each filter. Unknown cells and
+    /// scores that are NaN are empty.
     pub fn to_csv(&self) -> String {
         let ensemble = self.ensemble();
         let [only, ..] = &ensemble.scenario().filters[..] else { return String::new() };

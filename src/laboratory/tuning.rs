@@ -38,7 +38,7 @@ impl TuneResult {
         &self.tuned
     }
 
-    /// The scenario with the best values; none where it has other settings than the search began with.
+    /// The scenario with the best values. `None` if its settings have changed since the search began.
     pub fn applied(&self, scenario: &Scenario) -> Option<Scenario> {
         let best = self.tuned.scenario.filters.first()?;
         let part = part_of(scenario, &[self.choice.filter]);
@@ -66,7 +66,7 @@ struct Search {
 /// The tuning of one filter.
 #[derive(Default)]
 pub struct Tuning {
-    /// The user's choice; none for the usual one.
+    /// The user's choice. `None` for the usual one.
     choice: Option<TuneChoice>,
     search: Option<Search>,
     result: Option<TuneResult>,
@@ -74,13 +74,13 @@ pub struct Tuning {
 }
 
 impl Tuning {
-    /// The choice as far as a scenario has what it names.
+    /// The choice, reduced to the filter and settings that a scenario has.
     pub fn choice(&self, scenario: &Scenario) -> Option<TuneChoice> {
         let chosen = self.choice.as_ref().and_then(|choice| choice.fitted(scenario));
         chosen.or_else(|| TuneChoice::usual(scenario, None))
     }
 
-    /// The choice as the user has made it; none for the usual one.
+    /// The user's own choice. `None` for the usual one.
     pub fn chosen(&self) -> Option<&TuneChoice> {
         self.choice.as_ref()
     }
@@ -90,7 +90,7 @@ impl Tuning {
         self.choice = choice;
     }
 
-    /// The share of the search that is done, at least, from 0 to 1; none where none is under way.
+    /// A lower limit of the share of the search that is done, from 0 to 1. `None` if no search is under way.
     pub fn progress(&self) -> Option<f64> {
         self.search.as_ref().map(|search| search.tuner.progress())
     }
@@ -101,7 +101,8 @@ impl Tuning {
         self.search.as_ref().map_or(result, |search| search.tuner.path())
     }
 
-    /// The path in a map whose axes are among the settings that are tuned: the filter's place there, and the points.
+    /// The path of the search in a map, if the search tunes both of the map's axes: the filter's place in the map, and
+    /// the points.
     pub(crate) fn path_in(&self, survey: &Survey) -> Option<(usize, Vec<[f64; 2]>)> {
         let of_search = |search: &Search| path_on_map(survey, &search.choice, &search.of, search.tuner.path());
         let of_result = |result: &TuneResult| path_on_map(survey, &result.choice, &result.of, &result.tuned.path);

@@ -1,4 +1,4 @@
-//! A note about a crash, which the next start tells.
+//! A note about a crash, which the next start shows.
 
 use std::fs;
 use std::io::{ErrorKind, Write as _};
@@ -78,7 +78,7 @@ pub(super) fn note_panics(note: &Path, state: &Path, kept: &Kept) {
     let (note, state, kept) = (note.to_owned(), state.to_owned(), kept.clone());
     let (is_noted, usual) = (AtomicBool::new(false), panic::take_hook());
     panic::set_hook(Box::new(move |info| {
-        // A second one may come from the writing of the note.
+        // Writing the note may crash too.
         if !is_noted.swap(true, Ordering::SeqCst)
             && let Err(reason) = Crash::new(info, &kept, &state).write(&note)
         {
@@ -88,7 +88,7 @@ pub(super) fn note_panics(note: &Path, state: &Path, kept: &Kept) {
     }));
 }
 
-/// Keeps the note of a crash that has been told, for a report, in place of an older one.
+/// Keeps the note of a crash that the user has seen, for a report, in place of an older one.
 pub(super) fn put_aside(note: &Path, told: &Path) {
     if let Err(error) = fs::rename(note, told) {
         log::error!("The note about the crash cannot be kept: {error}");

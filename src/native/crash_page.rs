@@ -1,4 +1,4 @@
-//! The window after a crash: what has happened, and two ways to go on.
+//! The window after a crash: the reason, and two ways to go on.
 
 use egui::{Align, Button, CentralPanel, Frame, Layout, Margin, RichText, ScrollArea, Ui};
 use kalmanscope::theme::{self, Palette};
@@ -17,7 +17,7 @@ pub(super) enum Choice {
     StartAnew,
 }
 
-/// A crash, as the window tells it.
+/// A crash, as the window shows it.
 pub(super) struct CrashPage {
     /// The note, or the reason why it cannot be read.
     pub(super) crash: Result<Crash, String>,
@@ -30,7 +30,7 @@ pub(super) struct CrashPage {
 }
 
 impl CrashPage {
-    /// A crash whose note is put at `told` once the user has chosen.
+    /// A crash. Its note moves to `told` once the user has chosen.
     pub(super) fn new(crash: Result<Crash, String>, told: String, is_repeated: bool) -> Self {
         Self { crash, told, is_repeated, has_focus: false }
     }

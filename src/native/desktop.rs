@@ -18,7 +18,7 @@ use super::state_file::StateFile;
 /// Makes the explorer from a saved state.
 pub(super) type Start = Box<dyn FnOnce(&Context, Option<&dyn Storage>) -> Result<App, RunError>>;
 
-/// The explorer, or the page that tells of a crash before it.
+/// The explorer, or the page about a crash before it.
 pub(super) struct Desktop {
     stage: Stage,
     memory: Option<Memory>,
@@ -28,12 +28,12 @@ pub(super) struct Desktop {
 pub(super) struct Memory {
     keeper: Keeper,
     slot: Slot,
-    /// A sentence for the first frame of the explorer, where the state is not the one that was saved last.
+    /// A sentence for the first frame of the explorer, if the state is not the one that was saved last.
     said: Option<String>,
 }
 
 enum Stage {
-    /// A crash is told.
+    /// The page about a crash is shown.
     Telling(Box<CrashPage>, Option<Start>),
     Running(Box<App>),
     /// Not even the first scenario can be run.
@@ -81,7 +81,7 @@ impl Desktop {
         ctx.request_repaint();
     }
 
-    /// The explorer, once it is there.
+    /// The explorer, once it runs.
     #[cfg(test)]
     fn app(&mut self) -> Option<&mut App> {
         match &mut self.stage {
@@ -121,12 +121,12 @@ impl Memory {
         Some(CrashPage::new(crash, self.told().display().to_string(), is_repeated))
     }
 
-    /// The place of the note about a crash that has been told.
+    /// The file for the note about a crash that the user has seen.
     fn told(&self) -> PathBuf {
         self.slot.path("last-crash")
     }
 
-    /// Takes up the state as of a crash, or none.
+    /// Restores the state of the crash, or none.
     fn take_up(&self, choice: Choice, session: Option<String>) {
         let mut file = self.keeper.kept().file();
         match (choice, session) {
@@ -188,7 +188,8 @@ impl eframe::App for Desktop {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
 
-    /// The toolkit keeps the window's place. The state has a file of its own; once it is there, that of an older program goes.
+    /// The toolkit keeps the window's place. The state has a file of its own; once it exists, the state of an older
+    /// program is deleted.
     fn save(&mut self, storage: &mut dyn Storage) {
         let Self { stage, memory } = self;
         match (memory, stage) {

@@ -1,4 +1,4 @@
-//! Long filters, large files and start values on threads of this machine, beside the frames.
+//! Long filters, large files and start values on threads of this machine, outside the frames.
 
 use std::num::NonZero;
 use std::rc::Rc;
@@ -23,7 +23,7 @@ const WAITING: usize = 64;
 /// Limits the samples of a portion.
 const MOST: usize = 4096;
 
-/// Threads for long work, one an errand; as many at once as there are processors beside that of the frames.
+/// Threads for long work, one an errand; at most one per processor, less the one for the frames.
 struct Errands {
     desks: Arc<Desks>,
     ctx: Context,
@@ -61,7 +61,7 @@ impl Errands {
             if out.is_wanted() && work(&out) {
                 out.sender.send(None).ok();
             }
-            // The frame that takes the last part, or notices that there is none.
+            // Asks for the frame that takes the last part, or notices that there is none.
             out.ctx.request_repaint();
         };
         match thread::Builder::new().name(name.to_owned()).spawn(run) {
@@ -152,7 +152,7 @@ impl Drop for Desk {
     }
 }
 
-/// The way of parts from a thread to the frames. After the last one comes `None`.
+/// The queue of parts from a thread to the frames. After the last one comes `None`.
 struct Parts<T> {
     sender: SyncSender<Option<T>>,
     is_wanted: Arc<AtomicBool>,

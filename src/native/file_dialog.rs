@@ -8,8 +8,8 @@ use kalmanscope::drop;
 use kalmanscope::inbox::{Arrival, Choose};
 use rfd::AsyncFileDialog;
 
-/// Limits the time of a dialog that has not opened. Nobody closes one as fast, and the library does not tell one that was
-/// cancelled from one that could not be opened.
+/// Limits the time of a dialog that has not opened. No user closes one so fast, and the library reports a cancelled
+/// dialog like one that could not open.
 const FAST: Duration = Duration::from_millis(500);
 
 /// Said where no dialog opens.
@@ -40,7 +40,7 @@ pub(super) fn choose() -> Choose {
     })
 }
 
-/// The chosen file, or a sentence where no dialog has opened; nothing where the user has cancelled it.
+/// The chosen file, or a sentence if no dialog has opened. `None` if the user has cancelled it.
 fn arrival(path: Option<PathBuf>, time: Duration) -> Option<Arrival> {
     match path {
         Some(path) => Some(Arrival::File(drop::file_name(&path), drop::read_path(&path))),

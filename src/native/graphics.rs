@@ -19,7 +19,7 @@ const FIRST: usize = 64;
 const PORTION: Duration = Duration::from_millis(150);
 const MOST: usize = 1 << 14;
 
-/// The graphics processor of this machine. Nobody looks for it before the first map.
+/// The graphics processor of this machine. The search begins with the first map.
 pub(super) struct Processor {
     software: Software,
     found: Arc<Mutex<Finding>>,
@@ -36,12 +36,12 @@ struct Job {
 }
 
 impl Processor {
-    /// A processor, or a program in its place where that will do.
+    /// A processor, or a software adapter if that is accepted.
     pub(super) fn new(software: Software) -> Self {
         Self { software, found: Arc::new(Mutex::new(Finding::Searching)), jobs: OnceCell::new() }
     }
 
-    /// The way to the thread, which is started here; none where the system gives no thread.
+    /// The queue of the thread, which the first call starts. `None` if the system gives no thread.
     fn jobs(&self, ctx: &Context) -> Option<&Sender<Job>> {
         let begin = || {
             let (sender, jobs) = mpsc::channel();
@@ -104,7 +104,7 @@ impl GraphicsWork for Working {
         loop {
             match self.rows.try_recv() {
                 Ok(rows) => all.push(rows),
-                // The last rows have come, or none at all: the first are worth taking before the thread is missed.
+                // The thread has ended. Hands over the last rows before reporting that.
                 Err(TryRecvError::Disconnected) if all.is_empty() => return Err(GivenUp),
                 Err(_) => return Ok(all),
             }
@@ -122,7 +122,7 @@ fn set(found: &Mutex<Finding>, finding: Finding) {
     *found.lock().unwrap_or_else(PoisonError::into_inner) = finding;
 }
 
-/// Looks for the processor, then serves jobs for as long as there are any to come.
+/// Looks for the processor, then serves jobs until the queue is closed.
 fn serve(software: Software, found: &Mutex<Finding>, jobs: &Receiver<Job>, ctx: &Context) {
     let gpu = pollster::block_on(Gpu::find(software));
     let gpu = match gpu {
@@ -144,7 +144,7 @@ fn serve(software: Software, found: &Mutex<Finding>, jobs: &Receiver<Job>, ctx: 
             job.ctx.request_repaint();
             return;
         }
-        // Its sender is gone with the job: whoever waits for more is told so.
+        // Dropping the job closes its channel, so that the receiver learns that no more rows come.
         let ctx = job.ctx.clone();
         drop(job);
         ctx.request_repaint();

@@ -24,7 +24,7 @@ pub(super) struct Kept(Arc<Shared>);
 struct Shared {
     present: Mutex<Present>,
     changed: Condvar,
-    /// Held while it is written, so that writers come one after the other.
+    /// Locked while it is written, so that writers take turns.
     file: Mutex<StateFile>,
 }
 
@@ -33,7 +33,7 @@ struct Present {
     state: Option<Saved>,
     /// The time of the first change that is not on the disk.
     since: Option<Instant>,
-    /// The reason why the last save has failed, until it is told.
+    /// The reason why the last save has failed, until the user has seen it.
     trouble: Option<String>,
     is_over: bool,
 }
@@ -113,7 +113,7 @@ impl Kept {
         }
     }
 
-    /// The present state as text, whatever else holds it: a crash does not wait.
+    /// The present state as text, even if another thread holds the lock: a crash does not wait.
     pub(super) fn text(&self) -> Option<String> {
         let present = match self.0.present.try_lock() {
             Ok(present) => present,

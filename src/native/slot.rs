@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Limits the instances at once whose state is kept.
+/// Limits the running instances that keep their state.
 const MOST: u32 = 16;
 
 /// The names of the files of one instance, which are its own for as long as it lives.

@@ -1,5 +1,5 @@
-//! The saved state as a file. It is written beside, synced and renamed, and the last good one stays as a copy; a check tells
-//! whether it is whole.
+//! The saved state as a file. It is written to a temporary file, synced and renamed, and the last good one stays as a
+//! copy; a checksum shows whether it is whole.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -63,7 +63,7 @@ impl StateFile {
         (Self { path, copy, entries }, said)
     }
 
-    /// Writes it. The file before it stays as a copy, whatever happens meanwhile.
+    /// Writes it. The earlier file stays as a copy, even if the write is interrupted.
     ///
     /// # Errors
     /// The reason in words where it cannot be written.

@@ -15,8 +15,8 @@ use super::graphics::Processor;
 /// Threads that serve all maps.
 struct Threads(Crew);
 
-/// The graphics processor for the maps that it serves, and threads, or slices of the frames where the system gives no threads.
-/// One processor is left to the frames where there are more than two.
+/// The graphics processor for the maps that it serves, and threads, or slices of the frames if the system gives no
+/// threads. With more than two processors, one is left to the frames.
 pub(super) fn engine(software: Software) -> Box<dyn Engine> {
     let processors = thread::available_parallelism().map_or(1, NonZero::get);
     let threads = if processors > 2 { processors - 1 } else { processors };
@@ -108,7 +108,7 @@ mod tests {
         (0..sheet.len()).flat_map(|cell| sheet.row(cell).expect("it is known").to_vec()).collect()
     }
 
-    /// Needs a Vulkan driver, of which a program such as Mesa's lavapipe will do.
+    /// Needs a Vulkan driver; a software one such as Mesa's lavapipe is enough.
     #[test]
     fn a_processor_takes_over_and_serves_the_next_map_from_the_beginning() {
         let engine = engine(Software::Allowed);

@@ -3,7 +3,7 @@
 use super::medium::Medium;
 use egui::{Rect, ScrollArea, Sense, Ui, UiBuilder, vec2};
 
-/// Limits the height of a plot from below where there are many; they scroll then \[points\].
+/// The least height of a plot; if there are too many for it, they scroll \[points\].
 const LEAST_HEIGHT: f32 = 72.0;
 /// Space between rows of plots \[points\].
 const GAP: f32 = 6.0;

@@ -16,13 +16,13 @@ const GROUND: f32 = 0.45;
 /// The distance between a mark and its words, and of words from each other \[points\].
 const APART: f32 = 5.0;
 
-/// Limits the height of a plot with words from below \[points\].
+/// The least height of a plot with words \[points\].
 const ENOUGH: f32 = 80.0;
 
 /// The marks of a plot.
 pub(super) struct Gaps {
     gaps: Vec<Gap>,
-    /// Whether the words stand beside the marks, as in the plot that has the time axis.
+    /// Whether the words are beside the marks, as in the plot with the time axis.
     worded: bool,
     colors: [Color32; 3],
 }

@@ -33,7 +33,8 @@ impl Scale {
         Self { ends, is_logarithmic }
     }
 
-    /// The scale of cells in equal steps, whose first and last middles are given: it reaches half a step beyond them.
+    /// The scale of `count` cells in equal steps. `from` and `to` are the middles of the first and last; the scale
+    /// reaches half a step beyond them.
     pub(crate) fn of_cells(from: f64, to: f64, count: usize, is_logarithmic: bool) -> Self {
         let Self { ends: (from, to), .. } = Self::new(from, to, is_logarithmic);
         let steps = count.saturating_sub(1).max(1) as f64;

@@ -16,7 +16,7 @@ const GRASP: f32 = 10.0;
 pub(crate) struct Handle<'a> {
     /// The name of the setting, for the hint and for screen readers.
     pub(crate) name: String,
-    /// \[s\]; none for the right edge of the plot.
+    /// \[s\]; `None` for the right edge of the plot.
     pub(crate) time: Option<f64>,
     pub(crate) value: f64,
     pub(crate) color: Color32,
@@ -27,7 +27,7 @@ pub(crate) struct Handle<'a> {
 /// Puts a setting to a time \[s\] and a value.
 pub(crate) type Set<'a> = Box<dyn Fn(&mut Scenario, f64, f64) + 'a>;
 
-/// Shows the handles of a chart. While one is dragged the axes stay, because the picture changes under the hand.
+/// Shows the handles of a chart. While one is dragged the axes stay, since the picture changes under the pointer.
 pub(super) fn handles_ui(
     ui: &Ui,
     key: &str,

@@ -6,7 +6,7 @@ use crate::session::Session;
 use crate::theme::Palette;
 use crate::visibility::Visibility;
 
-/// The context of a chart, besides its own layers.
+/// The context of a chart, without its own layers.
 #[derive(Clone, Copy)]
 pub(crate) struct PlotInput<'a> {
     /// The record and the position of playback.

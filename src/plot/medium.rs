@@ -5,7 +5,7 @@ use egui::{Context, Id};
 /// The medium that a context draws for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Medium {
-    /// A screen: fast, and with everything that a hand needs.
+    /// A screen: fast, with handles and cursors.
     #[default]
     Screen,
     /// A figure: outlines that can be enlarged, and nothing that a reader cannot use, such as handles or values at the pointer.
@@ -23,19 +23,19 @@ impl Medium {
         ctx.data_mut(|data| data.insert_temp(id(), self));
     }
 
-    /// Notes how many plots a view has, for who makes room for it.
+    /// Notes the number of plots of a view, so that the figure can give it enough height.
     pub(crate) fn note_plots(self, ctx: &Context, count: usize) {
         if self == Self::Figure {
             ctx.data_mut(|data| data.insert_temp(plots(), count));
         }
     }
 
-    /// The number of plots of the view that was drawn last in a context for figures; none where it has no rows of plots.
+    /// The number of plots of the view that was drawn last in a context for figures. `None` if it has no rows of plots.
     pub(crate) fn take_plots(ctx: &Context) -> Option<usize> {
         ctx.data_mut(|data| data.remove_temp(plots()))
     }
 
-    /// The height of the time axis in the last row of plots \[points\]; that of a figure always says what is on it.
+    /// The height of the time axis in the last row of plots \[points\]. In a figure it includes a title.
     pub(crate) const fn axis_height(self) -> f32 {
         match self {
             Self::Screen => 18.0,

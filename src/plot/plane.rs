@@ -103,8 +103,8 @@ fn scaled_plane_ui<R>(
     inner
 }
 
-/// Limits the distance of points from the middle of a plot, in its widths and heights: positions on screen are numbers of single
-/// precision, whose squares overflow.
+/// Limits the distance of points from the middle of a plot, in its widths and heights: positions on screen are in
+/// single precision, and their squares overflow.
 const FARTHEST: f64 = 1e6;
 
 /// Limits points in the first frame, before a plot has bounds.
@@ -137,7 +137,7 @@ pub(crate) fn aged_path(plot: &mut PlotUi<'_>, path: &[[f64; 2]], color: Color32
     }
 }
 
-/// A range around some values, with a margin; none without values.
+/// A range around some values, with a margin. `None` without values.
 pub(crate) fn around(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let (low, high) = values.filter(|x| x.is_finite()).map(|x| (x, x)).reduce(|(l, h), (x, _)| (l.min(x), h.max(x)))?;
     let margin = 0.08 * (high - low).max(1e-9 + 0.02 * high.abs());

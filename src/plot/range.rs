@@ -6,7 +6,7 @@ use super::layers::{Layer, LayerColumns};
 /// Share of the values at either end that the axis ignores, such as the first instants of a wide guess.
 const OUTLIERS: f64 = 0.006;
 
-/// Limits the pieces whose extremes represent a layer.
+/// Limits the pieces of a layer; the range uses the extremes of each piece.
 const PIECES: usize = 250;
 
 /// A range that includes all of the lines marked so, and the other layers without their outermost values. Dots count

@@ -17,7 +17,7 @@ const OPACITY: f32 = 0.5;
 /// Half the width of the triangle of a jump [points].
 const JUMP: f32 = 4.5;
 
-/// The times in which filters are not to be believed, one filter's strip above the other's.
+/// The times with a bad verdict, one strip per filter.
 pub(super) struct Strips {
     /// The height of each strip in numbers of strips, its times \[s\] and its colour.
     strips: Vec<(f32, (f64, f64), Color32)>,

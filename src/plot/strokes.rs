@@ -62,8 +62,8 @@ impl Strokes {
         }
     }
 
-    /// Draws a dashed line. One that is too long for dashes, as where it goes up and down beyond the plot in every pixel, is drawn
-    /// through.
+    /// Draws a dashed line. A line too long for dashes, such as one that crosses the plot in every pixel, is drawn
+    /// solid.
     pub(crate) fn dashed(&mut self, points: &[Pos2], stroke: Stroke, (dash, gap): (f32, f32)) {
         let length: f32 = points.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
         if length.is_nan() || length > LONGEST_DASHED {

@@ -26,7 +26,7 @@ pub(crate) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
     std::iter::once(coarse.clone()).chain(finer).find(|marks| marks.clone().count() > 1).unwrap_or(coarse).collect()
 }
 
-/// [`tick`], without marks whose text would be cut off at the right or overlap the other axis's texts at the bottom.
+/// [`tick`], but empty if the text would be cut off at the right or overlap the other axis's texts at the bottom.
 pub(crate) fn tick_inside(mark: GridMark, range: &RangeInclusive<f64>, length: f32, side: Side) -> String {
     let text = tick(mark.value, mark.step_size);
     let share = (mark.value - range.start()) / (range.end() - range.start());

@@ -46,7 +46,7 @@ impl TimeAxis {
         }
     }
 
-    /// The index of the sample whose values are shown: the one under the pointer, else that of the playback.
+    /// The index of the sample with the values that are shown: the one under the pointer, else that of the playback.
     pub fn readout(&self, session: &Session) -> usize {
         self.pointed.map_or_else(|| session.index(), |time| session.sample_at(time))
     }

@@ -1,4 +1,4 @@
-//! Charts take turns where to draw all of them anew takes longer than a frame.
+//! Charts take turns if drawing all of them again takes longer than a frame.
 
 use egui::{Context, Id};
 use web_time::{Duration, Instant};
@@ -6,8 +6,8 @@ use web_time::{Duration, Instant};
 use super::medium::Medium;
 use crate::session::Budget;
 
-/// The result of `make`, unless the charts of this frame have used up the budget: then `None`, and the next frame begins with
-/// the first chart that has had to wait.
+/// The result of `make`. `None` if the charts of this frame have used up the budget: the next frame then begins with
+/// the first chart that had to wait.
 pub(crate) fn in_turn<T>(ctx: &Context, chart: Id, budget: Budget, make: impl FnOnce() -> T) -> Option<T> {
     let turns = Id::unique("turns of the charts");
     let pass = ctx.cumulative_pass_nr();
@@ -23,12 +23,12 @@ pub(crate) fn in_turn<T>(ctx: &Context, chart: Id, budget: Budget, make: impl Fn
     Some(made)
 }
 
-/// Whose turn it is in one pass over all charts.
+/// The turns of the charts in one pass over all of them.
 #[derive(Clone, Copy, Debug, Default)]
 struct Turns {
     pass: u64,
     spent: Duration,
-    /// The chart that comes first, and with it those after it; none once it has come.
+    /// The chart that may draw first; those before it wait. `None` once it has drawn.
     first: Option<Id>,
     /// The chart that comes first in the next pass.
     next: Option<Id>,
@@ -50,7 +50,7 @@ impl Turns {
             return true;
         }
         if !self.over {
-            // It comes before the charts that have waited for the first one.
+            // It gets its turn before the charts that waited for the first one.
             self.next = Some(chart);
             self.over = true;
         }

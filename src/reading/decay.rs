@@ -21,7 +21,7 @@ pub(crate) struct Decay {
     pub(crate) natural_frequency: f64,
 }
 
-/// Why two times tell no decay.
+/// The reasons why two times give no decay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoDecay {
     /// A force acts between them.

@@ -1,4 +1,4 @@
-//! The table of what lies between A and B.
+//! The table of the values between A and B.
 
 use egui::{Align2, Context, Grid, RichText, ScrollArea, TextStyle, Ui, vec2};
 

@@ -19,7 +19,7 @@ pub struct Before {
     study: Study,
     /// The settings that differed, with their values before the change.
     words: String,
-    /// Whether it is as far as the picture itself.
+    /// Whether it is computed as far as the picture itself.
     is_complete: bool,
 }
 
@@ -69,7 +69,7 @@ fn is_same_record(a: &Scenario, b: &Scenario) -> bool {
     bare(a) == bare(b)
 }
 
-/// The filters of `before` whose results differ from those of `now`.
+/// The filters of `before` with other results than those of `now`.
 fn concerned(before: &Scenario, now: &Scenario) -> Vec<FilterSettings> {
     let same_record = is_same_record(before, now);
     let is_same = |filter: &FilterSettings| {
@@ -99,7 +99,7 @@ impl Session {
         self.since_edit += elapsed;
     }
 
-    /// The picture from before the last change, or that of the other setting; none where there is nothing to compare.
+    /// The picture from before the last change, or that of the other setting. `None` if there is nothing to compare.
     pub fn before(&self) -> Option<&Before> {
         let is_shown = |before: &&Before| {
             let same_times = before.study.run().record().dt() == self.run().record().dt();
@@ -125,7 +125,7 @@ impl Session {
         self.other.is_some()
     }
 
-    /// Goes to the other setting and keeps this one; the first time, goes on with a copy.
+    /// Goes to the other setting and keeps this one. The first time, the other setting is a copy.
     pub fn swap_settings(&mut self) {
         let now = self.scenario.clone();
         let next = self.other.replace(now.clone()).unwrap_or_else(|| now.clone());
@@ -179,7 +179,7 @@ impl Session {
         }
     }
 
-    /// Brings the picture from before as far as the picture itself.
+    /// Computes the earlier picture as far as the present one.
     pub(super) fn follow_before(&mut self, while_time: &mut dyn FnMut() -> bool) {
         if self.behind() {
             return;

@@ -5,7 +5,7 @@ use web_time::{Duration, Instant};
 /// The amount of computation in one go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Budget {
-    /// All there is to compute.
+    /// Everything, without a limit.
     Unlimited,
     /// As much as this time allows.
     Time(Duration),
@@ -14,10 +14,11 @@ pub enum Budget {
 }
 
 impl Budget {
-    /// A frame computes for at most 12 ms, and draws charts anew for as long, so that it takes no more than 50 ms in all.
+    /// A frame computes for at most 12 ms, and draws charts again for at most 12 ms, so that it takes no more than 50
+    /// ms in all.
     pub const FRAME: Self = Self::Time(Duration::from_millis(12));
 
-    /// Whether there is time for more where so much is spent. Where pieces are counted, a frame draws everything.
+    /// Whether there is time for more after `spent`. If pieces are counted, a frame draws everything.
     pub(crate) fn allows(self, spent: Duration) -> bool {
         match self {
             Self::Time(time) => spent < time,
@@ -25,7 +26,7 @@ impl Budget {
         }
     }
 
-    /// Says, for one slice that begins now, whether there is time for another piece of work.
+    /// A function for one slice that begins now: it returns whether there is time for another piece of work.
     pub(crate) fn slice(self) -> impl FnMut() -> bool {
         let begin = Instant::now();
         let mut pieces = 0;

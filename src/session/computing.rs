@@ -1,4 +1,4 @@
-//! Computes what follows from the scenario, a slice of time after the other.
+//! Computes the scenario's picture, a slice of time after the other.
 
 use kalmanscope_core::{Job, Source};
 
@@ -10,14 +10,14 @@ use super::{Mode, Session};
 const PATIENCE: usize = 6;
 
 impl Session {
-    /// Whether there is something yet to be computed: the next picture, or what is missing of this one. Playback waits for it,
-    /// and every [`Self::advance`] brings it nearer.
+    /// Whether something is yet to be computed: the next picture, or missing parts of this one. Playback waits for it;
+    /// [`Self::advance`] computes it.
     pub fn behind(&self) -> bool {
         self.job.is_some() || !self.complete
     }
 
-    /// The share that is computed of the next picture or of the way to where playback stands, from 0 to 1; `None` where
-    /// nothing is to be computed.
+    /// The computed share, from 0 to 1, of the next picture or of the samples up to playback's time. `None` if nothing
+    /// is to be computed.
     pub fn progress(&self) -> Option<f64> {
         if let Some(job) = &self.job {
             return Some(job.progress(&self.study).all);
@@ -25,8 +25,8 @@ impl Session {
         (!self.complete).then(|| (self.run().done() as f64 / (self.position() + 1) as f64).min(1.0))
     }
 
-    /// Gives up what is being computed, and keeps the last complete picture and its scenario. Returns whether there was
-    /// anything to give up.
+    /// Cancels the present computation, and keeps the last complete picture and its scenario. Returns whether there was
+    /// one.
     pub fn cancel(&mut self) -> bool {
         if !self.behind() {
             return false;
@@ -55,7 +55,7 @@ impl Session {
         self.waiting = false;
     }
 
-    /// Time between samples and their number, as they are once all is computed.
+    /// Time between samples and their number, once all is computed.
     pub(super) fn target(&self) -> (f64, usize) {
         match &self.job {
             None => (self.run().record().dt(), self.run().samples()),
@@ -63,8 +63,8 @@ impl Session {
         }
     }
 
-    /// Begins to compute what follows from the scenario, in place of what is being computed. Where it is impossible, notes
-    /// why.
+    /// Begins to compute the scenario's picture, in place of the present computation. If the scenario is impossible,
+    /// notes why.
     pub(super) fn begin_job(&mut self) {
         self.give_up_job();
         self.slices = 0;
@@ -88,7 +88,7 @@ impl Session {
         let goal = if is_whole {
             samples
         } else {
-            // Playback goes on from here, by as much as there is already of a longer way.
+            // Playback goes on from here, by the samples that are already computed.
             let position = ((*clock / dt + 1e-6) as usize).saturating_add(1).min(samples);
             position.min(study.run().done().max(1))
         };
@@ -104,7 +104,7 @@ impl Session {
         }
     }
 
-    /// Begins anew where the run has samples that are not to be shown, or lacks some that are.
+    /// Begins again if the run has samples that are not to be shown, or lacks some that are.
     pub(super) fn go_back(&mut self) {
         let run = self.study.run();
         let position = self.position() + 1;
@@ -119,7 +119,7 @@ impl Session {
         }
     }
 
-    /// Computes everything anew from the first sample on.
+    /// Computes everything again from the first sample on.
     pub(super) fn begin_again(&mut self) {
         let goal = self.run().done().max(1);
         if self.job.is_some() {
@@ -132,7 +132,7 @@ impl Session {
         self.job = Job::new(&mut self.study, &scenario, Some(source), goal).ok();
     }
 
-    /// Takes note of an edited scenario. One that comes while a picture is nearly there waits for it.
+    /// Takes note of an edited scenario. An edit during the last part of a computation waits for its picture.
     pub(super) fn edited(&mut self) {
         if let Err(error) = self.scenario.validate() {
             self.problem = Some(error.to_string());
@@ -182,7 +182,8 @@ impl Session {
         }
     }
 
-    /// The changes besides the length of the run: the first sample that is kept, and which analyses are there.
+    /// Everything that may change apart from the length of the run: the first kept sample, and which analyses are
+    /// complete.
     fn shown(&self) -> (usize, [bool; 3]) {
         let analysis = self.study.analysis();
         let there = [analysis.diagnostics().is_empty(), analysis.smoothed().is_empty(), analysis.bounds().is_empty()];

@@ -8,7 +8,7 @@ use crate::text::significant;
 /// Limits the settings that are named.
 const NAMED: usize = 2;
 
-/// The settings in which `before` differs from `now`, with their values before: `EKF λ = 1`. None where nothing differs.
+/// The settings in which `before` differs from `now`, with their values before: `EKF λ = 1`. `None` if nothing differs.
 pub(super) fn difference(before: &Scenario, now: &Scenario) -> Option<String> {
     let mut all: Vec<String> = Vec::new();
     let several = before.filters.len() > 1;
@@ -61,7 +61,7 @@ fn compare(before: &Document, now: &Document, path: &mut Vec<String>, all: &mut 
     }
 }
 
-/// The name of a setting: the field's symbols where there are some, else the words of its key.
+/// The name of a setting: the field's symbols if there are any, else the words of its key.
 fn name(path: &[String]) -> String {
     path.iter()
         .map(|key| setting::symbol(key).map_or_else(|| key.replace('_', " "), str::to_owned))

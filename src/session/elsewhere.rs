@@ -1,4 +1,4 @@
-//! Long filters of the next picture, which are computed beside the frames where there is something that does so.
+//! Long filters of the next picture, computed by workers or threads if there are any.
 
 use std::rc::Rc;
 
@@ -8,16 +8,16 @@ use kalmanscope_core::{Job, Study};
 use super::Session;
 use crate::elsewhere::{BETWEEN, Elsewhere, FilterWork, Lost};
 
-/// A filter whose whole record takes longer than this on an ordinary processor is not computed in the frames \[s\].
+/// Limits the time of a filter that is computed in the frames, over the whole record on an ordinary processor \[s\].
 const LONG: f64 = 0.3;
 
-/// The filters of the present job that are computed elsewhere.
+/// The filters of the present job that workers or threads compute.
 #[derive(Default)]
 pub(super) struct Away {
     computer: Option<Rc<dyn Elsewhere>>,
     /// The place of each filter, and the work on it once it has begun.
     filters: Vec<(usize, Option<FilterWork>)>,
-    /// Whether nothing else is left to compute.
+    /// Whether only these filters are left to compute.
     is_alone: bool,
 }
 
@@ -36,7 +36,7 @@ impl Away {
         }
     }
 
-    /// Takes in what has come, while there is time. Where the computer fails, the job has the filters back.
+    /// Takes in the samples that have come, while there is time. If the computer fails, the job gets the filters back.
     pub(super) fn follow(&mut self, job: &mut Job, study: &Study, while_time: &mut dyn FnMut() -> bool) {
         let Self { computer, filters, .. } = self;
         if filters.iter().any(|(_, work)| work.is_none()) {
@@ -81,7 +81,7 @@ impl Session {
         self.away.computer.as_ref()
     }
 
-    /// Whether the next picture lacks nothing but filters that are computed elsewhere.
+    /// Whether the next picture lacks only filters that workers or threads compute.
     fn only_waits(&self) -> bool {
         self.job.is_some() && self.away.is_alone && !self.waiting
     }
@@ -201,7 +201,7 @@ mod tests {
         assert!(shares.len() > 5 && shares.is_sorted(), "{shares:?}");
         assert_right(&session);
         assert_eq!((fake.started.get(), fake.under_way.get()), (1, 0));
-        // A cheap edit does not ask for it again.
+        // A cheap edit does not compute it again.
         let mut edited = session.scenario().clone();
         edited.filters[0].fading = 1.01;
         session.set_scenario(edited);

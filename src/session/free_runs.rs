@@ -49,7 +49,7 @@ struct Next {
 }
 
 impl FreeRuns {
-    /// Forgets what has been made.
+    /// Forgets all free runs.
     pub(super) fn forget(&mut self) {
         self.made.clear();
         self.next = None;
@@ -86,7 +86,7 @@ impl Session {
         self.free_due().is_some()
     }
 
-    /// The place of the next filter whose free run is to be made, and its picture and model; none if all are there.
+    /// The place of the next filter that needs a free run, and its picture and model. `None` if all free runs are made.
     fn free_due(&self) -> Option<(usize, Of)> {
         let run = self.study.run();
         // A record that grows is over by the time its free run is known.

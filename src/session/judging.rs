@@ -1,13 +1,13 @@
-//! Whether the filters are to be believed, as far as the record has come.
+//! The diagnoses of the filters over the record so far.
 
 use kalmanscope_core::{Diagnosis, LiveDiagnosis};
 
 use super::Session;
 
-/// Limits how often diagnoses of a growing record are made anew, in real time \[s\].
+/// The least real time between two diagnoses of a growing record \[s\].
 const EVERY: f64 = 0.3;
 
-/// Limits how often diagnoses are made anew while a number is dragged, in real time \[s\].
+/// The least real time between two diagnoses while a number is dragged \[s\].
 const EVERY_WHILE_HELD: f64 = 0.15;
 
 /// Limits the samples of a diagnosis of a growing record.
@@ -25,7 +25,7 @@ pub(super) struct Judged {
     age: f64,
 }
 
-/// The user's hand on a number.
+/// The dragging of a number by the user.
 pub(super) struct Hand {
     is_down: bool,
     /// Real time since diagnoses were last made \[s\].
@@ -55,8 +55,8 @@ impl Hand {
 }
 
 impl Session {
-    /// Says whether the user holds the pointer down. While a number is dragged, diagnoses of a whole record are made anew a few
-    /// times a second: nobody reads more of them, and each takes about as long as its filter.
+    /// Says whether the user holds the pointer down. While a number is dragged, diagnoses of a whole record are made
+    /// only a few times a second: nobody reads more of them, and each takes about as long as its filter.
     pub fn hold(&mut self, is_down: bool) {
         self.hand.is_down = is_down;
     }
@@ -82,8 +82,8 @@ impl Session {
     /// Limits the time that live plots show \[s\].
     pub const LIVE_SPAN: f64 = 20.0;
 
-    /// The diagnosis of the filter at a place: over the whole record, or over the time on screen and a moment old while the
-    /// record grows. None where it is not known, or not wanted.
+    /// The diagnosis of the filter at a place, over the whole record. While the record grows it is over the time on
+    /// screen, and up to 0.3 s old. `None` if it is not known, or not wanted.
     pub fn diagnosis(&self, place: usize) -> Option<&Diagnosis> {
         if self.is_whole() {
             return self.study.analysis().diagnosis(place);
@@ -91,7 +91,7 @@ impl Session {
         self.judged.diagnoses.get(place)?.as_ref()
     }
 
-    /// Makes the diagnoses of a growing record anew, where it is time for that.
+    /// Makes the diagnoses of a growing record again, if they are old enough.
     pub(super) fn judge(&mut self, elapsed: f64) {
         self.judged.age += elapsed;
         let (run, diagnostics) = (self.study.run(), self.study.analysis().diagnostics());

@@ -8,7 +8,7 @@ use kalmanscope_lessons::records;
 
 use super::Session;
 
-/// Limits the records that are kept besides the one on screen, so that going to and fro takes no time.
+/// Limits the records that are kept in addition to the one on screen, so that switching back takes no time.
 const KEPT: usize = 3;
 
 /// A file with columns of numbers that has been read.
@@ -32,7 +32,7 @@ pub struct Library {
     held_out: Option<(String, Arc<Record>)>,
 }
 
-/// A record and what it follows from.
+/// A record and its inputs.
 struct Made {
     mapping: Mapping,
     input: InputKind,
@@ -54,7 +54,7 @@ impl Library {
         by_hash.or_else(|| self.files.iter().find(|file| mapping.hash.is_empty() && file.name == name_of(mapping)))
     }
 
-    /// Keeps the file that a mapping names if it comes along and is not here yet.
+    /// Keeps the file that a mapping names, if it is built in and not kept yet.
     fn fetch_built_in(&mut self, mapping: &Mapping) {
         if self.file(mapping).is_some() {
             return;
@@ -109,10 +109,11 @@ impl Library {
         self.held_out.as_ref().map(|(name, record)| (name.as_str(), record))
     }
 
-    /// Keeps a file as the record on which models are tested. Its columns mean what they mean in the scenario's.
+    /// Keeps a file as the record on which models are tested. Its columns get the meanings that they have in the
+    /// scenario.
     ///
     /// # Errors
-    /// A sentence where the scenario has no record, or the file is none in its meaning.
+    /// A sentence if the scenario has no record, or the file is no record with these meanings.
     pub(super) fn hold_out(&mut self, file: &RecordFile, scenario: &Scenario) -> Result<(), String> {
         let Some(mapping) = &scenario.record else { return Err("there is no measured record to test".to_owned()) };
         let mapping = Mapping { from: None, to: None, ..mapping.clone() };

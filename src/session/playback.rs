@@ -1,4 +1,4 @@
-//! Where playback stands, and how it moves.
+//! The position of playback, and its motion.
 
 use super::Session;
 
@@ -26,9 +26,9 @@ impl Session {
         samples.saturating_sub(1) as f64 * dt
     }
 
-    /// The sample at which playback stands, counted from the start.
+    /// The sample at playback's time, counted from the start.
     pub fn position(&self) -> usize {
-        // A clock that has been set to k dt must give k, whatever the rounding.
+        // A clock that was set to k dt must give k in spite of rounding.
         let (dt, samples) = self.target();
         ((self.clock / dt + 1e-6) as usize).min(samples.saturating_sub(1))
     }
@@ -38,8 +38,7 @@ impl Session {
         self.run().record().time_of(0) + self.position() as f64 * self.target().0
     }
 
-    /// The index, among the samples that are kept, of that at which playback stands, or of the last one where the run is
-    /// behind.
+    /// The index, among the kept samples, of the one at playback's time, or of the last one if the run is behind.
     pub fn index(&self) -> usize {
         // While another picture is computed, time may be divided in another way there.
         let position = match self.job {
@@ -86,7 +85,7 @@ impl Session {
         }
     }
 
-    /// Lets time stand still.
+    /// Pauses playback.
     pub fn pause(&mut self) {
         self.playing = false;
     }
@@ -118,7 +117,7 @@ impl Session {
         self.compute();
     }
 
-    /// Sets the simulated seconds per second; what is no positive number leaves them as they are.
+    /// Sets the simulated seconds per second; ignores numbers that are not positive.
     pub fn set_speed(&mut self, speed: f64) {
         if speed.is_finite() && speed > 0.0 {
             self.speed = speed;

@@ -1,4 +1,4 @@
-//! Two whole settings to go to and fro between.
+//! Two whole settings, to switch between.
 
 /// One of two settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -81,7 +81,7 @@ fn long() -> Session {
     Session::new(scenario).unwrap()
 }
 
-/// Lets frames pass until the run is there; returns how many it took.
+/// Lets frames pass until the run is complete; returns how many it took.
 fn wait(session: &mut Session) -> usize {
     (0..1000)
         .position(|_| {
@@ -292,7 +292,7 @@ fn records_that_come_along_are_opened_without_a_file() {
 fn a_record_that_is_not_here_is_asked_for() {
     let entry = kalmanscope_lessons::BuiltIn::named("earthquake").unwrap();
     let mut scenario = entry.scenario().unwrap();
-    // A file of the user with the name of one that comes along.
+    // A file of the user with the name of a built-in one.
     scenario.record.as_mut().unwrap().hash = "0".to_owned();
     let session = Session::new(scenario).unwrap();
     assert!(!session.is_measured());

@@ -1,4 +1,4 @@
-//! Trials of what may be wrong with filters that are not to be believed, beside the drawing.
+//! Trials of causes for filters with a bad verdict, computed between frames.
 
 use kalmanscope_core::Verdict;
 use kalmanscope_core::diagnosis::{Finding, Search};
@@ -39,12 +39,12 @@ impl Attempt {
         self.search.is_some()
     }
 
-    /// The number of the picture whose filter is tried.
+    /// The number of the picture with the filter that is tried.
     pub(crate) fn picture(&self) -> u64 {
         self.of.0
     }
 
-    /// The verdict on the filter as it is, over the samples that are tried; none before it is known.
+    /// The verdict on the unchanged filter over the samples of the trials, once it is known.
     pub fn before(&self) -> Option<&Verdict> {
         self.before.as_ref()
     }
@@ -55,7 +55,7 @@ impl Attempt {
         &self.findings
     }
 
-    /// Goes on while there is time. Results of trials before stay until all new ones are there.
+    /// Goes on while there is time. The earlier results stay until all new ones are complete.
     fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) {
         let Some(search) = &mut self.search else { return };
         let is_done = search.advance(while_time);
@@ -87,7 +87,7 @@ fn in_places_of(before: &[Finding], mut found: Vec<Finding>) -> Vec<Finding> {
 }
 
 impl Session {
-    /// Says which filters, by id, to try the causes of where they are not to be believed.
+    /// Sets the filters, by id, that causes are tried for if the verdict is bad.
     pub fn want_trials(&mut self, filters: Vec<u32>) {
         self.trying.wanted = filters;
     }
@@ -102,7 +102,7 @@ impl Session {
         !self.trying.wanted.is_empty() && !self.trying.is_done
     }
 
-    /// Tries for as long as there is time. What is shown comes first.
+    /// Tries for as long as there is time. Filters on screen come first.
     pub(super) fn try_causes(&mut self, while_time: &mut dyn FnMut() -> bool) {
         let mut attempts = std::mem::take(&mut self.trying.attempts);
         let wanted = std::mem::take(&mut self.trying.wanted);
@@ -135,7 +135,7 @@ impl Session {
         verdict.is_some_and(|verdict| !verdict.kind.is_good()) && self.diagnostics().len() > place
     }
 
-    /// Whether trials that are done are of a record that has grown: by half, as long as it goes on.
+    /// Whether the record has grown since finished trials: by half, as long as it goes on growing.
     fn is_outdated(&self, attempt: &Attempt) -> bool {
         let (done, before) = (self.run().done(), attempt.of.1);
         !attempt.is_under_way() && if self.playing { done > before + before / 2 } else { done != before }

@@ -55,8 +55,8 @@ pub enum AddressError {
     },
 }
 
-/// Reads what an address opens: the link after `#`, else the lesson or the scenario after `?`; `None` where it has
-/// neither.
+/// The target of an address: the link after `#`, else the lesson or the scenario after `?`. `None` if it has none of
+/// them.
 ///
 /// # Errors
 /// [`AddressError`] with the sentence to show.
@@ -82,7 +82,7 @@ pub fn allows_software_graphics(address: &str) -> bool {
     value(address, "gpu").is_some_and(|value| value == "software")
 }
 
-/// The address of the page alone, without what it opens.
+/// The address of the page, without query and fragment.
 pub fn page(address: &str) -> &str {
     address.split(['?', '#']).next().unwrap_or_default()
 }

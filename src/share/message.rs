@@ -49,7 +49,7 @@ pub enum Topic {
 /// The reason why a message is not followed.
 #[derive(Debug, PartialEq)]
 pub struct Refusal {
-    /// The name of the message; `None` where it is not one of ours, and gets no answer.
+    /// The name of the message. `None` if the message is not one of ours; it then gets no answer.
     pub id: Option<Document>,
     /// The sentence.
     pub reason: String,
@@ -107,7 +107,7 @@ impl Message {
             let version = Document::json(version).unwrap_or_default();
             return Err(refused(format!("The version of a message is {version}, but must be {VERSION}.")));
         }
-        // A list would be taken for an object's values.
+        // A list would be read as an object's values.
         if value.get("set").is_some_and(|set| !matches!(set, Document::Table(_))) {
             return Err(refused("The value of `set` must be an object.".to_owned()));
         }
@@ -134,7 +134,7 @@ pub fn answer(id: &Document, key: &str, contents: Document) -> Document {
     Document::of_entries([("kalmanscope", Document::Integer(VERSION)), ("id", id.clone()), (key, contents)])
 }
 
-/// The answer that says why there is no other.
+/// The answer with the reason of a failure.
 pub(crate) fn answer_error(id: &Document, reason: &str) -> Document {
     answer(id, "error", reason.into())
 }

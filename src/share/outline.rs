@@ -1,4 +1,4 @@
-//! The places of the views as a tree that cannot have rings, for texts from elsewhere.
+//! The places of the views as a tree that cannot have rings, for texts from outside.
 
 use egui_tiles::{Container, Grid, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
@@ -87,7 +87,7 @@ impl Outline {
         views.contains(&view)
     }
 
-    /// Checks that each view is there once at most, and that all shares are usual.
+    /// Checks that no view occurs twice, and that all shares are usual.
     pub(crate) fn validate(&self) -> Result<(), String> {
         let mut views = Vec::new();
         self.collect(&mut views);

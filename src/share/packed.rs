@@ -1,8 +1,8 @@
 //! Compresses a link's text: deflate after a dictionary, and a check of the text.
 //!
-//! The dictionary is a text like those of most links. It stands before the text when that is compressed and decompressed,
-//! and is not part of the result, so that a link has little more than its differences from the dictionary. The dictionary
-//! belongs to the format: whoever changes it has to count the version up and keep the old one.
+//! The dictionary is a text like those of most links. Compression and decompression begin with the dictionary, and the
+//! result does not include it, so that a link has little more than its differences from the dictionary. The dictionary
+//! belongs to the format: a change of it needs a new version, and the old one must be kept.
 
 use miniz_oxide::deflate::core::{CompressorOxide, TDEFLFlush, compress_to_output, create_comp_flags_from_zip_params};
 use miniz_oxide::inflate::TINFLStatus;
@@ -34,7 +34,7 @@ pub(super) fn pack(text: &str) -> Vec<u8> {
     bytes
 }
 
-/// The text; `None` where the bytes are damaged or the text is larger than [`LARGEST`].
+/// The text. `None` if the bytes are damaged or the text is larger than [`LARGEST`].
 pub(super) fn unpack(bytes: &[u8]) -> Option<String> {
     let (bytes, expected) = bytes.split_last_chunk()?;
     let mut buffer = vec![0; DICTIONARY.len() + LARGEST];

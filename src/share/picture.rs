@@ -15,15 +15,15 @@ use crate::session::{Mode, Session};
 pub struct Picture {
     /// The settings. All samples and estimates follow from them.
     pub scenario: Scenario,
-    /// The views and their places; `None` where no view is shown.
+    /// The views and their places. `None` if no view is shown.
     pub views: Option<Outline>,
     /// The view that is enlarged.
     pub enlarged: Option<ViewKind>,
-    /// The choices in the laboratory, as far as a view shows them.
+    /// The choices in the laboratory that a view shows.
     pub laboratory: Choices,
     /// Live, or the whole record.
     pub mode: Mode,
-    /// The time at which playback stands, from the first sample on \[s\].
+    /// The time of playback, from the first sample on \[s\].
     pub time: f64,
     /// Simulated seconds per second.
     pub speed: f64,
@@ -90,7 +90,7 @@ impl Picture {
         Ok((screen, scenario.to_toml()?))
     }
 
-    /// The picture of its two parts, checked: they may come from elsewhere.
+    /// The picture of its two parts, checked, since they may come from outside.
     pub(crate) fn of_parts(screen: Screen, scenario: &str) -> Result<Self, PictureError> {
         let Screen { views, enlarged, map, seeds, tuning, mode, time, speed, marks: ruler, hidden } = screen;
         if let Some(views) = &views {

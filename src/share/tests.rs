@@ -1,4 +1,4 @@
-//! Links that programs have written, and links that nobody should have written.
+//! Links that programs have written, and broken links.
 
 use kalmanscope_core::Quantity;
 use kalmanscope_lab::tune::Goal;

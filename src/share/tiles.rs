@@ -1,5 +1,5 @@
-//! The places of views as the files of older programs have them: tiles that name each other. Such a file may be made by hand,
-//! so nothing of it is shown before it is an [`Outline`].
+//! The places of views as the files of older programs have them: tiles that name each other. Such a file may be made by
+//! hand, so it is converted to an [`Outline`] and checked before it is shown.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
@@ -14,7 +14,7 @@ use crate::request::ViewKind;
 /// The heights and widths of all tiles together that a file may fix \[points\].
 const SIZES: RangeInclusive<f64> = 1.0..=1e5;
 
-/// The outline of the tiles in a document; `None` where no view is shown.
+/// The outline of the tiles in a document. `None` if no view is shown.
 ///
 /// # Errors
 /// A sentence that says what is wrong: a ring, a tile that is missing, containers too deep in each other, sizes and shares that
@@ -84,7 +84,7 @@ mod tests {
         tiles
     }
 
-    /// Containers inside each other, with one view at last.
+    /// Containers inside each other, with one view in the innermost.
     fn nested(depth: usize) -> Value {
         let tabs = |child: usize| json!({ "Container": { "Tabs": { "children": [child], "active": child } } });
         let mut tiles: serde_json::Map<String, Value> = (0..depth).map(|id| (id.to_string(), tabs(id + 1))).collect();

@@ -1,4 +1,4 @@
-//! Colours of numbers, which readers with any colour vision can tell apart.
+//! Colours of numbers, distinguishable with any colour vision.
 
 use egui::Color32;
 

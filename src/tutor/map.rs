@@ -44,7 +44,7 @@ mod tests {
                 maps += 1;
                 let choice = choice(map, scenario).unwrap_or_else(|error| panic!("{}: {error}", lesson.title));
                 for axis in &choice.axes {
-                    // Another filter's name would leave the map's own filter as it is.
+                    // Another filter's name would not change the map's own filter.
                     assert!(!axis.key.starts_with("filters.") || axis.key.starts_with("filters.*."), "{}", axis.key);
                 }
             }

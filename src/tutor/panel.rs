@@ -17,7 +17,7 @@ const SHORT: f32 = 450.0;
 impl Tutor {
     /// The panel's contents below the title.
     pub(crate) fn ui(&self, ui: &mut Ui, catalogue: &Catalogue, palette: &Palette, requests: &mut Vec<Request>) {
-        // The buttons stay in sight while the text is scrolled.
+        // The buttons stay on screen while the text is scrolled.
         Panel::bottom("steps").frame(Frame::new()).show_separator_line(false).show(ui, |ui| {
             self.steps_ui(ui, catalogue, requests);
         });
@@ -27,7 +27,7 @@ impl Tutor {
         });
     }
 
-    /// The title, and the button that leaves the lesson. Where they are centred, there is room for one line.
+    /// The title, and the button that leaves the lesson. If they are centred, there is room for one line only.
     pub(crate) fn title_ui(&self, ui: &mut Ui, align: Align, requests: &mut Vec<Request>) {
         let is_one_line = align == Align::Center;
         ui.with_layout(Layout::right_to_left(align), |ui| {
@@ -58,7 +58,7 @@ impl Tutor {
         if let Some(question) = &current.question {
             let question = ui.scope(|ui| question_ui(ui, question, *answer, revealed, requests)).response;
             if opened && self.open_question().is_some() {
-                // On a phone the choices may be below the part in sight.
+                // On a phone the choices may be below the visible part.
                 ui.scroll_to_rect(question.rect, None);
             }
         }
@@ -100,7 +100,7 @@ impl Tutor {
             button.on_disabled_hover_text(missing.as_deref().unwrap_or_default()).clicked()
         };
         ui.add_space(4.0);
-        // Above the buttons, which stay where they are when it goes.
+        // Above the buttons, which do not move when it disappears.
         if let Some(missing) = &missing {
             ui.label(RichText::new(missing).small().weak());
         }

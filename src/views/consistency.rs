@@ -76,7 +76,7 @@ const NEES: Square = Square {
     moving: Diagnostics::moving_nees,
 };
 
-/// The numbers of both, in words.
+/// The meaning of both numbers, in words.
 fn remark() -> String {
     format!("over expectation, mean of {WINDOW} s")
 }

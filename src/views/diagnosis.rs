@@ -1,4 +1,4 @@
-//! Whether each filter is to be believed: verdict, evidence, causes and the knobs that take them away.
+//! The diagnosis of each filter: verdict, evidence, causes, and the knobs that repair them.
 
 mod causes;
 mod evidence;
@@ -16,7 +16,7 @@ use crate::theme;
 use crate::verdict::{symbol, text_color};
 use crate::view::{View, ViewContext};
 
-/// The verdicts, and what they rest on.
+/// The verdicts and their evidence.
 pub(super) struct Diagnosis;
 
 impl View for Diagnosis {
@@ -37,7 +37,7 @@ impl View for Diagnosis {
     }
 
     fn ui(&self, ui: &mut Ui, context: &ViewContext<'_>, requests: &mut Vec<Request>) -> Option<f64> {
-        // A button that has been pressed may be followed by another at its place.
+        // After a press, another button may move to the same place.
         let is_held = is_held(ui, "hand on the diagnosis");
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             ui.set_width(ui.available_width() - ui.spacing().scroll.bar_width);
@@ -50,7 +50,7 @@ impl View for Diagnosis {
     }
 }
 
-/// The lines that are kept for the reason of a verdict.
+/// The lines reserved for the reason of a verdict.
 const LINES: f32 = 3.0;
 
 fn filter_ui(

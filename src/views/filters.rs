@@ -64,7 +64,7 @@ impl View for Filters {
     }
 }
 
-/// The filters' names; one dropped on another makes that one the same.
+/// The filters' names. Dropping one on another copies its settings to that one.
 fn names_ui(ui: &mut Ui, scenario: &mut Scenario, palette: &Palette) {
     let mut same = None;
     for (place, filter) in scenario.filters.iter().enumerate() {
@@ -166,7 +166,7 @@ fn row_ui(ui: &mut Ui, row: &Row, scenario: &mut Scenario, palette: &Palette) {
     }
 }
 
-/// The sign by which a number is dragged to another filter.
+/// The handle for dragging a number to another filter.
 fn same_ui(ui: &mut Ui, filter: u32, row: &Row, value: f64, name: &str) {
     let dragged = Dragged { row: row.name.clone(), value };
     let source = ui.dnd_drag_source(Id::unique(("same as", filter, &row.name)), dragged, |ui| ui.weak("="));

@@ -23,9 +23,9 @@ const SPECTRUM: f64 = 0.22;
 /// Limits the visible range of the magnitudes, and of the bands above the lines \[decades\].
 const MOST: (f64, f64) = (6.0, 0.3);
 
-/// Limits the distance of a line from the edges of the plot from below \[decades\].
+/// The least distance of a line from the edges of the plot \[decades\].
 const HEADROOM: f64 = 0.08;
-/// The logarithm in place of those of zero and infinity.
+/// The size of the logarithms that stand in for those of zero and infinity.
 const BOUNDLESS: f64 = 300.0;
 
 /// |H| of truth and filters.

@@ -80,12 +80,12 @@ fn title(channel: Channel) -> String {
     format!("gain of the {}", channel.name())
 }
 
-/// Whether a sensor measures a channel: then a gain is the share of its innovation that is taken.
+/// Whether a sensor measures a channel: its gain is then a share of the innovation.
 fn is_measured(channel: Channel, sensor: usize, context: &ViewContext<'_>) -> bool {
     context.session.sensors().get(sensor).copied().and_then(Quantity::channel) == Some(channel)
 }
 
-/// The share of an innovation that is taken, or the change of a channel by an innovation of one standard deviation.
+/// The gain as a share of the innovation, or else the change of a channel by an innovation of one standard deviation.
 fn change(estimates: &Estimates, (sensor, at): (usize, usize), is_measured: bool, k: usize) -> f64 {
     let (n, m) = (estimates.channels().len(), estimates.sensors().len());
     let size = if is_measured { 1.0 } else { estimates.innovation_cov(k)[sensor * (m + 1)].sqrt() };

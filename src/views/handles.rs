@@ -66,8 +66,8 @@ pub(super) fn of_channel<'a>(channel: Channel, context: &ViewContext<'a>) -> Vec
     handles
 }
 
-/// In a chart of a measured state: 2σ of the sensor's true noise above the truth, at the beginning, where the truth stays
-/// while the record grows.
+/// In a chart of a measured state: 2σ of the sensor's true noise above the truth, at the beginning, since the truth
+/// stays in place there while the record grows.
 pub(super) fn of_noise<'a>(channel: Channel, context: &ViewContext<'a>) -> Option<Handle<'a>> {
     let ViewContext { session, visible, palette, .. } = *context;
     let record = session.run().record();
@@ -120,7 +120,7 @@ fn edit(scenario: &mut Scenario, id: u32, change: impl FnOnce(&mut FilterSetting
     }
 }
 
-/// Rounds to three digits: a hand sets no more.
+/// Rounds to three digits: dragging is not more precise.
 fn rounded(value: f64) -> f64 {
     crate::text::parse(&significant(value, 3)).unwrap_or(value)
 }

@@ -14,7 +14,7 @@ use crate::text::significant;
 use crate::view::{View, ViewContext};
 use crate::views::handles;
 
-/// Limits the charts in which each filter has its own.
+/// Limits the number of charts if each filter has its own.
 const ROWS: usize = 8;
 
 /// Measurement minus prediction.

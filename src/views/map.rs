@@ -82,7 +82,7 @@ impl View for Map {
     }
 }
 
-/// The laboratory with its choice and the survey to show. Where there is none, says why.
+/// The laboratory with its choice and the survey to show. If there is none, shows the reason.
 pub(super) fn contents<'a>(ui: &mut Ui, context: &ViewContext<'a>) -> Option<(&'a Laboratory, &'a Choice, &'a Survey)> {
     let laboratory = context.laboratory?;
     if let Some(problem) = laboratory.state().problem() {

@@ -61,12 +61,12 @@ impl View for Measured {
     }
 }
 
-/// The quantities of the record, those too that no filter is told.
+/// The quantities of the record, including those that no filter uses.
 fn sensors<'a>(context: &ViewContext<'a>) -> &'a [Quantity] {
     context.session.run().record().sensors()
 }
 
-/// The prediction of a quantity one step ahead, if the filter is told it.
+/// The prediction of a quantity one step ahead, if the filter uses it.
 fn predicted<'a>(
     estimates: &'a Estimates,
     measured: &'a [f64],
@@ -76,7 +76,7 @@ fn predicted<'a>(
     Some(move |k: usize| measured[k] - estimates.innovation(k)[place])
 }
 
-/// The measurements of a sensor, as far as they are done.
+/// The measurements of a sensor up to the last computed sample.
 fn measured<'a>(sensor: usize, context: &ViewContext<'a>) -> &'a [f64] {
     let run = context.session.run();
     &run.record().measured(sensor)[..run.len()]
@@ -131,7 +131,7 @@ fn signals<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, las
     }
 }
 
-/// The errors of the free run, with fit and RMS error beside those of predictions one step ahead.
+/// The errors of the free run, with its fit and RMS error, and those of predictions one step ahead.
 fn errors<'a>(sensor: usize, quantity: Quantity, context: &ViewContext<'a>, last_row: bool) -> Chart<'a> {
     let ViewContext { session, palette, .. } = *context;
     let all = measured(sensor, context);

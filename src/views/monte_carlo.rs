@@ -1,4 +1,4 @@
-//! The scenario over many seeds: consistency and errors over time, and where the estimates end.
+//! The scenario over many seeds: consistency and errors over time, and the last estimates.
 
 mod bands;
 mod curves;
@@ -21,16 +21,16 @@ use curves::Curves;
 /// The statistics over many seeds.
 pub(super) struct MonteCarlo;
 
-/// Limits the width from which the histogram stands beside the charts over time \[points\].
+/// The least width at which the histogram is beside the charts over time \[points\].
 const WIDE: f32 = 620.0;
 
 /// The share of the width that the charts over time then have.
 const SHARE: f32 = 0.62;
 
-/// Limits the height of a chart; lower ones scroll \[points\].
+/// The least height of a chart; with less room the charts scroll \[points\].
 const LEAST: f32 = 118.0;
 
-/// Room below the last chart over time that the others do not need, and between charts \[points\].
+/// The room for the axis below the last chart over time, and that between charts \[points\].
 const AXIS: f32 = 28.0;
 const GAP: f32 = 8.0;
 
@@ -87,7 +87,7 @@ impl View for MonteCarlo {
     }
 }
 
-/// The charts over time in one column, and the histogram beside or below them; what is beside has the legend above it.
+/// The charts over time in one column, and the histogram beside or below them. Beside them, it has the legend above it.
 fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_old: bool) {
     let room = ui.available_size().max(Vec2::splat(1.0));
     let is_wide = room.x >= WIDE;
@@ -96,7 +96,7 @@ fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_ol
     let has_histogram = curves.parameter.is_some();
     let is_below = has_histogram && !is_wide;
     let rows = count + f32::from(u8::from(is_below));
-    // No run has come to an end yet.
+    // No run has ended yet.
     if rows == 0.0 {
         return;
     }
@@ -121,7 +121,7 @@ fn charts_ui(ui: &mut Ui, curves: &Arc<Curves>, context: &ViewContext<'_>, is_ol
         return;
     }
     let room = if is_wide {
-        // As high as the two charts beside it, or as the legend above leaves room for.
+        // As high as the two charts beside it, or as the room under the legend.
         let corner = pos2(area.left() + width + 2.0 * GAP, area.top());
         let bottom = last.top() - height - GAP;
         let legend = Rect::from_min_max(corner, pos2(area.right(), bottom));

@@ -58,7 +58,7 @@ impl View for Oscillator {
 /// The time in which the scale changes \[s\].
 const EASE: f32 = 0.8;
 
-/// Limits the height of the trails below the masses: with less spare height none are drawn \[points\].
+/// The least height of the trails below the masses; with less, none are drawn \[points\].
 const LEAST_TRAIL: f32 = 60.0;
 
 /// The span before anything has moved: half of the smallest initial standard deviation of any filter \[m\].
@@ -77,13 +77,13 @@ fn first_span(run: &Run, k: usize) -> f64 {
 
 /// The place of an equation with margins, for a finger.
 fn touchable(place: Rect) -> Rect {
-    /// Limits the height of what is touched \[points\].
+    /// The least height of an area to touch \[points\].
     const LEAST: f32 = 36.0;
     let wide = place.expand2(vec2(6.0, 4.0));
     wide.with_max_y(wide.bottom().max(wide.top() + LEAST))
 }
 
-/// Draws the oscillator where playback stands, as wide as `ui` and `height` high \[points\].
+/// Draws the oscillator at playback's time, as wide as `ui` and `height` high \[points\].
 fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: &mut Vec<Request>) {
     let size = vec2(ui.available_width().max(1.0), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
@@ -121,7 +121,7 @@ fn oscillator_ui(ui: &mut Ui, context: &ViewContext<'_>, height: f32, requests: 
     scene.masses(peak.force);
     let equation = session.run().scenario().plant.kind.equation();
     let place = scene.captions(strip);
-    // Where the equation has no room, the whole picture stands for it.
+    // If there is no room for the equation, a click anywhere in the picture counts as one on it.
     let target = place.map_or(rect, touchable);
     let edit = ui.interact(target, response.id.with("equation"), Sense::click());
     edit.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "Edit the equation over the oscillator"));

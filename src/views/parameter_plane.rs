@@ -54,7 +54,7 @@ impl View for ParameterPlane {
         let truth = run.record().truth(x).zip(run.record().truth(y)).and_then(|(x, y)| Some([*x.get(k)?, *y.get(k)?]));
         let truth = truth.filter(|_| visible.truth);
         let seen = |axis: usize| {
-            // The ellipses and the truth at this time, without all of a wide initial belief.
+            // The range includes the ellipses and the truth at this time; a wide initial belief may go beyond it.
             paths
                 .iter()
                 .flat_map(|(path, ellipse, _)| ellipse.iter().chain(path.first()))

@@ -112,7 +112,7 @@ impl View for Scores {
                     ui.end_row();
                 }
                 if visible.verdicts {
-                    // Last: it is long, and the numbers are what is compared.
+                    // The reason comes last: it is long, and the numbers above it are for comparison.
                     ui.weak("why");
                     for (_, summary) in &summaries {
                         reason_ui(ui, summary.verdict.as_ref(), reason_width);
@@ -151,9 +151,10 @@ struct Row {
     values: Vec<Option<f64>>,
     /// The values before the last change, of filters that it concerns.
     before: Vec<Option<f64>>,
-    /// The best value: the nearest to this, or the largest where this is infinite.
+    /// The best value is the nearest to this, or the largest if this is infinite.
     ideal: f64,
-    /// Limits a difference that says nothing: a share of the worse distance, or a number where the ideal is infinite.
+    /// Limits a difference that is not significant: a share of the worse distance, or a number if the ideal is
+    /// infinite.
     alike: f64,
 }
 
@@ -231,7 +232,7 @@ fn rows(summaries: &[(usize, Summary)], before: &[Option<Summary>], session: &Se
     let hint = "Mean over all samples, over its expectation";
     rows.push(row("NIS, 1 is right".to_owned(), hint, 1.0, ALIKE, &|s| over_expected(&s.nis)));
     rows.push(row("NEES, 1 is right".to_owned(), hint, 1.0, ALIKE, &|s| over_expected(&s.nees)));
-    // A difference of two is a likelihood ratio of seven.
+    // A difference of 2 is a likelihood ratio of 7.
     let hint = "Of all measurements; the larger, the better the filter has predicted them";
     rows.push(row("log likelihood".to_owned(), hint, f64::INFINITY, 2.0, &|s| Some(s.log_likelihood)));
     rows

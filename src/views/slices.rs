@@ -18,14 +18,14 @@ pub(super) struct Slices;
 /// Space between the plots \[points\].
 const GAP: f32 = 8.0;
 
-/// Limits the width of a plot below which plots are one below the other, and the height in which they are \[points\].
+/// The least width of plots side by side, and the least height of plots one below the other \[points\].
 const LEAST: f32 = 170.0;
 const LEAST_HEIGHT: f32 = 240.0;
 
 /// Limits the ratio of height to width above which plots are one below the other.
 const UPRIGHT: f32 = 1.1;
 
-/// Limits how far below the best log likelihood a scale reaches: as a multiple of the distance of the median.
+/// Limits the range of a scale below the best log likelihood, as a multiple of the median's distance.
 const BELOW_BEST: f64 = 3.0;
 
 /// The ratio of the largest to the smallest score beyond which a scale is logarithmic.
@@ -89,7 +89,7 @@ struct Slice<'a> {
     survey: &'a Survey,
     measure: Measure,
     present: [f64; 2],
-    /// 0 along the axis across, 1 along that which goes up.
+    /// 0 along the axis across, 1 along the axis up.
     at: usize,
 }
 
@@ -119,7 +119,7 @@ impl Slice<'_> {
             let id = survey.filters()[filter];
             let own = context.session.scenario().filters.iter().find(|filter| filter.id == id);
             let color = own.map_or(palette.text, |filter| palette.shade(color_of(filter)));
-            // A line that coincides with the one before leaves that in sight.
+            // The first line is wider, so that a line on top of it does not hide it.
             let width = if filter == 0 && lines.len() > 1 { 4.0 } else { 1.8 };
             for part in line.split(|[_, value]| !value.is_finite()) {
                 let points: Vec<Pos2> = part.iter().map(|point| graph.at(*point)).collect();
@@ -189,7 +189,8 @@ fn range(measure: Measure, values: impl Iterator<Item = f64>) -> Scale {
     Scale::new(low - margin, high + margin, false)
 }
 
-/// The least log likelihood on a scale: impossible settings have such small ones that nothing else would be seen.
+/// The least log likelihood on a scale: impossible settings have very small ones, which would hide all differences
+/// between the others.
 fn least_shown(mut values: Vec<f64>, best: f64) -> f64 {
     sort_numbers(&mut values);
     let median = values.get(values.len() / 2).copied().unwrap_or(best);

@@ -17,7 +17,7 @@ const POINTS: usize = 600;
 /// The power of the first sensor over time and frequency.
 pub(super) struct SpectrogramView;
 
-/// A picture of a spectrogram, and what it is of.
+/// A picture of a spectrogram, with its inputs.
 #[derive(Clone)]
 struct Drawn {
     of: (u64, usize, Id),
@@ -45,7 +45,7 @@ impl View for SpectrogramView {
             ui.weak("Nothing is measured.");
             return None;
         };
-        // A record that grows is drawn anew now and then.
+        // Draws a growing record again every 200 samples only.
         let of = (session.generation(), run.len() / 200, Id::unique(quantity.key()));
         let id = Id::unique("spectrogram");
         let before: Option<Drawn> = ui.data(|data| data.get_temp(id));

@@ -13,7 +13,7 @@ use crate::view::{Proportions, View, ViewContext};
 /// The search for the best settings.
 pub(super) struct Tune;
 
-/// Limits the width from which the result stands beside the settings, and the width of these \[points\].
+/// The least width at which the result is beside the settings, and the width of these \[points\].
 const WIDE: f32 = 675.0;
 const SETTINGS: f32 = 360.0;
 
@@ -62,7 +62,7 @@ impl View for Tune {
         if room.width() < WIDE {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 settings::head_ui(ui, context, &choice, is_working, requests);
-                // In sight of the button.
+                // Near the button, so that the user sees it.
                 result_ui(ui, requests);
                 settings::settings_ui(ui, context, &choice, requests);
             });

@@ -8,8 +8,8 @@ use wasm_bindgen::prelude::*;
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{Document, File, HtmlInputElement};
 
-/// Asks for a file by the input of the page, where it has one. The file comes the same way when something else fills the
-/// input.
+/// Asks for a file by the page's input element, if it has one. A file that the user puts there in another way arrives
+/// too.
 pub(super) fn choose(document: &Document, ctx: &Context, inbox: &Inbox) -> Option<Choose> {
     let input: HtmlInputElement = document.get_element_by_id("file")?.dyn_into().ok()?;
     let (own, ctx, inbox) = (input.clone(), ctx.clone(), inbox.clone());

@@ -35,7 +35,7 @@ pub(super) struct Message {
 }
 
 impl Messages {
-    /// Listens to the page that embeds this one, and tells it so; `None` where there is no such page.
+    /// Listens to the page that embeds this one, and tells that page that it is ready. `None` if no page embeds it.
     pub(super) fn listen(ctx: &egui::Context) -> Option<Self> {
         let window = web_sys::window()?;
         let parent = window.parent().ok()??;
@@ -55,12 +55,12 @@ impl Messages {
             })
         };
         window.add_event_listener_with_callback("message", listener.as_ref().unchecked_ref()).ok()?;
-        // It says nothing that is on screen, so that anybody may read it.
+        // The message has no contents of the screen, so that any origin may read it.
         post(&parent, &message::ready(), "*");
         Some(Self { waiting, _listener: listener })
     }
 
-    /// The message that waits for longest.
+    /// The oldest message.
     pub(super) fn next(&self) -> Option<Message> {
         self.waiting.borrow_mut().pop_front()
     }

@@ -14,7 +14,7 @@ pub(super) struct Tables {
     document: Document,
     /// The element that holds them.
     home: Element,
-    /// The element whose text is read aloud.
+    /// The element with the text that screen readers read aloud.
     news: Element,
     shown: Twin,
     /// The elements with the texts of `shown`, in the order of [`texts`].
@@ -24,7 +24,7 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    /// No tables yet; none at all where the page has no place for them.
+    /// No tables yet. `None` if the page has no elements for them.
     pub(super) fn new(document: &Document) -> Option<Self> {
         Some(Self {
             home: document.get_element_by_id("tables")?,
@@ -36,11 +36,11 @@ impl Tables {
         })
     }
 
-    /// Follows the app, once a second at most, and asks for a frame where something may be left to write.
+    /// Follows the app, once a second at most, and asks for a frame if something may be left to write.
     pub(super) fn follow(&mut self, app: &App, ctx: &egui::Context) {
         let since = self.last.map_or(EVERY, |last| last.elapsed());
         if since < EVERY {
-            // Every frame asks anew, because it replaces what the frame before has asked for.
+            // Every frame asks again, because a frame replaces the request of the frame before.
             ctx.request_repaint_after(EVERY - since);
             return;
         }

@@ -24,7 +24,7 @@ use errands::{Errand, Errands};
 use given::Given;
 use member::{Member, Program};
 
-/// Limits the workers, whatever the number of processors.
+/// Limits the workers, for any number of processors.
 const MOST: usize = 8;
 
 /// The workers that serve all maps and errands. They are started with the first one.
@@ -80,7 +80,8 @@ impl Team {
     }
 }
 
-/// The browser's graphics processor, or a program in its place where that will do, and workers for what it does not serve.
+/// The browser's graphics processor, or a software adapter if that is accepted, and workers for maps that it does not
+/// serve.
 pub(super) fn engine(workers: &Workers, software: bool) -> Box<dyn Engine> {
     Box::new(Accelerated::new(Rc::new(graphics::Processor::new(software)), Rc::new(workers.clone())))
 }
@@ -107,7 +108,7 @@ struct WorkInWorkers {
     job: u32,
     ensemble: Ensemble,
     source: Source,
-    /// The work in slices of the frames, where there can be no workers.
+    /// The work in slices of the frames, if there can be no workers.
     instead: Option<Box<dyn Work>>,
 }
 
@@ -156,8 +157,8 @@ fn begin(team: &Rc<RefCell<Team>>, task: Given) -> u32 {
     present.job
 }
 
-/// Sees to it that there are this many workers, as far as there are processors. Those that are busy with a long portion of a
-/// map are replaced, unless there is an errand too.
+/// Starts workers until there are `count`, or one per processor. Replaces a worker that is stuck in a long portion of a
+/// map, unless it also has an errand.
 fn muster(team: &Rc<RefCell<Team>>, present: &mut Team, count: usize) {
     let Team { members, errands, broken, .. } = present;
     if broken.is_some() {
@@ -237,7 +238,7 @@ fn listener(team: &Rc<RefCell<Team>>, number: u32) -> impl FnMut(Result<MessageE
     }
 }
 
-/// The number of workers where there is work for all.
+/// The number of workers with enough work for all.
 fn full() -> usize {
     processors().min(MOST)
 }

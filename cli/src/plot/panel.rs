@@ -15,8 +15,8 @@ pub(super) enum Panel {
 pub(super) type Curve<'a> = Box<dyn Fn(usize) -> (f64, f64) + 'a>;
 
 impl Panel {
-    /// The plots of a run, from top to bottom. A sensor has its own where no channel is its reading, and where no truth is
-    /// known, so that the prediction is all there is to compare with.
+    /// The plots of a run, from top to bottom. A sensor has its own plot if no channel equals its reading, or if no
+    /// truth is known: then its prediction is the only comparison.
     pub(super) fn all(run: &Run) -> Vec<Self> {
         let (channels, record) = (run.channels(), run.record());
         let knows_truth = Channel::all().iter().any(|&channel| record.truth(channel).is_some());
@@ -53,7 +53,7 @@ impl Panel {
         }
     }
 
-    /// A filter's estimate, or its prediction from all samples before; none where it has neither.
+    /// A filter's estimate, or its prediction from all earlier samples. `None` if it has neither.
     pub(super) fn curve<'a>(self, estimates: &'a Estimates, record: &'a Record) -> Option<Curve<'a>> {
         Some(match self {
             Self::Channel(channel) => {

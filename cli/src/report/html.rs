@@ -8,7 +8,7 @@ use crate::markup::escaped;
 pub(super) struct Html(String);
 
 impl Html {
-    /// A page with a head. Its policy allows its own style and nothing else: no scripts, no pictures from elsewhere.
+    /// A page with a head. Its policy allows its own style and nothing else: no scripts, no pictures from other sites.
     pub(super) fn page(title: &str, style: &str) -> Self {
         Self(format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -24,7 +24,7 @@ impl Html {
         self.line(&format!("<{tag}>{}</{tag}>", escaped(text)));
     }
 
-    /// A list of texts; nothing where there are none.
+    /// A list of texts; writes nothing if there are none.
     pub(super) fn list(&mut self, items: impl IntoIterator<Item = String>) {
         let items: String = items.into_iter().map(|item| format!("<li>{}</li>", escaped(&item))).collect();
         if !items.is_empty() {

@@ -22,7 +22,7 @@ const WRONG: &str = "seed = 11\ndt = 0.01\nduration = 30.0\nforce = { white_nois
     initial_std = { natural_frequency = 0.6, damping_ratio = 0.02 }\n\
     process_std = { displacement = 1e-7, velocity = 0.01, natural_frequency = 6e-5, damping_ratio = 4e-7 }\n";
 
-/// The verdict of the only filter in a table, and the first remedy that is told.
+/// The verdict of the only filter in a table, and the first printed remedy.
 fn verdict(table: &str) -> &str {
     let (_, rest) = table.split_once("\nfirst (EKF)\n").unwrap();
     rest.lines().next().unwrap().trim().split(':').next().unwrap()

@@ -1,4 +1,4 @@
-//! Lessons whose claims are tried.
+//! Lessons and the test of their claims.
 
 use std::process::Command;
 

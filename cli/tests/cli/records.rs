@@ -45,7 +45,8 @@ fn a_record_written_and_read_gives_the_same_estimates() {
     assert!(read(&path("record.csv")).starts_with("t,force,displacement,velocity,true_displacement,"));
 }
 
-/// A scenario of the menu that names a record is all that is needed, but a file beside it goes before.
+/// A scenario of the menu that names a record is all that is needed, but a file beside it comes before the built-in
+/// one.
 #[test]
 fn a_record_that_comes_along_needs_no_file() {
     let folder = folder();

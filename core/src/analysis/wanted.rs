@@ -2,7 +2,7 @@
 
 use crate::diagnostics::Depth;
 
-/// The results to compute besides the estimates.
+/// The results to compute in addition to the estimates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wanted {
     /// Diagnostics and their depth; `None` for no diagnostics.

@@ -1,4 +1,4 @@
-//! A filter before its judges: what the tests look at, prepared once.
+//! The data on one filter that all tests share, prepared once.
 
 use std::ops::Range;
 
@@ -13,14 +13,14 @@ use crate::{CramerRao, Diagnostics, Estimates, Record};
 /// Limits the innovations² of a good part, relative to their expectation.
 const SURPRISE: f64 = 1.35;
 
-/// Limits the innovations² of a part from below, relative to their expectation.
+/// The least innovations² of a good part, relative to their expectation.
 const SLACK: f64 = 0.7;
 
 /// Limits the normal score that chance explains in one part.
 const NOT_CHANCE: f64 = 4.0;
 
-/// Limits the errors² of a good part, relative to the covariance: of a parameter, whose errors in a part count as one, and
-/// of a motion.
+/// Limits the errors² of a good part, relative to the covariance: for a parameter (its errors in a part count as one
+/// number), and for a motion.
 const OUTSIDE: (f64, f64) = (16.0, 8.0);
 
 /// Limits the bad parts of a record that can be forgiven.
@@ -38,7 +38,7 @@ pub(crate) struct Case<'a> {
     pub(crate) errors: Vec<ChannelErrors>,
     /// The parts that are bad.
     pub(crate) bad: Chosen,
-    /// The parts that are bad, or in which innovations are too small, and after which the filter has come back.
+    /// The bad parts, and parts with too small innovations, after which the filter has recovered.
     pub(crate) forgiven: Chosen,
     /// All others.
     pub(crate) kept: Chosen,
@@ -48,13 +48,13 @@ pub(crate) struct Case<'a> {
 pub(crate) struct Span {
     pub(crate) parts: Chosen,
     pub(crate) samples: Range<usize>,
-    /// Words that a sentence about them ends with.
+    /// The words at the end of a sentence about them.
     pub(crate) words: &'static str,
 }
 
 impl<'a> Case<'a> {
-    /// The case over some samples that exist, from the sums over their parts. The periodograms come after it, since they are
-    /// of what it keeps ([`Self::kept_samples`]).
+    /// The case over some existing samples, from the sums over their parts. The periodograms are added later, since
+    /// they need the samples that it keeps ([`Self::kept_samples`]).
     pub(crate) fn new(
         diagnostics: &'a Diagnostics,
         estimates: &'a Estimates,
@@ -87,7 +87,7 @@ impl<'a> Case<'a> {
         (0..PARTS).filter(|&part| self.kept[part]).map(|part| self.part(part))
     }
 
-    /// Takes the periodograms of all sensors, of what is kept.
+    /// Adds the periodograms of all sensors over the kept samples.
     pub(crate) fn with_periodograms(mut self, periodograms: Vec<Periodogram>) -> Self {
         for (one, periodogram) in self.sensors.iter_mut().zip(periodograms) {
             one.periodogram = periodogram;
@@ -126,12 +126,12 @@ impl<'a> Case<'a> {
         Some(inside as f64 / f64::from(total.samples))
     }
 
-    /// All that is kept.
+    /// All kept parts.
     pub(crate) fn whole(&self) -> Span {
         Span { parts: self.kept, samples: self.samples.clone(), words: "" }
     }
 
-    /// All that is kept, and the last fifth alone: what has changed late is diluted by all that was before.
+    /// All kept parts, and the last fifth alone: in all samples, a late change is diluted by those before it.
     pub(crate) fn spans(&self) -> [Span; 2] {
         let first = PARTS - 2;
         let late: Chosen = std::array::from_fn(|part| part >= first && self.kept[part]);
@@ -144,7 +144,7 @@ impl<'a> Case<'a> {
         !self.errors.is_empty()
     }
 
-    /// The samples of the parts that are bad or forgiven; neighbours are one range.
+    /// The samples of the parts that are bad or forgiven; adjacent parts are one range.
     pub(crate) fn bad_samples(&self) -> Vec<Range<usize>> {
         let mut ranges: Vec<Range<usize>> = Vec::new();
         for part in (0..PARTS).filter(|&part| self.bad[part] || self.forgiven[part]) {
@@ -157,14 +157,14 @@ impl<'a> Case<'a> {
         ranges
     }
 
-    /// The samples from the first to the last forgiven part; none where nothing is.
+    /// The samples from the first to the last forgiven part. `None` if no part is forgiven.
     pub(crate) fn forgiven_samples(&self) -> Option<Range<usize>> {
         let first = self.forgiven.iter().position(|&forgiven| forgiven)?;
         let last = self.forgiven.iter().rposition(|&forgiven| forgiven)?;
         Some(self.part(first).start..self.part(last).end)
     }
 
-    /// The mean of the normalised innovations squared over some parts, by number; and how many numbers.
+    /// The mean of the normalised innovations squared over some parts, per measurement, and the number of measurements.
     pub(crate) fn nis(&self, chosen: &Chosen) -> (f64, f64) {
         let total = |of: fn(crate::diagnostics::Total) -> f64| {
             parts::sum(chosen, |part| of(self.diagnostics.nis_within(self.part(part))))
@@ -173,13 +173,13 @@ impl<'a> Case<'a> {
         (total(|total| total.sum) / degrees, degrees)
     }
 
-    /// Whether the innovations of a sensor are smaller than expected over all that is kept: the filter trusts it too little,
-    /// and a gain that is too low leaves innovations correlated.
+    /// Whether the innovations of a sensor are smaller than expected over all kept parts: the filter then trusts the
+    /// sensor too little, and the low gain leaves innovations correlated.
     pub(crate) fn any_too_small(&self) -> bool {
         self.sensors.iter().any(|one| one.level(&self.kept) < 0.75)
     }
 
-    /// Whether the innovations in some parts resemble those before by no more than chance explains: the gain is right.
+    /// Whether the autocorrelation of the innovations in some parts is no more than chance: the gain is right.
     fn is_white(&self, chosen: &Chosen) -> bool {
         self.sensors.iter().all(|one| {
             let limit = NOT_CHANCE / one.count(chosen).max(1.0).sqrt();
@@ -187,7 +187,7 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// Whether the innovations of a part are too small, and no chance.
+    /// Whether the innovations of a part are too small, by more than chance.
     fn is_slack(&self, part: usize) -> bool {
         let only: Chosen = std::array::from_fn(|other| other == part);
         self.sensors.iter().any(|one| {
@@ -196,7 +196,7 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// Whether the innovations or errors of a part are too large, and no chance.
+    /// Whether the innovations or errors of a part are too large, by more than chance.
     fn is_bad(&self, part: usize) -> bool {
         let only: Chosen = std::array::from_fn(|other| other == part);
         let is_no_chance = |level: f64, degrees: f64| exceeds(chi_squared_score(level, degrees), NOT_CHANCE);
@@ -216,7 +216,7 @@ impl<'a> Case<'a> {
     }
 }
 
-/// A mean of squares that have overflowed is as large as can be.
+/// NaN, the mean of squares that have overflowed, counts as infinite.
 fn exceeds(level: f64, limit: f64) -> bool {
     level > limit || level.is_nan()
 }

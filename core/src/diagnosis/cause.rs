@@ -1,4 +1,4 @@
-//! Causes by name, each with its evidence and the knob that takes it away.
+//! Causes by name, each with its evidence and the knob that repairs it.
 
 mod changing_noise;
 mod collapsed_sample;
@@ -53,13 +53,13 @@ pub static CAUSES: &[&Cause] = &[
 /// A possible cause of a bad verdict.
 #[derive(Debug)]
 pub struct Cause {
-    /// A name that does not change.
+    /// The key in files and links; it never changes.
     pub key: &'static str,
     /// The name in running text.
     pub name: &'static str,
     /// Its symptoms and its remedy.
     pub hint: &'static str,
-    /// Appends the ways in which it may be the cause.
+    /// Appends one suspect for each way in which it may be the cause.
     pub(crate) suspects: fn(&Matter<'_>, &'static Self, &mut Vec<Suspect>),
 }
 
@@ -68,28 +68,28 @@ pub struct Cause {
 pub struct Suspect {
     /// The cause.
     pub cause: &'static Cause,
-    /// The cause in words and numbers; empty where it only takes back the knob of another one that is repaired before.
+    /// The cause in words and numbers; empty if it only turns back the knob of an earlier cause.
     pub sentence: String,
     /// The share of the evidence that it explains, from 0 to 1, estimated without a trial.
     pub weight: f64,
-    /// Whether the evidence is enough without a trial: the likelihood does not tell.
+    /// Whether the evidence is enough without a trial: the likelihood cannot decide.
     pub certain: bool,
     /// The settings to turn.
     pub knobs: Vec<Edit>,
     /// The number of values that turning them fits to the record.
     pub fitted: f64,
-    /// Whether its likelihood is that of a filter which begins anew at the first of its samples, if that is larger: what a
-    /// knob can do against it comes late.
+    /// Whether its trial also counts the likelihood of a filter that is restarted at the first of `samples`, and takes
+    /// the larger one: a knob acts too slowly on a sudden change.
     pub begins_anew: bool,
-    /// When it was, where it was at a time: samples of those that are kept.
+    /// The kept samples in which it happened, if it has a time.
     pub samples: Option<Range<usize>>,
-    /// The parameter whose sign, as the trial learns it, decides what to say.
+    /// The parameter that the trial estimates; its sign chooses the sentence.
     pub(crate) sign: Option<Sign>,
-    /// Whether a spring that is found to harden rules it out.
+    /// Whether a hardening spring, once found, rules it out.
     pub(crate) softens: bool,
-    /// Whether it is a fault of the record that no setting mends: it stands before every other cause.
+    /// Whether it is a fault of the record that no setting can mend: it comes before every other cause.
     pub(crate) of_record: bool,
-    /// Whether it silences a sensor instead of explaining it: it stands behind every other cause.
+    /// Whether its remedy silences a sensor instead of explaining it: it comes after every other cause.
     pub(crate) silences: bool,
 }
 
@@ -101,7 +101,7 @@ pub(crate) struct Sign {
     pub(crate) negative: &'static str,
 }
 
-/// The filter that something is the matter with.
+/// A filter with a bad verdict.
 pub(crate) struct Matter<'a> {
     pub(crate) case: &'a Case<'a>,
     pub(crate) evidence: &'a [Evidence],
@@ -112,7 +112,7 @@ pub(crate) struct Matter<'a> {
 }
 
 impl Matter<'_> {
-    /// The largest effect of a test among what counts, from 0 to 1.
+    /// The largest effect of a chosen test, among the evidence that counts, from 0 to 1.
     pub(crate) fn effect_of(&self, is: impl Fn(&Evidence) -> bool) -> f64 {
         let effects = self.evidence.iter().filter(|one| one.counts && is(one)).map(|one| one.effect);
         let largest = effects.fold(0.0, f64::max);
@@ -130,7 +130,7 @@ impl Matter<'_> {
         self.knob("augment", keys.collect::<Vec<String>>())
     }
 
-    /// The root mean square of the estimated displacement of the first mass, which springs answer to; in m.
+    /// The root mean square of the estimated displacement of the first mass, which loads the springs \[m\].
     pub(crate) fn size(&self) -> f64 {
         let Some(place) = self.case.estimates.place(Channel::DISPLACEMENT) else { return 0.0 };
         rms(&self.case.estimates.canonical_means(place)[self.case.samples.clone()])
@@ -164,7 +164,7 @@ impl Suspect {
     }
 }
 
-/// The root mean square of the numbers among some values.
+/// The root mean square of some values without NaN.
 fn rms(values: &[f64]) -> f64 {
     let (sum, count) = values.iter().filter(|x| x.is_finite()).fold((0.0, 0_u32), |(sum, n), x| (sum + x * x, n + 1));
     (sum / f64::from(count.max(1))).sqrt()

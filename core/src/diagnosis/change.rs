@@ -1,4 +1,4 @@
-//! The sample at which a series changes its size.
+//! The sample at which the size of a series changes.
 
 use super::distributions::normal_tail;
 
@@ -8,10 +8,10 @@ const LARGEST: f64 = 50.0;
 /// Limits the search for a change: the shares of a record, at its beginning and end, that it leaves out.
 const MARGINS: (f64, f64) = (0.15, 0.03);
 
-/// Samples of a block, whose mean has the dispersion of squares that resemble the ones before.
+/// Samples of a block. The dispersion of block means includes the correlation of successive squares.
 const BLOCK: usize = 20;
 
-/// Limits the blocks of each level from below.
+/// The least number of blocks of each level.
 const FEWEST: usize = 2;
 
 /// A change of the size of normalised squares.
@@ -21,7 +21,7 @@ pub(crate) struct Change {
     pub(crate) at: usize,
     /// How many times larger squares are from there on.
     pub(crate) rise: f64,
-    /// The probability that squares of one size show as large a change somewhere.
+    /// The probability that squares of constant size show as large a change somewhere.
     pub(crate) p_value: f64,
 }
 
@@ -32,8 +32,8 @@ pub(crate) struct Change {
 /// least over k of k ln m₁ + (n - k) ln m₂,  m₁, m₂ the means before and after k
 /// ```
 ///
-/// The likelihood ratio is divided by the dispersion of the squares about their two levels, so that neither their own
-/// distribution nor a likeness to the squares before makes a change.
+/// The likelihood ratio is divided by the dispersion of the squares about their two levels, so that neither their
+/// distribution nor their autocorrelation looks like a change.
 ///
 /// Source: Basseville and Nikiforov (1993), *Detection of Abrupt Changes*, section 2.6; for the dispersion of a quasi-likelihood
 /// McCullagh and Nelder (1989), *Generalized Linear Models*, section 9.2.
@@ -69,8 +69,8 @@ pub(crate) fn change_point(squares: &[f64]) -> Option<Change> {
     Some(Change { at, rise: second / first, p_value })
 }
 
-/// The probability that the root of the largest likelihood ratio over all samples between the margins is above `x` where nothing
-/// changes.
+/// The probability that the root of the largest likelihood ratio over all samples between the margins is above `x` if
+/// nothing changes.
 ///
 /// ```text
 /// P ≈ x φ(x) (T (1 - 1/x²) + 4/x²),  T = ln((1 - h)(1 - l) / (h l)),  h, l the margins
@@ -84,7 +84,7 @@ fn supremum_p(x: f64) -> f64 {
     let (h, l) = MARGINS;
     let t = libm::log((1.0 - h) * (1.0 - l) / (h * l));
     let density = libm::exp(-0.5 * x * x) / std::f64::consts::TAU.sqrt();
-    // Twice the tail at one sample is the least that it can be.
+    // The probability is at least twice the tail at one sample.
     let both = 2.0 * normal_tail(x);
     (x * density * (t * (1.0 - 1.0 / (x * x)) + 4.0 / (x * x))).clamp(both, 1.0)
 }
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn squares_of_one_size_have_a_p_value_that_chance_explains() {
         let mut normal = Normal::from_seed(11);
-        // Also such as resemble the ones before.
+        // Also autocorrelated ones.
         for memory in [0.0, 0.6] {
             let p_values = (0..200).map(|_| {
                 let mut last = 0.0;

@@ -1,4 +1,4 @@
-//! Tails of distributions, as fast as a verdict on every frame needs them.
+//! Tails of distributions, fast enough for a verdict on every frame.
 
 /// The probability that a standard normal number is above `z`.
 ///
@@ -7,8 +7,8 @@ pub(crate) fn normal_tail(z: f64) -> f64 {
     0.5 * libm::erfc(z / std::f64::consts::SQRT_2)
 }
 
-/// The normal number that is as unlikely as a sum of squares with this many degrees of freedom whose mean is `level`; to
-/// a few percent.
+/// The standard normal number that is as unlikely as a sum of squares with this many degrees of freedom and the mean
+/// `level`; to a few percent.
 ///
 /// Source: Wilson and Hilferty (1931), The distribution of chi-square, *PNAS* 17.
 pub(crate) fn chi_squared_score(level: f64, degrees: f64) -> f64 {
@@ -16,7 +16,7 @@ pub(crate) fn chi_squared_score(level: f64, degrees: f64) -> f64 {
     (libm::cbrt(level) - 1.0 + variance) / variance.sqrt()
 }
 
-/// The probability of a sum of squares whose mean is at least as far from 1 as `level`, to the same side, times two.
+/// Twice the probability that the mean of the squares is at least as far from 1 as `level`, to the same side.
 pub(crate) fn chi_squared_p(level: f64, degrees: f64) -> f64 {
     if level.is_nan() || degrees <= 0.0 {
         return 1.0;

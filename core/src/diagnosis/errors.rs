@@ -1,4 +1,4 @@
-//! One pass over the errors of each channel whose truth is known.
+//! One pass over the errors of each channel with a known truth.
 
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// Takes in the normalised error of a sample, if it is known, after the known one before.
+    /// Adds the normalised error of a sample, if it is known. `before` is the last known error.
     #[inline]
     pub(crate) fn take_in(&mut self, error: f64, variance: f64, before: &mut f64) {
         if error.is_nan() || variance == 0.0 {
@@ -40,7 +40,7 @@ impl Sums {
 }
 
 impl ChannelErrors {
-    /// The pass over all channels of some estimates; those that are known for certain have no part in it.
+    /// The pass over all channels of some estimates; those that are known for certain are left out.
     pub(crate) fn of_all(estimates: &Estimates, record: &Record, samples: &Range<usize>) -> Vec<Self> {
         let one = |(place, &channel): (usize, &Channel)| {
             let truth = record.truth(channel)?;
@@ -73,7 +73,7 @@ impl ChannelErrors {
         parts::sum(chosen, |part| self.by_part[part].inside) / self.count(chosen)
     }
 
-    /// The number of errors in some parts that are as good as independent, from their correlation ρ from one sample to the
+    /// The number of errors in some parts that count as independent, from their correlation ρ from one sample to the
     /// next.
     ///
     /// ```text

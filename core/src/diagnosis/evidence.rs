@@ -6,20 +6,20 @@ use super::case::{Case, Span};
 use super::verdict_kind::VerdictKind;
 use crate::{Channel, Quantity};
 
-/// A statistical test, or a rule where nothing random is asked for.
+/// A statistical test, or a deterministic rule.
 #[derive(Debug)]
 pub struct Test {
     /// The name, in running text.
     pub name: &'static str,
     /// The formula of the statistic.
     pub statistic: &'static str,
-    /// Its distribution for a filter that is right.
+    /// Its distribution for a consistent filter.
     pub distribution: &'static str,
     /// Where it comes from.
     pub source: &'static str,
     /// Instructions for reading it.
     pub reading: &'static str,
-    /// Appends what it says.
+    /// Appends its results.
     pub(crate) run: fn(&Case<'_>, &'static Self, &mut Vec<Evidence>),
 }
 
@@ -43,15 +43,15 @@ pub struct Evidence {
     pub subject: Subject,
     /// The statistic.
     pub statistic: f64,
-    /// The probability that a filter that is right gives as much or more; 0 or 1 where nothing random is asked for.
+    /// The probability that a consistent filter gives as much or more; 0 or 1 for a rule.
     pub p_value: f64,
     /// The size of the effect over the size that matters: below 1 it is harmless, however small the p-value.
     pub effect: f64,
-    /// The verdict that it speaks for where it counts.
+    /// The verdict that it supports if it counts.
     pub speaks_for: VerdictKind,
-    /// Whether it counts: the effect matters, and is no chance with all tests taken together.
+    /// Whether it counts: the effect matters, and is significant with all tests taken together.
     pub counts: bool,
-    /// The samples, of those that are kept, that it is about.
+    /// The kept samples that it is about.
     pub samples: Range<usize>,
     /// The finding, in words and numbers.
     pub sentence: String,
@@ -78,7 +78,7 @@ impl Evidence {
         }
     }
 
-    /// A rule that is broken: nothing random is asked for.
+    /// Evidence that a rule is broken.
     pub(crate) fn certain(self, kind: VerdictKind, effect: f64, sentence: String) -> Self {
         Self { p_value: 0.0, effect, speaks_for: kind, statistic: effect, sentence, ..self }
     }

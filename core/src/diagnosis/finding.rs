@@ -1,16 +1,16 @@
-//! A remedy: causes that are repaired one after the other, and the filter then.
+//! A remedy: causes that are repaired one after the other, and the resulting filter.
 
 use super::cause::Suspect;
 use super::verdict::Verdict;
 use super::verdict_kind::VerdictKind;
 use crate::setting::Edit;
 
-/// A cause, or several one after the other, and what turning their knobs does to the filter.
+/// A cause, or several one after the other, and the effect of turning their knobs.
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// The cause, its evidence and its knobs.
     pub suspect: Suspect,
-    /// The causes of what is left once the first one is repaired, in the order in which they are.
+    /// The causes of the remaining misfit after the first one is repaired, in the order of their repairs.
     pub then: Vec<Suspect>,
     /// The knobs of all causes together, the last of each key.
     pub knobs: Vec<Edit>,
@@ -29,13 +29,13 @@ impl Finding {
         std::iter::once(&self.suspect).chain(&self.then)
     }
 
-    /// The same, to be told otherwise.
+    /// The same, mutable.
     pub(super) fn causes_mut(&mut self) -> impl Iterator<Item = &mut Suspect> {
         std::iter::once(&mut self.suspect).chain(&mut self.then)
     }
 
-    /// Whether nothing is left to explain: the filter with the knobs turned is to be believed, or is but for a parameter that
-    /// the record does not tell; or the cause is certain and has no knob.
+    /// Whether nothing is left to explain. Either the filter with the knobs turned has a good verdict, or its only
+    /// fault is a parameter that is not identifiable; or the cause is certain and has no knob.
     pub fn explains(&self) -> bool {
         let of_nothing = self.suspect.certain && self.knobs.is_empty();
         of_nothing || self.after.as_ref().is_some_and(|verdict| rests(verdict.kind) > 0)
@@ -46,8 +46,9 @@ impl Finding {
         findings.first().is_some_and(Self::explains)
     }
 
-    /// The order in which findings are told, before their likelihood counts: a fault of the record, a cause that is certain, one that ends well, one
-    /// that is certain and has no remedy, any other, and last one that silences a sensor.
+    /// The rank of a finding, before likelihoods are compared. From high to low: a fault of the record, a certain cause
+    /// with a remedy, a remedy with a good verdict, a certain cause without a remedy, any other, a remedy that silences
+    /// a sensor.
     pub(super) fn precedence(&self) -> u8 {
         let ends = self.after.as_ref().map_or(0, |verdict| rests(verdict.kind));
         match &self.suspect {
@@ -61,7 +62,7 @@ impl Finding {
     }
 }
 
-/// 2 for a verdict that is good, 1 for one that says no more than that the record does not tell a parameter, 0 otherwise.
+/// 2 for a good verdict, 1 if a parameter is not identifiable, 0 otherwise.
 fn rests(kind: VerdictKind) -> u8 {
     match kind {
         kind if kind.is_good() => 2,

@@ -25,7 +25,7 @@ pub(crate) const LARGEST: f64 = 5.0;
 pub(crate) struct SensorInnovations {
     pub(crate) sensor: Quantity,
     pub(crate) by_part: [Sums; PARTS],
-    /// Of what is kept, once that is known.
+    /// The periodogram of the kept samples, once they are known.
     pub(crate) periodogram: Periodogram,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct Sums {
     pub(crate) square: f64,
     /// Sum of ν, limited.
     pub(crate) sum: f64,
-    /// Sums of ν ν of l samples before, limited.
+    /// Sums of the products of ν with ν l samples before, both limited.
     pub(crate) products: [f64; LAGS],
     /// Sums of ν times the input at each lag, both limited.
     pub(crate) cross: [f64; CROSS_LAGS],
@@ -47,7 +47,8 @@ pub(crate) struct Sums {
 }
 
 impl SensorInnovations {
-    /// The pass over all sensors of some estimates. Beside each, ν, limited, of all samples; 0 where nothing was measured.
+    /// The pass over all sensors of some estimates. With each come the limited ν of all samples; 0 where nothing was
+    /// measured.
     pub(crate) fn of_all(estimates: &Estimates, record: &Record, samples: &Range<usize>) -> Vec<(Self, Vec<f64>)> {
         let first = samples.start;
         let m = estimates.sensors().len();

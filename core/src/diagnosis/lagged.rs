@@ -18,8 +18,8 @@ pub(crate) fn sum_of(values: &[f64], of: impl Fn(f64) -> f64) -> f64 {
     sums.iter().sum::<f64>() + rest.iter().map(|value| of(*value)).sum::<f64>()
 }
 
-/// Adds to each sum, in order of the lags from `first` on, `Σ a_k b_(k - lag)` over the k in `range` for which b reaches so
-/// far.
+/// Adds to each sum, in order of the lags from `first` on, `Σ a_k b_(k - lag)` over the k in `range` for which `b_(k -
+/// lag)` exists.
 pub(crate) fn add_products(sums: &mut [f64], a: &[f64], b: &[f64], range: Range<usize>, first: i32) {
     for (lag, sum) in (first..).zip(sums) {
         let begin = range.start.max(lag.max(0) as usize).min(range.end);
@@ -31,8 +31,8 @@ pub(crate) fn add_products(sums: &mut [f64], a: &[f64], b: &[f64], range: Range<
     }
 }
 
-/// The same for few samples, whose neighbours b has besides: `LAGS - 1` more than a, of which the first is the one that the
-/// largest lag takes for the first of a.
+/// The same for few samples. b has `LAGS - 1` samples more than a: it begins that many samples earlier, so that `a[0]`
+/// has a partner at every lag.
 pub(crate) fn add_near_products<const LAGS: usize>(sums: &mut [f64; LAGS], a: &[f64], b: &[f64]) {
     let mut reversed = [0.0; LAGS];
     for (a, b) in a.iter().zip(b.array_windows::<LAGS>()) {

@@ -13,14 +13,14 @@ use crate::{Channel, Estimates, Quantity, Record, Scenario};
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Law {
     pub(super) text: String,
-    /// Whether no plant nor input of a filter has it, so that the force is a real one.
+    /// Whether neither plant nor input of a filter can have this law, so that the force is real.
     pub(super) is_own: bool,
 }
 
-/// Limits the share of a force's mean square that a law must explain from below.
+/// The least share of a force's mean square that a law must explain.
 const SHARE: f64 = 0.5;
 
-/// Limits the share that a law must explain beyond a force that is linear in the motion.
+/// The least share that a law must explain beyond a force that is linear in the motion.
 const BEYOND: f64 = 0.1;
 
 /// The share of the samples, at each end, that is left out.
@@ -32,7 +32,7 @@ const FINE: f64 = 4.0;
 /// Samples that are smoothed between two checks of the time.
 const CHUNK: usize = 100;
 
-/// The unknown force of a filter with hindsight, in slices of time: an estimate without it comes late.
+/// The smoothed unknown force of a filter, computed in slices of time: the filter's own estimate comes late.
 pub(super) struct ForceInHindsight {
     smoother: Smoother,
     estimates: Estimates,
@@ -51,7 +51,7 @@ impl ForceInHindsight {
         Some(Self { smoother, estimates })
     }
 
-    /// Goes on while there is time; whether all is done.
+    /// Goes on while there is time. Returns whether all is done.
     pub(super) fn advance(&mut self, record: &Record, while_time: &mut dyn FnMut() -> bool) -> bool {
         loop {
             if self.smoother.advance(record, record.len(), CHUNK, &mut self.estimates) {
@@ -71,8 +71,8 @@ impl ForceInHindsight {
     }
 }
 
-/// The law of a force \[m/s²\] beside a displacement \[m\] and a velocity \[m/s\]: a wave, or what is left of a function of the motion
-/// once its linear part is taken away, which the parameters of the filter take up.
+/// The law of a force \[m/s²\], given displacement \[m\] and velocity \[m/s\]: a wave, or a function of the motion
+/// without its linear part. The filter's parameters take up the linear part.
 ///
 /// ```text
 /// u = a x + b v + c l(x, v),  l = sign v, v |v| or x³:  the one with the largest share of the mean square
@@ -96,7 +96,7 @@ fn law(force: &[f64], displacement: &[f64], velocity: &[f64], dt: f64) -> Option
     let left_of_v = without(&v, &[&x]);
     let linear = share(&u, &x) + share(&u, &left_of_v);
     let size = (dot(&v, &v) / samples as f64).sqrt();
-    // A speed near zero has no sign that can be told.
+    // The sign of a speed near zero is uncertain: `tanh` stands in for it.
     let laws: [Vec<f64>; 3] = [
         v.iter().map(|v| libm::tanh(10.0 * v / size)).collect(),
         v.iter().map(|v| v * v.abs()).collect(),
@@ -152,7 +152,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The part of some values that is at right angles to each of some others, which are so to one another.
+/// The part of some values that is orthogonal to each of some others, which are mutually orthogonal.
 fn without(values: &[f64], others: &[&[f64]]) -> Vec<f64> {
     let mut rest = values.to_vec();
     for other in others {

@@ -6,8 +6,8 @@ use crate::sorting::sort_short_by;
 /// Limits the probability that any test rejects a consistent filter.
 const LEVEL: f64 = 1e-4;
 
-/// Says of each piece of evidence whether it counts: whether its effect matters and its p-value is below the level for all
-/// tests together.
+/// Decides whether each piece of evidence counts: its effect matters, and its p-value is below the level for all tests
+/// together.
 ///
 /// ```text
 /// p₍ᵢ₎ ≤ α / (m - i + 1)  for the i-th smallest of m p-values and all before it

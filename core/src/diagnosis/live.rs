@@ -24,10 +24,11 @@ use spectra::LiveSpectra;
 
 /// The diagnosis of one filter over a window of samples that moves with a growing record.
 ///
-/// It is [`Diagnosis::over`] the same samples, but for rounding and for the periodogram, whose windows begin at multiples of
-/// their length from the run's beginning. A sample is taken in once: innovations and errors are added up over granules of 16
-/// samples, and a part of the window is the sum of whole granules and of the samples at its edges. Nothing is subtracted, so that
-/// a number outside a part changes nothing in it. The memory is that of twice the window.
+/// It equals [`Diagnosis::over`] the same samples, except for rounding and for the periodogram: its windows begin at
+/// multiples of their length from the run's beginning. Each sample is taken in once. Innovations and errors are added
+/// up over granules of 16 samples, and a part of the window is the sum of whole granules and of the samples at its
+/// edges. Nothing is subtracted, so that a number outside a part cannot change its sum. The memory is that of twice the
+/// window.
 #[derive(Debug, Default)]
 pub struct LiveDiagnosis {
     kept: Option<Kept>,
@@ -42,10 +43,10 @@ struct Kept {
 }
 
 impl LiveDiagnosis {
-    /// Takes in those of some kept samples that are new, and forgets what is before them.
+    /// Takes in the new samples of a range of kept ones, and forgets the samples before the range.
     ///
-    /// `estimates` and `record` must be those that this began with, grown longer; they may have forgotten samples. Where
-    /// samples are asked for that have been forgotten here, begins again with them.
+    /// `estimates` and `record` must be those that this began with, grown longer; they may have forgotten samples. If
+    /// the range includes samples that were forgotten here, it begins again with them.
     pub fn follow(&mut self, samples: Range<usize>, estimates: &Estimates, record: &Record) {
         let samples = one_pass::existing(samples, estimates, record);
         let window = numbers(&samples, record);

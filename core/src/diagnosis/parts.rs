@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// The number of parts that a record is judged in, so that one sudden change does not speak for the whole.
+/// The number of parts that a record is judged in, so that one sudden change does not decide for the whole.
 pub const PARTS: usize = 10;
 
 /// Part `part` of some samples.

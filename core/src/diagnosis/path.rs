@@ -7,22 +7,22 @@ use super::verdict::Verdict;
 use crate::setting::Edit;
 use crate::{Channel, Scenario};
 
-/// The key of the knob whose value is a list that grows from cause to cause.
+/// The key of the knob with a list as its value: each cause appends to it.
 const AUGMENT: &str = "augment";
 
-/// Causes that are repaired one after the other, and the filter then.
+/// Causes that are repaired one after the other, and the resulting filter.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
     steps: Vec<Step>,
     /// The scenario with all knobs turned.
     pub(super) scenario: Scenario,
-    /// The gain that its order goes by.
+    /// The gain that sorts it.
     pub(super) rank: f64,
-    /// The gain of the filter with all knobs turned, less the price of what they fit.
+    /// The gain of the filter with all knobs turned, less the price of the numbers that they fit.
     pub(super) gain: f64,
-    /// The verdict then.
+    /// The verdict on the resulting filter.
     pub(super) after: Option<Verdict>,
-    /// Whether causes of what is left have been tried.
+    /// Whether causes of the remaining misfit have been tried.
     pub(super) is_tried: bool,
 }
 
@@ -49,8 +49,8 @@ impl Path {
         self.steps.iter().map(|step| step.suspect.fitted).sum()
     }
 
-    /// The same with one cause more. One of the same kind before it, all of whose knobs are turned again, is left out, and so is
-    /// the price of its numbers, each of which costs `price`.
+    /// The same with one more cause. It replaces an earlier cause of the same kind if it turns all of that one's knobs
+    /// again; the price of the replaced numbers, `price` each, is then given back.
     pub(super) fn then(&self, next: &Ranked, price: f64) -> Option<Self> {
         let Ranked { finding, rank, achieved } = next;
         let suspect = finding.suspect.clone();
@@ -96,7 +96,8 @@ impl Path {
         keys
     }
 
-    /// Whether it has some of another one's causes alone, explains as much and ends as well: the others are needless.
+    /// Whether it has only some of another path's causes, explains as much and ends in as good a verdict: the other
+    /// causes are needless.
     pub(super) fn is_enough_for(&self, other: &Self) -> bool {
         let (causes, all) = (self.causes(), other.causes());
         let precedence = |path: &Self| path.finding().map(|finding| finding.precedence());
@@ -106,7 +107,7 @@ impl Path {
             && precedence(self) >= precedence(other)
     }
 
-    /// The remedy in order. `None` if there is nothing to tell.
+    /// The path as a finding. `None` if it has no cause.
     pub(super) fn finding(&self) -> Option<Finding> {
         let mut knobs: Vec<Edit> = Vec::new();
         for knob in self.steps.iter().flat_map(|step| &step.suspect.knobs) {

@@ -8,10 +8,10 @@ use crate::fourier::Transform;
 /// Limits the length of a window from above: at 100 Hz about ten seconds.
 const LONGEST: usize = 1024;
 
-/// Limits the length of a window from below.
+/// The least length of a window.
 const SHORTEST: usize = 32;
 
-/// Limits the number of windows in a record from below.
+/// The least number of windows in a record.
 const WINDOWS: usize = 4;
 
 /// The mean power of a series over windows that do not overlap, at frequencies from one cycle a window on.
@@ -31,7 +31,7 @@ pub(crate) struct Periodogram {
     power: Vec<f64>,
 }
 
-/// Limits the frequencies from below, in cycles per window: the window's own shape dominates there.
+/// The least frequency, in cycles per window: below it the window's own shape dominates.
 const FIRST: usize = 2;
 
 impl Periodogram {
@@ -55,7 +55,7 @@ impl Periodogram {
         all.into_iter().map(|one| one.averaged(&windows)).collect()
     }
 
-    /// The sum over no window yet of `length` samples.
+    /// A sum over windows of `length` samples, none added yet.
     pub(crate) fn empty(length: usize) -> Self {
         Self { length, windows: 0, power: vec![0.0; length / 2 - 1 - FIRST] }
     }
@@ -68,7 +68,7 @@ impl Periodogram {
         }
     }
 
-    /// The mean of the added windows; nothing where they are too few.
+    /// The mean of the added windows; empty if they are too few.
     pub(crate) fn averaged(mut self, windows: &WelchWindows) -> Self {
         if self.windows < WINDOWS / 2 {
             return Self::default();
@@ -99,8 +99,8 @@ impl Periodogram {
         self.power.len()
     }
 
-    /// The largest power and its frequency in radians a sample, between its neighbours by a parabola; none where the series
-    /// is too short.
+    /// The largest power and its frequency in radians a sample, between its neighbours by a parabola. `None` if the
+    /// series is too short.
     pub(crate) fn peak(&self) -> Option<(f64, f64)> {
         let (place, &power) = self.power.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
         let at = |place: Option<usize>| place.and_then(|place| self.power.get(place)).copied().unwrap_or(power);
@@ -124,12 +124,12 @@ pub(crate) struct WelchWindows {
 }
 
 impl WelchWindows {
-    /// The length of the windows of a record of this many samples; none where they are too few.
+    /// The length of the windows of a record of this many samples. `None` if these are too few.
     pub(crate) fn length_for(samples: usize) -> Option<usize> {
         (0..).map(|i| LONGEST >> i).take_while(|l| *l >= SHORTEST).find(|l| l * WINDOWS <= samples)
     }
 
-    /// The windows of a record of this many samples; none where they are too few.
+    /// The windows of a record of this many samples. `None` if these are too few.
     pub(crate) fn of(samples: usize) -> Option<Self> {
         let length = Self::length_for(samples)?;
         let weights: Vec<f64> = (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).collect();
@@ -163,7 +163,7 @@ impl WelchWindows {
     }
 }
 
-/// The first samples of as many windows as fit one after the other into ranges, of which neighbours are one.
+/// The first samples of as many windows as fit one after the other into ranges. Adjacent ranges count as one.
 fn window_begins(kept: &[Range<usize>], length: usize) -> Vec<usize> {
     let mut begins = Vec::new();
     let mut run = 0..0;

@@ -5,16 +5,16 @@ use super::finding::Finding;
 use super::trial::{Outcome, Trials};
 use crate::sorting::sort_short_by;
 
-/// Limits the gain in log likelihood, less what its numbers would gain by chance, below which no cause is named.
+/// The least gain in log likelihood of a cause that is named, less the gain of its numbers by chance.
 pub(super) const WORTH: f64 = 8.0;
 
-/// Limits a parameter whose sign is said from below, in standard deviations.
+/// The least size of a parameter with a significant sign, in standard deviations.
 const SIGNIFICANT: f64 = 4.0;
 
-/// A cause explains a record better than noise where its log likelihood is larger by this.
+/// A cause explains a record better than noise if its log likelihood is larger by this.
 const BEYOND: f64 = 20.0;
 
-/// Whether a suspect is noise that the filter takes to be too small or too large.
+/// Whether a suspect is a noise that the filter assumes too small or too large.
 fn is_noise(suspect: &Suspect) -> bool {
     matches!(suspect.cause.key, "sensor_noise" | "process_noise" | "felt_disturbance")
 }
@@ -22,33 +22,33 @@ fn is_noise(suspect: &Suspect) -> bool {
 /// A cause that was tried alone.
 pub(super) struct Ranked {
     pub(super) finding: Finding,
-    /// The gain that its order goes by.
+    /// The gain that sorts it.
     pub(super) rank: f64,
-    /// The gain of the filter with the knobs turned, less the price of what they fit.
+    /// The gain of the filter with the knobs turned, less the price of the numbers that they fit.
     pub(super) achieved: f64,
 }
 
 impl Trials {
-    /// The causes that have been found so far, each once: those whose knob makes the filter one to be believed come first,
-    /// then the likeliest.
+    /// The causes that have been found so far, each once: first those with a remedy that ends in a good verdict, then
+    /// the likeliest.
     pub fn findings(&self) -> Vec<Finding> {
         self.ranked().into_iter().map(|ranked| ranked.finding).collect()
     }
 
-    /// The same with the numbers that their order goes by.
+    /// The same with the gains that sort them.
     pub(super) fn ranked(&self) -> Vec<Ranked> {
         let Some(before) = self.outcome_before() else { return Vec::new() };
         let penalty = self.price();
         let tried = || self.tried();
-        // A noise that is taken to be larger explains any misfit a little. Where another cause explains the record better than
-        // any noise does, were all noise left open, that one comes first.
+        // A larger noise explains any misfit a little. So a cause comes first if it explains the record better than any
+        // noise, with the size of all noise fitted in both.
         let open = |suspect: &Suspect, outcome: &Outcome| {
             outcome.scaled - before.log_likelihood - penalty * (suspect.fitted + 1.0)
         };
         let of_noise =
             tried().filter(|(suspect, _)| is_noise(suspect)).map(|(suspect, outcome)| open(suspect, outcome));
         let of_noise = of_noise.fold(before.scaled - before.log_likelihood - penalty, f64::max);
-        // Hysteresis fits more than a cubic part does, also where the spring hardens, which hysteresis does not.
+        // Hysteresis fits better than a cubic part even for a hardening spring, although it does not harden.
         let hardens = |softening: &Outcome| {
             tried().any(|(suspect, outcome)| {
                 suspect.sign.is_some()
@@ -93,7 +93,7 @@ impl Trials {
 
 /// The order of two findings with their ranks, the later one first.
 pub(super) fn compare(one: (&Finding, f64), other: (&Finding, f64)) -> std::cmp::Ordering {
-    // A remedy that ends good stands before one that is only likelier.
+    // A remedy that ends in a good verdict comes before one that is only likelier.
     let key = |(finding, rank): (&Finding, f64)| (finding.precedence(), rank, finding.suspect.weight);
     key(one).partial_cmp(&key(other)).unwrap_or(std::cmp::Ordering::Equal)
 }

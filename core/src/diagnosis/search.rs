@@ -1,12 +1,12 @@
-//! The search for remedies of several causes: one is repaired, the filter is diagnosed anew, and causes of what is left are
-//! tried on the repaired filter.
+//! The search for remedies of several causes. It repairs one cause, diagnoses the filter again, and tries causes of the
+//! remaining misfit on the repaired filter.
 //!
 //! ```text
 //! filter ──trials──▶ causes ──the best repaired──▶ filter ──trials──▶ causes ... until it is good or nothing pays
 //! ```
 //!
-//! Each cause must gain more log likelihood than the numbers that it fits cost. At last, causes that a later one has made
-//! needless are left out.
+//! Each cause must gain more log likelihood than the price of the numbers that it fits. The last step removes causes
+//! that a later one has made needless.
 
 mod choice;
 
@@ -27,7 +27,7 @@ const FILTERS: usize = 6;
 /// The share of the search before needless causes are left out.
 const NEARLY: f64 = 0.99;
 
-/// The key of the cause whose force is looked at.
+/// The key of the cause with a force to look at.
 const UNKNOWN_FORCE: &str = "unknown_force";
 
 /// A search in progress, which can be cut into slices of time.
@@ -37,9 +37,9 @@ pub struct Search {
     /// The causes that were tried alone.
     alone: Vec<Ranked>,
     before: Option<Verdict>,
-    /// The log likelihood of the filter as it is.
+    /// The log likelihood of the unchanged filter.
     likelihood: f64,
-    /// The filter as it is.
+    /// The unchanged filter.
     origin: Path,
     paths: Vec<Path>,
     /// The filters on which causes were tried.
@@ -50,7 +50,7 @@ pub struct Search {
 
 /// The use of the trials that are under way.
 enum Stage {
-    /// Causes of the filter as it is, or of what is left of it on a path.
+    /// Causes of the unchanged filter, or of the remaining misfit on a path.
     Causes(Option<usize>),
     /// A run of the path at a place without one of its causes.
     Without {
@@ -58,7 +58,7 @@ enum Stage {
         step: usize,
         shorter: Path,
     },
-    /// The unknown force of a remedy with hindsight, before the search goes on or at its end.
+    /// The smoothed unknown force of a remedy, before the search goes on or at its end.
     Force {
         force: ForceInHindsight,
         is_last: bool,
@@ -75,8 +75,8 @@ impl Search {
         Self { trials, stage, alone, before: None, likelihood: f64::NAN, origin, paths, filters, law: None }
     }
 
-    /// Goes on for as long as `while_time` says that there is time, which is asked after each little piece of work. Returns
-    /// whether all is done.
+    /// Goes on while `while_time` returns true; it is called after each small piece of work. Returns whether all is
+    /// done.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let is_ready = match &mut self.stage {
@@ -99,7 +99,7 @@ impl Search {
         matches!(self.stage, Stage::Done)
     }
 
-    /// The share that is done, from 0 to 1, as far as it can be told.
+    /// An estimate of the share that is done, from 0 to 1.
     pub fn progress(&self) -> f64 {
         match self.stage {
             Stage::Causes(_) => NEARLY * (self.filters as f64 - 1.0 + self.trials.progress()) / FILTERS as f64,
@@ -109,13 +109,13 @@ impl Search {
         }
     }
 
-    /// The verdict on the filter over the window as it is; none before it is known.
+    /// The verdict on the unchanged filter over the window, once it is known.
     pub fn before(&self) -> Option<&Verdict> {
         self.before.as_ref().or_else(|| self.trials.before().filter(|_| matches!(self.stage, Stage::Causes(None))))
     }
 
-    /// The remedies that have been found so far, each of one cause or several: those that make the filter one to be believed
-    /// come first, then the likeliest. No two begin with the same cause, or have the same causes.
+    /// The remedies that have been found so far, each of one cause or several: those that end in a good verdict come
+    /// first, then the likeliest. No two begin with the same cause, or have the same causes.
     pub fn findings(&self) -> Vec<Finding> {
         if matches!(self.stage, Stage::Causes(None)) {
             return self.trials.findings();
@@ -132,7 +132,8 @@ impl Search {
             let Some(finding) = path.finding() else { continue };
             let (key, path_rank) = (finding.suspect.cause.key, self.rank(path));
             match all.iter_mut().find(|(other, ..)| other.suspect.cause.key == key) {
-                // Among those that begin alike, what they gain counts, not what a filter with any noise would gain.
+                // Remedies that begin with the same cause are compared by their own gain, not by that with all noise
+                // fitted.
                 Some((other, rank, gain)) if compare((&finding, path.gain), (other, *gain)).is_gt() => {
                     (*other, *rank, *gain) = (finding, rank.max(path_rank), path.gain);
                 }
@@ -158,7 +159,7 @@ impl Search {
         findings
     }
 
-    /// Takes in what the trials have found, and begins the next ones.
+    /// Takes in the results of the trials, and begins the next ones.
     fn conclude(&mut self) {
         match std::mem::replace(&mut self.stage, Stage::Done) {
             Stage::Causes(on) => {
@@ -221,7 +222,7 @@ impl Search {
         }
     }
 
-    /// The path that is told as a finding.
+    /// The place of the path that a finding came from.
     fn place_of(&self, finding: &Finding) -> Option<usize> {
         let is_it = |path: &Path| path.finding().is_some_and(|other| other.knobs == finding.knobs);
         self.paths.iter().position(is_it)

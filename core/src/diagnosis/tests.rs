@@ -1,4 +1,4 @@
-//! The tests, one file each.
+//! The tests, one per file.
 
 mod autocorrelation;
 mod bound;

@@ -1,5 +1,5 @@
-//! Trials: the filter runs again with a knob turned, and what it then makes of the record tells whether that was the cause.
-//! No truth is needed.
+//! Trials: the filter runs again with a knob turned, and its likelihood shows whether that was the cause. No truth is
+//! needed.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::verdict::Verdict;
 use crate::setting::Edit;
 use crate::{Diagnostics, Estimates, FilterKind, FilterSettings, Pass, Record, RunError, Scenario, Scores};
 
-/// Limits the samples of a trial, which are the last ones of the record.
+/// Limits the samples of a trial; it takes the last ones of the record.
 const WINDOW: usize = 10_000;
 
 /// Limits the samples of a trial between two checks of the time: half a millisecond of the slowest step.
@@ -25,17 +25,17 @@ pub struct Trials {
     scenario: Scenario,
     /// The filter before any knob of a search was turned.
     origin: FilterSettings,
-    /// None until the filter has run as it is, where its suspects follow from that run.
+    /// `None` until the unchanged filter has run, if its suspects follow from that run.
     suspects: Option<Vec<Suspect>>,
     current: Option<(Pass, Estimates)>,
     /// The sample of the run's record at which the window begins.
     first: usize,
-    /// The estimates and likelihoods of the filter with no knob turned, for filters that begin anew.
+    /// The estimates and likelihoods of the filter with no knob turned; a restarted filter begins from them.
     unturned: Option<Estimates>,
     /// The result without any knob turned.
     before: Option<Outcome>,
     outcomes: Vec<Outcome>,
-    /// The log likelihood of the filter itself over the window, where another one stands in for it.
+    /// The log likelihood of the filter itself over the window, if a UKF stands in for it.
     own: Option<f64>,
 }
 
@@ -43,11 +43,12 @@ pub struct Trials {
 #[derive(Clone, Debug)]
 pub(super) struct Outcome {
     pub(super) log_likelihood: f64,
-    /// That of the filter with the knob turned, where the other one is that of a filter which begins anew.
+    /// The log likelihood of the filter with the knob turned. `log_likelihood` may be that of a filter that is
+    /// restarted.
     pub(super) achieved: f64,
-    /// The same with all covariances scaled by what makes the log likelihood largest.
+    /// The same with all covariances multiplied by the factor that maximises the log likelihood.
     pub(super) scaled: f64,
-    /// The parameter whose sign decides what to say, at last, in standard deviations; NaN where there is none.
+    /// The final estimate of the parameter that `Sign` names, in standard deviations; NaN without one.
     pub(super) learnt: f64,
     pub(super) verdict: Option<Verdict>,
 }
@@ -61,15 +62,15 @@ impl Outcome {
         verdict: None,
     };
 
-    /// Whether the filter with the knob turned is to be believed.
+    /// Whether the filter with the knob turned has a good verdict.
     pub(super) fn is_good(&self) -> bool {
         self.verdict.as_ref().is_some_and(|verdict| verdict.kind.is_good())
     }
 }
 
 impl Trials {
-    /// The trials of the suspects of the filter at `place` of a scenario, whose estimates on a record these are. Where the
-    /// filter is a sampled one, a UKF stands in for it.
+    /// The trials of the suspects of the filter at `place` of a scenario, with its estimates on a record. A UKF stands
+    /// in for a sampled filter.
     ///
     /// # Errors
     /// [`RunError`] where the scenario has no such filter, or the record is not one of such a scenario.
@@ -108,8 +109,8 @@ impl Trials {
         Ok(Self { first, own, ..trials })
     }
 
-    /// The trials of the only filter of a scenario over a whole record. `origin` is that filter before the knobs of other causes
-    /// were turned. Without suspects, they are those that the filter's run speaks for.
+    /// The trials of the only filter of a scenario over a whole record. `origin` is that filter before the knobs of
+    /// other causes were turned. If `suspects` is `None`, they follow from the run of the filter.
     pub(super) fn over(
         record: Arc<Record>,
         scenario: Scenario,
@@ -130,8 +131,8 @@ impl Trials {
         }
     }
 
-    /// Goes on for as long as `while_time` says that there is time, which is asked after each little piece of work. Returns
-    /// whether all is done.
+    /// Goes on while `while_time` returns true; it is called after each small piece of work. Returns whether all is
+    /// done.
     pub fn advance(&mut self, while_time: &mut dyn FnMut() -> bool) -> bool {
         while !self.is_done() {
             let Some((mut pass, mut estimates)) = self.current.take().or_else(|| self.begin()) else {
@@ -163,12 +164,12 @@ impl Trials {
         (done as f64 / (1 + all) as f64).min(1.0)
     }
 
-    /// The verdict on the filter over the window as it is; none before it is known.
+    /// The verdict on the unchanged filter over the window, once it is known.
     pub fn before(&self) -> Option<&Verdict> {
         self.before.as_ref()?.verdict.as_ref()
     }
 
-    /// The result of the filter as it is.
+    /// The result of the unchanged filter.
     pub(super) fn outcome_before(&self) -> Option<&Outcome> {
         self.before.as_ref()
     }
@@ -178,12 +179,12 @@ impl Trials {
         self.suspects.iter().flatten().zip(&self.outcomes)
     }
 
-    /// The log likelihood of the filter itself, where another one stands in for it.
+    /// The log likelihood of the filter itself, if a UKF stands in for it.
     pub(super) fn own_likelihood(&self) -> Option<f64> {
         self.own
     }
 
-    /// The log likelihood that one number more must gain.
+    /// The log likelihood that one more fitted number must gain.
     pub(super) fn price(&self) -> f64 {
         0.5 * libm::log(self.record.len().max(2) as f64)
     }
@@ -193,18 +194,18 @@ impl Trials {
         &self.record
     }
 
-    /// The scenario with the filter as it is.
+    /// The scenario with the unchanged filter.
     pub(super) fn scenario(&self) -> &Scenario {
         &self.scenario
     }
 
-    /// The suspect that is tried now; none while the filter runs as it is.
+    /// The suspect that is tried now. `None` while the unchanged filter runs.
     fn suspect(&self) -> Option<&Suspect> {
         self.before.as_ref()?;
         self.suspects.as_ref()?.get(self.outcomes.len())
     }
 
-    /// The next trial at its first sample; none where its settings are not possible.
+    /// The next trial at its first sample. `None` if its settings are invalid.
     fn begin(&self) -> Option<(Pass, Estimates)> {
         let scenario = match &self.before {
             None => self.scenario.clone(),
@@ -246,7 +247,8 @@ impl Trials {
 }
 
 impl Trials {
-    /// The parameter whose sign decides what is said of the current suspect, at last, in standard deviations.
+    /// The final estimate, in standard deviations, of the parameter that chooses the sentence about the current
+    /// suspect.
     fn learnt(&self, estimates: &Estimates) -> f64 {
         let place = self.suspect().and_then(|suspect| estimates.place(suspect.sign?.channel));
         match (place, estimates.len().checked_sub(1)) {
@@ -255,8 +257,8 @@ impl Trials {
         }
     }
 
-    /// The log likelihood of the filter as it is up to sample `at` of the window, and of one that begins anew there, with what
-    /// it believes of the motion and as much doubt about the parameters as at first.
+    /// The log likelihood of the filter up to sample `at` of the window plus that of a filter restarted there. The
+    /// restarted filter begins with the means of the first one's belief and with the initial standard deviations.
     fn begun_anew(&self, at: usize) -> Option<f64> {
         let unturned = self.unturned.as_ref().filter(|unturned| at > 0 && at < unturned.len())?;
         let mut scenario = self.scenario.clone();
@@ -275,8 +277,8 @@ impl Trials {
     }
 }
 
-/// The log likelihood of a filter whose P, Q and R are all multiplied by one factor, at the best such factor s²: its gains, and
-/// so its innovations, are the same.
+/// The log likelihood of the filter after P, Q and R are multiplied by the best factor s². The factor changes neither
+/// gains nor innovations.
 ///
 /// ```text
 /// s² = Σ NIS / n,  L(s²) = L + ½ Σ NIS - ½ n (1 + ln s²)

@@ -9,7 +9,7 @@ use super::evidence::{Evidence, Subject};
 use super::verdict_kind::VerdictKind;
 use super::words::{percent, short};
 
-/// Whether a filter is to be believed, and why.
+/// The verdict on a filter, and its reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// The verdict.
@@ -18,7 +18,7 @@ pub struct Verdict {
     pub reason: String,
 }
 
-/// Limits the number of measurements for a verdict from below.
+/// The least number of measurements for a verdict.
 const ENOUGH: u32 = 20;
 
 /// Limits the pieces of evidence in a sentence.
@@ -31,7 +31,7 @@ impl fmt::Display for Verdict {
 }
 
 impl Verdict {
-    /// The gravest verdict that evidence which counts speaks for; none where there are too few measurements to tell.
+    /// The gravest verdict that the evidence supports. `None` if there are too few measurements.
     pub(crate) fn of(case: &Case<'_>, evidence: &[Evidence]) -> Option<Self> {
         let stopped = case.diagnostics.stop().is_some();
         if !stopped && case.diagnostics.nis_within(case.samples.clone()).samples < ENOUGH {
@@ -41,7 +41,7 @@ impl Verdict {
         let kind = counting().map(|one| one.speaks_for).max().unwrap_or(VerdictKind::Consistent);
         let mut grounds: Vec<&Evidence> = counting().filter(|one| one.speaks_for == kind).collect();
         sort_short_by(&mut grounds, |a, b| b.effect.total_cmp(&a.effect));
-        // The same of the last fifth adds nothing.
+        // The same evidence on the last fifth adds nothing.
         let mut told: Vec<(&str, Subject)> = Vec::new();
         grounds.retain(|one| {
             let of = (one.test.name, one.subject);
@@ -86,7 +86,7 @@ fn fit(case: &Case<'_>, said: &[Subject]) -> String {
     if let Some(last) = case.last() {
         for (place, &channel) in case.estimates.channels().iter().enumerate().filter(|(_, c)| c.is_parameter()) {
             let share = case.estimates.std(last, place) / case.estimates.initial_std(place);
-            // Of a parameter that is not identifiable it has been said.
+            // The text above has already named the parameters that are not identifiable.
             if share > 0.5 && !said.contains(&Subject::Channel(channel)) {
                 text += &format!("; σ of the {} is {} times that at first", channel.name(), short(share));
             }

@@ -1,21 +1,21 @@
-//! The verdicts that there are.
+//! The kinds of verdicts.
 
 /// The trust that a filter's estimates and standard deviations deserve, in order of gravity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum VerdictKind {
-    /// Its errors are as large as it says.
+    /// Its errors are as large as its σ says.
     Consistent,
-    /// It is consistent but for a time from which it has recovered.
+    /// It is consistent except for a time from which it has recovered.
     Recovered,
-    /// The record does not tell a parameter: its σ is as large as at first.
+    /// The record does not determine a parameter: its σ is as large as at first.
     NotIdentifiable,
-    /// Its errors are smaller than it says.
+    /// Its errors are smaller than its σ says.
     Underconfident,
-    /// Its errors are larger than it says.
+    /// Its errors are larger than its σ says.
     Overconfident,
-    /// It forgets a parameter faster than the sensors tell it anew.
+    /// It forgets a parameter faster than the sensors give information on it.
     WoundUp,
-    /// Its particles have become one, whose σ says nothing.
+    /// Its particles have become one, so that σ says nothing.
     Collapsed,
     /// Its estimates are not those of an oscillator: negative, beyond what the samples can show, or far from any start.
     Lost,

@@ -12,7 +12,7 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
-/// A share in percent, which says neither all nor nothing where it is neither.
+/// A share in percent: `0 %` and `100 %` only for exactly none and all.
 pub(crate) fn percent(share: f64) -> String {
     match 100.0 * share {
         p if p > 0.0 && p < 1.0 => "less than 1 %".to_owned(),

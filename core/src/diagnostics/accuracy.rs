@@ -50,7 +50,7 @@ pub(crate) struct TrackedChannel {
 }
 
 impl TrackedChannel {
-    /// The channels whose truth a record has. `first` is the number of the first sample.
+    /// The channels that a record has a truth of. `first` is the number of the first sample.
     pub(crate) fn of<'a>(
         channels: &'a [Channel],
         record: &'a Record,
@@ -108,14 +108,14 @@ pub(super) struct Accuracy {
     known: Vec<TrackedChannel>,
     /// The number of the first sample.
     first: usize,
-    /// The place of the natural frequency, whose sign determines the canonical form.
+    /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
     /// The squared errors: one a known channel and sample.
     squares: RangeSums,
     /// The numbers of samples up to each with a known truth, and with the truth inside ±2σ: one a known channel and sample.
     counts: Vec<(u32, u32)>,
-    /// The errors of the last samples, as they stand in the filter's own form, a row for each, and the sign that makes mirrored
-    /// channels of the last one canonical.
+    /// The errors of the last samples in the filter's own form, a row for each, and the sign that makes mirrored
+    /// channels of the last sample canonical.
     errors: Vec<f64>,
     sign: f64,
 }
@@ -194,7 +194,7 @@ impl Accuracy {
         self.known.clone()
     }
 
-    /// Restores what was known `before` of samples that have been forgotten, after a restart with those that are kept.
+    /// Restores the sums over forgotten samples from `before`, after a restart with the kept samples.
     pub(super) fn remember(&mut self, before: &[TrackedChannel]) {
         for (known, before) in self.known.iter_mut().zip(before).filter(|(_, before)| before.total.known > 0) {
             known.first_error = before.first_error;

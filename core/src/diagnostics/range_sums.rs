@@ -20,7 +20,7 @@ pub(super) struct RangeSums {
 }
 
 impl RangeSums {
-    /// Begins anew with rows of `width` numbers, in the same memory.
+    /// Begins again with rows of `width` numbers, in the same memory.
     pub(super) fn restart(&mut self, width: usize) {
         (self.width, self.missing) = (width, BLOCK);
         self.levels.iter_mut().for_each(Vec::clear);
@@ -68,7 +68,7 @@ impl RangeSums {
         }
     }
 
-    /// The sum of a column over the rows in `range`, as far as there are any.
+    /// The sum of a column over the existing rows in `range`.
     pub(super) fn within(&self, column: usize, range: Range<usize>) -> f64 {
         let end = range.end.min(self.len());
         let (mut low, mut high) = (range.start.min(end), end);

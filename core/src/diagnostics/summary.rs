@@ -1,4 +1,4 @@
-//! The results of a filter over a record, as far as it is kept.
+//! The results of a filter over the kept part of a record.
 
 use super::{Diagnostics, LjungBox, MeanSquare, Tally, Whiteness};
 use crate::{Channel, Diagnosis, Estimates, FilterKind, Quantity, Record, Stop, Verdict};

@@ -99,7 +99,7 @@ impl Totals {
     /// Σ_(k-w<i≤k) = Σ_(k-w<i<s) + Σ_(s≤i≤k),  s = w ⌊k/w⌋
     /// ```
     ///
-    /// Both sums grow by one term a sample, backwards and forwards from s, so that no term outside a window has a part in it.
+    /// Both sums grow by one term a sample, backwards and forwards from s, so that no term outside a window enters it.
     ///
     /// Source: van Herk (1992), A fast algorithm for local minimum and maximum filters on rectangular and octagonal kernels.
     pub(super) fn moving_means(&self, window: usize, range: Range<usize>) -> Vec<f64> {

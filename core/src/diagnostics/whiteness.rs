@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::chi_squared::{self, NORMAL_95};
 use crate::Estimates;
 
-/// The number of lags whose autocorrelation is kept.
+/// The number of lags of the autocorrelation.
 pub const LAGS: usize = 20;
 
 /// The autocorrelation of one sensor's normalised innovations, from running sums.

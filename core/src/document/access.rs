@@ -55,7 +55,7 @@ impl<'de> SeqAccess<'de> for &mut Elements<'de> {
 
 pub(super) struct Entries<'de> {
     rest: slice::Iter<'de, Entry>,
-    /// The entry whose key was read last.
+    /// The entry of the key that was read last.
     current: Option<&'de Entry>,
 }
 

@@ -1,4 +1,4 @@
-//! Reads types from a document, and notes the path to what cannot be read.
+//! Reads types from a document, and notes the path to an unreadable value.
 
 use serde::de::{self, Deserializer, Expected, IntoDeserializer, Unexpected, Visitor};
 
@@ -57,7 +57,7 @@ fn text<'de, V: Visitor<'de>>(document: &'de Document, visitor: V) -> Result<V::
     }
 }
 
-/// Types whose values look alike in a file.
+/// Types that look alike in a file.
 macro_rules! alike {
     ($($method:ident $(($($name:ident: $argument:ty),*))? $by:ident)*) => {$(
         fn $method<V: Visitor<'de>>(self, $($($name: $argument,)*)? visitor: V) -> Result<V::Value, DocumentError> {
@@ -145,7 +145,7 @@ impl<'de> Deserializer<'de> for &'de Document {
         }
     }
 
-    /// A list is no table: to read one so would take 20 kB of a page, and would hide what its numbers mean.
+    /// Refuses a list in place of a table: reading one would add 20 kB to a page, and its numbers would have no names.
     fn deserialize_struct<V: Visitor<'de>>(
         self,
         _: &'static str,

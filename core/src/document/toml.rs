@@ -26,7 +26,7 @@ impl Document {
         Self::from_toml(text)?.read().map_err(|error: DocumentError| error.in_toml(text))
     }
 
-    /// The text of a value as TOML. Tables stand behind other values, so that the text has a header for each.
+    /// The text of a value as TOML. Tables come after other values, so that each has a header.
     ///
     /// # Errors
     /// As [`Self::table`].
@@ -58,7 +58,7 @@ impl DocumentError {
     }
 }
 
-/// The place in the text at which the last key of a path begins, as far as the text has the path.
+/// The place in the text at which the last existing key of a path begins.
 fn start<'a>(root: Spanned<DeTable<'_>>, path: impl Iterator<Item = &'a Step>) -> usize {
     let mut start = root.span().start;
     let root = DeValue::Table(root.into_inner());

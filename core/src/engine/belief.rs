@@ -1,4 +1,4 @@
-//! What a filter knows of the state, and what it takes for noise.
+//! The belief of a filter about the state, and the noise that it assumes.
 
 use super::level::Level;
 use super::number::{Mask, Number};
@@ -8,7 +8,7 @@ use super::number::{Mask, Number};
 pub struct Belief<T> {
     /// y, n numbers.
     pub mean: Vec<T>,
-    /// P, n × n, of which the lower triangle counts.
+    /// P, n × n; only the lower triangle is read.
     pub cov: Vec<T>,
 }
 
@@ -30,7 +30,7 @@ impl<T: Number> Belief<T> {
         self.mean.len()
     }
 
-    /// `λ P + Q` in place of P. A variance that is zero but for rounding may have come out on the wrong side.
+    /// `λ P + Q` in place of P. A variance that rounding made negative becomes zero.
     #[inline(always)]
     pub fn spread<L: Level>(&mut self, level: L, noise: &Noise<T>) {
         let n = level.size(self.size());
@@ -44,7 +44,7 @@ impl<T: Number> Belief<T> {
         }
     }
 
-    /// Makes variances zero that are so but for rounding, and may have come out on the wrong side.
+    /// Sets variances to zero that rounding made negative.
     #[inline(always)]
     pub fn clamp(&mut self) {
         let n = self.size();
@@ -66,7 +66,7 @@ impl<T: Number> Belief<T> {
         self.cov[place * n + place] = variance;
     }
 
-    /// The lanes whose numbers are finite, and those whose variances are not negative.
+    /// The lanes with finite numbers, and those without a negative variance.
     #[inline(always)]
     pub fn check<L: Level>(&self, level: L) -> [T::Mask; 2] {
         let n = level.size(self.size());

@@ -1,4 +1,4 @@
-//! Operations as they are noted: each common part once, constants computed, and derivatives.
+//! Collects operations: stores each common part once, computes constants, and derives.
 
 use std::collections::HashMap;
 
@@ -271,7 +271,7 @@ impl Builder {
         without
     }
 
-    /// The list that computes some numbers, or nothing where they need more registers than there are.
+    /// The list that computes some numbers. `None` if they need more registers than there are.
     pub fn list(&self, inputs: usize, outputs: &[(usize, Node)]) -> Option<List> {
         List::new(&self.operations, inputs, outputs)
     }

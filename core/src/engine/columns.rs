@@ -1,5 +1,5 @@
-//! Columns of numbers: the linear algebra of a step. A matrix stands column by column; of a symmetric one the lower triangle
-//! counts.
+//! Columns of numbers: the linear algebra of a step. Matrices are stored column by column; only the lower triangle of a
+//! symmetric one is read.
 
 use super::level::{Baseline, Level};
 use super::number::{Mask, Number};
@@ -43,8 +43,8 @@ pub fn mirror<T: Copy, L: Level>(level: L, a: &mut [T], n: usize) {
     );
 }
 
-/// `out = A x`, with A of as many rows as `out` has numbers, and a function for the k numbers of x. Two rows at a time, whose
-/// sums stay in registers.
+/// `out = A x`, with as many rows of A as numbers in `out`, and a function for the k numbers of x. It takes two rows at
+/// a time, so that their sums stay in registers.
 #[inline(always)]
 pub fn apply<T: Number>(out: &mut [T], a: &[T], k: usize, x: impl Fn(usize) -> T) {
     let rows = out.len();

@@ -7,8 +7,8 @@ pub enum Course {
     /// ([`Hold::Zero`](crate::Hold::Zero)).
     Held,
     /// It is continuous white noise, and w its mean from a sample to the next: where the input is not held
-    /// ([`Hold::First`](crate::Hold::First)) and no sensor feels the force. What it does besides its mean moves x, and completes
-    /// the process noise:
+    /// ([`Hold::First`](crate::Hold::First)) and no sensor feels the force. Its deviation from the mean moves x too,
+    /// and completes the process noise:
     ///
     /// ```text
     /// Q = q [dt³/12, 0; 0, 0],  Q + Γ Γᵀ s² = q [dt³/3, dt²/2; dt²/2, dt]
@@ -20,7 +20,7 @@ pub enum Course {
 }
 
 impl Course {
-    /// The number of steps of a prediction of `substeps` steps, and after how many of them w is another.
+    /// The number of steps of a prediction of `substeps` steps, and after how many of them w is drawn again.
     pub fn steps(self, substeps: usize) -> (usize, usize) {
         match self {
             Self::Held | Self::Continuous => (substeps, substeps),

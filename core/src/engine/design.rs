@@ -5,7 +5,7 @@ use super::model::Model;
 use super::propagation::Propagation;
 use crate::model::Reading;
 
-/// Where sigma points are and what they weigh.
+/// The places and weights of sigma points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// c², the square of their distance in standard deviations; each but the centre weighs `W = 1/(2 c²)`.
@@ -17,7 +17,7 @@ pub struct Rule {
 /// The way in which a filter predicts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
-    /// KF, EKF and IEKF: linearised, and the sensors so many times in an update, each where the last has led.
+    /// KF, EKF and IEKF: linearised. An update linearises the sensors this many times, each time at the last result.
     Linearised(Propagation, usize),
     /// UKF and CKF.
     SigmaPoints(Rule),

@@ -5,8 +5,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::function::Function;
 use super::number::{Number, Real};
 
-/// A number and its derivatives by K others. `on` tells which of them are not zero for certain: a compiler that inlines an
-/// equation knows them, and leaves out the operations with zeros.
+/// A number and its derivatives by K others. `on` marks those that may be other than zero: after inlining an equation
+/// the compiler knows `on`, and leaves out the operations with zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct Dual<T, const K: usize> {
     /// The number.
@@ -22,7 +22,7 @@ impl<T: Number, const K: usize> Dual<T, K> {
         Self { value, part: [value; K], on: [false; K] }
     }
 
-    /// The other at place `k`, or a constant where there is none.
+    /// The variable at place `k`, or a constant if there is none.
     #[inline(always)]
     pub fn variable(value: T, k: usize) -> Self {
         let mut dual = Self::constant(value);

@@ -10,7 +10,7 @@ use crate::FilterError;
 use crate::estimator::Estimator;
 use crate::sink::{Sample, Sink};
 
-/// A filter, and memory for what it reports.
+/// A filter, and memory for its reports.
 struct Followed<L> {
     filter: Filter<f64, L>,
     /// The place of each sensor that the model has, among all sensors.
@@ -22,14 +22,14 @@ struct Followed<L> {
     told: Told,
 }
 
-/// What an update told, of all m sensors: e, m numbers; S, m × m; K, n × m.
+/// The result of an update, for all m sensors: e, m numbers; S, m × m; K, n × m.
 struct Told {
     innovation: Vec<f64>,
     innovation_cov: Vec<f64>,
     gain: Vec<f64>,
 }
 
-/// The filter of a setup whose columns are those of `sensors` sensors.
+/// The filter of a setup, on a record with `sensors` sensors.
 pub(crate) fn estimator(setup: &Setup, sensors: usize) -> Box<dyn Estimator> {
     let model = &setup.design.model;
     match (model.size, model.moving()) {
@@ -120,7 +120,7 @@ impl<'a> Sample<'a> {
 }
 
 impl Told {
-    /// Takes in what some sensors told, each in its place; the others told nothing.
+    /// Takes in the update by some sensors, each in its place; the others get NaN, and a gain of zero.
     #[cold]
     fn take(&mut self, places: &[usize], active: &[usize], [innovation, innovation_cov, gain]: [&[f64]; 3]) {
         let m = self.innovation.len();

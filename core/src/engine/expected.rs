@@ -111,7 +111,7 @@ impl<T: Number> Expected<T> {
         self.linearise(level, active.len(), design, belief, active, force, Some(at));
     }
 
-    /// H of a sensor, n numbers in place of what `out` holds.
+    /// H of a sensor, n numbers, written over `out`.
     pub(super) fn row_into<'a>(&self, reading: &Reading, row: usize, out: impl Iterator<Item = &'a mut T>)
     where
         T: 'a,
@@ -177,7 +177,7 @@ impl<T: Number> Expected<T> {
         times_cov(reading, &self.rows[row * n..(row + 1) * n], cov, out);
     }
 
-    /// As a UKF has it, by sigma points that are drawn afresh.
+    /// The prediction of a UKF, by sigma points that are drawn again.
     ///
     /// ```text
     /// h = h(y⁻) + s,  s = Σ W d,  S = Σ W d dᵀ + o s sᵀ,  P⁻ Hᵀ = Σ W (χ - y⁻) dᵀ,  d = h(χ) - h(y⁻)
@@ -294,7 +294,7 @@ fn copy_column<T: Copy>(a: &[T], n: usize, j: usize, out: &mut [T]) {
     }
 }
 
-/// The readings of some sensors in a state; `plain` and `rate` are memory to work in.
+/// The readings of some sensors in a state; `plain` and `rate` are scratch memory.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "slices of one memory, which cannot be borrowed together")]
 fn read_all<T: Number, L: Level>(

@@ -1,7 +1,7 @@
 //! The exponential of the block of A that moves, and its integrals.
 //!
-//! The length of a series follows from the size of a step, by classes. Lanes whose sizes are of different classes have each
-//! class computed, and take their own.
+//! A step's size has a class, and each class its length of the series. If lanes are of different classes, each class is
+//! computed for all of them, and a lane takes its own.
 
 use super::columns::{multiply, norm};
 use super::level::Level;
@@ -12,13 +12,13 @@ use crate::integrate::INVERSE_FACTORIAL;
 pub(super) struct Classes<const N: usize>(pub(super) [f64; N]);
 
 impl<const N: usize> Classes<N> {
-    /// The sizes as they count. One that is not a number, or will overflow, is of the first class.
+    /// The sizes, with zero in place of NaN and of sizes that would overflow: these are of the first class.
     #[inline(always)]
     pub(super) fn counted<T: Number>(size: T) -> T {
         T::select(size.lt(T::of(1e300)), size, T::of(0.0))
     }
 
-    /// The next class that a lane has after one, or the first one that a lane has.
+    /// The next class after one that any lane has, or the first one.
     #[inline(always)]
     pub(super) fn after<T: Number>(&self, class: Option<usize>, sizes: T) -> Option<usize> {
         let done = class.map_or(f64::NEG_INFINITY, |class| self.upper(class));
@@ -52,7 +52,8 @@ impl<const N: usize> Classes<N> {
     }
 }
 
-/// `Φ = exp(A dt)` and the integrals that take what is constant, or linear in time, to its effect after `dt`; n × n matrices.
+/// `Φ = exp(A dt)` and the integrals that give the effect, after `dt`, of an input that is constant or linear in time;
+/// n × n matrices.
 #[derive(Clone, Debug)]
 pub struct Exponential<T> {
     /// Φ
@@ -63,7 +64,7 @@ pub struct Exponential<T> {
     pub slope: Vec<T>,
     powers: [Vec<T>; 4],
     work: Vec<T>,
-    /// The three matrices of the lanes whose class was computed before.
+    /// The three matrices of the lanes of the classes that are done.
     kept: [Vec<T>; 3],
 }
 
@@ -145,7 +146,7 @@ impl<T: Number> Exponential<T> {
         let Self { transition, constant, slope, powers: [first, second, third, fourth], work, kept: _ } = self;
         let quartets = (class + 2).min(4);
         let doublings = Classes::<3>::doublings(class);
-        // Powers of two: what they divide is not rounded.
+        // A power of two: dividing by it rounds nothing.
         let scale = libm::exp2(-(doublings as f64));
         let scales = [1.0, scale, scale * scale, scale * scale * scale];
         let (k, sum) = if with_slope { (2, &mut *slope) } else { (1, &mut *constant) };
@@ -208,7 +209,7 @@ mod tests {
     use crate::integrate::exponential_integrals;
     use crate::linalg::Matrix;
 
-    /// Sizes of steps of every class, some that are no numbers among them.
+    /// Sizes of steps of every class, including NaN.
     const SIZES: [f64; 8] = [1e-3, 3.0, 0.2, 0.4, 1e-6, f64::NAN, 40.0, 1e305];
 
     /// The rates of two oscillators that pull on each other, this much faster.

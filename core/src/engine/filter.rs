@@ -98,8 +98,8 @@ impl<T: Number, L: Level> Filter<T, L> {
         }
     }
 
-    /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its sensor. The
-    /// last step holds for [some lanes](Told::holds); [`Self::reason`] tells why not for the others.
+    /// Conditions the beliefs on one sample of the sensors, while `force` acts. A measurement that is NaN skips its
+    /// sensor. The last step holds for [some lanes](Told::holds); [`Self::reason`] gives the reason for the others.
     #[inline(always)]
     pub fn update(&mut self, force: T, measured: &[T]) -> Told<T> {
         let Self { level, design, noise, belief, update, held, .. } = self;

@@ -21,8 +21,8 @@ pub trait Level: Copy {
         any
     }
 
-    /// Does some work for each number from the first to below the end. Where the compiler knows the sizes, that is straight code,
-    /// which it would not make of nested loops by itself.
+    /// Does some work for each number from the first to below the end. If the compiler knows the sizes, this unrolls
+    /// the loop, which the compiler does not do for nested loops.
     #[inline(always)]
     fn each(self, first: usize, end: usize, mut work: impl FnMut(usize)) {
         for i in first..end {

@@ -20,7 +20,7 @@ pub struct Linearised<T> {
     pub rows: Vec<T>,
     /// Memory for T P, or for a part of a step's derivative.
     pub(super) half: Vec<T>,
-    /// The effect of what is constant, or of a slope.
+    /// The effect of a constant input, or of a slope.
     effect: Vec<T>,
     exponential: Exponential<T>,
     /// The state that a step began with, a stage of it, and the derivative of the stage before.
@@ -59,7 +59,7 @@ impl<T: Number> Linearised<T> {
         level.apart(
             #[inline(always)]
             || {
-                // Inside: what a closure takes along is not known to the compiler.
+                // Inside the closure: the compiler does not know the values of captured variables.
                 let (n, moving) = (level.size(model.size), level.moving(model.moving()));
                 let (rows, half) = (&self.rows[..moving * n], &mut self.half[..moving * n]);
                 congruence(rows, &mut belief.cov[..n * n], half, n, moving);
@@ -90,8 +90,8 @@ impl<T: Number> Linearised<T> {
     /// y⁻ = y + Γ₁ g(y, F) + Γ₂ b g ḟ,  Φ = exp(A dt),  A = ∂g/∂y,  b = ∂g/∂F
     /// ```
     ///
-    /// The column of an input gain g in A is `b f` and changes with the force: its column of Φ is `Γ₁ b f + Γ₂ b ḟ`. Only what
-    /// moves needs an exponential:
+    /// The column of an input gain g in A is `b f` and changes with the force: its column of Φ is `Γ₁ b f + Γ₂ b ḟ`.
+    /// Only moving components need an exponential:
     ///
     /// ```text
     /// A = [F, C; 0, 0],  exp(A dt) = [exp(F dt), Γ₁ C; 0, I],  Γ₁ and Γ₂ of F

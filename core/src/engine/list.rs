@@ -1,4 +1,4 @@
-//! A list of operations: what an equation computes.
+//! An equation as a list of operations.
 
 use super::function::Function;
 use super::number::Real;
@@ -43,14 +43,14 @@ pub enum Operation {
 /// Numbers that a list keeps at a time.
 const REGISTERS: usize = 128;
 
-/// Operations in order, whose results stand in registers that are used again.
+/// Operations in order. Their results stand in registers, which are used again.
 #[derive(Clone, Debug)]
 pub struct List {
     inputs: usize,
     /// The registers that are used.
     registers: usize,
     steps: Vec<Step>,
-    /// The place that each output goes to, and its register.
+    /// The place of each output, and its register.
     outputs: Vec<(usize, u8)>,
 }
 
@@ -110,9 +110,9 @@ impl What {
 }
 
 impl List {
-    /// The list that computes some outputs, each with a place that it goes to; none where they need more registers than there are.
+    /// The list that computes some outputs, each with its place. `None` if they need more registers than there are.
     pub fn new(operations: &[Operation], inputs: usize, outputs: &[(usize, Node)]) -> Option<Self> {
-        // From the last operation back: what is needed, and by which operation last.
+        // Backwards from the last operation: finds the last operation that uses each result.
         let mut last: Vec<Option<usize>> = vec![None; operations.len()];
         outputs.iter().for_each(|(_, node)| last[node.place()] = Some(usize::MAX));
         for (place, &operation) in operations.iter().enumerate().rev() {
@@ -154,7 +154,7 @@ impl List {
         self.steps.len()
     }
 
-    /// Computes the outputs from the inputs, of which the last one stands apart, and hands each over with its place.
+    /// Computes the outputs from the inputs and the last input, `last`, and hands each over with its place.
     #[inline(always)]
     pub fn run<T: Real>(&self, inputs: &[T], last: T, take: impl FnMut(usize, T)) {
         // Memory is cleared at each call: no more of it than is needed.

@@ -1,4 +1,4 @@
-//! A plant with what surrounds it: parts of the force that are estimated, and the readings of sensors.
+//! A plant with its surroundings: estimated parts of the force, and the readings of sensors.
 
 use super::dual::Dual;
 use super::function::Function;
@@ -30,7 +30,7 @@ pub struct Model {
     pub gain: Option<usize>,
     /// The place of the input offset.
     pub offset: Option<usize>,
-    /// The places of forces that come without the recorded input.
+    /// The places of the forces that are not recorded.
     pub unrecorded: Vec<usize>,
     /// `∂g/∂F` of the components that move.
     pub by_force: Vec<f64>,
@@ -100,7 +100,7 @@ impl Model {
         });
     }
 
-    /// The same where the plant's equation is at hand. A page calls it, to be smaller.
+    /// The same with the plant's equation as an argument. The page calls it, to be smaller.
     #[cfg_attr(target_arch = "wasm32", inline(never))]
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn rate_by<T: Number>(
@@ -150,7 +150,7 @@ impl Model {
     }
 }
 
-/// The rates of what moves, and their derivatives.
+/// The rates of the moving components, and their derivatives.
 #[derive(Clone, Debug)]
 pub struct Derivatives<T> {
     /// `g(y, F)` of the components that move.

@@ -50,7 +50,7 @@ impl Notes {
     }
 }
 
-/// A number that notes what is done with it.
+/// A number that records the operations on it.
 #[derive(Clone, Copy)]
 enum Noted<'a> {
     Constant(f64),
@@ -163,7 +163,7 @@ mod tests {
     use super::*;
     use crate::{Channel, PlantKind, Quantity, augment};
 
-    /// The notes of every plant, with augmentations and a decay, give what the model gives.
+    /// The recorded operations of every plant, with augmentations and a decay, give the model's values.
     #[test]
     fn notes_give_the_rates_and_readings_of_the_model() {
         for kind in PlantKind::ALL.into_iter().filter(|kind| kind.channels().len() <= 16) {

@@ -1,4 +1,4 @@
-//! Plants, each one function: the rate of what moves. Jacobians follow from it by [duals](super::dual).
+//! Plants, each one function: the rates of the moving components. Jacobians follow from it by [duals](super::dual).
 
 pub mod bouc_wen;
 pub mod duffing;
@@ -161,8 +161,8 @@ impl Plant {
         }
     }
 
-    /// The rates, and their derivatives by the plant's components, column by column, with `rows` numbers a column. `duals` is
-    /// memory to work in.
+    /// The rates, and their derivatives by the plant's components, column by column, with `rows` numbers a column.
+    /// `duals` is scratch memory.
     // A page has this once, to be smaller.
     #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     #[cfg_attr(target_arch = "wasm32", inline(never))]

@@ -128,7 +128,7 @@ struct Batch<T: Number, L> {
     count: usize,
     filter: Filter<T, L>,
     scores: Scores<T>,
-    /// One in the lanes whose filter has stopped.
+    /// One in each lane with a stopped filter.
     stopped: T,
     outcomes: Vec<Option<Outcome>>,
     looks: Vec<Vec<Look>>,

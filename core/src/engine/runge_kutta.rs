@@ -22,7 +22,7 @@ impl<T: Number> RungeKutta<T> {
         Self { start: zeros(), rates: [zeros(), zeros(), zeros(), zeros()], plain }
     }
 
-    /// Moves a state by one step; what does not move stays as it is.
+    /// Moves a state by one step; components that do not move keep every bit.
     ///
     /// Source: Hairer, Nørsett and Wanner (1993), *Solving Ordinary Differential Equations I*, section II.1.
     #[inline(always)]

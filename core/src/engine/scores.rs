@@ -14,7 +14,7 @@ use crate::{Channel, Stop};
 /// Limits the relative error of an estimate that has settled.
 const SETTLED: f64 = 0.05;
 
-/// The sums of a channel whose truth is known.
+/// The sums of a channel with a known truth.
 #[derive(Clone, Debug)]
 struct Tracked<T> {
     channel: Channel,
@@ -43,7 +43,7 @@ struct Squares<T> {
 /// The sums of all lanes.
 #[derive(Clone, Debug)]
 pub(super) struct Scores<T> {
-    /// The place of the natural frequency, whose sign determines the canonical form.
+    /// The place of the natural frequency; its sign determines the canonical form.
     frequency: Option<usize>,
     last_fifth: usize,
     samples: usize,
@@ -148,7 +148,7 @@ impl<T: Number> Scores<T> {
         }
     }
 
-    /// Takes in what an update told. `ln_determinant` tells ln det S of a lane where det S is too large or too small.
+    /// Adds an update. `ln_determinant` computes ln det S of a lane if det S is too large or too small for a number.
     #[inline(always)]
     pub(super) fn take_update(&mut self, told: &Told<T>, ln_determinant: impl Fn(usize) -> f64) {
         let Told { nis, determinant, measured, .. } = *told;
@@ -240,7 +240,7 @@ impl<T: Number> Tracked<T> {
             self.recent = self.recent + counted;
             self.recent_known = self.recent_known + count;
         }
-        // An unknown error moves the beginning of what has settled only where nothing has.
+        // An unknown error does not end a settled stretch; it only delays the beginning of the first one.
         let (now, next) = (T::of(number as f64), T::of((number + 1) as f64));
         let stays = size.le(truth.abs() * SETTLED) | (!is_known & self.settled.lt(now));
         self.settled = T::select(stays, self.settled, next);

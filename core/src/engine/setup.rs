@@ -39,10 +39,10 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to [`MOST`]
-    /// components, with any augmentations, that adapts nothing, does not jump, has one guess and no logarithms. What others do
-    /// as fast is left to them: plain filters of an oscillator, which have lanes of their own, and the plain KF and EKF of a
-    /// chain, whose kernel knows its structure.
+    /// The filter at `place` of a scenario, if the engine serves it over a record: a KF, EKF, UKF or CKF of up to
+    /// [`MOST`] components, with any augmentations, that adapts nothing, does not jump, has one guess and no
+    /// logarithms. Filters that other code runs as fast are left to it: plain filters of an oscillator have lanes of
+    /// their own, and the kernel of a chain uses its structure for the plain KF and EKF.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -50,7 +50,7 @@ impl Setup {
         Self::unless(scenario, place, record, is_done_as_fast)
     }
 
-    /// The same with the plain filters that others do as fast.
+    /// The same, including the plain filters that other code runs as fast.
     ///
     /// # Errors
     /// Those of [`Pass::new`](crate::Pass::new).
@@ -86,7 +86,7 @@ impl Setup {
         let belief = Moments::linearised(initial.clone(), Propagation::LocalLinearisation, 1);
         let filter = build_filter(Box::new(belief), settings, context);
         let (noise, white) = (filter.noise(), filter.white_force());
-        // A sensor for what the model does not have tells it nothing.
+        // Leaves out a sensor for a quantity that the model does not have.
         let sensor = |(sensor, column): (usize, usize)| {
             Some((column, book.reading(context.sensors[sensor])?, noise.sensors[sensor]))
         };
@@ -135,8 +135,8 @@ fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bo
         && kernel::estimator::serves(settings, context)
 }
 
-/// Whether input and measurements of a record are finite, but for measurements that are missing. The single filter tells where
-/// they are not.
+/// Whether input and measurements of a record are finite, except for missing measurements. If not, the single filter
+/// reports the place.
 fn is_finite(record: &Record, columns: &[usize]) -> bool {
     record.forgotten() == 0
         && !record.is_empty()

@@ -43,8 +43,8 @@ impl<T: Number> SigmaPoints<T> {
     /// s = 2 W Σ eᵢ,  y⁻ = g(y) + s,  P⁻ = 2 W Σ (oᵢ oᵢᵀ + eᵢ eᵢᵀ) + o s sᵀ
     /// ```
     ///
-    /// The even parts eᵢ and the odd parts oᵢ are about the centre's image. In what does not move the odd parts are `c L` and
-    /// the even ones zero, so that its covariance stays.
+    /// The even parts eᵢ and the odd parts oᵢ are about the centre's image. For components that do not move, the odd
+    /// parts are `c L` and the even ones zero, so that their covariance stays.
     ///
     /// Source: Julier and Uhlmann (2004), Unscented filtering and nonlinear estimation; Arasaratnam and Haykin (2009), Cubature
     /// Kalman filters.
@@ -121,7 +121,7 @@ impl<T: Number> SigmaPoints<T> {
         T::of_pack(points[point / T::POINTS * n + i], point % T::POINTS)
     }
 
-    /// Takes the odd and even parts of what moves, by which `Σ` needs no weights.
+    /// Takes the odd and even parts of the moving components; with these, `Σ` needs no weights.
     #[inline(always)]
     fn take_parts<L: Level>(&mut self, level: L, rule: Rule, model: &Model) {
         let Self { root, even, points, .. } = self;

@@ -1,4 +1,4 @@
-//! The engine for one run: predict and update of a belief that stands elsewhere.
+//! The engine for one run: predict and update of a belief that the caller stores.
 
 use super::belief::{Belief, Noise};
 use super::columns::{Rooted, lower_root};
@@ -88,13 +88,13 @@ impl Single {
         Ok(())
     }
 
-    /// Φ, n × n in place of what `out` holds: the derivative of a step by the state, or its regression on the state.
+    /// Φ, n × n, written over `out`: the derivative of a step by the state, or its regression on the state.
     ///
     /// ```text
     /// Φ L = odd parts of the points
     /// ```
     ///
-    /// A direction of no variance has no part in the regression.
+    /// Directions without variance are left out of the regression.
     ///
     /// # Errors
     /// Those of [`Self::advance`].
@@ -119,7 +119,7 @@ impl Single {
         Ok(())
     }
 
-    /// Moves a mean by a step, and takes the step's derivative by the state, n × n in place of what `out` holds.
+    /// Moves a mean by a step, and takes the step's derivative by the state, n × n, written over `out`.
     pub(crate) fn step_into(&mut self, propagation: Propagation, mean: &mut [f64], step: &Step<f64>, out: &mut [f64]) {
         let Self { design: Design { model, .. }, linearised, .. } = self;
         let (n, moving) = (model.size, model.moving());
@@ -209,12 +209,12 @@ pub(crate) struct Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// e, m numbers; S, m × m, of which the lower triangle counts; K, n × m.
+    /// e, m numbers; S, m × m, only its lower triangle; K, n × m.
     pub(crate) fn numbers(&self) -> [&'a [f64]; 3] {
         self.update.parts()
     }
 
-    /// H, m × n in place of what `out` holds. Returns whether there is an H.
+    /// H, m × n, written over `out`. Returns whether there is an H.
     pub(crate) fn jacobian_into(&self, out: &mut [f64]) -> bool {
         self.update.jacobian_into(self.design, out)
     }

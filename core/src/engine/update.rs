@@ -142,8 +142,8 @@ impl<T: Number> Update<T> {
         self.correct(level, count, design, belief, number, held)
     }
 
-    /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. A sensor that does not measure in some lanes has a row of its own there,
-    /// which tells nothing: e = 0, R = 1, without covariance.
+    /// `e = z - h(y⁻)` and `S = H P⁻ Hᵀ + R`; returns m. In lanes without a measurement of a sensor, its row has no
+    /// information: e = 0, R = 1, without covariance.
     #[inline(always)]
     fn compare<L: Level, C: Count>(&mut self, level: L, count: C, noise: &Noise<T>, measured: &[T]) -> T {
         let Self { active, expected, innovation_cov: s, innovation, variances, .. } = self;
@@ -239,7 +239,7 @@ impl<T: Number> Update<T> {
         subtract_products(cov, excess, gain, n, m);
     }
 
-    /// Makes of P the covariance `P - K S Kᵀ`, where there is no H.
+    /// Replaces P by `P - K S Kᵀ`, for updates without an H.
     #[inline(always)]
     fn subtract<L: Level, C: Count>(&mut self, level: L, count: C, belief: &mut Belief<T>) {
         let Self { innovation_cov: s, gain, excess, .. } = self;
@@ -260,7 +260,7 @@ impl<T: Number> Update<T> {
         &self.active
     }
 
-    /// e, m numbers; S, m × m, of which the lower triangle counts; K, n × m.
+    /// e, m numbers; S, m × m, only its lower triangle; K, n × m.
     pub(super) fn parts(&self) -> [&[T]; 3] {
         let m = self.active.len();
         let n = self.expected.size();
@@ -274,7 +274,7 @@ impl<T: Number> Update<T> {
         super::columns::mirror(super::level::Baseline, &mut self.innovation_cov[..m * m], m);
     }
 
-    /// H, m × n in place of what `out` holds; `false` where there is none.
+    /// H, m × n, written over `out`; `false` where there is none.
     pub(super) fn jacobian_into(&self, design: &Design, out: &mut [T]) -> bool {
         if self.expected.is_linear {
             let m = self.active.len();

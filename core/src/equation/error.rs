@@ -6,7 +6,8 @@
 pub struct EquationError {
     /// The fault, and what is allowed.
     pub what: String,
-    /// The character at which it stands, counted from 0, and the equation; none where it is about the whole.
+    /// The place of the faulty character, counted from 0, and the equation. `None` if the fault is in the whole
+    /// equation.
     pub place: Option<(usize, String)>,
 }
 
@@ -19,7 +20,7 @@ impl EquationError {
         Self { what: what.into(), place: Some((place, String::new())) }
     }
 
-    /// The same with the equation in which it stands.
+    /// The same with its equation.
     pub(super) fn within(mut self, text: &str) -> Self {
         if let Some((_, whole)) = &mut self.place {
             text.clone_into(whole);

@@ -30,7 +30,7 @@ impl PlantKind {
     /// The plant of an equation that a user typed.
     ///
     /// # Errors
-    /// [`EquationError`] where it is none, with the character and what is allowed there.
+    /// [`EquationError`] if it is not an equation, with the character and what is allowed there.
     pub fn of_equation(settings: &EquationSettings) -> Result<Self, EquationError> {
         let mut known = EQUATIONS.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(equation) = known.iter().find(|one| one.settings() == settings) {
@@ -47,7 +47,7 @@ impl PlantKind {
         Ok(kind)
     }
 
-    /// The equation of a plant that a user typed; none for a built-in plant.
+    /// The equation of a plant that a user typed. `None` for a built-in plant.
     pub fn own_equation(self) -> Option<&'static Equation> {
         let plant: &'static dyn std::any::Any = self.plant();
         plant.downcast_ref()

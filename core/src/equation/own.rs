@@ -9,7 +9,7 @@ use crate::engine::plants::typed::Typed;
 use crate::plant::{Plant, PlantInfo, Spring};
 use crate::{Channel, PlantKind};
 
-/// Words that stand in a plant's table and so are no parameters.
+/// Keys of a plant's table, which parameters cannot have.
 const RESERVED: [&str; 6] = ["kind", "initial", "disturbance_std", "input_delay", "equation", "parameters"];
 
 /// Limits numbers of parameters, so that products of a few of them stay finite.

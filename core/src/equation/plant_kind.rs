@@ -12,7 +12,7 @@ use super::settings::EquationSettings;
 use crate::PlantKind;
 
 impl PartialEq for PlantKind {
-    /// Plants are equal by their key and their type: one of your own is not that of the registry whose key it has.
+    /// Compares key and type: your own plant differs from the registry's plant with the same key.
     fn eq(&self, other: &Self) -> bool {
         let equations = [self.own_equation(), other.own_equation()].map(|one| one.map(Equation::settings));
         self.key() == other.key() && self.type_id() == other.type_id() && equations[0] == equations[1]

@@ -87,7 +87,7 @@ impl ParameterSettings {
     }
 }
 
-/// The size of what has this mean.
+/// The typical size of a parameter with this mean.
 pub(super) fn size(mean: f64) -> f64 {
     if mean == 0.0 { 1.0 } else { mean.abs() }
 }
@@ -108,7 +108,7 @@ impl From<AllowedSign> for Sign {
 }
 
 impl EquationSettings {
-    /// An equation whose parameters have the usual numbers.
+    /// An equation with the usual numbers for its parameters.
     pub fn new(equation: impl Into<String>) -> Self {
         Self { equation: equation.into(), parameters: BTreeMap::new() }
     }
@@ -118,7 +118,7 @@ impl EquationSettings {
         self.parameters.iter().find(|(name, _)| key(name) == of).map(|(_, one)| one)
     }
 
-    /// The same, to be changed: the usual ones where there are none.
+    /// The same, mutable; inserts the usual ones if there are none.
     pub fn parameter_mut(&mut self, of: &str) -> &mut ParameterSettings {
         let name = self.parameters.keys().find(|name| key(name) == of).cloned();
         self.parameters.entry(name.unwrap_or_else(|| of.to_owned())).or_default()

@@ -27,12 +27,12 @@ pub(super) enum Component {
     Parameter(String),
 }
 
-/// Equations that are solved for the rates of what moves.
+/// Equations that are solved for the rates of the moving components.
 #[derive(Debug)]
 pub(super) struct Solved {
     /// The components of the state: displacements, velocities, internal states, parameters.
     pub(super) components: Vec<Component>,
-    /// The rates of what moves, and their derivatives.
+    /// The rates of the moving components, and their derivatives.
     pub(super) typed: Typed,
     /// Whether the motion is linear while parameters are constant.
     pub(super) is_linear: bool,
@@ -106,7 +106,7 @@ fn solved(equations: &[Sides]) -> Result<Solved, EquationError> {
     Ok(Solved { components, typed, is_linear })
 }
 
-/// The names of all equations, in the order in which they first stand.
+/// The names of all equations, in the order of their first occurrence.
 fn names(equations: &[Sides]) -> Vec<Name<'_>> {
     let mut names: Vec<Name<'_>> = Vec::new();
     let mut take = |key, primes, place| match names.iter_mut().find(|name| name.key == key) {
@@ -174,7 +174,7 @@ fn components(names: &[Name<'_>], equations: &[Sides]) -> Result<Vec<Component>,
         let (have, need) = (equations.len(), unknown);
         return Err(EquationError::at(0, format!("there are {have} equations for {need} components that move")));
     }
-    // ωₙ and ζ stand first, as in built-in plants.
+    // ωₙ and ζ come first, as in built-in plants.
     let of = |name: &str| Component::Parameter(name.to_owned());
     parameters.sort_by_key(|one| {
         if *one == of("omega_n") {
@@ -265,7 +265,8 @@ impl Inputs<'_> {
             (Some(mass), 0) => place(&Component::Displacement(mass)),
             (Some(mass), 1) => place(&Component::Velocity(mass)),
             (Some(mass), _) => self.force + 1 + mass,
-            // An internal state with place p among what moves is the unknown p - masses, after those of the masses.
+            // An internal state at place p of the moving components is the unknown p - masses, after those of the
+            // masses.
             (None, 1) => self.force + 1 + place(&Component::Internal(key.to_owned())) - self.masses,
             _ if key == "f" => self.force,
             _ if self.components.contains(&Component::Internal(key.to_owned())) => {

@@ -1,4 +1,4 @@
-//! The names of an equation: what the program takes each for.
+//! The names of an equation, and their meanings.
 
 use super::error::EquationError;
 use super::own::of_all_plants;
@@ -62,8 +62,8 @@ impl Scenario {
         Ok(())
     }
 
-    /// Says which names of the truth's equation are taken for parameters though neither `parameters` nor a value names them, and
-    /// with which guess; `None` where there are none.
+    /// A sentence about the names in the truth's equation that become parameters although neither `parameters` nor a
+    /// value names them, with their guesses. `None` if there are none.
     pub fn assumed_parameters(&self) -> Option<String> {
         let settings = self.plant.kind.own_equation()?.settings();
         let is_named = |channel: Channel| settings.parameter(channel.key()).is_some() || self.plant.has_own(channel);

@@ -57,7 +57,7 @@ impl Reader {
         self.characters.get(self.place).copied()
     }
 
-    /// Takes characters as long as they are of a kind.
+    /// Skips characters as long as they are of a kind.
     fn skip(&mut self, is: impl Fn(char) -> bool) -> usize {
         let begin = self.place;
         while self.peek().is_some_and(&is) {

@@ -173,7 +173,7 @@ impl Line {
         }
     }
 
-    /// A name with its dots; primes stand where a name is too long for dots.
+    /// A name with its dots, or with primes if it is too long for dots.
     fn name(&mut self, key: &str, primes: usize) {
         let (letters, below) = parts(key);
         let mut all = letters.chars();
@@ -185,7 +185,7 @@ impl Line {
     }
 }
 
-/// What stands between two factors: nothing between single letters.
+/// The text between two factors: empty between single letters.
 fn between(a: &Tree, b: &Tree) -> &'static str {
     fn first(tree: &Tree) -> &Tree {
         match tree {
@@ -211,7 +211,7 @@ fn between(a: &Tree, b: &Tree) -> &'static str {
 mod tests {
     use super::*;
 
-    /// The equations of a text, `^{…}` for what stands above the line and `_{…}` for what stands below it.
+    /// The equations of a text, `^{…}` for text above the line and `_{…}` for text below it.
     fn printed(text: &str) -> String {
         let lines = typeset(text).unwrap_or_else(|error| panic!("{text}: {error}"));
         let run = |run: &TextRun| match run.level {

@@ -40,8 +40,8 @@ impl Estimates {
         (0..self.len()).map(move |k| self.innovation_cov(k)[diagonal].sqrt())
     }
 
-    /// The gain K of one channel by one sensor: what a unit of innovation adds to the mean. NaN where matrices have been
-    /// dropped ([`Self::drop_matrices`]).
+    /// The gain K of one channel by one sensor: the change of the mean per unit of innovation. NaN where matrices have
+    /// been dropped ([`Self::drop_matrices`]).
     pub fn gains(
         &self,
         channel: usize,

@@ -8,7 +8,7 @@ use crate::waste::Piecewise;
 /// Reserve memory for at most this many samples; the vectors of longer runs grow.
 const ROOM: usize = 1 << 18;
 
-/// Numbers whose memory is returned at once: 4 MB.
+/// Limits the numbers freed in one call: 4 MB.
 const FREED: usize = 1 << 19;
 
 impl Estimates {
@@ -37,9 +37,10 @@ impl Estimates {
         self.variance.recycle(old.variance, samples.min(ROOM));
     }
 
-    /// Drops the covariances and gains of all samples so far, which is more than half of the memory. Diagnostics must have followed
-    /// before; a diagnosis, its causes and a free run need no more than what stays: means, variances, innovations and their
-    /// covariances. [`Self::cov`] and [`Self::gain`] of these samples are empty from now on; [`Self::checksum`] leaves them out.
+    /// Drops the covariances and gains of all samples so far, which is more than half of the memory. Diagnostics must
+    /// have followed before; a diagnosis, its causes and a free run need only the rest: means, variances, innovations
+    /// and their covariances. [`Self::cov`] and [`Self::gain`] of these samples are empty from now on;
+    /// [`Self::checksum`] leaves them out.
     pub fn drop_matrices(&mut self) {
         self.cov.clear();
         self.dropped = self.len();
@@ -114,7 +115,7 @@ impl Piecewise for Estimates {
     fn free_piece(&mut self) -> bool {
         let Self { mean, cov, canonical, variance, innovation, innovation_cov, gain, .. } = self;
         let Self { nis, determinant, log_likelihood, effective_samples, .. } = self;
-        // The NIS last: it tells the number of samples.
+        // The NIS last: it has one number per sample, also without matrices.
         let whole = [mean, cov, innovation, innovation_cov, gain, determinant, log_likelihood, effective_samples];
         let mut all = whole.into_iter().chain(canonical.columns()).chain(variance.columns()).chain([nis]);
         let Some(values) = all.find(|values| values.capacity() > 0) else { return false };

@@ -14,8 +14,8 @@ use crate::linalg::{Ldl, Matrix, Vector};
 /// ```
 ///
 /// with P after the update. The residual is exact for sensors that are linear in the state. For others, such as
-/// accelerometers, it is that of the linearised sensor and not `z - h(y⁺)`: both differ by the curvature of h. R stays
-/// diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
+/// accelerometers, it is the residual of the linearised sensor, not `z - h(y⁺)`; these differ by the curvature of h. R
+/// stays diagonal, as the sensors are independent. A sensor that is missing keeps its variance.
 ///
 /// Source: Akhlaghi, Zhou and Huang (2017), Adaptive adjustment of noise covariance in Kalman filter for dynamic state
 /// estimation, equations 10 and 15.
@@ -26,7 +26,7 @@ pub struct Adaptation {
     pub sensor_noise: bool,
     /// Whether Q is estimated.
     pub process_noise: bool,
-    /// a, in (0, 1): how much of the last estimate stays.
+    /// a, in (0, 1): the share of the last estimate that stays.
     pub forgetting: f64,
 }
 

@@ -1,10 +1,10 @@
-//! What an update tells.
+//! The result of an update.
 
 use super::{FilterError, Observation};
 use crate::engine::single::Parts;
 use crate::linalg::{Ldl, Matrix, Vector, copy, copy_vector, fit, fit_vector};
 
-/// The update as it was made, of the sensors that measured: with all that a smoother must know of it.
+/// The update by the sensors that measured, with everything that a smoother needs.
 #[derive(Clone, Debug)]
 pub(super) struct Last {
     /// e, m numbers.
@@ -13,7 +13,7 @@ pub(super) struct Last {
     pub(super) innovation_cov: Matrix,
     /// K, n × m.
     pub(super) gain: Matrix,
-    /// H, m × n, of no meaning where there was none.
+    /// H, m × n; meaningless without [`Self::has_jacobian`].
     pub(super) jacobian: Matrix,
     /// Whether there was an H.
     pub(super) has_jacobian: bool,
@@ -44,18 +44,18 @@ pub struct Correction {
     pub innovation: Vector,
     /// S, the covariance of e, m × m.
     pub innovation_cov: Matrix,
-    /// K, n × m: in the column of each sensor what a unit of innovation adds to each channel.
+    /// K, n × m. The column of a sensor is the change of each channel per unit of its innovation.
     pub gain: Matrix,
     /// Normalised innovation squared `eᵀ S⁻¹ e`.
     pub nis: f64,
-    /// det S over the sensors that were not skipped; zero or infinite where it leaves the range of numbers.
+    /// det S over the sensors that were not skipped; zero or infinite if it leaves the range of numbers.
     pub determinant: f64,
-    /// Of a particle filter, the logarithm of the mean likelihood of its particles; NaN for any other, where it follows
-    /// from NIS and det S.
+    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter: there it
+    /// follows from NIS and det S.
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.
     pub effective_samples: f64,
-    /// The last update: where there are several iterations, not the one that is reported.
+    /// The last update. With several iterations it is not the one that is reported.
     pub(super) last: Last,
 }
 
@@ -97,7 +97,7 @@ impl Correction {
         }
     }
 
-    /// Writes down e, S with its factor, and K. Only sensors that measured have them; each goes to the place of its sensor.
+    /// Takes in e, S with its factor, and K of the sensors that measured; each number goes to the place of its sensor.
     pub fn report(
         &mut self,
         observation: &Observation,
@@ -115,10 +115,10 @@ impl Correction {
         self.report_last(observation.sensors());
     }
 
-    /// Whether the measurements of these sensors have a likelihood that is a number.
+    /// Checks that the measurements of these sensors have a finite likelihood.
     ///
     /// # Errors
-    /// [`FilterError::ImpossibleMeasurement`], and [`FilterError::NotFinite`] where the belief is the reason.
+    /// [`FilterError::ImpossibleMeasurement`], and [`FilterError::NotFinite`] if the belief is the reason.
     pub(super) fn check(&self, sensors: &[usize]) -> Result<(), FilterError> {
         // A factor of S has a finite ln det S.
         if self.nis.is_finite() && !self.log_likelihood.is_infinite() {
@@ -128,7 +128,7 @@ impl Correction {
         Err(if surprising { FilterError::ImpossibleMeasurement } else { FilterError::NotFinite })
     }
 
-    /// Takes down an update of the engine, of a belief over n components.
+    /// Takes in an update by the engine, of a belief over n components.
     pub(super) fn take(&mut self, observation: &Observation, parts: Parts<'_>, n: usize) {
         let (m, [innovation, innovation_cov, gain]) = (observation.len(), parts.numbers());
         let last = &mut self.last;
@@ -143,7 +143,7 @@ impl Correction {
         last.has_jacobian = parts.jacobian_into(last.jacobian.as_mut_slice());
     }
 
-    /// Tells of the last update, with its NIS and det S.
+    /// Reports the last update, with its NIS and det S.
     pub(super) fn tell(&mut self, observation: &Observation, [nis, determinant]: [f64; 2]) {
         (self.nis, self.determinant) = (nis, determinant);
         let Last { innovation, innovation_cov, .. } = &self.last;
@@ -156,7 +156,7 @@ impl Correction {
         self.tell_gain(observation);
     }
 
-    /// Tells of the gain of the last update.
+    /// Reports the gain of the last update.
     pub(super) fn tell_gain(&mut self, observation: &Observation) {
         let gain = &self.last.gain;
         let n = gain.nrows();
@@ -165,7 +165,7 @@ impl Correction {
         }
     }
 
-    /// Writes down the last update, which was by these sensors.
+    /// Reports the last update, by these sensors.
     pub(super) fn report_last(&mut self, sensors: &[usize]) {
         let Last { innovation, innovation_cov, gain, factor, .. } = &self.last;
         self.nis = factor.square(innovation);

@@ -7,8 +7,8 @@ use crate::Model;
 use crate::integrate::RungeKutta;
 use crate::linalg::{Matrix, Vector, lower_root, symmetric};
 
-/// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain of
-/// the ensemble's own covariances, as if its sensors had read their values and a draw of R.
+/// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain
+/// of the ensemble's own covariances, as if its sensors had read their values plus a draw of R.
 ///
 /// ```text
 /// C = cov(yᵢ, h(yᵢ)),  S = cov(h(yᵢ)) + R,  K = C S⁻¹,  yᵢ ← yᵢ + K (z + rᵢ - h(yᵢ))
@@ -28,8 +28,8 @@ pub struct Ensemble {
     origin: Option<Gaussian>,
 }
 
-/// The least of sensors that every member draws a number for, used or not: up to this many, another sensor does not
-/// reshuffle the draws of Q.
+/// Every member draws numbers for at least this many sensors, used or not. Up to this number, an additional sensor does
+/// not change the draws of Q.
 const DRAWN_SENSORS: usize = 4;
 
 impl Ensemble {
@@ -108,7 +108,7 @@ impl Belief for Ensemble {
     }
 }
 
-/// The mean of the columns, taken about the first so that a component that does not vary is its own mean to the last bit.
+/// The mean of the columns, taken about the first, so that the mean of equal values is that value to the last bit.
 fn mean(sample: &Matrix) -> Vector {
     let first = sample.column(0);
     let mut sum = Vector::zeros(sample.nrows());
@@ -127,7 +127,7 @@ pub(super) fn about(sample: &Matrix, centre: &Vector) -> Matrix {
     deviations
 }
 
-/// Makes the columns' distances from a point longer.
+/// Multiplies the columns' distances from a point by a factor.
 pub(super) fn stretch(sample: &mut Matrix, centre: &Vector, factor: f64) {
     for mut element in sample.column_iter_mut() {
         for (x, centre) in element.iter_mut().zip(centre.iter()) {
@@ -136,7 +136,7 @@ pub(super) fn stretch(sample: &mut Matrix, centre: &Vector, factor: f64) {
     }
 }
 
-/// Standard normal numbers in `count` columns of `n`, whose mean is zero.
+/// Standard normal numbers in `count` columns of `n`, shifted so that the mean of the columns is zero.
 fn centred_draws(n: usize, count: usize, normal: &mut Normal) -> Matrix {
     let draws = Matrix::from_fn(n, count, |_, _| normal.sample());
     // Centring takes one degree of freedom.

@@ -1,4 +1,4 @@
-//! A filter as its settings say, reporting to its estimates.
+//! Builds a filter from its settings; it reports to its estimates.
 
 use super::{Belief, Correction, Filter, FilterError, Gaussian, Noise, White};
 use crate::estimator::{Estimator, Failed, FilterContext};
@@ -7,12 +7,12 @@ use crate::random::{Normal, Purpose};
 use crate::sink::{AssumedNoise, Sample, Sink};
 use crate::{FilterSettings, Model, Values};
 
-/// A filter and what its last measurement told.
+/// A filter and the result of its last measurement update.
 struct Followed {
     filter: Filter,
     correction: Correction,
     in_units: InUnits,
-    /// The belief before the update, where the sink wants it.
+    /// The belief before the update, if the sink wants it.
     prior: Gaussian,
 }
 
@@ -22,7 +22,7 @@ impl Estimator for Followed {
         let mut prior = sink.wants_prior().then(|| filter.belief().gaussian().into_owned());
         let Noise { process, sensors, fading: _ } = filter.noise();
         let is_finite = process.sum().is_finite() && sensors.iter().all(|r| r.is_finite());
-        // An update sees to it that a belief is finite, but nothing has yet looked at an initial one.
+        // An update checks that a belief is finite; nothing has checked the initial one.
         if !is_finite
             || !filter.belief().gaussian().is_finite()
             || report(filter, correction, prior.as_mut(), &mut in_units.clone(), sink).is_err()
@@ -50,8 +50,8 @@ impl Estimator for Followed {
     }
 }
 
-/// Writes the belief down, and that before the update where there is one, in the channels' units; `prior` changes to them.
-/// `in_units` is memory to work in.
+/// Writes the belief, and that before the update if there is one, to the sink in the channels' units. `prior` is
+/// converted in place; `in_units` is scratch memory.
 fn report(
     filter: &Filter,
     correction: &Correction,
@@ -125,7 +125,8 @@ impl InUnits {
     }
 }
 
-/// Converts a belief over a model's state, to first order. Writes down what a unit of each component is in its channel's.
+/// Converts a belief over a model's state, to first order. Writes the size of each component's unit, in its channel's
+/// unit, to `unit`.
 fn to_units(model: &Model, belief: &mut Gaussian, unit: &mut Vector) {
     fit_vector(unit, belief.size());
     model.to_units_in_place(belief.mean.as_mut_slice(), unit.as_mut_slice());
@@ -143,7 +144,7 @@ pub(crate) fn estimator(settings: &FilterSettings, context: &FilterContext<'_>) 
             let prior = filter.belief().gaussian().into_owned();
             Box::new(Followed { filter, correction, in_units: InUnits::default(), prior })
         }
-        // At the beginning there is but a diagonal, and its root lacks nothing but numbers.
+        // The initial covariance is diagonal: its root can fail only through a number that is not finite.
         Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
         Err(error) => Box::new(Failed(error)),
     }
@@ -186,15 +187,15 @@ pub(crate) fn build_filter<B: Belief + ?Sized>(
     filter.with_substeps(settings.substeps).with_white_force(white)
 }
 
-/// The initial mean as a state, and what a unit of each channel is in the state's. For a logarithm that is one over the
-/// initial mean: the standard deviations of the settings, that of the process noise included, are divided by it once and for
-/// all, however the estimate moves later.
+/// The initial mean as a state, and the size of each channel's unit in the state's unit. For a logarithm that is one
+/// over the initial mean. It converts all standard deviations of the settings, including that of the process noise, and
+/// stays the same when the estimate moves.
 fn initial_state(model: &Model, settings: &FilterSettings) -> (Vector, Vector) {
     let mean: Vec<f64> = model.channels().iter().map(|&c| settings.initial_mean[c]).collect();
     model.to_state(&mean)
 }
 
-/// Standard deviations of a model's components; those that the filter knows have none.
+/// Standard deviations of a model's components; zero for those that the filter knows.
 fn spread(model: &Model, settings: &FilterSettings, std: &Values) -> Vector {
     let of = |&channel| if settings.knows(channel) { 0.0 } else { std[channel] };
     Vector::from_iterator(model.size(), model.channels().iter().map(of))

@@ -31,8 +31,8 @@ impl Gaussian {
 
     /// Whether every number of it is finite.
     pub fn is_finite(&self) -> bool {
-        // A sum is finite only if all its terms are, short of an overflow, which is as bad.
-        // In four sums, which do not wait for each other.
+        // A sum is finite only if all its terms are; a sum that overflows counts as not finite too. Four independent
+        // sums, for speed.
         let mut sums = [self.mean.sum(), 0.0, 0.0, 0.0];
         let entries = self.cov.as_slice().chunks_exact(4);
         entries.remainder().iter().for_each(|entry| sums[0] += entry);
@@ -40,7 +40,7 @@ impl Gaussian {
         sums.iter().sum::<f64>().is_finite()
     }
 
-    /// Whether the numbers can be those of a belief.
+    /// Checks that the numbers are those of a valid belief.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`] and, where a variance is below zero, [`FilterError::IndefiniteCovariance`].

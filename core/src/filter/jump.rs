@@ -1,21 +1,21 @@
-//! A belief that is widened once where the innovations grow at once.
+//! Widens a belief once if the innovations grow suddenly.
 
-/// Finds where a filter's innovations grow at once, and says how much to add to P then.
+/// Detects a sudden growth of a filter's innovations, and computes what to add to P.
 ///
 /// ```text
 /// s ← max(0, s + min(½ (NIS (1 - 1/ρ) / ℓ - m ln ρ), h/10)),   ρ = 1.5,  h = 20
 /// s > h:  P⁻ ← P⁻ + a P₀ in the next prediction
 /// ```
 ///
-/// s is the cumulative sum of the log likelihood of innovations with the covariance ρ S against that of innovations with
-/// S, of m measurements a sample. Innovations of a consistent filter raise it above h once in e^h = 4.9e8 samples or less
-/// often (56 days at 100 Hz). A sample raises it by a tenth of h at most, so that an outlier is no change. ℓ is the mean of
-/// NIS/m before, where that is above 1 by more than luck: a filter whose R or Q is too small from the beginning does not
-/// jump over and over.
+/// s is the cumulative sum of the log likelihood of innovations with the covariance ρ S against that of innovations
+/// with S, of m measurements a sample. Innovations of a consistent filter raise it above h once in e^h = 4.9e8 samples
+/// or less often (56 days at 100 Hz). A sample raises it by a tenth of h at most, so that an outlier is no change. ℓ is
+/// the mean of NIS/m before, if that is above 1 by more than chance: a filter with too small R or Q from the beginning
+/// does not jump over and over.
 ///
-/// P₀ is the initial covariance: the filter begins anew where it is, with what it knew at first. After a jump it has 50 samples
-/// to learn before the next one can be found. Another one within 150 samples says that P₀ was too small: then a, which is 1,
-/// becomes four times what it was, twice the standard deviation.
+/// P₀ is the initial covariance: the filter keeps its mean and gets its initial uncertainty. After a jump it has 50
+/// samples to learn before the next one can be found. Another one within 150 samples says that P₀ was too small: then
+/// a, which is 1, becomes four times what it was, twice the standard deviation.
 ///
 /// Source: Page (1954), Continuous inspection schemes; Lorden (1971), Procedures for reacting to a change in distribution
 /// (the time between false alarms); Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and
@@ -26,7 +26,7 @@ pub(crate) struct Jump {
     initial: Vec<f64>,
     /// s
     sum: f64,
-    /// The mean of NIS/m before, and the number of samples that it is of.
+    /// The mean of NIS/m before, and the number of samples in that mean.
     level: f64,
     learnt: usize,
     /// The samples until a change can be found.
@@ -39,7 +39,7 @@ pub(crate) struct Jump {
     has_widened: bool,
 }
 
-/// ρ, the growth of S that is found first, and its logarithm.
+/// ρ, the growth of S that is found fastest, and its logarithm.
 const GROWTH: f64 = 1.5;
 const LN_GROWTH: f64 = 0.405_465_108_108_164_4;
 
@@ -71,7 +71,7 @@ const LEVEL_PRIOR: usize = 10;
 const LEVEL_LIMIT: f64 = 5.0;
 
 impl Jump {
-    /// For a filter whose initial covariance has this diagonal, in the state's units squared.
+    /// For a filter with this diagonal of its initial covariance, in the state's units squared.
     pub(crate) fn new(initial: Vec<f64>) -> Self {
         Self {
             initial,
@@ -128,7 +128,7 @@ impl Jump {
         self.level += (mean.min(LEVEL_LIMIT * self.level) - self.level) / weight;
     }
 
-    /// ℓ: 1 while the level may be 1 by its standard error of three, else the level and twice its error.
+    /// ℓ: 1 while the level is within three standard errors of 1, else the level plus two standard errors.
     fn level_before(&self, m: f64) -> f64 {
         let error = (2.0 / (m * (self.learnt + LEVEL_PRIOR) as f64)).sqrt();
         if self.level > 1.0 + 3.0 * error { self.level * (1.0 + 2.0 * error) } else { 1.0 }

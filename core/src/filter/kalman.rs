@@ -1,4 +1,4 @@
-//! The update of a Gaussian belief, in whichever way the measurement was expected.
+//! The update of a Gaussian belief, for linearised and sigma-point predictions of the measurement alike.
 
 use super::correction::{Correction, Last};
 use super::measurements::Measurements;
@@ -14,26 +14,26 @@ pub struct Expected {
     pub cov: Matrix,
     /// The covariance of state and measurement, `P⁻ Hᵀ` where there is an H; n × m.
     pub cross: Matrix,
-    /// H, m × n, where the measurement is linear in the state or taken to be.
+    /// H, m × n, if the measurement is linear in the state or linearised.
     pub jacobian: Option<Matrix>,
 }
 
 impl Default for Expected {
-    /// Nothing of no measurement.
+    /// The prediction of zero measurements.
     fn default() -> Self {
         Self { mean: Vector::zeros(0), cov: Matrix::zeros(0, 0), cross: Matrix::zeros(0, 0), jacobian: None }
     }
 }
 
 impl Expected {
-    /// `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, where the readings have this mean and this H.
+    /// `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, for readings with this mean and this H.
     pub fn linear(belief: &Gaussian, mean: Vector, jacobian: Matrix, observation: &Observation) -> Self {
         let mut expected = Self { mean, jacobian: Some(jacobian), ..Self::default() };
         expected.follow(belief, observation.measurements());
         expected
     }
 
-    /// Makes S and `P⁻ Hᵀ` follow from H.
+    /// Computes S and `P⁻ Hᵀ` from H.
     pub(super) fn follow(&mut self, belief: &Gaussian, measurements: &Measurements) {
         let Self { mean: _, cov, cross, jacobian: Some(jacobian) } = self else { return };
         multiply_sparse(cross, &belief.cov, jacobian);
@@ -49,7 +49,7 @@ impl Expected {
     }
 }
 
-/// Conditions a Gaussian belief on measurements, of which it expects this much, and reports in `correction` how.
+/// Conditions a Gaussian belief on measurements, given the expected readings, and writes the update to `correction`.
 ///
 /// ```text
 /// e = z - h(y⁻),  S = H P⁻ Hᵀ + R,  K = P⁻ Hᵀ S⁻¹,  y = y⁻ + K e
@@ -70,7 +70,7 @@ pub fn condition(
     condition_on(belief, expected, observation.measurements(), correction)
 }
 
-/// [`condition`] on numbers, whatever their sensors mean.
+/// [`condition`] on plain numbers, without the meaning of their sensors.
 pub(super) fn condition_on(
     belief: &mut Gaussian,
     expected: &Expected,
@@ -101,8 +101,8 @@ pub(super) fn condition_on(
     Ok(())
 }
 
-/// Makes of P the covariance `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which stays positive semidefinite where sensors are far
-/// more precise than the belief; written as two updates of the sensors' rank:
+/// Replaces P by `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which stays positive semidefinite even if sensors are far more
+/// precise than the belief; written as two updates of the sensors' rank:
 ///
 /// ```text
 /// M = P - K (P Hᵀ)ᵀ,  P⁺ = M - (M Hᵀ - K R) Kᵀ
@@ -123,7 +123,7 @@ fn joseph(
     subtract_product(cov, excess, gain);
 }
 
-/// Makes of X the matrix `X - A Bᵀ`, one column of A after the other.
+/// Replaces X by `X - A Bᵀ`, one column of A after the other.
 fn subtract_product(x: &mut Matrix, a: &Matrix, b: &Matrix) {
     let n = x.nrows();
     for (a, b) in a.as_slice().chunks_exact(n).zip(b.as_slice().chunks_exact(n)) {
@@ -145,7 +145,7 @@ pub fn factor(innovation_cov: &Matrix) -> Result<Ldl, FilterError> {
     Ok(factor)
 }
 
-/// [`factor`] in place of what it holds.
+/// [`factor`], written over `factor`.
 pub(super) fn refactor(factor: &mut Ldl, innovation_cov: &Matrix) -> Result<(), FilterError> {
     if factor.refactor(innovation_cov) {
         return Ok(());

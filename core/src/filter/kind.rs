@@ -7,7 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use super::{Belief, FilterError, Gaussian, Normal, Propagation};
 
-/// All that is known of a kind of filter.
+/// The description of a kind of filter.
 #[derive(Debug)]
 pub struct FilterInfo {
     /// The key in scenario files.
@@ -20,8 +20,8 @@ pub struct FilterInfo {
     pub reference: &'static str,
     /// Whether the belief is a random sample, so that results have Monte Carlo error.
     pub is_sampled: bool,
-    /// Whether the belief reports a log likelihood and an effective sample size of its own, as particle filters do. That of
-    /// any other follows from NIS and S.
+    /// Whether the belief reports a log likelihood and an effective sample size of its own, as particle filters do. For
+    /// all other kinds the log likelihood follows from NIS and S.
     pub has_own_likelihood: bool,
     /// The number of times that a filter with these settings evaluates `g(y, f)` of an n-component state in one prediction.
     pub evaluations: fn(&MethodSettings, usize) -> usize,
@@ -35,7 +35,7 @@ pub struct FilterInfo {
     pub begin: Begin,
 }
 
-/// The settings that a method of filtering reads, beside model, belief and noise.
+/// The settings that a method of filtering reads, in addition to model, belief and noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodSettings {
     /// The propagation of the mean of a KF, EKF or IEKF.
@@ -63,13 +63,13 @@ pub(super) fn time_of_linearised(n: usize) -> f64 {
 /// Makes the belief that a filter begins with.
 pub type Begin = fn(Gaussian, &MethodSettings, Normal) -> Result<Box<dyn Belief>, FilterError>;
 
-/// A kind of filter, by what it is called.
+/// A kind of filter, identified by its key.
 #[derive(Clone, Copy)]
 pub struct FilterKind(&'static FilterInfo);
 
 impl FilterKind {
-    /// A kind of your own. Files name kinds of the registry only, and a scenario with a kind that has the key of one of these is
-    /// refused.
+    /// Your own kind. Files can name kinds of the registry only, and a scenario with your own kind under a key of the
+    /// registry is refused.
     pub const fn new(info: &'static FilterInfo) -> Self {
         Self(info)
     }
@@ -79,17 +79,17 @@ impl FilterKind {
         Self::ALL.into_iter().find(|kind| kind.key() == key)
     }
 
-    /// Whether it is one of the registry, whose descriptions are statics.
+    /// Whether it is one of the registry: their descriptions are statics, compared by address.
     fn is_of_registry(self) -> bool {
         Self::ALL.iter().any(|known| std::ptr::eq(known.0, self.0))
     }
 
-    /// Whether it is a kind of your own with a key of the registry: a file would mean the other one.
+    /// Whether it is your own kind with a key of the registry: a file with this key would mean the registry's.
     pub(crate) fn is_impostor(self) -> bool {
         Self::from_key(self.key()).is_some_and(|known| known != self)
     }
 
-    /// All that is known of it.
+    /// Its description.
     pub const fn info(self) -> &'static FilterInfo {
         self.0
     }
@@ -132,7 +132,7 @@ impl Default for FilterKind {
 }
 
 impl PartialEq for FilterKind {
-    /// Kinds are equal by their key, but one of your own is not that of the registry whose key it has.
+    /// Compares keys; your own kind differs from the registry's kind with the same key.
     fn eq(&self, other: &Self) -> bool {
         let is_own = |kind: &Self| !kind.is_of_registry();
         std::ptr::eq(self.0, other.0) || (self.key() == other.key() && is_own(self) && is_own(other))

@@ -1,4 +1,4 @@
-//! The Kalman filter of a linear system of one's own.
+//! The Kalman filter of a linear system that the user defines.
 
 use super::kalman::{Expected, condition_on};
 use super::measurement_model::{Linearisation, MeasurementModel};
@@ -12,10 +12,10 @@ use crate::linalg::{Matrix, Vector, add_product, copy_vector, multiply, multiply
 ///
 /// ```text
 /// xₖ₊₁ = A xₖ + B uₖ + w,  w ~ N(0, Q)
-/// zₖ = H xₖ + v,           v ~ N(0, R),   or h(xₖ) + v with a function of one's own
+/// zₖ = H xₖ + v,           v ~ N(0, R),   or h(xₖ) + v with a function h
 /// ```
 ///
-/// A is n × n, B n × p, H m × n, Q n × n, R m × m: they need no units but their own, and no sensor need be independent. With a
+/// A is n × n, B n × p, H m × n, Q n × n, R m × m: in any units, and with correlated sensors if R says so. With a
 /// function h this is an extended Kalman filter ([`MeasurementModel`]).
 ///
 /// ```
@@ -66,7 +66,7 @@ impl KalmanFilter {
     /// n × 0. `initial` has the mean and the covariance P of the state.
     ///
     /// # Errors
-    /// [`SystemError`]: where a matrix has another shape than the others ask for, a number is not finite, or Q, R or P is no
+    /// [`SystemError`]: if the shape of a matrix does not fit the others, a number is not finite, or Q, R or P is no
     /// covariance.
     pub fn new(
         a: Matrix,
@@ -121,7 +121,7 @@ impl KalmanFilter {
         self.update(measured)
     }
 
-    /// Moves the belief by a step: `x ← A x + B u`, `P ← A P Aᵀ + Q`. What the last update told stays.
+    /// Moves the belief by a step: `x ← A x + B u`, `P ← A P Aᵀ + Q`. The results of the last update stay.
     ///
     /// # Errors
     /// [`SystemError::Length`] where the input has not p numbers, [`SystemError::NotFinite`] where one of them is not finite,
@@ -192,7 +192,8 @@ impl KalmanFilter {
         &self.belief.cov
     }
 
-    /// The belief before the last update, and after the last prediction where there was none since.
+    /// The belief before the last update. Since the last prediction, if no update has followed it, this is the
+    /// prediction.
     pub fn prior(&self) -> &Gaussian {
         &self.prior
     }

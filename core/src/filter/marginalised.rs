@@ -12,18 +12,18 @@ use crate::gaussian_likelihood::{ln_determinant, log_likelihood};
 use crate::linalg::{Ldl, Matrix, Vector, lower_root, symmetric};
 use crate::{Model, Propagation};
 
-/// The Rao-Blackwellised particle filter: a particle has values of the plant's parameters θ, and beside them a Kalman filter
-/// of the motion x and the augmentations, which takes θ for known. With a linear plant that filter is exact, so that chance has
-/// a part in θ only: a hundred particles do what thousands of a bootstrap filter do not. Other plants are linearised, as an
-/// EKF does.
+/// The Rao-Blackwellised particle filter: a particle has values of the plant's parameters θ and a Kalman filter of the
+/// motion x and the augmentations, which treats θ as known. With a linear plant that filter is exact, so that only θ is
+/// sampled: a hundred particles do better than thousands of a bootstrap filter. Other plants are linearised, as an EKF
+/// does.
 ///
 /// ```text
 /// p(x, θ | z) ≈ Σ wᵢ δ(θ - θᵢ) N(x; xᵢ, Pᵢ),   wᵢ ← wᵢ N(z; ẑᵢ, Sᵢ)
 /// ```
 ///
-/// Once the effective sample size `1/Σwᵢ²` is below half the particles, they are resampled systematically, drawn together and
-/// spread by a normal kernel, which leaves mean and covariance as they were; xᵢ moves along by its regression on θ.
-/// So parameters that do not change keep their variety. Fading stretches the sample about its mean.
+/// Once the effective sample size `1/Σwᵢ²` is below half the particles, they are resampled systematically, shrunk
+/// towards their mean and spread by a normal kernel, which keeps mean and covariance; xᵢ moves along by its regression
+/// on θ. So parameters that do not change keep their variety. Fading stretches the sample about its mean.
 ///
 /// Innovation, S and gain are those of a Gaussian with the sample's moments; the log likelihood is the particles' own.
 ///
@@ -93,8 +93,8 @@ impl Marginalised {
         Gaussian { mean, cov: symmetric(cov) }
     }
 
-    /// Takes the weight of particles that have run away: they explain nothing. Each becomes a copy of the heaviest of the
-    /// others, without a weight, until it is drawn anew.
+    /// Sets the weight of diverged particles to zero: they explain no measurement. Each becomes a copy of the heaviest
+    /// other particle, without a weight, until the next resampling.
     fn drop(&mut self, lost: &[usize]) -> Result<(), FilterError> {
         let Self { particles, weights, .. } = self;
         if lost.is_empty() {
@@ -109,9 +109,9 @@ impl Marginalised {
         Ok(())
     }
 
-    /// Draws as many particles anew, each as often as its weight says, give or take one, and moves each by a draw from a
-    /// kernel in θ, so that copies part. The rest of its mean follows by regression, and what that does not explain goes into
-    /// its covariance.
+    /// Resamples: copies each particle in proportion to its weight, within one copy, and moves each copy by a draw from
+    /// a kernel in θ, so that copies separate. The rest of its mean follows by regression; the residual is added to its
+    /// covariance.
     fn resample(&mut self, model: &Model) {
         let means = self.means();
         let Self { particles, weights, normal, .. } = self;
@@ -139,7 +139,7 @@ impl Marginalised {
                 reached += weights[at];
             }
             let mut particle = particles[at].clone();
-            // A sample so thin that rounding gives its covariance no root stays as it is drawn.
+            // If rounding makes the covariance of a thin sample indefinite, the particles stay where they were drawn.
             if let Ok(root) = &root {
                 let Gaussian { mean: moved, cov } = particle.belief_mut();
                 let deviation = means.column(at) - &mean;
@@ -249,7 +249,7 @@ impl Belief for Marginalised {
     }
 }
 
-/// Writes down innovation, S and gain of a Gaussian with the moments of the particles before the update.
+/// Reports innovation, S and gain of a Gaussian with the moments of the particles before the update.
 fn report_moments(
     told: &[Told],
     weights: &[f64],
@@ -284,7 +284,7 @@ fn parameters(model: &Model) -> impl Iterator<Item = usize> {
     channels.filter(|(_, channel)| channel.is_parameter() && !channel.is_augmentation()).map(|(place, _)| place)
 }
 
-/// A covariance of the parameters alone, and zero else.
+/// The part of a covariance between parameters; zero elsewhere.
 fn of_parameters(model: &Model, cov: &Matrix) -> Matrix {
     let mut own = Matrix::zeros(cov.nrows(), cov.ncols());
     for i in parameters(model) {
@@ -298,7 +298,7 @@ fn unexplained(model: &Model, cov: &Matrix, regression: &Matrix, own: &Matrix) -
     let mut rest = of_the_rest(model, &(cov - regression * own * regression.transpose()));
     for i in 0..rest.nrows() {
         if rest[(i, i)] <= 0.0 {
-            // Nothing, but for rounding.
+            // Zero up to rounding.
             rest.row_mut(i).fill(0.0);
             rest.column_mut(i).fill(0.0);
         }
@@ -306,7 +306,7 @@ fn unexplained(model: &Model, cov: &Matrix, regression: &Matrix, own: &Matrix) -
     symmetric(rest)
 }
 
-/// A covariance of all but the parameters.
+/// The part of a covariance between components that are not parameters.
 fn of_the_rest(model: &Model, cov: &Matrix) -> Matrix {
     let mut rest = cov.clone();
     for i in parameters(model) {

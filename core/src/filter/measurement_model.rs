@@ -1,10 +1,10 @@
-//! What sensors read in a state of a system of one's own.
+//! The measurement models of systems that the user defines.
 
 use super::kalman::Expected;
 use crate::linalg::{Matrix, Vector, copy, copy_vector, fit, fit_vector};
 
-/// What the m sensors of a [`KalmanFilter`](super::KalmanFilter) read in a state of n components: `z = H x`, which every
-/// m × n matrix H is, or `z = h(x)` with a function of one's own.
+/// The measurement model of a [`KalmanFilter`](super::KalmanFilter) with m sensors and n components of the state: `z =
+/// H x` with an m × n matrix H, or `z = h(x)` with a function.
 pub struct MeasurementModel(Kind);
 
 type Function = Box<dyn Fn(&[f64], &mut [f64]) + Send>;
@@ -32,7 +32,8 @@ impl MeasurementModel {
         Self(Kind::Function { function: Box::new(function), jacobian: None })
     }
 
-    /// The same function with its Jacobian `∂h/∂x`, which is written over an m × n matrix of zeros. A matrix H keeps its own.
+    /// The same function with its Jacobian `∂h/∂x`: `jacobian` writes it over an m × n matrix of zeros. A model with a
+    /// matrix H ignores it.
     #[must_use]
     pub fn with_jacobian(self, jacobian: impl Fn(&[f64], &mut Matrix) + Send + 'static) -> Self {
         match self.0 {
@@ -41,7 +42,7 @@ impl MeasurementModel {
         }
     }
 
-    /// H, where the readings are linear in the state.
+    /// H, if the readings are linear in the state.
     pub(super) fn matrix(&self) -> Option<&Matrix> {
         match &self.0 {
             Kind::Matrix(matrix) => Some(matrix),
@@ -50,14 +51,14 @@ impl MeasurementModel {
     }
 }
 
-/// What all sensors read in a state, with its derivative by the state.
+/// The readings of all sensors in a state, with their derivatives by the state.
 #[derive(Clone, Debug)]
 pub(super) struct Linearisation {
     /// h(x), m numbers.
     pub(super) readings: Vector,
     /// H, m × n.
     pub(super) jacobian: Matrix,
-    /// A state beside the one, and what the sensors read in it.
+    /// A state near the first one, and the readings in it.
     beside: Vector,
     there: Vector,
 }
@@ -90,7 +91,7 @@ impl Linearisation {
         }
     }
 
-    /// Makes the rows of these sensors what is expected of them.
+    /// Copies the rows of these sensors to `expected`.
     pub(super) fn pick(&self, sensors: &[usize], expected: &mut Expected) {
         let Self { readings, jacobian, .. } = self;
         let Expected { mean, jacobian: picked, .. } = expected;
@@ -115,7 +116,7 @@ impl Linearisation {
             let mut column = jacobian.column_mut(i);
             for side in [1.0, -1.0] {
                 beside[i] = at[i] + side * step;
-                // The step as it is after rounding.
+                // The step after rounding.
                 let taken = 2.0 * (beside[i] - at[i]);
                 there.fill(0.0);
                 function(beside.as_slice(), there.as_mut_slice());

@@ -6,23 +6,23 @@ use crate::linalg::{Matrix, Vector, fit, fit_vector};
 /// m measurements, those of the sensors that measured anything.
 #[derive(Clone, Debug)]
 pub(super) struct Measurements {
-    /// The place of each one's sensor among all sensors.
+    /// The place of each measurement's sensor among all sensors.
     sensors: Vec<usize>,
     values: Vec<f64>,
     /// The diagonal of R.
     variances: Vec<f64>,
-    /// R, where it has more than a diagonal.
+    /// R, if it is not diagonal.
     noise: Option<Matrix>,
 }
 
 impl Measurements {
-    /// Those of no sensor. With `are_correlated` the noise of one sensor may come with that of another.
+    /// No measurements yet. With `are_correlated`, R may have entries off its diagonal.
     pub(super) fn new(are_correlated: bool) -> Self {
         let noise = are_correlated.then(|| Matrix::zeros(0, 0));
         Self { sensors: Vec::new(), values: Vec::new(), variances: Vec::new(), noise }
     }
 
-    /// Makes it those of no sensor.
+    /// Removes all measurements.
     pub(super) fn clear(&mut self) {
         let Self { sensors, values, variances, noise: _ } = self;
         sensors.clear();
@@ -30,8 +30,8 @@ impl Measurements {
         variances.clear();
     }
 
-    /// Takes in a sample: a number for each sensor, NaN where it is missing, and the variance of each; of sensors that
-    /// `reads` something.
+    /// Takes in a sample: a number for each sensor, NaN where it is missing, and the variance of each; of the sensors
+    /// for which `reads` is true.
     ///
     /// # Errors
     /// [`FilterError::InfiniteMeasurement`]
@@ -57,7 +57,7 @@ impl Measurements {
         Ok(())
     }
 
-    /// Takes the rows and columns of the sensors that measured out of the R of all, where it has more than a diagonal.
+    /// Copies the rows and columns of the sensors that measured from the R of all sensors, if R is not diagonal.
     pub(super) fn take_noise(&mut self, all: &Matrix) {
         let Self { sensors, noise: Some(noise), .. } = self else { return };
         fit(noise, sensors.len(), sensors.len());
@@ -101,7 +101,7 @@ impl Measurements {
         }
     }
 
-    /// Makes of X the matrix `X - K R`, both n × m.
+    /// Replaces X by `X - K R`, both n × m.
     pub(super) fn subtract_noise(&self, x: &mut Matrix, gain: &Matrix) {
         if let Some(noise) = &self.noise {
             x.gemm(-1.0, gain, noise, 1.0);
@@ -114,7 +114,7 @@ impl Measurements {
         }
     }
 
-    /// Makes `innovation` the innovation `e = z - h` where h is expected.
+    /// Writes `e = z - h` to `innovation`, where h is `expected`.
     pub(super) fn innovation_into(&self, expected: &Vector, innovation: &mut Vector) {
         fit_vector(innovation, self.len());
         for ((e, z), h) in innovation.iter_mut().zip(&self.values).zip(expected.iter()) {

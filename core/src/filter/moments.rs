@@ -1,4 +1,4 @@
-//! Beliefs as a mean and a covariance, which the engine moves and conditions.
+//! Beliefs as a mean and a covariance, predicted and updated by the engine.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::engine::step::Step as EngineStep;
 use crate::linalg::{Matrix, Vector};
 use crate::model::Reading;
 
-/// A Gaussian whose mean and covariance the [engine](crate::engine) moves and conditions: KF, EKF, IEKF, UKF and CKF.
+/// A Gaussian that the [engine](crate::engine) predicts and updates: KF, EKF, IEKF, UKF and CKF.
 #[derive(Clone, Debug)]
 pub struct Moments {
     belief: Gaussian,
@@ -30,7 +30,7 @@ enum Way {
 #[derive(Clone, Debug)]
 struct Engine {
     single: Single,
-    /// The readings of all sensors, some of which the model may not have.
+    /// The readings of all sensors; `None` for those that the model does not have.
     readings: Arc<[Option<Reading>]>,
     /// The sensors that the model has, by their places among all.
     sensors: Vec<usize>,
@@ -42,9 +42,9 @@ impl Moments {
     /// A belief that moves by `propagation` and is measured as if plant and sensors were linear around its mean.
     ///
     /// With `iterations` of more than one the update is a Gauss-Newton descent to the most probable state, each step
-    /// linearising the sensors anew where the last has led. It stops after `iterations`, or as soon as no component moves by
-    /// more than 1e-6 of its standard deviation. The correction reports innovation, S, NIS and likelihood of the first
-    /// iteration, at y⁻; gain and covariance are those of the last.
+    /// linearising the sensors again at the result of the last. It stops after `iterations`, or as soon as no component
+    /// moves by more than 1e-6 of its standard deviation. The correction reports innovation, S, NIS and likelihood of
+    /// the first iteration, at y⁻; gain and covariance are those of the last.
     ///
     /// Source: Huang and Yuen (2023), *Bayesian Real-Time System Identification*; Gelb, ed. (1974), *Applied Optimal
     /// Estimation*, section 6.1; Bell and Cathey (1993), The iterated Kalman filter update as a Gauss-Newton method.
@@ -52,7 +52,7 @@ impl Moments {
         Self { belief, way: Way::Linearised(propagation, iterations), engine: None }
     }
 
-    /// A belief that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn afresh for the
+    /// A belief that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn again for the
     /// measurement.
     pub fn sigma_points(belief: Gaussian, rule: Rule) -> Self {
         Self { belief, way: Way::SigmaPoints(rule), engine: None }
@@ -65,12 +65,12 @@ impl Moments {
         &self.belief
     }
 
-    /// The belief, to be changed.
+    /// The belief, mutable.
     pub(super) fn belief_mut(&mut self) -> &mut Gaussian {
         &mut self.belief
     }
 
-    /// Puts the belief elsewhere, as uncertain as it is.
+    /// Replaces the mean and keeps the covariance.
     pub(crate) fn move_to(&mut self, mean: Vector) {
         self.belief.mean = mean;
     }
@@ -109,7 +109,7 @@ impl Engine {
         Self { single, readings, sensors, values, variances }
     }
 
-    /// Takes in the measurements that are there.
+    /// Takes in the measurements of a sample.
     fn take(&mut self, observation: &Observation) {
         let Self { sensors, values, variances, .. } = self;
         values.fill(f64::NAN);
@@ -183,7 +183,7 @@ impl Belief for Moments {
         let Self { belief, way, engine } = self;
         let mut transition = Matrix::zeros(belief.size(), belief.size());
         let single = &mut Engine::of(engine, *way, model, None).single;
-        // The belief stays where it is.
+        // The mean stays: only Φ is wanted.
         let mut belief = belief.clone();
         single.transition_into(&mut belief.slices(), &step.of_engine(), transition.as_mut_slice())?;
         Ok(transition)

@@ -1,8 +1,8 @@
-//! The noise that a filter takes for true.
+//! The noise that a filter assumes.
 
 use crate::linalg::Matrix;
 
-/// The noise that a filter ascribes to model and sensors, and how fast it forgets.
+/// The noise that a filter assumes for model and sensors, and its fading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
     /// Q, the covariance that each step adds, n × n, in the state's units squared.
@@ -14,8 +14,8 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Makes of the covariance P the covariance `λ P + Q`, symmetric to the last bit. A variance that is zero but for
-    /// rounding may have come out on the wrong side: it becomes zero.
+    /// Replaces the covariance P by `λ P + Q`, symmetric to the last bit. A variance that rounding made negative
+    /// becomes zero.
     pub fn spread(&self, cov: &mut Matrix) {
         let Self { process, sensors: _, fading } = self;
         for (cov, process) in cov.as_mut_slice().iter_mut().zip(process.as_slice()) {

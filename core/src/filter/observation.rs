@@ -11,14 +11,14 @@ use crate::model::Reading;
 /// The m measurements of one sample that are not missing.
 #[derive(Clone, Debug)]
 pub struct Observation {
-    /// Where every sensor reads, measured or not.
+    /// The readings of all sensors, with and without a measurement.
     readings: Arc<[Option<Reading>]>,
     measurements: Measurements,
     force: f64,
 }
 
 impl Observation {
-    /// No measurement yet, of sensors that read here.
+    /// No measurement yet, of sensors with these readings.
     pub(super) fn of(readings: Vec<Option<Reading>>) -> Self {
         Self { readings: Arc::from(readings), measurements: Measurements::new(false), force: 0.0 }
     }
@@ -53,7 +53,7 @@ impl Observation {
         self.measurements.sensors()
     }
 
-    /// The number of all sensors, those that measured nothing among them.
+    /// The number of all sensors, including those without a measurement.
     pub fn all_sensors(&self) -> usize {
         self.readings.len()
     }
@@ -68,12 +68,12 @@ impl Observation {
         self.measurements.variances()
     }
 
-    /// The recorded force over mass that acts meanwhile \[m/s²\].
+    /// The recorded force over mass at the sample \[m/s²\].
     pub fn force(&self) -> f64 {
         self.force
     }
 
-    /// The readings of all sensors; none of those that the model does not have.
+    /// The readings of all sensors; `None` for those that the model does not have.
     pub(super) fn all_readings(&self) -> &Arc<[Option<Reading>]> {
         &self.readings
     }
@@ -101,7 +101,7 @@ impl Observation {
         values
     }
 
-    /// [`Self::read_all`] in place of what `values` holds; `rate` is memory to work in.
+    /// [`Self::read_all`], written over `values`; `rate` is scratch memory.
     pub fn read_all_into(&self, model: &Model, states: &Matrix, rate: &mut Vec<f64>, values: &mut Matrix) {
         fit(values, self.len(), states.ncols());
         let columns = values.as_mut_slice().chunks_exact_mut(self.len());
@@ -110,7 +110,7 @@ impl Observation {
         }
     }
 
-    /// [`Self::read`] in place of what `values` holds; `rate` is memory to work in.
+    /// [`Self::read`], written over `values`; `rate` is scratch memory.
     pub fn read_into(&self, model: &Model, state: &[f64], rate: &mut Vec<f64>, values: &mut [f64]) {
         if self.readings().any(Reading::is_of_rates) {
             rate.resize(model.size(), 0.0);
@@ -128,7 +128,7 @@ impl Observation {
         jacobian
     }
 
-    /// [`Self::jacobian`] in place of what `jacobian` holds; `rows` and `rates` are memory to work in.
+    /// [`Self::jacobian`], written over `jacobian`; `rows` and `rates` are scratch memory.
     pub fn jacobian_into(
         &self,
         model: &Model,
@@ -152,14 +152,14 @@ impl Observation {
         self.measurements.add_noise(cov);
     }
 
-    /// The innovation `e = z - h` where h is expected.
+    /// The innovation `e = z - h`, where h is `expected`.
     pub fn innovation(&self, expected: &Vector) -> Vector {
         let mut innovation = Vector::zeros(0);
         self.innovation_into(expected, &mut innovation);
         innovation
     }
 
-    /// [`Self::innovation`] in place of what `innovation` holds.
+    /// [`Self::innovation`], written over `innovation`.
     pub fn innovation_into(&self, expected: &Vector, innovation: &mut Vector) {
         self.measurements.innovation_into(expected, innovation);
     }

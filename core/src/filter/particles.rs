@@ -8,10 +8,10 @@ use crate::Model;
 use crate::integrate::RungeKutta;
 use crate::linalg::{Matrix, Vector, lower_root, symmetric};
 
-/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is weighted
-/// by the likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles, they are
-/// resampled systematically and spread by a normal kernel, without which parameters that do not change would soon be left
-/// with a single value. Fading stretches the sample about its mean.
+/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is
+/// weighted by the likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles,
+/// they are resampled systematically and spread by a normal kernel, without the kernel, constant parameters would soon
+/// have a single value left. Fading stretches the sample about its mean.
 ///
 /// Innovation, S and gain are those of a Gaussian with the sample's moments, for diagnostics; the log likelihood is the
 /// particles' own.
@@ -72,8 +72,8 @@ impl Particles {
         Ok(())
     }
 
-    /// Draws as many particles anew, each as often as its weight says, give or take one, and moves each by a draw from a
-    /// kernel, so that copies part. Drawing them together first leaves mean and covariance as they were.
+    /// Resamples: copies each particle in proportion to its weight, within one copy, and moves each copy by a draw from
+    /// a kernel, so that copies separate. Shrinking the particles towards their mean first keeps mean and covariance.
     fn resample(&mut self) {
         let Gaussian { mean, cov } = self.moments();
         let Self { particles, weights, normal, .. } = self;
@@ -91,7 +91,7 @@ impl Particles {
         }
         *particles = particles.select_columns(&drawn);
         let square = bandwidth_square(n, count);
-        // A sample so thin that rounding gives its covariance no root stays as it is drawn.
+        // If rounding makes the covariance of a thin sample indefinite, the particles stay where they were drawn.
         if let Ok(root) = lower_root(&(cov * square)) {
             stretch(particles, &mean, (1.0 - square).sqrt());
             add_draws(particles, &root, normal);
@@ -117,7 +117,7 @@ impl Particles {
         };
         let log_likelihoods: Vec<f64> =
             readings.as_slice().chunks_exact(observation.len()).map(log_likelihood).collect();
-        // Relative to the best, lest all underflow.
+        // Relative to the best, so that not all underflow.
         let best = log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         for (weight, log_likelihood) in self.weights.iter_mut().zip(&log_likelihoods) {
             *weight *= libm::exp(log_likelihood - best);
@@ -140,7 +140,7 @@ impl Belief for Particles {
         self.origin = None;
         let mut moved = self.particles.clone();
         step.advance(model, &mut moved, &mut self.method);
-        // A particle that runs away is no explanation of anything and loses its weight.
+        // A diverged particle explains no measurement and loses its weight.
         let mut lost = false;
         for (place, next) in moved.column_iter().enumerate() {
             if next.norm_squared().is_finite() {
@@ -168,13 +168,13 @@ impl Belief for Particles {
         let mut innovation_cov = symmetric(about(&readings, &reading_mean) * deviations);
         observation.add_noise(&mut innovation_cov);
         if observation.variances().contains(&0.0) {
-            // Not even a particle that reads the very value has a likelihood then.
+            // With a variance of zero, no particle has a finite likelihood.
             return Err(FilterError::SingularInnovation);
         }
         let factor = kalman::factor(&innovation_cov)?;
         let gain = factor.divide(&cross);
         if !gain.sum().is_finite() {
-            // It moves no particle, so that no other number would tell.
+            // The gain moves no particle here, so that nothing after this would report the error.
             return Err(FilterError::NotFinite);
         }
         correction.report(observation, &observation.innovation(&reading_mean), &innovation_cov, &factor, &gain);
@@ -214,8 +214,8 @@ fn weighted(sample: &Matrix, weights: &[f64]) -> Matrix {
     Matrix::from_fn(sample.nrows(), sample.ncols(), |i, j| sample[(i, j)] * weights[j])
 }
 
-/// The weighted mean of the columns, taken about the first so that a component that does not vary is its own mean to the
-/// last bit.
+/// The weighted mean of the columns, taken about the first, so that the mean of equal values is that value to the last
+/// bit.
 pub(super) fn weighted_mean(sample: &Matrix, weights: &[f64]) -> Vector {
     let first = sample.column(0);
     let mut sum = Vector::zeros(sample.nrows());
@@ -225,7 +225,7 @@ pub(super) fn weighted_mean(sample: &Matrix, weights: &[f64]) -> Vector {
     first + sum
 }
 
-/// Adds an independent draw from a normal distribution, whose covariance has this root, to every column.
+/// Adds an independent draw from a normal distribution to every column. `root` is the root of its covariance.
 fn add_draws(sample: &mut Matrix, root: &Matrix, normal: &mut Normal) {
     let draws = Matrix::from_fn(sample.nrows(), sample.ncols(), |_, _| normal.sample());
     sample.gemm(1.0, root, &draws, 1.0);

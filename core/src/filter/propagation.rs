@@ -1,4 +1,4 @@
-//! The motion of a linearising filter, by itself: the mean and its transition matrix.
+//! The prediction of a linearising filter: the mean and its transition matrix.
 
 use super::Step;
 use crate::Model;

@@ -1,8 +1,8 @@
-//! Where sigma points are.
+//! Rules for sigma points.
 
 use crate::engine::design;
 
-/// Where sigma points are and what they weigh.
+/// The places and weights of sigma points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// The scaled unscented transform with α = 1, β = 2, κ = 3 - n: points √3 standard deviations away. With these

@@ -6,14 +6,14 @@
 //! ```
 //!
 //! Means and covariances are taken about the centre's image: in exact arithmetic that is the weighted sum of the
-//! textbooks, in floating point it leaves a component that does not vary exactly where it is.
+//! textbooks, in floating point it leaves a constant component exactly as it is.
 
 use super::kind::time_of_linearised;
 use super::{Belief, FilterError, FilterInfo, Gaussian, Moments, Rule, Step};
 use crate::Model;
 use crate::linalg::Matrix;
 
-/// Φ, n × n: the regression on the state of a Gaussian of what a step makes of it.
+/// Φ, n × n: the linear regression of the next state on the state, over the sigma points.
 pub(super) fn transition(belief: &Gaussian, rule: Rule, model: &Model, step: Step) -> Result<Matrix, FilterError> {
     Moments::sigma_points(belief.clone(), rule).transition(model, step)
 }

@@ -1,4 +1,4 @@
-//! The modified Bryson-Frazier smoother: the adjoint of the filter goes back.
+//! The modified Bryson-Frazier smoother: it runs the adjoint of the filter backward.
 //!
 //! ```text
 //! Λ̂ₖ = Φᵀ Λ̃ₖ₊₁ Φ,                          λ̂ₖ = Φᵀ λ̃ₖ₊₁,  both zero at the last sample
@@ -7,13 +7,13 @@
 //! ```
 //!
 //! In exact arithmetic it is the smoother of Rauch, Tung and Striebel, `G = Pₖ Φᵀ (P⁻ₖ₊₁)⁻¹`. But that one divides by a
-//! covariance which loses its rank where a motion dies out and no noise stirs it: G then grows as the motion decays, so that
-//! the rounding of later samples grows backward until it is as large as the result. The adjoint decays backward as the motion
-//! does forward, and needs no inverse but that of S.
+//! covariance, which becomes singular where a motion dies out and has no process noise: G then grows as the motion
+//! decays, so that the rounding of later samples grows backward until it is as large as the result. The adjoint decays
+//! backward as the motion does forward, and needs no inverse but that of S.
 //!
-//! Φ and H are those that the filter linearises with. Those of sigma points are regressions on the state, of the next state
-//! and of the readings: with them `cov(next, now) = Φ P` and `K S = P⁻ Hᵀ`, which is all that both smoothers ask for. An
-//! update that does not tell its H has it found by division by P⁻, whose lost directions have no part in it.
+//! Φ and H are those that the filter linearises with. Those of sigma points are regressions on the state, of the next
+//! state and of the readings: with them `cov(next, now) = Φ P` and `K S = P⁻ Hᵀ`, which is all that both smoothers
+//! need. For an update without an H, division by P⁻ gives it; directions that P⁻ has lost are left out.
 //!
 //! Fading counts as process noise here: `P⁻ = λ Φ P Φᵀ + Q` is a step with the noise `(λ - 1) Φ P Φᵀ + Q`. So does what a
 //! jump ([`super::jump`]) adds to P⁻.
@@ -31,7 +31,7 @@ use crate::sink::Sample;
 use crate::smoother::Beliefs;
 use crate::{Estimates, FilterSettings, Quantity, Record};
 
-/// The beliefs of a filter with these settings; none where it cannot begin.
+/// The beliefs of a filter with these settings. `None` if the filter cannot begin.
 pub(crate) fn beliefs(settings: &FilterSettings, context: &FilterContext<'_>) -> Option<Box<dyn Beliefs>> {
     let filter = build_filter(initial_belief(settings, context).ok()?, settings, context);
     let filter = if settings.jump { filter.with_jump() } else { filter };
@@ -63,7 +63,7 @@ struct Smoothed {
 struct Passage {
     /// Φ, n × n.
     transition: Matrix,
-    /// The update at the latter sample; none where nothing was measured.
+    /// The update at the latter sample. `None` if nothing was measured.
     update: Option<Update>,
 }
 
@@ -78,7 +78,7 @@ struct Update {
 }
 
 impl Update {
-    /// The last update that `correction` tells of, of a belief that had this covariance before it.
+    /// The last update of `correction`, with `predicted`, the covariance before it.
     ///
     /// # Errors
     /// Those of [`kalman::factor`].
@@ -120,7 +120,7 @@ impl Adjoint {
     }
 }
 
-/// Makes of the symmetric X the matrix `Aᵀ X A`; `work` is memory to work in.
+/// Replaces the symmetric X by `Aᵀ X A`; `work` is scratch memory.
 fn congruence(x: &mut Matrix, a: &Matrix, work: &mut Matrix) {
     multiply(work, x, a);
     let transposed = a.transpose();
@@ -136,7 +136,7 @@ impl Beliefs for Smoothed {
     fn filter(&mut self, forces: [f64; 2], record: &Record, k: usize) -> Result<(), FilterError> {
         let Self { filter, sensors, correction, filtered, steps, .. } = self;
         if k == 0 {
-            // Memory that grows is copied, which takes long where there is much of it.
+            // Reserves memory now: growing a large vector copies it, which takes long.
             filtered.reserve(record.len());
             steps.reserve(record.len());
         } else {
@@ -172,7 +172,7 @@ impl Beliefs for Smoothed {
         congruence(&mut told, cov, &mut Matrix::zeros(0, 0));
         *cov -= told;
         for i in 0..cov.nrows() {
-            // Zero but for rounding.
+            // Zero up to rounding.
             cov[(i, i)] = cov[(i, i)].max(0.0);
         }
     }

@@ -15,9 +15,8 @@ use crate::linalg::{
 
 /// A Gaussian held as mean and lower triangular root L of its covariance `L Lᵀ`, which no rounding can make indefinite.
 ///
-/// With the unscented rule every covariance is a sum of squares, so that roots are only ever added to, column by column
-/// with Givens rotations, and never subtracted from. The measurement is one such triangularisation of sensors and state
-/// together:
+/// With the unscented rule every covariance is a sum of squares, so that a root is only ever updated by addition,
+/// column by column with Givens rotations. The measurement is one such triangularisation of sensors and state together:
 ///
 /// ```text
 /// [√R  √W ζ]            [√S   0 ]
@@ -42,7 +41,7 @@ pub struct SquareRoot {
     /// A deviation, and the sum of all.
     deviation: Vec<f64>,
     shift: Vec<f64>,
-    /// The root of Q, for as long as Q stays as it is.
+    /// Q and its root, kept until Q changes.
     process: Option<(Matrix, Matrix)>,
     expected: Vector,
 }
@@ -195,7 +194,7 @@ impl Belief for SquareRoot {
     }
 }
 
-/// Makes `deviation` the weighted distance of a point's image from that of the centre, and adds it to `Σ W d`.
+/// Writes the weighted distance of a point's image from the centre's image to `deviation`, and adds it to `Σ W d`.
 fn take_deviation(deviation: &mut Vec<f64>, shift: &mut [f64], image: &[f64], centre: &[f64], weight: f64) {
     let scale = weight.sqrt();
     deviation.clear();
@@ -229,7 +228,7 @@ impl Array {
         }
     }
 
-    /// Adds a deviation of readings and state, of which nothing is left.
+    /// Rotates a deviation of readings and state into the array. This overwrites the deviation.
     fn add(&mut self, deviation: &mut [f64]) {
         let Self { sensors, cross, state } = self;
         let (m, n) = (sensors.nrows(), state.nrows());
@@ -237,7 +236,7 @@ impl Array {
         let columns = sensors.as_mut_slice().chunks_exact_mut(m).zip(cross.as_mut_slice().chunks_exact_mut(n));
         for (j, (sensors, cross)) in columns.enumerate() {
             if let Some((cos, sin)) = rotation(&mut sensors[j], reading[j]) {
-                // The rotated number itself is in place already.
+                // `rotation` has already written the rotated number itself.
                 rotate(cos, sin, &mut sensors[j + 1..], &mut reading[j + 1..]);
                 rotate(cos, sin, cross, deviation);
             } else if !sensors[j].is_finite() {

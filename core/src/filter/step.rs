@@ -37,8 +37,8 @@ impl Step {
         (end - begin) / self.dt
     }
 
-    /// Moves states, each a column of n numbers, by one classical fourth-order Runge-Kutta step of `ẏ = g(y, f)`. What does
-    /// not move stays as it is, to the last bit.
+    /// Moves states, each a column of n numbers, by one classical fourth-order Runge-Kutta step of `ẏ = g(y, f)`.
+    /// Components that do not move keep every bit.
     pub fn advance(&self, model: &Model, states: &mut Matrix, method: &mut RungeKutta) {
         let columns = states.as_mut_slice().chunks_exact_mut(model.size());
         if model.eta() == 0.0 {

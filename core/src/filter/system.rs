@@ -1,4 +1,4 @@
-//! The matrices of a system of one's own, and what is wrong with them.
+//! The matrices of a system that the user defines, and the errors in them.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ pub enum SystemError {
     /// The state has no component.
     #[error("the initial mean is empty, but a state must have a component")]
     NoState,
-    /// A matrix has another shape than the state and the sensors ask for.
+    /// The shape of a matrix does not fit the state and the sensors.
     #[error("{matrix} is {found}, but must be {needed}: {why}")]
     Shape {
         /// The matrix: A, B, H, Q, R or P, or the Jacobian of a measurement function.
@@ -25,7 +25,7 @@ pub enum SystemError {
         /// The reason.
         why: &'static str,
     },
-    /// A column of numbers has another length than the system asks for.
+    /// The length of a column of numbers does not fit the system.
     #[error("{what} has {found} numbers, but must have {needed}: {why}")]
     Length {
         /// The column.
@@ -64,7 +64,7 @@ pub enum SystemError {
     /// A covariance has a negative variance in some direction.
     #[error("{0} must be a covariance, but has a negative variance in some direction")]
     Indefinite(&'static str),
-    /// The filter cannot go on from here. The belief is as it was.
+    /// The filter cannot take this step. The belief is as it was.
     #[error(transparent)]
     Filter(#[from] FilterError),
 }
@@ -79,7 +79,7 @@ impl fmt::Display for Shape {
     }
 }
 
-/// Whether a matrix has the shape that it must have, and finite numbers.
+/// Checks that a matrix has the right shape and finite numbers.
 pub(super) fn check(
     name: &'static str,
     matrix: &Matrix,
@@ -101,7 +101,7 @@ pub(super) fn check(
     }
 }
 
-/// Whether a column has the length that it must have, and finite numbers.
+/// Checks that a column has the right length and finite numbers.
 pub(super) fn check_column(
     name: &'static str,
     column: &[f64],

@@ -6,21 +6,21 @@ use super::{Belief, FilterError, Gaussian};
 use crate::linalg::Matrix;
 use crate::{Channel, FilterSettings, Hold, Model, Quantity};
 
-/// A force over mass that nobody records, independent from sample to sample: wind, traffic, the ground's unrest. It is the
-/// component w of the state ([`Channel::WHITE_FORCE`]), so that a sensor that feels it, such as an accelerometer, reads the
-/// very force that moves the plant.
+/// A force over mass that is not recorded and is independent from sample to sample: wind, traffic, ground noise. It is
+/// the component w of the state ([`Channel::WHITE_FORCE`]), so that a sensor that feels it, such as an accelerometer,
+/// reads the same force that moves the plant.
 ///
 /// ```text
-/// w ~ N(0, s²) anew for each sample,  s² = q / dt
+/// w ~ N(0, s²) drawn again for each sample,  s² = q / dt
 /// x⁺ = Φ x + Γ w,  z = h(x) + D w + v,  cov(Γ w, D w + v) = Γ s² Dᵀ
 /// Γ Γᵀ s² = q [dt³/4, dt²/2; dt²/2, dt] of a light oscillator, and D = 1 of an accelerometer on it
 /// ```
 ///
-/// with the intensity q of the white force \[m²/s³\]: its two-sided spectral density. The filter of the state with w is that
-/// of process noise and sensor noise that are correlated, Γ s² Dᵀ: the covariance of x and w after an update is what the
-/// books subtract from the next prediction.
+/// with the intensity q of the white force \[m²/s³\]: its two-sided spectral density. The filter of the state with w is
+/// that of correlated process noise and sensor noise, with the covariance Γ s² Dᵀ: the covariance of x and w after an
+/// update is the term that textbooks subtract from the next prediction.
 ///
-/// The course of the force between samples depends on what there is to see of it ([`Course`]).
+/// The course of the force between samples depends on input and sensors ([`Course`]).
 ///
 /// Source: Anderson and Moore (1979), *Optimal Filtering*, section 5.5; Simon (2006), *Optimal State Estimation*, section
 /// 7.1 (correlated process and measurement noise); Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to
@@ -49,7 +49,8 @@ impl White {
         Some(Self { place, variance: std * std, course })
     }
 
-    /// Adds to Q what the force does besides its mean over a sample, through the plant's own input.
+    /// Adds to Q the effect of the force's deviation from its mean over a sample, which enters through the plant's
+    /// input.
     pub(super) fn add_rest(self, model: &Model, state: &[f64], dt: f64, process: &mut Matrix) {
         if self.course != Course::Continuous {
             return;
@@ -73,7 +74,7 @@ impl White {
         belief.renew(self.place, self.variance)
     }
 
-    /// Leaves w out of a Q, whose step does not move it.
+    /// Sets the row and the column of w in Q to zero, since the prediction does not move w.
     pub(super) fn leave_out(self, process: &mut Matrix) {
         process.row_mut(self.place).fill(0.0);
         process.column_mut(self.place).fill(0.0);
@@ -81,7 +82,7 @@ impl White {
 }
 
 impl Gaussian {
-    /// Makes a component another one, which has mean zero and this variance and knows nothing of the others.
+    /// Replaces a component by an independent one with mean zero and this variance.
     pub fn renew(&mut self, place: usize, variance: f64) {
         let Self { mean, cov } = self;
         mean[place] = 0.0;

@@ -27,14 +27,14 @@ pub(super) struct Beginning {
     rows: usize,
     /// The error with that motion, once it is known.
     error: Option<Vector>,
-    /// The changes of the error with each component of the motion, as far as this iteration has come.
+    /// The changes of the error with each component of the motion, for the components done in this iteration.
     columns: Vec<Vector>,
     iterations: usize,
-    /// The motion whose error is computed.
+    /// The motion that is tried now.
     trial: Trial,
 }
 
-/// A motion at the first sample whose error is computed, as far as it has come.
+/// A motion at the first sample, and its error so far.
 struct Trial {
     motion: Vec<f64>,
     course: Course,
@@ -82,7 +82,7 @@ impl Beginning {
         false
     }
 
-    /// Takes in the error of the trial. Returns the next motion to try, and none where the fit is done.
+    /// Takes in the error of the trial. Returns the next motion to try, or `None` if the fit is done.
     fn conclude(&mut self) -> Option<Vec<f64>> {
         let after = Vector::from_vec(std::mem::take(&mut self.trial.errors));
         match self.error.take() {
@@ -122,14 +122,14 @@ impl Beginning {
         1e-6 * (1e-3 + self.motion.get(self.columns.len()).map_or(0.0, |value| value.abs()))
     }
 
-    /// The change of the motion that makes the error least, as far as the readings show it.
+    /// The change of the motion that minimises the error, in the directions that the readings show.
     fn change(&self) -> Option<Vector> {
         let (jacobian, error) = (Matrix::from_columns(&self.columns), self.error.as_ref()?);
-        // The decomposition has no answer to numbers that are not finite, or whose squares are not.
+        // The decomposition fails on numbers that are not finite, or have squares that are not.
         if !jacobian.norm_squared().is_finite() || !error.norm_squared().is_finite() {
             return None;
         }
-        // Directions that the readings do not show stay as they are.
+        // The motion keeps its components in directions that the readings do not show.
         let svd = jacobian.svd(true, true);
         let least = 1e-9 * svd.singular_values.max();
         svd.solve(error, least.max(f64::MIN_POSITIVE)).ok()
@@ -180,7 +180,7 @@ fn beginning(record: &Record, part: &Range<usize>, readings: &[Option<Reading>])
     part.start..end.map_or(part.end, |end| end + 1).min(part.start + part.len() / 2)
 }
 
-/// The root mean square of the readings that are there, or 1.
+/// The root mean square of the readings that are not missing, or 1.
 fn scale(measured: &[f64]) -> f64 {
     let values = measured.iter().filter(|value| !value.is_nan());
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));

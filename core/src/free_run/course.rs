@@ -5,7 +5,7 @@ use crate::Record;
 use crate::model::Hold;
 use crate::simulate::response::Response;
 
-/// The samples between two looks at the clock: at most about a millisecond.
+/// The samples between two checks of the clock: at most about a millisecond.
 pub(super) const CHUNK: usize = 64;
 
 /// A motion under way.
@@ -30,13 +30,13 @@ impl Course {
         (self.goes_on && state.iter().all(|value| value.is_finite())).then_some(state)
     }
 
-    /// The number of times that steps have been halved so far, which tells the time that the motion takes.
+    /// The number of times that steps have been halved so far: a measure of the motion's computing time.
     pub(super) fn halved(&self) -> u64 {
         self.response.halved()
     }
 
-    /// Moves on from sample `k` to the next, and halves steps at most `most` times. Returns whether it is there; otherwise the next
-    /// call goes on.
+    /// Moves on from sample `k` to the next, and halves steps at most `most` times. Returns whether it has arrived; if
+    /// not, the next call goes on.
     pub(super) fn advance(&mut self, identified: &Identified, record: &Record, k: usize, most: u64) -> bool {
         let force = |k: usize| record.delayed_force(k, identified.input_delay);
         let end = match record.hold() {

@@ -17,7 +17,7 @@ pub struct Fit {
     pub readings: usize,
 }
 
-/// The agreement of predictions with measurements, of which those that are missing do not count.
+/// The agreement of predictions with measurements. Missing measurements do not count.
 pub fn fit(measured: &[f64], predicted: &[f64]) -> Option<Fit> {
     let pairs = || measured.iter().zip(predicted).filter(|(measured, _)| !measured.is_nan());
     let readings = pairs().count();
@@ -37,8 +37,8 @@ pub fn fit(measured: &[f64], predicted: &[f64]) -> Option<Fit> {
     Some(Fit { rms: libm::sqrt(error / readings as f64), percent, readings })
 }
 
-/// The errors of a filter's predictions one step ahead over a part: its innovations against the measurements. `None` where
-/// there is nothing to compare, as where the filter has stopped before the part.
+/// The errors of a filter's predictions one step ahead over a part: its innovations against the measurements. `None` if
+/// there is nothing to compare, for example because the filter has stopped before the part.
 pub fn one_step(estimates: &Estimates, record: &Record, sensor: usize, part: Range<usize>) -> Option<Fit> {
     let quantity = *record.sensors().get(sensor)?;
     let place = estimates.sensors().iter().position(|&own| own == quantity)?;

@@ -20,7 +20,7 @@ pub struct Imported {
     pub record: Record,
     /// Sentences about its making that a user should know.
     pub remarks: Vec<String>,
-    /// A sensor whose readings are all the same, or that has none: there is no motion to filter.
+    /// A sensor with equal readings, or without any: there is no motion to filter.
     pub still: Option<Quantity>,
 }
 
@@ -153,7 +153,7 @@ impl<'a> Builder<'a> {
         Ok(self.conditioning().input(values))
     }
 
-    /// A column at even times, with unit, gain, offset and delay, and what there is to say about its cells.
+    /// A column at even times, with unit, gain, offset and delay, and remarks on its cells.
     fn mapped(&self, mapped: &MappedColumn) -> Result<(Vec<f64>, Vec<String>), ImportError> {
         let table = (*self.table).borrow();
         let column_place = place(table, &mapped.column)?;

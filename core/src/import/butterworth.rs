@@ -54,8 +54,8 @@ impl Section {
     }
 }
 
-/// Filters in place: what lies between `low` and `high` passes, both as shares of the sample rate. A `low` of 0 makes a
-/// low-pass, a `high` of ½ or more a high-pass. Nothing is shifted in time. All values must be finite.
+/// Filters in place: passes frequencies between `low` and `high`, both as shares of the sample rate. A `low` of 0 makes
+/// a low-pass, a `high` of ½ or more a high-pass. Nothing is shifted in time. All values must be finite.
 pub(super) fn band_pass(values: &mut Vec<f64>, low: f64, high: f64) {
     let mut all = Vec::new();
     if low > 0.0 {

@@ -33,7 +33,7 @@ fn half_of_day(time: &str) -> (&str, Option<f64>) {
     }
 }
 
-/// A time without its zone, and the zone's seconds ahead of Greenwich; `None` where it is no zone.
+/// A time without its zone, and the zone's seconds ahead of Greenwich. `None` if it has no zone.
 fn zone(time: &str) -> Option<(&str, f64)> {
     for word in ["Z", "UTC", "GMT"] {
         if let Some(rest) = time.strip_suffix(word) {

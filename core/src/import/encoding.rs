@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Encoding {
-    /// UTF-8, of which ASCII is a part.
+    /// UTF-8, which includes ASCII.
     #[default]
     Utf8,
     /// Latin-1, one byte a character.
@@ -69,7 +69,7 @@ impl Encoding {
         own.map_or(0, |(mark, _)| mark.len())
     }
 
-    /// Appends the text of some bytes. Characters that are none become `�`.
+    /// Appends the text of some bytes. Invalid characters become `�`.
     pub(super) fn decode(self, bytes: &[u8], text: &mut String) {
         match self {
             Self::Utf8 => text.push_str(&String::from_utf8_lossy(bytes)),

@@ -1,4 +1,4 @@
-//! Formats whose header says what their numbers are. They are tried before a dialect is looked for.
+//! Formats with a header that says what their numbers are. They are tried before a dialect is looked for.
 //!
 //! A format is a row of [`FORMATS`]: it recognises a file by its first lines, and says how its lines are laid out. Either they are
 //! rows of a table with known columns, or series of numbers one after the other, each wrapped over lines.
@@ -24,13 +24,13 @@ pub(super) enum Layout {
     Series(Next),
 }
 
-/// A table whose columns are known.
+/// A table with known columns.
 #[derive(Debug)]
 pub(super) struct Rows {
     /// The delimiter, the decimal character, and the first line of numbers.
     pub(super) dialect: Dialect,
-    /// The name and unit of each cell of a row; `None` where a cell belongs to no column. Empty where names and units stand in
-    /// lines of the dialect.
+    /// The name and unit of each cell of a row. `None` if a cell belongs to no column. Empty if lines of the dialect
+    /// have names and units.
     pub(super) cells: Vec<Option<(String, Option<String>)>>,
     /// The first time and the step \[s\] of rows without times.
     pub(super) even: Option<(f64, f64)>,
@@ -39,7 +39,7 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// A table with commas between cells and decimal points, whose numbers begin in a line, counted from 1.
+    /// A table with commas between cells and decimal points. `data` is the first line of numbers, counted from 1.
     fn new(data: usize) -> Self {
         let dialect = Dialect { delimiter: Delimiter::Comma, decimal: Decimal::Point, data, ..Dialect::default() };
         Self { dialect, cells: Vec::new(), even: None, ends: |_| false }

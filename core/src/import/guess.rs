@@ -4,7 +4,7 @@ use super::unit::{Dimension, unit};
 use super::{Column, MappedColumn, Mapping, Table, Time};
 use crate::{InputKind, Quantity};
 
-/// The meaning of a column, as far as its header tells.
+/// The meaning of a column, from its header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
     Time,
@@ -57,7 +57,7 @@ const OTHERS: [&str; 22] = [
 const COUNTERS: [&str; 14] =
     ["record", "rn", "index", "sample", "samples", "scan", "frame", "row", "nr", "no", "n", "#", "count", "counter"];
 
-/// What a column was taken for, and why.
+/// The guessed meaning of a column, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColumnGuess {
     /// The name of the column.
@@ -67,7 +67,7 @@ pub struct ColumnGuess {
 }
 
 impl ColumnGuess {
-    /// Whether neither name nor unit told the meaning.
+    /// Whether the meaning comes from neither name nor unit.
     pub fn is_a_guess(&self) -> bool {
         self.why == FIRST_FREE
     }
@@ -107,7 +107,7 @@ fn role_of(column: &Column) -> Option<(Role, &'static str)> {
         Dimension::Force => Some(Role::Input(InputKind::Force)),
         Dimension::Voltage => None,
     };
-    // A unit knows better than a word, such as the station A in the name of a channel, what is measured.
+    // A unit is more reliable than a word: the A in a channel's name may be a station.
     let agrees = |role: Role| match of_unit() {
         Some(of_unit) if matches!(role, Role::Sensor(_)) => {
             let is_total = role == Role::Sensor(Quantity::TOTAL_ACCELERATION);
@@ -126,7 +126,7 @@ fn has_word(name: &str, words: &[&str]) -> bool {
     words.iter().any(|word| if word.len() > 2 { name.contains(word) } else { whole.contains(word) })
 }
 
-/// The reason why a column's name tells that it is neither time, input nor motion.
+/// The reason why a column, by its name, is neither time, input nor motion.
 fn is_something_else(column: &Column) -> Option<&'static str> {
     let counts = || column.values.windows(2).all(|pair| pair[1] == pair[0] + 1.0);
     if COUNTERS.iter().any(|name| column.name.trim().eq_ignore_ascii_case(name)) && counts() {
@@ -152,12 +152,12 @@ fn is_truth(column: &Column) -> bool {
     column.name.starts_with("true_")
 }
 
-/// A column on its way to a meaning.
+/// A column that may still get a meaning.
 struct Candidate {
     place: usize,
     role: Option<Role>,
     why: &'static str,
-    /// Whether the column may still get a meaning. One that says what it is, and is not the first to do so, is left out.
+    /// Whether the column may still get a meaning. A column with a meaning that an earlier one has is left out.
     is_free: bool,
 }
 
@@ -174,11 +174,11 @@ impl Mapping {
         (mapping, kind)
     }
 
-    /// A guess from names, units and shapes, with the kind of input and a reason for each column: names first; then the
-    /// first column whose numbers rise evenly is the time; and of two columns without a meaning the first is the input and
-    /// the second the displacement. A column whose meaning another one has already is left out, and so is one that counts the rows
-    /// or whose name says that it is something else. Where a sensor says what it is, one other column is the input, but none of
-    /// several.
+    /// A guess from names, units and shapes, with the kind of input and a reason for each column: Names come first;
+    /// then the first column of evenly rising numbers is the time; and of two columns without a meaning the first is
+    /// the input and the second the displacement. It leaves out a column if another one already has its meaning, if it
+    /// counts the rows, or if its name says that it is something else. If a sensor's column has a name, a single other
+    /// column is the input; several others are not.
     pub fn guess_with_reasons(table: &Table) -> (Self, InputKind, Vec<ColumnGuess>) {
         let columns = &table.columns;
         let mut all = candidates(table);
@@ -192,7 +192,7 @@ impl Mapping {
         let has_sensor = has(&all, &|role| matches!(role, Role::Sensor(_)));
         if !has(&all, &|role| matches!(role, Role::Input(_))) {
             match free(&all) {
-                // Beside a sensor that says what it is, one of several columns is no better guess than another.
+                // With a named sensor and several other columns, none of these is a better guess than the others.
                 2.. if has_sensor => all.iter_mut().filter(|one| one.is_free).for_each(|one| one.why = SEVERAL),
                 1 if !has_sensor => {}
                 _ => {
@@ -249,7 +249,7 @@ fn candidates(table: &Table) -> Vec<Candidate> {
     let columns = &table.columns;
     let numeric = |place: &usize| !table.is_without_numbers(*place) && !is_truth(&columns[*place]);
     let mut all: Vec<Candidate> = Vec::new();
-    // A name that is the key of a quantity goes before one that has its word.
+    // A name that is the key of a quantity comes before one that contains its word.
     let is_key = |place: &usize| Quantity::from_key(&columns[*place].name).is_some();
     let (keys, others): (Vec<usize>, Vec<usize>) = (0..columns.len()).filter(numeric).partition(is_key);
     for place in keys.into_iter().chain(others) {

@@ -37,7 +37,7 @@ impl Length {
         })
     }
 
-    /// The unit that stands in place of one with metres in it; any other stays.
+    /// The unit with this length in place of metres; units without metres stay.
     pub fn in_place_of(self, unit: &'static str) -> &'static str {
         let place = match self {
             Self::Metre => return unit,

@@ -3,7 +3,7 @@
 use super::{Hash, ImportError, Reader, Table};
 use crate::in_slices::InSlices;
 
-/// The bytes that are hashed between two looks at the clock: about a millisecond.
+/// The bytes that are hashed between two checks of the clock: about a millisecond.
 const CHUNK: usize = 500_000;
 
 /// The share of the time that the hash takes.
@@ -18,7 +18,7 @@ pub struct Loaded {
     pub table: Table,
 }
 
-/// A file whose bytes are hashed and read, in the dialect that is found.
+/// Hashes a file's bytes and reads them, in the dialect that it finds.
 ///
 /// ```
 /// use kalmanscope_core::InSlices;
@@ -44,7 +44,7 @@ enum Stage {
 }
 
 impl Loading {
-    /// A file's bytes, before the first look at them.
+    /// A file's bytes, none of them read yet.
     pub fn new(bytes: Vec<u8>) -> Self {
         Self(Stage::Hashing(bytes, Hash::default(), 0))
     }

@@ -21,7 +21,7 @@ pub struct Mapping {
     /// The file's name. The command line looks for it beside the scenario.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub file: String,
-    /// A hash of the file's bytes ([`super::hash`]), to tell whether a file is the same; may be empty.
+    /// A hash of the file's bytes ([`super::hash`]), to recognise the same file; may be empty.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub hash: String,
     /// The file's form, where it is not to be found by looking.
@@ -47,7 +47,7 @@ pub struct Mapping {
     /// forward and backward, so that nothing is shifted. A lower limit of 0 makes it a low-pass.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub band: Option<[f64; 2]>,
-    /// Keep every so many samples, after a low-pass below the new Nyquist frequency.
+    /// Keep one of this many samples, after a low-pass below the new Nyquist frequency.
     #[serde(skip_serializing_if = "is_one")]
     pub every: usize,
     /// Put this many steps in place of one: the input is interpolated as a band-limited signal, measurements are
@@ -160,7 +160,7 @@ impl Offset {
 }
 
 impl MappedColumn {
-    /// A column as it is.
+    /// A column without conversion.
     pub fn new(column: impl Into<String>) -> Self {
         let (unit, gain, offset, delay, missing) = (String::new(), one(), Offset::default(), 0, None);
         Self { column: column.into(), unit, gain, offset, delay, missing }

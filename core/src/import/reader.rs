@@ -9,7 +9,7 @@ use super::{Dialect, Encoding, ImportError, Table};
 /// Limits the bytes that are looked at to find the dialect.
 const LOOK: usize = 65_536;
 
-/// The number of lines between two looks at the clock.
+/// The number of lines between two checks of the clock.
 const SLICE: usize = 256;
 
 /// A file that is being read.

@@ -33,7 +33,7 @@ pub(super) fn cells_without_readings(table: &Table, place: usize, mapped: &Mappe
     word.into_iter().chain(number).collect()
 }
 
-/// A sentence about a sensor whose readings do not differ.
+/// A sentence about a sensor with equal readings.
 pub(super) fn stillness(quantity: Quantity) -> String {
     format!("all readings of the {} are the same: there is no motion in them", quantity.name())
 }

@@ -20,7 +20,7 @@ pub(super) fn decimate(values: &mut Vec<f64>, every: usize) {
     keep_every(values, every);
 }
 
-/// Keeps every `every`-th value as it is.
+/// Keeps every `every`-th value unchanged.
 pub(super) fn keep_every(values: &mut Vec<f64>, every: usize) {
     let mut place = 0;
     values.retain(|_| {
@@ -29,8 +29,8 @@ pub(super) fn keep_every(values: &mut Vec<f64>, every: usize) {
     });
 }
 
-/// Puts `steps` steps in place of one, by a band-limited interpolation: a sinc under a Kaiser window. The values that there
-/// were stay as they are. All values must be finite.
+/// Puts `steps` steps in place of one, by a band-limited interpolation: a sinc under a Kaiser window. The original
+/// values stay unchanged. All values must be finite.
 ///
 /// Source: Smith and Gossett (1984), A flexible sampling-rate conversion method.
 pub(super) fn interpolate(values: &[f64], steps: usize) -> Vec<f64> {

@@ -22,7 +22,7 @@ pub(super) struct RowsReader {
     lines: Lines,
     short: Odd,
     long: Odd,
-    /// Numbers with thousands apart, and numbers that may have them, in a file whose first lines have none.
+    /// Numbers with thousands separators, and numbers that may have them, in a file without any in its first lines.
     grouped: Odd,
     doubtful: Odd,
 }
@@ -52,7 +52,8 @@ impl Odd {
 }
 
 impl RowsReader {
-    /// The columns of a table in a file of some length that begins with some lines: of known rows, or as its header tells.
+    /// The columns of a table in a file of some length that begins with some lines: those of known rows, or those of
+    /// its header.
     pub(super) fn new(
         dialect: Dialect,
         lines: &[&str],

@@ -1,4 +1,4 @@
-//! Samples at even times, of which some may be missing.
+//! Samples at even times; some may be missing.
 
 /// Samples without a value.
 pub(super) struct Missing {
@@ -45,7 +45,7 @@ pub(super) fn shift(values: &mut [f64], delay: i32) {
     }
 }
 
-/// The mean of the values that are there.
+/// The mean of the values that are not missing.
 pub(super) fn mean(values: &[f64]) -> f64 {
     let (sum, count) = values
         .iter()

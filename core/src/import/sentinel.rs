@@ -1,8 +1,8 @@
-//! Numbers that stand where a reading is missing, such as -9999.
+//! Numbers that mark a missing reading, such as -9999.
 
 use super::Table;
 
-/// A number that seems to stand where a reading is missing: it occurs several times, far from all others.
+/// A number that seems to mark missing readings: it occurs several times, far from all others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sentinel {
     /// The number.
@@ -15,7 +15,7 @@ pub struct Sentinel {
     pub is_usual: bool,
 }
 
-/// The distance to all other numbers, in their range, from which on a usual sentinel and another number are taken for one.
+/// The least distance of a sentinel from all other numbers, over their range: of a usual one and of any other number.
 const FAR: [f64; 2] = [3.0, 30.0];
 
 /// The fewest cells that have an unusual sentinel.
@@ -32,7 +32,7 @@ struct End {
 }
 
 impl Table {
-    /// The number in the column at a place that seems to stand where a reading is missing.
+    /// The number that seems to mark missing readings in the column at a place.
     pub fn sentinel(&self, place: usize) -> Option<Sentinel> {
         let values = &self.columns[place].values;
         let (low, high) = (end(values, 1.0)?, end(values, -1.0)?);

@@ -5,10 +5,10 @@ use super::number::{Decimal, Found};
 use super::table::{Column, Lines, free_name};
 use super::{Dialect, ImportError, Table};
 
-/// Reads the header of the next series: of all lines so far that are no numbers, the last of which may end it.
+/// Reads the header of the next series: from all lines so far that are no numbers. The last line may end it.
 pub(super) type Next = fn(&[String]) -> Option<Series>;
 
-/// A series, as its header tells of it.
+/// A series, as its header describes it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Series {
     pub(super) name: String,
@@ -21,7 +21,7 @@ pub(super) struct Series {
     pub(super) count: Option<usize>,
     /// The width of a number's field, if numbers may abut.
     pub(super) width: Option<usize>,
-    /// Whether a time stands before each value.
+    /// Whether a time comes before each value.
     pub(super) has_times: bool,
     /// The reason why it is no record.
     pub(super) no_record: Option<&'static str>,
@@ -140,7 +140,7 @@ impl SeriesReader {
                 return Err(ImportError::TooLong { found: (place.min(1e15) as usize).saturating_add(values.len()) });
             }
             let place = place as usize;
-            // A series of the same name that begins later goes on with it.
+            // A later series of the same name continues the column.
             let same = columns.iter_mut().find(|column| column.name == *name && column.values.len() <= place);
             let column = match same {
                 Some(column) => column,
@@ -175,7 +175,7 @@ impl SeriesReader {
     }
 }
 
-/// A column of times that a file tells of in its header.
+/// A column of times that the file's header describes.
 pub(super) fn time_column(values: Vec<f64>) -> Column {
     Column { name: "time".to_owned(), unit: Some("s".to_owned()), values, ..Column::default() }
 }

@@ -79,7 +79,7 @@ struct Form {
     thousands: bool,
 }
 
-/// The cells of a line: how many there are, of them numbers, and texts.
+/// The numbers of cells in a line: all, numbers, and texts.
 #[derive(Clone, Copy, Default)]
 struct Counts {
     cells: usize,
@@ -100,7 +100,7 @@ impl Form {
             if line.trim_start().starts_with(REMARKS) || line.trim().is_empty() {
                 return Counts::default();
             }
-            // A comma cannot be both, but for cells in quotes.
+            // A comma cannot be both, except with cells in quotes.
             if delimiter == Delimiter::Comma && decimal == Decimal::Comma && !line.contains('"') {
                 return Counts::default();
             }

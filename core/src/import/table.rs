@@ -51,7 +51,7 @@ pub struct TextCell {
 }
 
 impl Column {
-    /// A column of numbers, with the name and unit of its header; `unit` is that which the file tells apart from it.
+    /// A column of numbers, with the name and unit of its header; `unit` is the one that the file gives separately.
     pub fn of_header(header: &str, unit: Option<&str>, values: Vec<f64>) -> Self {
         let (name, own) = name_and_unit(header);
         Self { name, unit: unit.map(str::to_owned).or(own), values, ..Self::default() }

@@ -23,7 +23,7 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
     }
     let size = match unit(text) {
         Some((Dimension::Time, size)) => size,
-        // Times of day and dates are in seconds, whatever their header calls them.
+        // Times of day and dates are in seconds, even if their header names another unit.
         _ if text.trim().is_empty() || column.is_time_of_day || column.is_dated => 1.0,
         known => {
             remarks.push(format!("`{text}` is no known unit of time: the times are taken for seconds"));
@@ -51,7 +51,7 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
 
 /// A question about times without a unit that are far apart for a measured motion.
 pub(super) fn question(column: &Column, text: &str, dt: f64) -> Option<String> {
-    // Times of day and dates tell their unit.
+    // Times of day and dates have a known unit.
     let is_told = !text.trim().is_empty() || column.is_time_of_day || column.is_dated;
     (!is_told && dt >= SLOW).then(|| {
         let (name, rate) = (&column.name, 1.0 / dt);

@@ -3,7 +3,7 @@
 use super::ImportError;
 use super::limits::{FEWEST, MOST};
 
-/// Times may be off by at most this share of the step before anything is said.
+/// Limits the error of times without a remark, as a share of the step.
 const EXACT: f64 = 0.01;
 /// Times belong to a sample if they are off by at most this share of the step.
 const CLOSE: f64 = 0.5;

@@ -3,7 +3,7 @@
 use super::{INVERSE_FACTORIAL, ImpulseResponse, doublings};
 use crate::linalg::{Matrix, copy, fit, multiply};
 
-/// `Φ = exp(A dt)` and the integrals that take what is constant, or linear in time, to its effect after `dt`.
+/// `Φ = exp(A dt)` and the integrals that give the effect, after `dt`, of an input that is constant or linear in time.
 #[derive(Clone, Debug)]
 pub struct Integrals {
     /// Φ, n × n.
@@ -41,7 +41,7 @@ impl Default for Integrals {
 /// Γ₂(2t) = Γ₂ + t Γ₁ + Φ Γ₂,  Γ₁(2t) = Γ₁ + Φ Γ₁
 /// ```
 ///
-/// A Taylor series of Γ₂, or of Γ₁ where no slope is asked for, over a step so short that its terms exhaust double precision,
+/// A Taylor series of Γ₂, or of Γ₁ if no slope is wanted, over a step so short that its terms exhaust double precision,
 /// then doubled.
 ///
 /// Source: Moler and Van Loan (2003), Nineteen dubious ways to compute the exponential of a matrix, method 3; Van Loan
@@ -54,7 +54,7 @@ pub fn exponential_integrals(a: &Matrix, dt: f64) -> Integrals {
 }
 
 impl Integrals {
-    /// [`exponential_integrals`] in place of what it holds, Γ₂ only `with_slope`.
+    /// [`exponential_integrals`], written over `self`; Γ₂ only `with_slope`.
     pub fn compute(&mut self, a: &Matrix, dt: f64, with_slope: bool) {
         let n = a.nrows();
         for matrix in [&mut self.transition, &mut self.constant, &mut self.slope] {

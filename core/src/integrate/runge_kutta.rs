@@ -23,8 +23,8 @@ pub struct RungeKutta {
 }
 
 impl RungeKutta {
-    /// [`runge_kutta`] in place of a state, whose first `moving` components move; `rate` writes their rates in a state into
-    /// the slice.
+    /// [`runge_kutta`] of a state, in place. Its first `moving` components move; `rate` writes their rates into the
+    /// slice.
     pub fn advance(&mut self, state: &mut [f64], moving: usize, dt: f64, rate: impl Fn(f64, &[f64], &mut [f64])) {
         let Self { stage, rates } = self;
         stage.clear();

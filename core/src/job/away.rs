@@ -1,12 +1,12 @@
-//! Filters of a job that are computed elsewhere, for a caller with other processors.
+//! Filters of a job that the caller computes on other processors.
 
 use super::Job;
 use crate::tape::Tape;
 use crate::{Record, Study, cost};
 
 impl Job {
-    /// Leaves the changed filters that take longer than this \[s\] on an ordinary processor to the caller, and returns their
-    /// places. The job goes on with the others. There are none where the record is not kept as a whole.
+    /// Leaves the changed filters that would take longer than `seconds` on an ordinary processor to the caller, and
+    /// returns their places. The job goes on with the others. Empty if the job does not keep the whole record.
     pub fn leave_long(&mut self, seconds: f64) -> Vec<usize> {
         let Self { revision, goal, stage, .. } = self;
         let is_whole = *goal == revision.samples() && *stage == *goal;
@@ -18,7 +18,7 @@ impl Job {
         places
     }
 
-    /// The whole record, once it is there. `study` is the study that the job was made for.
+    /// The whole record, once it is complete. `study` is the study that the job was made for.
     pub fn whole_record<'a>(&'a self, study: &'a Study) -> Option<&'a Record> {
         let revision = &self.revision;
         let is_there = revision.recorded().is_none_or(|recorded| recorded >= revision.samples());

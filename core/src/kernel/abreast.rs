@@ -1,5 +1,5 @@
-//! The tuned filter of an oscillator as plain numbers, and any one step of it: for programs that run many filters side by
-//! side and leave to it the steps that are special.
+//! The tuned filter of an oscillator as plain numbers, and a single step of it. Programs that run many filters side by
+//! side call it for the steps that they cannot do.
 
 use super::estimator::{initial_belief, noise, readings, serves};
 use super::gaussian::Gaussian;
@@ -27,16 +27,16 @@ pub enum Method {
     SigmaPoints,
 }
 
-/// The plants that have such a filter: oscillators whose state `[x, v, parameters]` has N components.
+/// The plants that have such a filter: oscillators with the state `[x, v, parameters]` of N components.
 pub trait Oscillator<const N: usize>: Model<N> {
     /// The plant.
     const PLANT: PlantKind;
 
-    /// The model whose parameters decay at the rate `eta` \[1/s\].
+    /// The model; its parameters decay at the rate `eta` \[1/s\].
     fn with_decay(eta: f64) -> Self;
 
-    /// [`OscillatorFilter::step`]. Each plant has its own here, so that a program has the filter once: another crate's
-    /// call of a generic function would compile the filter again.
+    /// [`OscillatorFilter::step`]. Each plant implements it here, so that the filter is compiled once: another crate's
+    /// call of a generic function would compile it again.
     ///
     /// # Errors
     /// Those of [`Filter::predict`] and [`Filter::update`].
@@ -74,7 +74,7 @@ macro_rules! oscillator {
 oscillator!(Sdof, 4, PlantKind::SDOF);
 oscillator!(Duffing, 5, PlantKind::DUFFING);
 
-/// A filter of an oscillator, the linear one if none is named, before its first sample.
+/// A filter of an oscillator, by default the linear one, before its first sample.
 #[derive(Clone, Debug)]
 pub struct OscillatorFilter<P = Sdof, const N: usize = 4> {
     /// The plant, with η \[1/s\].
@@ -100,7 +100,7 @@ impl<P: Oscillator<N>, const N: usize> OscillatorFilter<P, N> {
     /// does not jump, has one guess, propagates by local linearisation and can begin.
     ///
     /// # Errors
-    /// Those of [`Pass::new`](crate::Pass::new), but for filters of other plants, which it does not look at.
+    /// Those of [`Pass::new`](crate::Pass::new), except for filters of other plants, which give `None`.
     pub fn new(scenario: &Scenario, place: usize, record: &Record) -> Result<Option<Self>, RunError> {
         let settings = scenario.filters.get(place).ok_or(RunError::NoFilter(place))?;
         if settings.plant.unwrap_or(scenario.plant.kind) != P::PLANT {
@@ -181,7 +181,7 @@ fn step_of<P: Oscillator<N>, B: Belief<LogParameters<P>, N>, const N: usize>(
     correction: &mut Correction<N>,
 ) -> Result<Gaussian<N>, FilterError> {
     let OscillatorFilter { plant, noise, dt, outputs, .. } = filter;
-    // The type that runs have, so that the program has the filter once.
+    // Uses the same type as runs, so that the filter is compiled once.
     let model = LogParameters { plant: plant.clone(), on: false };
     let mut filter = Filter::new(model, start, *dt, noise.clone(), outputs.clone(), Adaptation::default());
     filter.predict(before)?;

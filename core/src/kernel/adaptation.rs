@@ -1,4 +1,4 @@
-//! Noise that a filter learns from its own innovations: the tuned twin.
+//! Noise that a filter learns from its own innovations: the tuned version.
 
 use super::observation::Active;
 use super::{Correction, MAX_SENSORS, Noise};
@@ -28,7 +28,7 @@ impl Adaptation {
         }
     }
 
-    /// Learns R. It depends on no length that differs between filters, so that the program has it once.
+    /// Learns R. Its type depends on no length that differs between filters, so that it is compiled once.
     fn adapt_sensors(
         &self,
         measured: &[Active],
@@ -36,7 +36,7 @@ impl Adaptation {
         innovation_cov: &[Readings; MAX_SENSORS],
         variances: &mut [f64],
     ) {
-        // Sensors without a measurement have a row of their own.
+        // Sensors without a measurement keep a row of the identity.
         let mut cov = Matrix::<MAX_SENSORS, MAX_SENSORS>::identity();
         let mut innovations = Vector::<MAX_SENSORS>::zeros();
         for (i, row) in measured.iter().enumerate() {

@@ -8,8 +8,8 @@ use crate::kernel::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::kernel::model::Model;
 use crate::random::Normal;
 
-/// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain of
-/// the ensemble's own covariances, as if its sensors had read what they read and a draw of R.
+/// The ensemble Kalman filter: every member moves by a Runge-Kutta step and a draw of Q, and is corrected with the gain
+/// of the ensemble's own covariances, as if its sensors had read their values plus a draw of R.
 ///
 /// Draws are centred, so that they move no mean. Fading stretches the ensemble about its mean.
 ///
@@ -110,7 +110,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Ensemble<N> {
     }
 }
 
-/// The mean, taken about the first so that what does not vary is its own mean to the last bit.
+/// The mean, taken about the first member, so that the mean of equal values is that value to the last bit.
 fn mean<const N: usize>(sample: &[Vector<N>]) -> Vector<N> {
     let sum: Vector<N> = sample.iter().map(|x| x - sample[0]).sum();
     sample[0] + sum / sample.len() as f64

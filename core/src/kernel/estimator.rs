@@ -11,7 +11,7 @@ use crate::random::{Normal, Purpose};
 use crate::sink::{AssumedNoise, Sample, Sink};
 use crate::{Estimates, FilterError, FilterKind, FilterSettings, Quantity, Values};
 
-/// A filter and what its last measurement told.
+/// A filter and the result of its last measurement update.
 struct Followed<P, B, const N: usize> {
     filter: Filter<P, B, N>,
     correction: Correction<N>,
@@ -19,7 +19,7 @@ struct Followed<P, B, const N: usize> {
 
 impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, N> {
     fn begin(&self, sink: &mut dyn Sink) -> Result<(), FilterError> {
-        // An update sees to it that a belief is finite, but nothing has yet looked at an initial one.
+        // An update checks that a belief is finite; nothing has checked the initial one.
         if !self.filter.noise().is_finite() || !self.filter.belief().gaussian().is_finite() {
             return Err(FilterError::TooLarge);
         }
@@ -42,7 +42,7 @@ impl<P: Model<N>, B: Belief<P, N>, const N: usize> Estimator for Followed<P, B, 
     }
 }
 
-/// Writes a sample down in the channels' units.
+/// Writes a sample to the sink, in the channels' units.
 fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     filter: &Filter<P, B, N>,
     correction: &Correction<N>,
@@ -60,23 +60,23 @@ fn report<P: Model<N>, B: Belief<P, N>, const N: usize>(
     told.push_in_units(filter.model(), sink)
 }
 
-/// A belief and what its last measurement told; of no type that depends on the filter, so that the program writes it down
-/// in one way for all of a size.
+/// A belief and the result of its last measurement update. Its type does not depend on the filter, so that the code
+/// that writes it to the sink is compiled once per size.
 #[derive(Clone, Copy)]
 struct Told<'a, const N: usize> {
     belief: &'a Gaussian<N>,
-    /// The belief before the update, where the sink wants it.
+    /// The belief before the update, if the sink wants it.
     prior: Option<&'a Gaussian<N>>,
     correction: &'a Correction<N>,
     /// The number of sensors.
     sensors: usize,
-    /// The noise, where it is learnt.
+    /// The noise, if it is learnt.
     noise: Option<&'a Noise<N>>,
     has_widened: bool,
 }
 
 impl<const N: usize> Told<'_, N> {
-    /// Writes it down for a model whose state is in other units than the channels'.
+    /// Writes it to the sink, converted from the model's units to the channels'.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`] where a number in the channels' units is not finite.
@@ -97,8 +97,8 @@ impl<const N: usize> Told<'_, N> {
         Ok(())
     }
 
-    /// Writes it down. In a history, with lengths that the compiler knows for the usual numbers of sensors: to copy a number
-    /// is not worth a call. A page leaves that out, to be smaller.
+    /// Writes it to the sink. For a history and the usual numbers of sensors, the compiler knows the lengths, so that a
+    /// copy needs no call. The page leaves these versions out, to be smaller.
     fn push(self, sink: &mut dyn Sink) {
         let Self { belief, prior, correction, sensors: m, noise, has_widened } = self;
         let process;
@@ -213,7 +213,7 @@ impl Build<'_> {
     ) -> Box<dyn Estimator> {
         match belief {
             Ok(belief) => self.filter(model, belief),
-            // At the beginning there is but a diagonal, and what its root may lack is numbers.
+            // The initial covariance is diagonal: its root can fail only through a number that is not finite.
             Err(FilterError::NotFinite) => Box::new(Failed(FilterError::TooLarge)),
             Err(error) => Box::new(Failed(error)),
         }
@@ -241,14 +241,14 @@ pub(crate) fn build_filter<P: Model<N>, B: Belief<P, N>, const N: usize>(
     Filter::new(model, belief, context.dt, noise, readings(settings, context), settings.adaptation)
 }
 
-/// What each sensor reads of the filter's model, if the model knows it.
+/// The reading of each sensor in the filter's model, if the model has it.
 pub(super) fn readings(settings: &FilterSettings, context: &FilterContext<'_>) -> Vec<Option<Output>> {
     let model = context.model(settings);
     context.sensors.iter().map(|&quantity| model.reading(quantity).as_ref().and_then(Output::of)).collect()
 }
 
-/// Lets a visitor work with the model that a filter with these settings has, if a kernel serves it: a common plant without
-/// augmentations, under an input that is held, and sensors that each read one component or its rate.
+/// Calls a visitor with the model of a filter with these settings, if a kernel serves it. The plant must be a common
+/// one without augmentations, the input held, and each sensor must read one component or its rate.
 pub(crate) fn with_model<V: Visitor>(
     settings: &FilterSettings,
     context: &FilterContext<'_>,
@@ -285,7 +285,7 @@ pub(crate) fn noise<P: Model<N>, const N: usize>(model: &P, settings: &FilterSet
     }
 }
 
-/// Standard deviations of a model's components; those that the filter knows have none.
+/// Standard deviations of a model's components; zero for those that the filter knows.
 fn spread<P: Model<N>, const N: usize>(settings: &FilterSettings, std: &Values) -> Vector<N> {
     Vector::from(P::CHANNELS.map(|c| if settings.knows(c) { 0.0 } else { std[c] }))
 }

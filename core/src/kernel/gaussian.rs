@@ -32,7 +32,7 @@ impl<const N: usize> Gaussian<N> {
 
     /// Whether every number of it is finite.
     pub fn is_finite(&self) -> bool {
-        // A sum is finite only if all its terms are, short of an overflow, which is as bad.
+        // A sum is finite only if all its terms are. A sum that overflows counts as not finite too.
         let mut sum = self.mean;
         for j in 0..N {
             sum += self.cov.column(j);
@@ -52,9 +52,9 @@ fn with_inverse(pivot: f64) -> (f64, f64) {
     (pivot, 1.0 / pivot)
 }
 
-/// The pivot that follows the one in column `j`, and its inverse, from the determinant of both. That does not wait for the
-/// inverse of the first: two divisions take the time of one. `None` where there is no next column, where the determinant
-/// is not positive, and where it leaves the range of numbers.
+/// The pivot that follows the one in column `j`, and its inverse, from the determinant of both. It does not need the
+/// inverse of the first, so that two divisions take the time of one. `None` if there is no next column, or if the
+/// determinant is not positive or leaves the range of numbers.
 #[inline]
 fn next_pivot<const N: usize>(columns: &Matrix<N, N>, j: usize, pivot: f64, inverse: f64) -> Option<(f64, f64)> {
     if j + 1 == N {

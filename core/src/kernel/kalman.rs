@@ -1,4 +1,4 @@
-//! The update of a Gaussian belief, whichever way the measurement was expected.
+//! The update of a Gaussian belief, for linearised and sigma-point predictions of the measurement alike.
 
 use super::observation::{Active, Observation};
 use super::{Correction, FilterError, Noise};
@@ -16,9 +16,9 @@ pub(super) struct Expected<const N: usize, const M: usize> {
 
 /// The dependence of measurements on the state.
 pub(super) enum View<const N: usize, const M: usize> {
-    /// Linearly, or taken to: H.
+    /// Linear, or linearised: H.
     Linear(Matrix<M, N>),
-    /// Not linearly.
+    /// Not linear.
     Curved,
 }
 
@@ -55,8 +55,8 @@ pub(super) fn condition<const N: usize, const M: usize>(
     Ok(())
 }
 
-/// [`condition`] on sensors that read components of the state: H picks, it does not multiply. In one piece, so that what
-/// the sensors are expected to read need not be written down in between.
+/// [`condition`] on sensors that read components of the state: H selects entries, so that no product with H is needed.
+/// One function, so that the expected readings need not be stored in between.
 ///
 /// # Errors
 /// Those of [`condition`].
@@ -73,7 +73,7 @@ pub(super) fn condition_on_components<const N: usize, const M: usize>(
     let components = &components[..observation.count()];
     for (row, &i) in components.iter().enumerate() {
         innovation[row] -= belief.mean[i];
-        // A row, not the same column: reading it number by number does not wait for pairs to be written.
+        // Reads a row, not the equal column: single reads need not wait for writes of pairs.
         for k in 0..N {
             cross[(k, row)] = belief.cov[(i, k)];
         }
@@ -87,14 +87,14 @@ pub(super) fn condition_on_components<const N: usize, const M: usize>(
     let gain = factor.divide(&cross);
 
     belief.mean += gain * innovation;
-    // Picked columns of `P - K (P Hᵀ)ᵀ`, computed again rather than fetched.
+    // Computes the selected columns of `P - K (P Hᵀ)ᵀ` again: that is faster than fetching them.
     belief.cov = joseph(&belief.cov, &gain, &cross, observation, |_| minus_product(cross, &gain, &seen));
     check(belief)?;
     report(observation.measured(), &innovation, &innovation_cov, &factor, &gain, correction);
     Ok(())
 }
 
-/// Whether a belief can be one.
+/// Checks that the numbers of a belief are valid.
 ///
 /// # Errors
 /// [`FilterError::NotFinite`] and [`FilterError::IndefiniteCovariance`].
@@ -109,7 +109,7 @@ pub(super) fn check<const N: usize>(belief: &Gaussian<N>) -> Result<(), FilterEr
     Ok(())
 }
 
-/// The factor of S, of which the first `count` rows are those of measurements.
+/// The factor of S. Its first `count` rows belong to measurements.
 ///
 /// # Errors
 /// [`FilterError::NotFinite`], [`FilterError::SingularInnovation`] and [`FilterError::IndefiniteInnovation`].
@@ -127,7 +127,7 @@ fn why_no_factor<const M: usize>(innovation_cov: &Matrix<M, M>) -> FilterError {
     }
 }
 
-/// Writes down what a measurement told, each sensor in its place.
+/// Writes the result of an update to `correction`, each sensor in its place.
 #[inline]
 pub(super) fn report<const N: usize, const M: usize>(
     measured: &[Active],
@@ -174,8 +174,7 @@ fn joseph<const N: usize, const M: usize>(
     mirrored(minus_product(kept, &excess, gain))
 }
 
-/// `λ P + Q` of a covariance with at least its lower triangle; a variance that is zero but for rounding may have come out on
-/// the wrong side.
+/// `λ P + Q` of a covariance with at least its lower triangle; a variance that rounding made negative becomes zero.
 #[inline(always)]
 pub(super) fn spread<const N: usize>(mut cov: Matrix<N, N>, noise: &Noise<N>) -> Matrix<N, N> {
     for j in 0..N {

@@ -50,7 +50,7 @@ fn runge_kutta_transition<P: Model<N>, const N: usize>(
 /// A Gaussian that moves and is measured as if plant and sensors were linear around its mean.
 ///
 /// With `iterations` of more than one the update is a Gauss-Newton descent to the most probable state, each step
-/// linearising the sensors anew where the last has led:
+/// linearising the sensors again at the result of the last:
 ///
 /// ```text
 /// yᵢ₊₁ = y⁻ + Kᵢ (z - h(yᵢ) - Hᵢ (y⁻ - yᵢ)),  y₀ = y⁻
@@ -68,7 +68,7 @@ pub struct Linearised<const N: usize> {
 }
 
 impl<const N: usize> Linearised<N> {
-    /// Puts the belief elsewhere, as uncertain as it is.
+    /// Replaces the mean and keeps the covariance.
     pub(crate) fn move_to(&mut self, mean: Vector<N>) {
         self.belief.mean = mean;
     }
@@ -153,7 +153,7 @@ fn congruence<const N: usize>(motion: usize, transition: &Matrix<N, N>, cov: &Ma
     result
 }
 
-/// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, where not every sensor reads a component of the state.
+/// `h(y⁻)`, `S = H P⁻ Hᵀ + R` and `P⁻ Hᵀ`, for sensors that do not all read a component of the state.
 fn expect<P: Model<N>, const N: usize, const M: usize>(
     model: &P,
     belief: &Gaussian<N>,

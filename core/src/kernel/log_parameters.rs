@@ -5,7 +5,7 @@ use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::kernel::model::{Model, one_by_one};
 use crate::kernel::propagation::{runge_kutta, shared_exp_and_integral};
 
-/// A plant whose state has, if `on`, `ln θ` in place of every parameter θ that cannot be negative
+/// A plant with, if `on`, `ln θ` in its state in place of every parameter θ that cannot be negative
 /// ([`Channel::is_positive`]), so that no estimate is.
 ///
 /// ```text
@@ -18,8 +18,8 @@ use crate::kernel::propagation::{runge_kutta, shared_exp_and_integral};
 pub struct LogParameters<P> {
     /// The plant itself.
     pub plant: P,
-    /// Whether there are logarithms. A choice while running, and not a type of its own: filters over every plant are most
-    /// of the program, and need not be there twice.
+    /// Whether there are logarithms. This is a run-time choice, not a type: filters over every plant are most of the
+    /// program, and a type would double them.
     pub on: bool,
 }
 
@@ -42,7 +42,7 @@ impl<P> LogParameters<P> {
 }
 
 impl<P> LogParameters<P> {
-    /// [`Model::linearised_step`] with logarithms; apart, so that the step without them stays short.
+    /// [`Model::linearised_step`] with logarithms, in a function of its own, so that the step without them stays short.
     #[inline(never)]
     fn log_step<const N: usize>(&self, state: &Vector<N>, force: f64, dt: f64) -> (Vector<N>, Matrix<N, N>)
     where

@@ -5,7 +5,7 @@ use crate::kernel::gaussian::{Gaussian, Matrix, Vector};
 use crate::kernel::propagation::{exp_and_integral, runge_kutta};
 use crate::model::Reading;
 
-/// Where a sensor's quantity stands in the model.
+/// The place of a sensor's quantity in the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
     /// A component of the state.
@@ -15,7 +15,7 @@ pub enum Output {
 }
 
 impl Output {
-    /// Where a reading of a model's state stands, if that is one component or its rate.
+    /// The place of a reading, if it is one component of the state or its rate.
     pub fn of(reading: &Reading) -> Option<Self> {
         reading.component().map(Self::State).or_else(|| reading.rate_component().map(Self::Rate))
     }
@@ -25,8 +25,8 @@ impl Output {
 pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
     /// The channel of each component: motion first, then the parameters.
     const CHANNELS: [Channel; N];
-    /// The number of components that move. Those after them are parameters: each is constant or decays in proportion to itself,
-    /// whatever the others do.
+    /// The number of components that move. Those after them are parameters: each is constant or decays in proportion to
+    /// itself, independent of the others.
     const MOTION: usize;
 
     /// `g(y, f)`, with the force over mass `force` \[m/s²\]; each component in its unit per second.
@@ -56,15 +56,15 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
         runge_kutta(state, dt, |y| self.rate(y, force))
     }
 
-    /// [`Self::runge_kutta_step`] of several states, one a row. A plant whose step has no branches can take it for all of
-    /// them at once, component by component, which the compiler turns into vector instructions.
+    /// [`Self::runge_kutta_step`] of several states, one a row. A plant with a step without branches can override this
+    /// and step all states at once, component by component: the compiler makes vector instructions of that.
     #[inline]
     fn runge_kutta_steps<const B: usize>(&self, states: &Matrix<B, N>, force: f64, dt: f64) -> Matrix<B, N> {
         one_by_one(states, |state| self.runge_kutta_step(&state, force, dt))
     }
 
-    /// `Γ = dt φ₁(A dt)` for a plant that is linear as long as its parameters are held: then `y + Γ g(y, f)` is its exact
-    /// response. The truth of such a plant has no other error than rounding.
+    /// `Γ = dt φ₁(A dt)` for a plant that is linear as long as its parameters are held: then `y + Γ g(y, f)` is its
+    /// exact response. The truth of such a plant has only rounding errors.
     fn exact_integral(&self, _state: &Vector<N>, _dt: f64) -> Option<Matrix<N, N>> {
         None
     }
@@ -74,18 +74,19 @@ pub trait Model<const N: usize>: Clone + Send + Sync + 'static {
         true
     }
 
-    /// The belief in the channels' units, and what a unit of each component is in them.
+    /// The belief in the channels' units, and the size of each component's unit in its channel's unit.
     fn to_units(&self, belief: &Gaussian<N>) -> (Gaussian<N>, Vector<N>) {
         (belief.clone(), Vector::repeat(1.0))
     }
 
-    /// The state's components for values in the channels' units, and what a unit of each channel is in the state's.
+    /// The state's components for values in the channels' units, and the size of each channel's unit in the state's
+    /// unit.
     fn to_state(&self, values: &Vector<N>) -> (Vector<N>, Vector<N>) {
         (*values, Vector::repeat(1.0))
     }
 }
 
-/// The images of several states, one a row.
+/// The states after `step`, one a row.
 #[inline]
 pub(crate) fn one_by_one<const N: usize, const B: usize>(
     states: &Matrix<B, N>,

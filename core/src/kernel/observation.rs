@@ -38,19 +38,20 @@ impl<const M: usize> Observation<M> {
         })
     }
 
-    /// The number of measurements. Only observations of [`MAX_SENSORS`] rows are padded: for the others the compiler knows it.
+    /// The number of measurements. Only observations of [`MAX_SENSORS`] rows are padded; for the others it is a
+    /// constant.
     #[inline]
     pub(super) fn count(&self) -> usize {
         if M < MAX_SENSORS { M } else { self.count }
     }
 
-    /// Those that are measurements.
+    /// The measurements, without the padding.
     #[inline]
     pub(super) fn measured(&self) -> &[Active] {
         &self.active[..self.count()]
     }
 
-    /// Which component of the state each sensor reads, if they all read one.
+    /// The component of the state that each sensor reads, if every sensor reads one.
     #[inline]
     pub(super) fn components(&self) -> Option<[usize; M]> {
         let mut components = [0; M];
@@ -78,7 +79,7 @@ mod tests {
     use crate::kernel::plant::{ALL, Visitor, visit};
     use crate::kernel::{Belief, Correction, Filter, Linearised, Noise, SigmaPoints};
 
-    /// A belief whose observations are padded.
+    /// A belief with padded observations.
     struct Padded<B>(B);
 
     impl<P: Model<N>, B: Belief<P, N>, const N: usize> Belief<P, N> for Padded<B> {

@@ -8,10 +8,10 @@ use crate::kernel::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::kernel::model::Model;
 use crate::random::Normal;
 
-/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is weighted by the
-/// likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles, they are resampled
-/// systematically and spread by a normal kernel, without which parameters that do not change would soon be left with a
-/// single value. Fading stretches the sample about its mean.
+/// The regularised bootstrap particle filter: every particle moves by a Runge-Kutta step and a draw of Q, and is
+/// weighted by the likelihood of the measurement. Once the effective sample size `1/Σwᵢ²` is below half the particles,
+/// they are resampled systematically and spread by a normal kernel, without the kernel, constant parameters would soon
+/// have a single value left. Fading stretches the sample about its mean.
 ///
 /// Innovation, S and gain are those of a Gaussian with the sample's moments, for diagnostics; the log likelihood is the
 /// particles' own.
@@ -67,8 +67,8 @@ impl<const N: usize> Particles<N> {
         Ok(())
     }
 
-    /// Draws as many particles anew, each as often as its weight says, give or take one, and moves each by a draw from a
-    /// kernel, so that copies part. Drawing them together first leaves mean and covariance as they were.
+    /// Resamples: copies each particle in proportion to its weight, within one copy, and moves each copy by a draw from
+    /// a kernel, so that copies separate. Shrinking the particles towards their mean first keeps mean and covariance.
     fn resample(&mut self) {
         let Gaussian { mean, cov } = self.moments();
         let Self { particles, weights, normal, .. } = self;
@@ -86,7 +86,7 @@ impl<const N: usize> Particles<N> {
         }
         let square = bandwidth_square::<N>(count);
         let kept = (1.0 - square).sqrt();
-        // A sample so thin that rounding gives its covariance no root stays as it is drawn.
+        // If rounding makes the covariance of a thin sample indefinite, the particles stay where they were drawn.
         if let Ok(root) = lower_root(&(cov * square)) {
             for particle in &mut drawn {
                 *particle = mean + (*particle - mean) * kept + root * standard(normal);
@@ -117,7 +117,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
 
     fn predict(&mut self, model: &P, force: f64, dt: f64, noise: &Noise<N>) -> Result<(), FilterError> {
         self.origin = None;
-        // A particle that runs away is no explanation of anything and loses its weight.
+        // A diverged particle explains no measurement and loses its weight.
         let mut lost = false;
         for (particle, weight) in self.particles.iter_mut().zip(&mut self.weights) {
             let next = model.runge_kutta_step(particle, force, dt);
@@ -150,13 +150,13 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for Particles<N> {
         }
         observation.add_noise(&mut innovation_cov);
         if observation.active.iter().any(|sensor| sensor.variance == 0.0) {
-            // Not even a particle that reads the very value has a likelihood then.
+            // With a variance of zero, no particle has a finite likelihood.
             return Err(FilterError::SingularInnovation);
         }
         let factor = factor(&innovation_cov, M)?;
         let gain = factor.divide(&cross);
         if !gain.sum().is_finite() {
-            // It moves no particle, so that no other number would tell.
+            // The gain moves no particle here, so that nothing after this would report the error.
             return Err(FilterError::NotFinite);
         }
         let innovation = observation.values - reading_mean;
@@ -196,7 +196,7 @@ impl<const N: usize> Particles<N> {
                 -0.5 * (0..M).map(square).sum::<f64>()
             })
             .collect();
-        // Relative to the best, lest all underflow.
+        // Relative to the best, so that not all underflow.
         let best = log_likelihoods.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         for (weight, log_likelihood) in self.weights.iter_mut().zip(&log_likelihoods) {
             *weight *= libm::exp(log_likelihood - best);
@@ -222,7 +222,7 @@ fn bandwidth_square<const N: usize>(count: usize) -> f64 {
     libm::pow(4.0 / ((n + 2.0) * count as f64), 2.0 / (n + 4.0)).min(1.0)
 }
 
-/// The weighted mean, taken about the first so that what does not vary is its own mean to the last bit.
+/// The weighted mean, taken about the first particle, so that the mean of equal values is that value to the last bit.
 fn weighted_mean<const N: usize>(sample: &[Vector<N>], weights: &[f64]) -> Vector<N> {
     let sum: Vector<N> = sample.iter().zip(weights).map(|(x, weight)| (x - sample[0]) * *weight).sum();
     sample[0] + sum

@@ -1,4 +1,4 @@
-//! The common plants, one a file, and the one place where a plant becomes a model of a size that the compiler knows.
+//! The common plants, one per file, and the only place where a plant becomes a model of a size known to the compiler.
 
 pub mod bouc_wen;
 pub mod duffing;
@@ -25,14 +25,14 @@ pub(crate) const ALL: [PlantKind; 6] = [
     PlantKind::SHEAR_4,
 ];
 
-/// Something to be done with a model, whatever its type and size.
+/// A function of a model of any type and size.
 pub(crate) trait Visitor {
     type Output;
 
     fn visit<P: Model<N>, const N: usize>(self, model: P) -> Self::Output;
 }
 
-/// Lets the visitor work with the model of a plant whose parameters decay at the rate `eta` \[1/s\], if it has a kernel.
+/// Calls the visitor with the model of a plant, if it has a kernel. Its parameters decay at the rate `eta` \[1/s\].
 pub(crate) fn visit<V: Visitor>(kind: PlantKind, eta: f64, visitor: V) -> Option<V::Output> {
     Some(match kind {
         _ if kind == PlantKind::SDOF => visitor.visit(Sdof { eta }),
@@ -45,7 +45,7 @@ pub(crate) fn visit<V: Visitor>(kind: PlantKind, eta: f64, visitor: V) -> Option
     })
 }
 
-/// As [`visit`], with the logarithms of the positive parameters in the state instead of themselves if so wished.
+/// As [`visit`], with the logarithms of the positive parameters in the state if `log`.
 pub(crate) fn visit_log<V: Visitor>(kind: PlantKind, eta: f64, log: bool, visitor: V) -> Option<V::Output> {
     struct WithLogarithms<V>(V, bool);
     impl<V: Visitor> Visitor for WithLogarithms<V> {

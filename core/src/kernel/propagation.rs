@@ -30,7 +30,7 @@ pub fn exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N,
     let m = a * dt;
     let square = m * m;
     if norm(&square) <= 0.05 {
-        // Σ mⁿ/(n+1)!, whose terms fall with the norm of the square: twelve are enough. Three powers at a time.
+        // Σ mⁿ/(n+1)!: its terms fall with the norm of the square, so that twelve are enough. Three powers at a time.
         let cube = square * m;
         let triple = |first: usize| {
             let [c0, c1, c2] = [0, 1, 2].map(|n| INVERSE_FACTORIAL[first + n + 1]);
@@ -44,7 +44,7 @@ pub fn exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N,
         return (identity + a * integral, integral);
     }
     let doublings = doublings(norm(&m));
-    // A power of two: what is scaled by it is not rounded.
+    // A power of two: scaling by it rounds nothing.
     let scale = 1.0 / libm::exp2(f64::from(doublings));
     let (m, square, short) = (m * scale, square * (scale * scale), dt * scale);
     // Four powers at a time: six products of matrices, not fifteen.

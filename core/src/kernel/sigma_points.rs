@@ -6,10 +6,10 @@
 //! ```
 //!
 //! Means and covariances are taken about the centre's image: in exact arithmetic that is the weighted sum of the
-//! textbooks, in floating point it leaves a component that does not vary exactly where it is.
+//! textbooks, in floating point it leaves a constant component exactly as it is.
 //!
-//! A prediction sums over pairs `d± = c (bᵢ ± aᵢ)` instead, which halves the work: what is linear in its distance from the
-//! mean, as parameters are, has no `b`. Since `2W c² = 1`, the `aᵢ` are the columns of a root.
+//! A prediction sums over pairs `d± = c (bᵢ ± aᵢ)` instead, which halves the work: components that are linear in the
+//! distance from the mean, such as parameters, have no `b`. Since `2W c² = 1`, the `aᵢ` are the columns of a root.
 //!
 //! ```text
 //! s = Σ bᵢ / c,  cov = Σ (aᵢ aᵢᵀ + bᵢ bᵢᵀ) + o s sᵀ
@@ -23,7 +23,7 @@ use crate::filter::{FilterError, Rule};
 use crate::kernel::gaussian::{Gaussian, Matrix, Vector, lower_root};
 use crate::kernel::model::Model;
 
-/// A Gaussian that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn afresh for the
+/// A Gaussian that moves and is measured by sigma points, each moved by one Runge-Kutta step, and drawn again for the
 /// measurement.
 #[derive(Clone, Debug)]
 pub struct SigmaPoints<const N: usize> {
@@ -47,7 +47,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
         let (spread, _, offset) = rule.constants(N);
         let distance = spread.sqrt();
         let mut root = lower_root(&belief.cov)?;
-        // Points are rows, so that what is done to one component of all of them is done to a column.
+        // Points are rows, so that one component of all points is a column, contiguous in memory.
         let [mut high, mut low] = [Matrix::<N, N>::zeros(); 2];
         for j in 0..N {
             for i in 0..N {
@@ -106,7 +106,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     ) -> Result<(), FilterError> {
         let Self { belief, rule } = self;
         if let Some(components) = observation.components() {
-            // Sigma points through a linear function give its exact moments, which this gives for less.
+            // For a linear function, sigma points give its exact moments; this computes the same with less work.
             return kalman::condition_on_components(belief, components, observation, correction);
         }
         let expected = expect(model, belief, *rule, observation)?;
@@ -119,7 +119,7 @@ impl<P: Model<N>, const N: usize> Belief<P, N> for SigmaPoints<N> {
     }
 }
 
-/// The predicted measurements, from sigma points drawn afresh from the prediction.
+/// The predicted measurements, from sigma points drawn again from the prediction.
 fn expect<P: Model<N>, const N: usize, const M: usize>(
     model: &P,
     belief: &Gaussian<N>,

@@ -10,9 +10,9 @@ use crate::kernel::model::{Model, Output};
 
 /// A Gaussian held as mean and lower triangular root L of its covariance `L Lᵀ`, which no rounding can make indefinite.
 ///
-/// With the unscented rule every covariance is a sum of squares, so that roots are only ever added to, and never
-/// subtracted from. Sums over pairs of points (as in [`super::SigmaPoints`]) make arrays that Householder reflections bring to
-/// triangles, first those of the parts b and s, which only moving components and accelerometers have:
+/// With the unscented rule every covariance is a sum of squares, so that a root is only ever updated by addition. Sums
+/// over pairs of points (as in [`super::SigmaPoints`]) make arrays that Householder reflections bring to triangles,
+/// first those of the parts b and s, which only moving components and accelerometers have:
 ///
 /// ```text
 /// [√Q, √λ b, √λ s, √λ a] · Householder = [L⁻, 0],  columns of a and b a pair of points each
@@ -38,18 +38,19 @@ impl<const N: usize> SquareRoot<N> {
         Ok(Self { mean: belief.mean, root: lower_root(&belief.cov)? })
     }
 
-    /// Whether the belief can be one.
+    /// Checks that the numbers of the belief are valid.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`].
     fn check(&self) -> Result<(), FilterError> {
-        // No covariance is larger than both its variances.
+        // No covariance is larger than the larger of its two variances.
         let variances: f64 = self.root.data.0.as_flattened().iter().map(|l| l * l).sum();
         if (self.mean.sum() + variances).is_finite() { Ok(()) } else { Err(FilterError::NotFinite) }
     }
 }
 
-/// The square roots of a diagonal Q, or `None` where it is another matrix, as an adaptive filter's is, or has none.
+/// The square roots of a diagonal Q. `None` if Q is not diagonal, as in an adaptive filter, or has an entry without a
+/// root.
 #[inline]
 fn diagonal_root<const N: usize>(process: &Matrix<N, N>) -> Option<Vector<N>> {
     let diagonal = process.diagonal();
@@ -66,8 +67,7 @@ fn add_process<const N: usize>(root: &mut Matrix<N, N>, process: &Matrix<N, N>) 
     Ok(())
 }
 
-/// Images of the mean and of pairs of points, one a row, so that an operation on one component of all of them is one on a
-/// column.
+/// The mean and the pairs of points after a step, one a row, so that one component of all points is a column.
 struct Pairs<const N: usize> {
     centre: Vector<N>,
     high: Matrix<N, N>,
@@ -319,7 +319,7 @@ mod tests {
     #[test]
     fn a_full_process_noise_is_added_too() {
         let learns = Adaptation { process_noise: true, ..Adaptation::default() };
-        // The last component has no variance, and what an adaptive filter learns is zero there too.
+        // The last component has no variance, and an adaptive filter learns zero for it too.
         let outputs = vec![Some(Output::State(0)), Some(Output::State(1))];
         let off = visit(PlantKind::SDOF, 0.0, Difference(outputs, learns)).expect("the plant has a kernel");
         assert!(off < 1e-9, "{off}");

@@ -2,7 +2,7 @@
 
 use super::Matrix;
 
-/// Makes of the lower triangular root `L`, n × n, that of `L Lᵀ + d dᵀ`. What is left of d is of no meaning.
+/// Replaces the lower triangular root `L`, n × n, by that of `L Lᵀ + d dᵀ`. Overwrites d.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 6.5.4.
 pub fn add_to_root(root: &mut Matrix, d: &mut [f64]) {
@@ -16,8 +16,8 @@ pub fn add_to_root(root: &mut Matrix, d: &mut [f64]) {
     }
 }
 
-/// Rotates the number `added` into `kept`, so that nothing is left of it: cosine and sine of the rotation. None where there
-/// is nothing to rotate, or where `kept` becomes infinite.
+/// Rotates the number `added` into `kept`, so that it becomes zero. Returns cosine and sine of the rotation. `None` if
+/// there is nothing to rotate, or `kept` becomes infinite.
 pub fn rotation(kept: &mut f64, added: f64) -> Option<(f64, f64)> {
     if added == 0.0 {
         return None;
@@ -27,7 +27,7 @@ pub fn rotation(kept: &mut f64, added: f64) -> Option<(f64, f64)> {
         return None;
     }
     if length == f64::INFINITY {
-        // Its quotients would be zeros, and a number that is too large to square would vanish without a word.
+        // The quotients would be zero, and the overflow would go unnoticed.
         *kept = length;
         return None;
     }

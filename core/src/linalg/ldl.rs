@@ -28,7 +28,7 @@ impl Ldl {
         factor.refactor(s).then_some(factor)
     }
 
-    /// [`Self::new`] in place of what it holds. Returns whether the matrix is positive definite: if not, the factor is of no
+    /// [`Self::new`], written over `self`. Returns whether the matrix is positive definite: if not, the factor is of no
     /// meaning.
     pub fn refactor(&mut self, s: &Matrix) -> bool {
         self.eliminate(s, |pivot, _| pivot > 0.0 && (1.0 / pivot).is_normal());
@@ -44,7 +44,7 @@ impl Ldl {
         factor
     }
 
-    /// Eliminates column by column; leaves a column out whose pivot does not count beside the variance that it began as.
+    /// Eliminates column by column. Skips a column if `counts` rejects its pivot against its original variance.
     fn eliminate(&mut self, s: &Matrix, counts: impl Fn(f64, f64) -> bool) {
         let Self { lower: rest, inverse_pivots, determinant } = self;
         let m = s.nrows();

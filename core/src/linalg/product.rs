@@ -1,4 +1,4 @@
-//! Products of matrices, written into memory that is there already.
+//! Products of matrices, written into memory that is already allocated.
 
 use super::{Matrix, fit};
 

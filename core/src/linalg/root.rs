@@ -28,10 +28,10 @@ pub fn lower_root(s: &Matrix) -> Result<Matrix, RootError> {
     Ok(root)
 }
 
-/// [`lower_root`] in place of what `root` holds.
+/// [`lower_root`], written over `root`.
 ///
 /// # Errors
-/// As [`lower_root`]; `root` is of no meaning then.
+/// As [`lower_root`]; `root` is then meaningless.
 pub fn lower_root_into(root: &mut Matrix, s: &Matrix) -> Result<(), RootError> {
     let n = s.nrows();
     fit(root, n, n);

@@ -14,7 +14,7 @@ pub struct Reading {
     rates: Vec<(usize, f64)>,
     /// The factor of the ground's acceleration.
     ground: f64,
-    /// The component that it reads as it is, if it reads one alone.
+    /// The component, if the reading is one component with the factor 1 and nothing else.
     component: Option<usize>,
 }
 
@@ -40,7 +40,7 @@ impl Model {
         Some(reading)
     }
 
-    /// `h(y, f)`: what a perfect sensor reads, in its quantity's unit.
+    /// `h(y, f)`: the reading of a perfect sensor, in its quantity's unit.
     pub fn read(&self, reading: &Reading, state: &[f64], force: f64) -> f64 {
         self.read_disturbed(reading, state, force, 0.0)
     }
@@ -54,7 +54,7 @@ impl Model {
         self.read_moving(reading, state, rate.as_slice(), force)
     }
 
-    /// [`Self::read`] in a state that moves at this rate, which only readings of rates look at.
+    /// [`Self::read`] in a state that moves at this rate; only readings of rates use it.
     pub fn read_moving(&self, reading: &Reading, state: &[f64], rate: &[f64], force: f64) -> f64 {
         let Reading { state: components, rates, ground, .. } = reading;
         let mut sum: f64 = components.iter().map(|&(place, factor)| factor * state[place]).sum();
@@ -74,8 +74,7 @@ impl Model {
         gradient
     }
 
-    /// `∂h/∂y` where A is `jacobian`, which only readings of rates look at: adds every part of it that is not zero to its
-    /// place.
+    /// Adds the non-zero parts of `∂h/∂y` to their places. A is `jacobian`; only readings of rates use it.
     pub fn read_gradient_into(
         &self,
         reading: &Reading,
@@ -107,7 +106,7 @@ impl Reading {
         &self.state
     }
 
-    /// Components whose rates it reads, with their factors.
+    /// Components of the rate that it reads, with their factors.
     pub fn rates(&self) -> &[(usize, f64)] {
         &self.rates
     }
@@ -117,13 +116,13 @@ impl Reading {
         self.ground
     }
 
-    /// The component that it reads as it is, if it reads one alone.
+    /// The component, if the reading is one component with the factor 1 and nothing else.
     #[inline(always)]
     pub fn component(&self) -> Option<usize> {
         self.component
     }
 
-    /// The component whose rate it reads as it is, if it reads that alone.
+    /// The component, if the reading is its rate with the factor 1 and nothing else.
     pub fn rate_component(&self) -> Option<usize> {
         match (&self.state[..], &self.rates[..], self.ground) {
             ([], &[(place, 1.0)], 0.0) => Some(place),

@@ -22,7 +22,7 @@ pub(crate) struct Revision {
     kept: Vec<Option<usize>>,
     /// The places of the changed filters, from the cheapest step to the costliest.
     order: Vec<usize>,
-    /// The places of the changed filters that are computed elsewhere.
+    /// The places of the changed filters that the caller computes.
     away: Vec<usize>,
     is_of_everything: bool,
 }
@@ -114,12 +114,12 @@ impl Revision {
         self.bank.passes[place].done()
     }
 
-    /// Leaves the filters at these places to be computed elsewhere.
+    /// Leaves the filters at these places to the caller.
     pub(crate) fn leave(&mut self, places: Vec<usize>) {
         self.away = places;
     }
 
-    /// Takes in the next samples of a filter that is computed elsewhere. Returns false if they are not its own.
+    /// Takes in the next samples of a filter that the caller computes. Returns false if they are not its own.
     pub(crate) fn take(&mut self, place: usize, tape: &Tape) -> bool {
         self.away.contains(&place) && self.bank.take(place, tape, self.samples)
     }

@@ -20,13 +20,13 @@ pub struct Outcome {
     pub stop: Option<Stop>,
     /// Whether the filter has stopped or lost the truth ([`Scores::diverged`](super::Scores::diverged)).
     pub diverged: bool,
-    /// The accuracy of each channel whose truth is known, in the filter's order.
+    /// The accuracy of each channel with a known truth, in the filter's order.
     pub channels: Vec<(Channel, ChannelScore)>,
     /// The last mean of every channel, in its unit; NaN where there is no sample.
     pub mean: Vec<f64>,
     /// The last standard deviation of every channel, in its unit; NaN where there is no sample.
     pub std: Vec<f64>,
-    /// The filter at the samples that were asked for, as far as it came.
+    /// The filter at the wanted samples, up to the last one that it reached.
     pub looks: Vec<Look>,
 }
 
@@ -57,7 +57,7 @@ pub struct ChannelSums {
 }
 
 impl ChannelSums {
-    /// The accuracy over this many samples; `None` where the truth is not known.
+    /// The accuracy over this many samples. `None` if the truth is not known.
     pub fn score(&self, samples: usize) -> Option<ChannelScore> {
         let Self { total, settled, error, std, .. } = *self;
         (total.known > 0).then(|| ChannelScore {

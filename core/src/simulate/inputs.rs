@@ -1,4 +1,4 @@
-//! The input of a truth, as far back and ahead as it is needed.
+//! The input of a truth, kept as far back and drawn as far ahead as needed.
 
 use std::collections::VecDeque;
 
@@ -29,7 +29,8 @@ impl Inputs {
         self.kept[k - self.first]
     }
 
-    /// The input `delay` samples before sample `k`, or after it where that is negative; the first one stands before it.
+    /// The input `delay` samples before sample `k`, or after it if that is negative. Before the record the first input
+    /// holds.
     pub(super) fn delayed(&mut self, k: usize, delay: i32) -> f64 {
         let steps = delay.unsigned_abs() as usize;
         self.at(if delay < 0 { k + steps } else { k.saturating_sub(steps) })

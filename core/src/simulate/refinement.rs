@@ -10,7 +10,7 @@ use crate::model::Model;
 /// minute.
 const ACCURACY: f64 = 3e-12;
 
-/// A plant whose integration fails has diverged if it is this many times as far as ever before.
+/// After a failed integration, the plant counts as diverged if its state is this many times as large as ever before.
 const RUNAWAY: f64 = 100.0;
 
 /// Limits the times that the steps of one sample are halved.

@@ -49,7 +49,8 @@ pub(super) struct Ambient {
 }
 
 impl Ambient {
-    /// Those of a suggestion that has no noise yet, for a record without an input. `None` where no oscillator is seen.
+    /// The start values for a record without an input, from a suggestion without noise. `None` if the spectrum shows no
+    /// oscillator.
     pub(super) fn new(mut suggestion: Suggestion, record: &mut Record) -> Option<Self> {
         let left_out = suggestion.felt_twice();
         left_out.iter().for_each(|quantity| suggestion.scenario.remove_sensor(*quantity));
@@ -97,9 +98,9 @@ impl Ambient {
 }
 
 impl Suggestion {
-    /// The accelerometers beside a displacement or a velocity. Either tells ωₙ and ζ of an oscillator under an unknown force as
-    /// well as both do. Together they also tell the course of the force between samples, which is none that a filter could
-    /// take it to have: an error of that course, or of the accelerometer's delay, then passes for one of ζ.
+    /// The accelerometers beside a displacement or a velocity. One sensor gives ωₙ and ζ of an oscillator under an
+    /// unknown force as well as both do. Together they also show the force's course between samples, which no filter
+    /// can model exactly: an error of that course, or of the accelerometer's delay, then looks like an error of ζ.
     fn felt_twice(&mut self) -> Vec<Quantity> {
         let sensors = || self.scenario.sensors.iter().map(|sensor| sensor.measures);
         let is_other = sensors().any(|quantity| order(quantity) < 2);
@@ -114,8 +115,8 @@ impl Suggestion {
         left_out
     }
 
-    /// The start values of filters that take a white force for the cause of the motion, and the first guess of its size.
-    /// `None` where no filter has a frequency, or the spectrum tells none.
+    /// The start values of filters that assume a white force as the input, and the first guess of its size. `None` if
+    /// no filter has a frequency, or the spectrum shows none.
     fn ambient(&mut self, record: &mut Record) -> Option<Sizes> {
         if !self.has_frequency() {
             return None;
@@ -127,7 +128,7 @@ impl Suggestion {
         let noises = self.scenario.sensors.iter().enumerate().map(|(place, sensor)| {
             let measured = record.measured_quantity(sensor.measures)?;
             let (_, std) = moments(measured);
-            // An accelerometer feels the force at high frequencies, all other sensors but their noise.
+            // At high frequencies an accelerometer reads the force; all other sensors read only noise.
             let own = || if sensor.measures == quantity { Some(noise) } else { None };
             let fitted = || own().or_else(|| Some(ambient_fit(record, sensor.measures, measured, band)?.noise));
             let noise = if order(sensor.measures) < 2 { None } else { fitted() };
@@ -146,12 +147,12 @@ impl Suggestion {
                 rounded(edge / std::f64::consts::TAU)
             ));
         }
-        // A force that nobody records is on both sides of each sample.
+        // An unrecorded force acts on both sides of each sample.
         Some(Sizes { force, noise, hold: Hold::First })
     }
 
-    /// Lets the filters begin with ωₙ and ζ as sure as the spectrum tells them. An accelerometer that feels the force it is to be
-    /// told from hardly limits x: where R or the course of the force is not quite right, ζ would go far astray.
+    /// Sets the initial σ of ωₙ and ζ to the errors of the spectrum's fit. An accelerometer also reads the unknown
+    /// force, so that it hardly limits x: with a small error in R or in the force's course, ζ would go far wrong.
     fn keep_to_spectrum(&mut self, fit: &AmbientFit) {
         let AmbientFit { natural_frequency, damping_ratio, errors, .. } = *fit;
         for filter in self.filters() {

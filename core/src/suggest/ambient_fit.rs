@@ -1,4 +1,4 @@
-//! An oscillator under a white force that nobody records, fitted to the spectrum of one sensor.
+//! An oscillator under an unrecorded white force, fitted to the spectrum of one sensor.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -31,7 +31,7 @@ const HIGHEST: f64 = 0.8;
 const LAST: f64 = 0.97;
 /// The number of parts of the spectrum that are looked at for an edge.
 const PARTS: usize = 50;
-/// Limits the share of a white force's power that is left in each part beyond an edge, and the number of these parts from below.
+/// Limits the share of a white force's power in each part beyond an edge; and the least number of these parts.
 const LOW: (f64, usize) = (0.6, 3);
 /// The frequencies at least.
 const LEAST: usize = 16;
@@ -47,8 +47,8 @@ const WINDOW: [f64; 7] = [0.0096, 0.0834, 0.2403, 0.3334, 0.2403, 0.0834, 0.0096
 /// X = sinc(ω dt / 2) / (ωₙ² - ω² + 2iζωₙω),  G = X, iωX or 1 - ωₙ² X - 2ζωₙ iωX
 /// ```
 ///
-/// with the measured power P, for displacement, velocity and acceleration, smeared by the window as P is. `None` where there
-/// is no such peak.
+/// with the measured power P, for displacement, velocity and acceleration, smeared by the window as P is. `None` if
+/// there is no such peak.
 ///
 /// Source: Whittle (1953), Estimation and information in stationary time series; Brincker and Ventura (2015), *Introduction
 /// to Operational Modal Analysis*.
@@ -112,7 +112,7 @@ struct Lines<'a> {
     line: f64,
     /// Time between samples \[s\].
     dt: f64,
-    /// The number of times that a displacement is differentiated to give what is measured.
+    /// The number of times that a displacement is differentiated to give the measured quantity.
     order: i32,
     powers: &'a [f64],
 }

@@ -1,13 +1,13 @@
 //! The search for the most likely sizes of several noises.
 
-/// Tries factors on several sizes in turn, first large ones, and keeps those that are likelier: it goes as far as the
-/// likelihood rises.
+/// Tries factors on several sizes in turn, first large ones, and keeps those that are likelier: it goes on in a
+/// direction while the likelihood rises.
 #[derive(Clone, Debug)]
 pub(super) struct Climb {
     /// The best factors so far, and their log likelihood.
     best: Vec<f64>,
     likelihood: f64,
-    /// The place in [`FACTORS`], the size whose turn it is, and whether it is made smaller.
+    /// The place in [`FACTORS`], the size that is tried now, and whether it is made smaller.
     round: usize,
     size: usize,
     is_down: bool,
@@ -27,13 +27,13 @@ const MOST: usize = 48;
 const FAR: f64 = 1e9;
 
 impl Climb {
-    /// Before the first trial, which is of the sizes as they are.
+    /// Before the first trial, which leaves the sizes unchanged.
     pub(super) fn new(sizes: usize) -> Self {
         let best = vec![1.0; sizes];
         Self { best, likelihood: f64::NEG_INFINITY, round: 0, size: 0, is_down: false, has_moved: false, trials: 0 }
     }
 
-    /// The factors of the next trial; none once nothing is left to try.
+    /// The factors of the next trial. `None` if nothing is left to try.
     pub(super) fn next(&self) -> Option<Vec<f64>> {
         if self.trials == 0 {
             return Some(self.best.clone());

@@ -4,7 +4,7 @@ use super::{Suggestion, moments};
 use crate::import::Offset;
 use crate::{Channel, Record};
 
-/// A mean of the input is an offset if it is this many times what chance makes of it.
+/// A mean of the input counts as an offset if it is this many times its standard error.
 const CERTAIN: f64 = 4.0;
 
 /// A mean of a sensor's readings is an offset if it is larger than this share of their spread.
@@ -20,7 +20,7 @@ impl Suggestion {
         let Some(mapping) = &mut self.scenario.record else { return };
         let mut removed = Vec::new();
         let (mean, std) = moments(record.input());
-        // The mean of a random force is not zero either, and what it does to the displacement is motion.
+        // A random force has a small mean too, and its effect on the displacement is motion.
         let chance = std / libm::sqrt(record.len().max(1) as f64);
         if let Some(input) = mapping.input.as_mut().filter(|input| input.offset == Offset::default())
             && mean.abs() > CERTAIN * chance
@@ -45,8 +45,8 @@ impl Suggestion {
         }
     }
 
-    /// The same for a record without a mapping, which stays as it is: the filters know the offsets instead, and hold them
-    /// constant.
+    /// The same for a record without a mapping, which stays unchanged: instead the filters get the offsets as known
+    /// constants.
     fn expect_means(&mut self, record: &mut Record) {
         let mut expected = Vec::new();
         let (mean, std) = moments(record.input());

@@ -17,13 +17,13 @@ pub(super) struct Decay {
     pub(super) damping_ratio: f64,
     /// The amplitude of the readings where they are largest, in the sensor's unit.
     pub(super) amplitude: f64,
-    /// Whether it leaves nothing but noise, so that no force is left to look for.
+    /// Whether it leaves only noise, so that there is no force to look for.
     pub(super) is_all: bool,
 }
 
 /// Limits the samples that are fitted.
 const MOST: usize = 16_384;
-/// Limits the samples of a first look from below.
+/// The least number of samples of a first fit.
 const SHORTEST: usize = 64;
 /// The largest share of the power in the first time constants that a decay leaves unexplained.
 const UNEXPLAINED: f64 = 0.5;
@@ -42,9 +42,9 @@ const STEPS: usize = 40;
 /// y = exp(-σt) (a cos ω_d t + b sin ω_d t) + c,  ωₙ² = ω_d² + σ²,  ζ = σ / ωₙ
 /// ```
 ///
-/// It is that of displacement, velocity and acceleration alike. The descent begins at the highest frequency of the first 64,
-/// 128, … samples, since a light and a strong damping show in long and short ones. `None` where no decay explains the readings,
-/// as where an unknown force goes on.
+/// Displacement, velocity and acceleration have this form alike. The descent begins at the highest frequency of the
+/// first 64, 128, … samples, since light damping shows in long parts and strong damping in short ones. `None` if no
+/// decay explains the readings, for example because an unknown force goes on.
 ///
 /// Source: Levenberg (1944), A method for the solution of certain non-linear problems in least squares; Ewins (2000), *Modal
 /// Testing*, section 4.4 (time domain).

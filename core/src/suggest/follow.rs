@@ -5,7 +5,7 @@ use crate::{FreeRun, Identified, Record, Run, Running, Scenario, Sensor};
 /// The samples that the free run covers.
 const FREE: usize = 16_384;
 
-/// The samples of a trial between two looks at the clock.
+/// The samples of a trial between two checks of the clock.
 const CHUNK: usize = 200;
 
 /// Runs a trial on the first samples of a record. `None` while it is under way, `Some(None)` where it is impossible.
@@ -31,8 +31,9 @@ pub(super) fn follow(
     Some(trial.take())
 }
 
-/// Runs a trial, then its final model freely over the same samples, with the model's error for each of the scenario's
-/// sensors. `None` while it is under way, `Some(None)` where it is impossible; a trial whose filter has stopped then remains.
+/// Runs a trial, then a free run of its final model over the same samples. Returns both, with the model's error for
+/// each of the scenario's sensors. `None` while the trial is under way; `Some(None)` if it is impossible. If the filter
+/// has stopped, `trial` then keeps its run.
 #[expect(clippy::option_option, reason = "a trial is under way, impossible or done")]
 pub(super) fn follow_freely(
     trial: &mut Option<Run>,
@@ -82,7 +83,7 @@ pub(super) fn likelihood(run: &Run) -> Option<f64> {
     sum.is_finite().then_some(sum)
 }
 
-/// The size of the innovations over what the filter expects: 1 where they agree.
+/// The size of the innovations over their expected size: 1 for a consistent filter.
 pub(super) fn surprise(run: &Run) -> f64 {
     let Some(estimates) = run.estimates().first() else { return 1.0 };
     // The filter finds its parameters in the first half.

@@ -10,7 +10,7 @@ const MOST: usize = 1 << 18;
 const THERE: f64 = 0.75;
 /// The process noise of the filter, as a share of the motion's size a step.
 const SHARE: f64 = 1e-3;
-/// The largest innovations of a filter that is worth to be believed, as a share of the readings' size.
+/// Limits the innovations of a filter with usable predictions, as a share of the readings' size.
 const KNOWN: f64 = 0.5;
 
 /// The places of a record's lost readings, sensor by sensor.
@@ -30,21 +30,21 @@ impl Lost {
         (record.len() <= MOST && lost.iter().any(|lost| !lost.is_empty())).then_some(Self(lost))
     }
 
-    /// The share of a sensor's readings that are there.
+    /// The share of a sensor's readings that are not lost.
     pub(super) fn there(&self, sensor: usize, samples: usize) -> f64 {
         let lost = self.0.get(sensor).map_or(0, Vec::len);
         1.0 - lost as f64 / samples.max(1) as f64
     }
 
-    /// Loses them again.
+    /// Sets the lost readings to NaN again.
     pub(super) fn lose(&self, record: &mut Record) {
         for (sensor, lost) in self.0.iter().enumerate() {
             lost.iter().for_each(|&k| record.measured_mut(sensor)[k] = f64::NAN);
         }
     }
 
-    /// The raw record with what the first filter of a run over its conditioned form expects in place of what is lost; none
-    /// where the filter does not know the motion.
+    /// The raw record with each lost reading replaced by the prediction of the first filter in a run over the
+    /// conditioned record. `None` if that filter does not follow the motion.
     pub(super) fn filled(&self, run: &Run, raw: &Record) -> Option<Record> {
         let (scenario, record) = (run.scenario(), run.record());
         let (settings, estimates) = (scenario.filters.first()?, run.estimates().first()?);

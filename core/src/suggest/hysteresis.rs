@@ -6,8 +6,8 @@ use crate::{Channel, FilterSettings, InputKind, PlantKind};
 /// Share of the load that the spring keeps after yielding, to begin with.
 const POST_YIELD: (f64, f64) = (0.5, 0.25);
 
-/// Start values for a filter whose plant is one of Bouc and Wen: the spring is about to yield where the motion is large, at
-/// twice its root mean square `displacement` \[m\], one way or the other. Returns whether the plant is one.
+/// Start values for a filter with a Bouc-Wen plant: the spring yields at a large motion, at about twice the root mean
+/// square `displacement` \[m\]. Returns false for another plant.
 pub(super) fn start(filter: &mut FilterSettings, truth: PlantKind, input: InputKind, displacement: f64) -> bool {
     let model = filter.model(truth, input);
     let shapes = [

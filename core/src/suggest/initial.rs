@@ -13,7 +13,7 @@ impl Suggestion {
         let hertz = rounded(wn / std::f64::consts::TAU);
         self.reasons.push(format!("guess of ωₙ: {wn} rad/s ({hertz} Hz) and of ζ: {zeta}, {reason}"));
         for (channel, value) in [(Channel::NATURAL_FREQUENCY, wn), (Channel::DAMPING_RATIO, zeta)] {
-            // The truth of a measured record is not known: this is what a simulation in its place begins with.
+            // The truth of a measured record is not known: these values are for a simulation in its place.
             if self.scenario.plant.parameter(channel).is_some() {
                 self.scenario.plant.set(channel, Signal::Constant(value));
             }
@@ -73,9 +73,9 @@ impl Suggestion {
         }
     }
 
-    /// A gain that is far from 1 goes into the mapping; the filters estimate what is left of it.
+    /// Puts a gain that is far from 1 into the mapping; the filters estimate the rest of it.
     fn gain(&mut self, record: &mut Record, gain: Option<f64>) {
-        // What the fit leaves to the gain may be what the equation has besides an oscillator.
+        // The fitted gain may include terms of the equation that an oscillator lacks.
         let gain = gain.filter(|_| self.own_parameters().is_none());
         let Some(gain) = gain.filter(|gain| gain.is_finite() && *gain != 0.0) else { return };
         if (gain - 1.0).abs() < 0.02 {
@@ -99,7 +99,7 @@ impl Suggestion {
             }
             let mean = if is_mapped { 1.0 } else { gain };
             if !is_mapped && filter.augment.contains(&Channel::INPUT_OFFSET) {
-                // The offset is that of the true input, whose gain is not yet known well.
+                // The offset belongs to the true input; its gain is not yet known well.
                 let offset = mean * filter.initial_mean[Channel::INPUT_OFFSET];
                 filter.initial_mean[Channel::INPUT_OFFSET] = offset;
                 filter.initial_std[Channel::INPUT_OFFSET] = rounded(0.2 * offset.abs());

@@ -55,10 +55,10 @@ fn power(h: (f64, f64)) -> f64 {
 /// H(ω) = g w(ω) / (ωₙ² - ω² + 2iζωₙω)
 /// ```
 ///
-/// as a displacement, with w of the hold: `exp(-iωΔt/2) sinc(ωΔt/2)`, or `sinc²(ωΔt/2)` of a linear input. `None` where
-/// the input does not explain the measurements. Only frequencies count at which the input has power, and which `band`
-/// \[Hz\] has left. The fit begins at each of three peaks: of the response, of the measured power that the input explains,
-/// and of the spectrum. The one that explains most of the measured power is taken.
+/// as a displacement, with w of the hold: `exp(-iωΔt/2) sinc(ωΔt/2)`, or `sinc²(ωΔt/2)` for a linear input. `None` if
+/// the input does not explain the measurements. Only frequencies count at which the input has power, within `band`
+/// \[Hz\]. The fit begins at each of three peaks: of the response, of the measured power that the input explains, and
+/// of the spectrum. The one that explains most of the measured power is taken.
 ///
 /// Source: Levy (1959), Complex-curve fitting; Sanathanan and Koerner (1963), Transfer function synthesis as a ratio of two
 /// complex polynomials.

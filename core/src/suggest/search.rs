@@ -1,5 +1,5 @@
-//! Start values of an equation's own parameters: a filter begins from points all over their ranges, and goes on from where the
-//! likeliest has ended.
+//! Start values of an equation's own parameters: a filter begins from points all over their ranges, and goes on from
+//! the end of the likeliest run.
 
 use super::follow::{first_alone, likelihood};
 use super::response::{free_response, order};
@@ -11,16 +11,16 @@ use crate::{Aspect, Channel, FilterKind, Quantity, Record, Run, Scenario, Signal
 /// The points for each parameter, and for all of them at most.
 const POINTS: (usize, usize) = (10, 48);
 
-/// The times that the filter goes on from where the likeliest has ended.
+/// The number of times that the filter goes on from the end of the likeliest run.
 const AGAIN: usize = 4;
 
 /// The motion's process noise per step in a trial, as a share of its size: a parameter that is wrong must not stop the filter.
 const SHARE: f64 = 1e-3;
 
-/// The parameters that spectra tell of a linear oscillator.
+/// The parameters of a linear oscillator that spectra give.
 const TOLD: [Channel; 2] = [Channel::NATURAL_FREQUENCY, Channel::DAMPING_RATIO];
 
-/// Numbers whose square roots spread points evenly in as many directions.
+/// Prime numbers; their square roots spread points evenly in as many dimensions.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
 /// The trials of start values for the parameters of an equation.
@@ -41,8 +41,8 @@ struct Best {
 }
 
 impl Search {
-    /// That of a suggestion whose first filter has an equation with parameters that the spectra do not tell. The others are then
-    /// searched around what the spectra tell.
+    /// The search for a suggestion, if its first filter has an equation with parameters that the spectra cannot give.
+    /// The other parameters are searched around the spectra's values.
     pub(super) fn of(suggestion: &Suggestion) -> Option<Self> {
         let (equation, channels) = suggestion.own_parameters()?;
         let filter = suggestion.scenario.filters.first()?;
@@ -161,7 +161,7 @@ impl Search {
         for (&channel, (mean, std)) in channels.iter().zip(ends) {
             let (mean, std) = (rounded(mean), rounded((0.2 * mean.abs()).max(3.0 * std)));
             told.push(format!("{} {mean} {}", channel.symbol(), channel.unit()).trim_end().to_owned());
-            // The truth of a measured record is not known: this is what a simulation in its place begins with.
+            // The truth of a measured record is not known: these values are for a simulation in its place.
             if suggestion.scenario.plant.parameter(channel).is_some() {
                 suggestion.scenario.plant.set(channel, Signal::Constant(mean));
             }
@@ -179,7 +179,7 @@ impl Search {
 }
 
 impl Suggestion {
-    /// The equation of the first filter and its parameters, where some of them are none that spectra tell.
+    /// The equation of the first filter and its parameters, if spectra cannot give all of them.
     pub(super) fn own_parameters(&self) -> Option<(&'static Equation, Vec<Channel>)> {
         let kind = self.scenario.filters.first()?.plant.unwrap_or(self.scenario.plant.kind);
         let equation = kind.own_equation()?;

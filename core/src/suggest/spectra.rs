@@ -10,7 +10,7 @@ use crate::sorting::sort_numbers;
 pub(super) const SHORT: usize = 256;
 /// Limits the length of a window for a resonance.
 pub(super) const LONG: usize = 8192;
-/// Limits the length of a window from below.
+/// The least length of a window.
 const SHORTEST: usize = 32;
 /// The number of windows at least, which overlap by half.
 const WINDOWS: usize = 7;
@@ -28,7 +28,7 @@ const THERE: f64 = 0.75;
 pub(super) enum Gaps {
     /// Take windows between the gaps, shorter ones where need be: the noise at high frequencies is that of the sensor alone.
     Avoid,
-    /// Fill short gaps by a line and long ones by the mean, and scale what is left: a resonance needs long windows.
+    /// Fill short gaps by a line and long ones by the mean, and scale up the rest: a resonance needs long windows.
     Fill,
 }
 
@@ -45,9 +45,9 @@ pub(super) struct Spectra {
 }
 
 impl Spectra {
-    /// Spectra of a record's force and of one of its measurements over windows of at most `longest` samples; `None` where
-    /// too few samples are measured. Measurements between which samples are empty by an interpolation are taken at their
-    /// own rate.
+    /// Spectra of a record's force and of one of its measurements over windows of at most `longest` samples. `None` if
+    /// too few samples are measured. If an interpolation left samples between measurements empty, the measurements are
+    /// taken at their own rate.
     ///
     /// Source: Welch (1967), The use of fast Fourier transform for the estimation of power spectra; Bendat and Piersol
     /// (2010), *Random Data*, chapter 6.
@@ -84,7 +84,7 @@ impl Spectra {
         Some(spectra)
     }
 
-    /// The mean over windows that begin at these samples; `None` where too few of them are measured.
+    /// The mean over windows that begin at these samples. `None` if too few of them are measured.
     fn over(input: &[f64], output: &[f64], begins: &[usize], length: usize, dt: f64) -> Option<Self> {
         let weights: Vec<f64> =
             (0..length).map(|k| libm::sin(PI * (k as f64 + 0.5) / length as f64)).map(|w| w * w).collect();
@@ -106,7 +106,7 @@ impl Spectra {
                 continue;
             }
             let (input_mean, output_mean) = (input.iter().sum::<f64>() / length as f64, sum / f64::from(count));
-            // What is missing is left out, and the rest counts for it.
+            // Missing samples are zero; the others are scaled up for them.
             let filled = |value: f64| if value.is_nan() { 0.0 } else { value - output_mean };
             for (((slot, weight), input), output) in buffer.iter_mut().zip(&weights).zip(input).zip(output) {
                 *slot = (weight * (input - input_mean), weight * filled(*output));
@@ -123,7 +123,7 @@ impl Spectra {
         Some(spectra)
     }
 
-    /// Adds the transform of a window, whose real part is the input's and whose imaginary part the output's.
+    /// Adds the transform of a window of input + i · output.
     fn add(&mut self, buffer: &[(f64, f64)], scale: f64) {
         self.windows += 1;
         for j in 1..self.length / 2 {
@@ -142,7 +142,7 @@ impl Spectra {
         self.dt
     }
 
-    /// The number of windows that would tell as much if they did not overlap.
+    /// The number of independent windows with the same information: these overlap.
     pub(super) fn independent(&self) -> f64 {
         0.5 * (self.windows as f64 + 1.0)
     }
@@ -234,7 +234,7 @@ fn between_gaps(values: &[f64], length: usize) -> Vec<usize> {
     begins
 }
 
-/// The distance between measurements: one, but for the empty samples that an interpolation puts between them.
+/// The distance between measurements: one, or more if an interpolation put empty samples between them.
 pub(super) fn stride(measured: &[f64]) -> usize {
     let mut there = measured.iter().enumerate().filter(|(_, value)| !value.is_nan()).map(|(k, _)| k);
     let Some(first) = there.next().filter(|&first| first == 0) else { return 1 };

@@ -11,11 +11,11 @@ use crate::{Record, Run, Running, Scenario};
 /// The samples of which the likelihood is taken.
 const LIKELY: usize = 4096;
 
-/// The same where there is no input: the size of a force that is not known takes longer to tell.
+/// The same without an input: the size of an unknown force takes more samples to estimate.
 const LIKELY_AMBIENT: usize = 8192;
 
-/// Where a motion needs no noise, as a decay does, a white force is taken for its cause if the log likelihood is larger by
-/// this.
+/// For a motion that needs no noise, such as a decay, a white force must gain this much log likelihood to count as its
+/// cause.
 const CLEARLY: f64 = 10.0;
 
 /// Parts of the motion's size that are tried for its process noise per step.
@@ -72,7 +72,7 @@ struct Gaps {
 }
 
 impl Suggest {
-    /// Suggestions for a scenario on a record, before the first look at it.
+    /// Suggestions for a scenario on a record, none made yet.
     pub fn new(scenario: &Scenario, record: Record) -> Self {
         let suggestion = Suggestion { scenario: scenario.clone(), reasons: Vec::new(), is_guessed: true };
         let (trial, free, search, likelihoods, ambient, errors) = Default::default();
@@ -80,7 +80,7 @@ impl Suggest {
         Self { suggestion, record, gaps, stage: Stage::Data, trial, free, search, likelihoods, ambient, errors }
     }
 
-    /// Looks at the data, whose gaps are filled if they are told: noise, guess and spread.
+    /// Takes noise, guess and spread from the data. `lost` names the gaps that were filled.
     fn begin(&mut self, lost: Option<&Lost>) {
         // Without a mapping the record stays as it is, and the filters know its offsets.
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
@@ -111,7 +111,7 @@ impl Suggest {
         lost.lose(&mut self.record);
     }
 
-    /// Begins to search the parameters of an equation, if there is an input that tells them.
+    /// Begins to search the parameters of an equation, if there is an input to identify them from.
     fn begin_search(&mut self) -> Stage {
         self.search = Search::of(&self.suggestion);
         if has_no_input(&self.record) {
@@ -125,7 +125,7 @@ impl Suggest {
         if self.ambient.is_some() { LIKELY_AMBIENT } else { LIKELY }
     }
 
-    /// Ends the trials of noise with what is most likely. Returns whether that is a white force.
+    /// Ends the trials of noise with the most likely result. Returns whether that is a white force.
     fn choose(&mut self) -> bool {
         let best = self.likelihoods.iter().max_by(|a, b| a.1.total_cmp(&b.1)).copied();
         if let Some(mut ambient) = self.ambient.take()

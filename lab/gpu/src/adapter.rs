@@ -8,13 +8,12 @@ use crate::error::GpuError;
 use crate::program::Programs;
 use crate::trouble::Trouble;
 
-/// Whether a software adapter, such as lavapipe, is accepted. It is slower than threads of one's own, and good for
-/// tests.
+/// Whether a software adapter, such as lavapipe, is accepted. It is slower than threads, and useful for tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Software {
     /// Only a graphics processor will do.
     Refused,
-    /// A software adapter is accepted where there is no graphics processor.
+    /// A software adapter is accepted if there is no graphics processor.
     Allowed,
 }
 
@@ -29,8 +28,8 @@ impl Gpu {
     /// Looks for a graphics processor and prepares it: that takes some tenths of a second.
     ///
     /// # Errors
-    /// [`GpuError::None`] where there is none, [`GpuError::Software`] where there is only a program, and that will not do,
-    /// [`GpuError::Failed`] where it does not take the filters' programs.
+    /// [`GpuError::None`] if there is none, [`GpuError::Software`] if there is only a software adapter and it is not
+    /// accepted, [`GpuError::Failed`] if it rejects the filters' programs.
     pub async fn find(software: Software) -> Result<Self, GpuError> {
         let instance = Instance::new(InstanceDescriptor::new_without_display_handle());
         let adapter = choose(&instance, software).await?;

@@ -31,21 +31,21 @@ pub struct GpuRun<'a> {
     pub record: &'a Record,
 }
 
-/// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the program has
-/// or that is an equation, with all that the engine serves ([`Setup::of_any`]), sensors with noise, and numbers that single
-/// precision can hold. A record knows the truth of the first components of the state, or of none.
+/// Whether a run goes to the graphics processor: a KF, EKF, UKF or CKF of up to 9 components, of any plant that the
+/// program has or that is an equation, with all settings that the engine serves ([`Setup::of_any`]), sensors with
+/// noise, and numbers that single precision can hold. A record has the truth of the first components of the state, or
+/// of none.
 pub fn serves(run: &GpuRun<'_>) -> bool {
     program(run).is_some()
 }
 
-/// The program of a run in WGSL; none where it is not served.
+/// The program of a run in WGSL. `None` if the graphics processor does not serve the run.
 pub fn program(run: &GpuRun<'_>) -> Option<String> {
     let (setup, known) = prepare(run)?;
     Program::new(&setup.design, &setup.channels, known).map(|program| program.text)
 }
 
-/// The filter of a run and the number of its channels whose truth is known, if its numbers are such as to go to the graphics
-/// processor.
+/// The filter of a run and the number of its channels with a known truth, if single precision can hold its numbers.
 fn prepare(run: &GpuRun<'_>) -> Option<(Setup, usize)> {
     let GpuRun { scenario, place, record } = *run;
     let setup = Setup::of_any(scenario, place, record).ok()??;
@@ -67,7 +67,7 @@ struct Kind {
     samples: usize,
 }
 
-/// A run that goes to the graphics processor, by its place among all.
+/// A run for the graphics processor, with its place among all runs.
 struct Member<'a> {
     place: usize,
     setup: Setup,
@@ -76,7 +76,7 @@ struct Member<'a> {
     tape: usize,
 }
 
-/// The runs of one kind, as many as go at once; none goes where they have no program.
+/// The runs of one kind, as many as go at once; no run if they have no program.
 struct Batch<'a> {
     kind: Kind,
     program: Option<Program>,
@@ -85,7 +85,8 @@ struct Batch<'a> {
 }
 
 impl Gpu {
-    /// The outcomes of some runs, in their order; none of a run that is not served. `is_wanted` is asked now and then.
+    /// The outcomes of some runs, in their order; `None` for a run that is not served. It calls `is_wanted` now and
+    /// then.
     ///
     /// # Errors
     /// [`GpuError::Failed`] where the graphics processor fails or is lost, [`GpuError::Unwanted`] where the results are not

@@ -6,11 +6,11 @@ pub(crate) struct Shape {
     /// n, the number of components.
     pub(crate) size: usize,
     pub(crate) sensors: usize,
-    /// The number of components, from the first on, whose truth is known.
+    /// The number of components, from the first on, with a known truth.
     pub(crate) known: usize,
 }
 
-/// The words of a state besides its belief and the sums of channels, and of those of a channel.
+/// The words of a state without its belief and the sums of channels; and the words of a channel's sums.
 const SUMS: usize = 10;
 const TRACKED: usize = 6;
 
@@ -89,7 +89,7 @@ impl Cell<'_> {
     }
 }
 
-/// The sums of a channel whose truth is known.
+/// The sums of a channel with a known truth.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tracked {
     pub(crate) squares: f64,

@@ -19,7 +19,7 @@ const DISPATCH: Duration = Duration::from_millis(50);
 const FIRST: u32 = 64;
 const GROWTH: f64 = 8.0;
 
-/// Limits the programs that are kept: an equation that is typed anew is another one.
+/// Limits the programs that are kept: each edit of an equation makes another one.
 const MOST_PROGRAMS: usize = 24;
 
 /// A dispatch that takes longer than this counts as lost. It is long because some drivers compile the program in the first one.
@@ -55,7 +55,7 @@ impl Programs {
         Self { device, queue, pipelines: Mutex::default() }
     }
 
-    /// Does a job. `is_wanted` is asked before each dispatch.
+    /// Does a job. It calls `is_wanted` before each dispatch.
     ///
     /// # Errors
     /// [`GpuError::Failed`] and [`GpuError::Unwanted`].
@@ -165,7 +165,7 @@ impl Programs {
         Ok(words.chunks_exact(shape.state()).map(|words| State::read(shape, words)).collect())
     }
 
-    /// Lets callbacks come: natively by waiting for the device, in a browser they come by themselves.
+    /// Runs callbacks: natively by waiting for the device; a browser runs them by itself.
     #[cfg(not(target_arch = "wasm32"))]
     fn wait(&self) -> Result<(), GpuError> {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(PATIENCE) };

@@ -53,7 +53,7 @@ impl Gpu {
     }
 }
 
-/// Whether runs differ by their filters, so that many have one record. Else the time goes into simulation.
+/// Whether runs differ by their filters, so that many share a record. If not, simulation takes most of the time.
 fn has_axis_of_filters(ensemble: &Ensemble) -> bool {
     ensemble.settings().iter().any(kalmanscope_core::setting::Address::is_of_filters)
 }

@@ -14,7 +14,7 @@ use crate::unroll::unrolled;
 /// The number of threads in a group, as `main.wgsl` has it.
 pub(crate) const GROUP: u32 = 64;
 
-/// Limits the components of a state. Its numbers stand in registers, where loops are written out; of more components programs
+/// Limits the components of a state. Its numbers are kept in registers by unrolled loops; with more components programs
 /// become too long.
 pub(crate) const MOST: usize = 9;
 
@@ -38,8 +38,8 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    /// The program of filters of a design with these channels, of which the truth of the first `known` is known. None where the
-    /// plant has no list, or a constant is beyond single precision.
+    /// The program of filters of a design with these channels; the first `known` of them have a known truth. `None` if
+    /// the plant has no list, or a constant is beyond single precision.
     pub(crate) fn new(design: &Design, channels: &[Channel], known: usize) -> Option<Self> {
         let Design { model, method, readings, .. } = design;
         if model.size > MOST {

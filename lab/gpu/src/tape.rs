@@ -8,7 +8,7 @@ use crate::layout::put_sample;
 /// Limits numbers: the squares of greater ones are not single precision any more.
 pub(crate) const LARGEST: f64 = 1e15;
 
-/// The samples of a record, with what filters see of them, and what sums of the whole record need.
+/// The samples of a record as filters read them, and the numbers that sums over the whole record need.
 pub(crate) struct Tape {
     pub(crate) words: Vec<u32>,
     /// The number of measurements, and of samples with one, up to each sample.
@@ -17,8 +17,8 @@ pub(crate) struct Tape {
     pub(crate) largest_truth: Vec<f64>,
 }
 
-/// A record may know the truth of the first channels only: this is their number. None where it knows a later channel and lacks
-/// an earlier one.
+/// The number of channels with a truth in the record, which must be the first ones. `None` if the record has the truth
+/// of a later channel and lacks an earlier one.
 pub(crate) fn known(channels: &[Channel], record: &Record) -> Option<usize> {
     let knows = |channel: &&Channel| record.truth(**channel).is_some();
     let known = channels.iter().take_while(knows).count();
@@ -26,8 +26,8 @@ pub(crate) fn known(channels: &[Channel], record: &Record) -> Option<usize> {
 }
 
 impl Tape {
-    /// The tape of a filter's record with the truth of its first channels; none where a number is infinite, too large, or a truth
-    /// that is not known.
+    /// The tape of a filter's record with the truth of its first channels. `None` if a number is infinite or too large,
+    /// or a truth is missing.
     pub(crate) fn new(setup: &Setup, record: &Record, known: usize) -> Option<Self> {
         let truth: Vec<&[f64]> = setup.channels[..known].iter().filter_map(|&channel| record.truth(channel)).collect();
         let columns: Vec<&[f64]> = setup.columns.iter().map(|&column| record.measured(column)).collect();

@@ -14,8 +14,8 @@ pub(crate) struct Text<'a> {
 }
 
 impl Text<'_> {
-    /// The function `NAME(y, f)` that puts some numbers at their places in an array and zeros at the others. None where a constant
-    /// does not fit single precision.
+    /// The function `NAME(y, f)` that puts some numbers at their places in an array and zeros at the others. `None` if
+    /// a constant does not fit single precision.
     pub(crate) fn values(&self, name: &str, array: &str, outputs: &[(usize, Node)]) -> Option<String> {
         let mut text = format!("fn {name}(y: array<f32, N>, f: f32) -> {array} {{\n  var out: {array};\n");
         for place in self.needed(outputs) {
@@ -84,7 +84,7 @@ impl Text<'_> {
         }
     }
 
-    /// By how much a number changes with the state, as an expression; none for a number that stays.
+    /// The derivative of a number by the state, as an expression. `None` for a constant.
     fn change_name(&self, node: Node) -> Option<String> {
         let of_state = (1_u64 << self.size) - 1;
         (self.builder.needs(node) & of_state != 0).then(|| match self.operation(node.place()) {
@@ -186,7 +186,7 @@ fn called(function: Function) -> Option<(&'static str, &'static str, String)> {
     Some((of, apart, String::new()))
 }
 
-/// A number in single precision; none where that has no such number.
+/// A number in single precision. `None` if it overflows there.
 pub(crate) fn literal(number: f64) -> Option<String> {
     let single = number as f32;
     let is_there = single.is_normal() || number == 0.0;

@@ -1,4 +1,4 @@
-//! Loops written out: numbers of a thread stand in registers only where the compiler knows each index.
+//! Unrolled loops: a thread's numbers are kept in registers only if the compiler knows each index.
 
 use std::fmt::Write as _;
 

@@ -56,7 +56,7 @@ struct Comparison {
     cells: usize,
     /// Cells of the same class: stopped, lost, converged within 5 %.
     same: usize,
-    /// Cells in which both have converged, and those of them whose scores are all close.
+    /// Cells in which both have converged, and those of them with close scores throughout.
     converged: usize,
     close: usize,
     /// Cells that the processor's filter has lost, or in which it has stopped.

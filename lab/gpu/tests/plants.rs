@@ -18,7 +18,7 @@ use tally::Tally;
 /// The filters of an ensemble: not a whole number of groups of threads.
 const FILTERS: usize = 70;
 
-/// Scenarios whose filters differ by their guesses of the parameters.
+/// Scenarios with filters that differ by their guesses of the parameters.
 fn guesses(mut scenario: Scenario, kind: FilterKind) -> Vec<Scenario> {
     scenario.filters.truncate(1);
     scenario.filters[0].kind = kind;

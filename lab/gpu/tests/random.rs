@@ -52,7 +52,7 @@ fn filter(kind: FilterKind, sensors: usize, [frequency, damping]: [f64; 2]) -> i
         })
 }
 
-/// A scenario whose filters differ in numbers only.
+/// A scenario with filters that differ in numbers only.
 fn ensemble() -> impl Strategy<Value = Scenario> {
     let quantities = [Quantity::DISPLACEMENT, Quantity::VELOCITY, Quantity::ACCELERATION];
     (

@@ -87,7 +87,7 @@ fn measure(case: &str, scenarios: &[Scenario], records: &[Record]) {
     let levels = Level::available();
     let mut least = vec![f64::INFINITY; levels.len() + 1];
     for repeat in 0..REPEATS {
-        // Short pieces, of which some are not interrupted.
+        // Short pieces: the machine does not interrupt all of them.
         let part = &runs[repeat * PART % RUNS..][..PART];
         let one = &part[repeat / PART % PART];
         let single = time(|| Outcome::of(one.scenario, one.place, one.record));

@@ -12,10 +12,11 @@ use crate::level::Level;
 use crate::observation::{MOST, Observations, Run, knows_truth};
 use crate::plant::{Plant, Visitor, visit};
 
-/// Whether a run goes in lanes: a KF, EKF or UKF of the linear oscillator, or outside a browser of the Duffing oscillator,
-/// with at most three sensors, for displacement, velocity or acceleration, with or without fading, decay of the parameters
-/// and a delay of the input, under an input that is held; outside a browser also what the [engine](kalmanscope_core::engine::Setup::new)
-/// serves. [`outcomes`] takes any other run too, at the pace of a single filter.
+/// Whether lanes serve a run: a KF, EKF or UKF of the linear oscillator, or outside a browser of the Duffing
+/// oscillator, with at most three sensors, for displacement, velocity or acceleration, with or without fading, decay of
+/// the parameters and a delay of the input, under an input that is held; outside a browser also any run that the
+/// [engine](kalmanscope_core::engine::Setup::new) serves. [`outcomes`] runs all others too, at the speed of a single
+/// filter.
 ///
 /// # Errors
 /// Those of [`Pass::new`].
@@ -26,7 +27,7 @@ pub fn serves(run: &LaneRun<'_>) -> Result<bool, RunError> {
     Ok(search.is_found || engine::serves(run)?)
 }
 
-/// A search for a plant with which a run goes in lanes.
+/// A search for the plant with lanes that serve a run.
 struct Search<'a> {
     run: &'a LaneRun<'a>,
     is_found: bool,
@@ -38,9 +39,9 @@ impl Visitor for Search<'_> {
     }
 }
 
-/// The outcomes of some runs, in their order, with the best instructions that this processor has. Runs that differ in numbers
-/// only, over one record or over records of the same length and dt, go side by side. Each has the bits of [`Outcome::of`], or
-/// those of the engine, which differ by rounding; either way they do not depend on the other runs.
+/// The outcomes of some runs, in their order, with the best instructions that this processor has. Runs that differ in
+/// numbers only, over one record or over records of the same length and dt, run side by side. Each has the bits of
+/// [`Outcome::of`], or those of the engine, which differ by rounding; either way they do not depend on the other runs.
 ///
 /// # Errors
 /// Those of [`Pass::new`], for the first run that has one.
@@ -64,7 +65,7 @@ pub fn outcomes_with(level: Level, runs: &[LaneRun<'_>], samples: &[usize]) -> R
     all.results.into_iter().zip(runs).map(single).collect()
 }
 
-/// All runs, and the outcomes of those that have gone in lanes.
+/// All runs, and the outcomes of those that lanes have run.
 struct All<'a> {
     level: Level,
     runs: &'a [LaneRun<'a>],
@@ -83,7 +84,8 @@ impl Visitor for All<'_> {
     }
 }
 
-/// The filter of a run, if it goes in lanes with this plant. The single filter tells the error of one that cannot begin.
+/// The filter of a run, if lanes serve it with this plant. A filter that cannot begin is left to the single filter,
+/// which reports the error.
 fn prepare<P: Plant<N>, const N: usize>(run: &LaneRun<'_>) -> Option<OscillatorFilter<P, N>> {
     let LaneRun { scenario, place, record } = *run;
     OscillatorFilter::new(scenario, place, record).ok().flatten().filter(|filter| {
@@ -100,7 +102,7 @@ fn prepare<P: Plant<N>, const N: usize>(run: &LaneRun<'_>) -> Option<OscillatorF
     })
 }
 
-/// Whether a UKF knows a component for certain: every step would be special.
+/// Whether a component of a UKF has variance and process noise zero: lanes would have to repair every step.
 fn has_certain_component<P, const N: usize>(filter: &OscillatorFilter<P, N>) -> bool {
     let OscillatorFilter { method, initial, noise, .. } = filter;
     let is_certain = |i: usize| initial.cov[(i, i)] == 0.0 && noise.process[(i, i)] == 0.0;
@@ -118,7 +120,7 @@ struct Kind<'a> {
     knows_truth: bool,
 }
 
-/// The places of runs that can go side by side; those over one record stand together.
+/// The places of runs that can go side by side; those over one record come together.
 fn groups<P: Plant<N>, const N: usize>(
     filters: &[Option<OscillatorFilter<P, N>>],
     runs: &[LaneRun<'_>],

@@ -77,7 +77,7 @@ impl<T: Lane, const N: usize, const E: usize> Belief<T, N, E> {
         valid & sum.is_finite()
     }
 
-    /// `λ P + Q`; a variance that is zero but for rounding may have come out on the wrong side.
+    /// `λ P + Q`; a variance that rounding made negative becomes zero.
     #[inline(always)]
     pub(crate) fn spread(&mut self, noise: &Noise<T, N>) {
         let zero = noise.fading.of(0.0);

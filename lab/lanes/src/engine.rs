@@ -50,7 +50,7 @@ mod native {
         Ok(Setup::new(run.scenario, run.place, run.record)?.is_some())
     }
 
-    /// Takes the runs that have no outcome yet, as far as the engine serves them.
+    /// Runs those without an outcome that the engine serves.
     ///
     /// # Errors
     /// Those of [`Setup::new`], for the first run that has one.
@@ -83,7 +83,7 @@ mod native {
     /// A run's place, and its filter.
     type Member<'a> = &'a (usize, Setup);
 
-    /// The runs that can go side by side; those over one record stand together.
+    /// The runs that can go side by side; those over one record come together.
     fn groups<'a>(setups: &'a [(usize, Setup)], runs: &[LaneRun<'_>]) -> Vec<Vec<Member<'a>>> {
         let mut groups: Vec<Vec<Member<'a>>> = Vec::new();
         let run = |(place, setup): Member<'a>| Run { setup, record: runs[*place].record };

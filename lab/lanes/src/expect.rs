@@ -99,7 +99,7 @@ pub(crate) fn linearised<P: Plant<N>, T: Lane, const N: usize, const E: usize, c
     (Expected { mean, cov, cross, view: View::Linear(jacobian) }, T::always(force.token()))
 }
 
-/// As the UKF has it, by sigma points drawn afresh; with the lanes for which it holds.
+/// The prediction of the UKF, by sigma points that are drawn again; and the lanes for which it holds.
 #[inline(always)]
 pub(crate) fn by_sigma_points<P: Plant<N>, T: Lane, const N: usize, const E: usize, const M: usize>(
     belief: &Belief<T, N, E>,

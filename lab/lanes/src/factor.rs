@@ -57,7 +57,7 @@ pub(crate) struct Factor<T: Lane, const M: usize> {
 }
 
 impl<T: Lane, const M: usize> Factor<T, M> {
-    /// Of S, of which the lower triangle counts.
+    /// Factors S, from its lower triangle.
     #[inline(always)]
     pub(crate) fn new(s: &[[T; M]; M]) -> Self {
         let token = s[0][0].token();

@@ -119,7 +119,7 @@ impl<T: Lane> Impulse<T> {
 pub(crate) struct DecayingImpulse<T: Lane> {
     pub(crate) impulse: Impulse<T>,
     pub(crate) r: T,
-    /// The lanes for which it holds: those whose step need not be doubled.
+    /// The lanes for which it holds: those with a step that needs no doubling.
     pub(crate) holds: T::Mask,
 }
 
@@ -139,7 +139,7 @@ impl<T: Lane> DecayingImpulse<T> {
         let mut result = sums;
         let (longest, most) = SERIES[SERIES.len() - 1];
         for n in 1..=most {
-            // The sums by now are those of the lanes whose steps are of this length.
+            // The sums are now complete for lanes with steps of this length.
             if let Some(at) = SERIES.iter().position(|&(_, terms)| terms == n) {
                 let shorter = if at == 0 { f64::NEG_INFINITY } else { SERIES[at - 1].0 };
                 let done = a.of(shorter).lt(size) & size.le(a.of(SERIES[at].0));

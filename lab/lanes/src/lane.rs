@@ -31,8 +31,8 @@ pub(crate) trait Lane:
     fn le(self, other: Self) -> Self::Mask;
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// Does some work in a function of its own, which is compiled for the same instructions: so that work that is seldom
-    /// done, or done in several places, is not there several times.
+    /// Calls a function that is not inlined but compiled for the same instructions. It keeps code that runs seldom, or
+    /// from several places, from being copied into each caller.
     fn apart<R>(token: Self::Token, work: impl FnOnce() -> R) -> R;
 
     /// The same number in every lane.

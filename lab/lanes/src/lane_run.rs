@@ -1,4 +1,4 @@
-//! A run that may go in lanes.
+//! A run for the lanes.
 
 use kalmanscope_core::{Record, Scenario};
 

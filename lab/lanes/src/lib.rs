@@ -6,11 +6,11 @@
 //!                    └ a lane whose step is special: the single filter takes it
 //! ```
 //!
-//! KF, EKF and UKF of the linear oscillator and, outside a browser, of the Duffing oscillator go in lanes ([`serves`]). There the
-//! engine takes further plants, augmentations and inputs that are not held. [`outcomes`] runs any other filter by itself. A step
-//! in lanes is straight-line code: the kernel's operations, in its
-//! order, and the lanes for which they hold. The instruction set is chosen while running; since no operation is fused, all
-//! give the same bits. A plant is one file and one line in `plant.rs`.
+//! KF, EKF and UKF of the linear oscillator and, outside a browser, of the Duffing oscillator run in lanes of their own
+//! ([`serves`]). Outside a browser, the engine's lanes serve further plants, augmentations, and inputs that are not
+//! held. [`outcomes`] runs any other filter by itself. A step in lanes is straight-line code: the kernel's operations
+//! in the kernel's order, and a mask of the lanes for which they hold. The instruction set is chosen while running;
+//! since no operation is fused, all give the same bits. A plant is one file and one line in `plant.rs`.
 //!
 //! ```
 //! use kalmanscope_core::{Run, Scenario};

@@ -1,4 +1,4 @@
-//! The plants whose filters go in lanes, one a file.
+//! The plants with filters that run in lanes, one per file.
 
 #[cfg(not(target_arch = "wasm32"))]
 mod duffing;

@@ -26,13 +26,13 @@ struct Batch<'a, P, T, const N: usize, const E: usize> {
     belief: Belief<T, N, E>,
     sums: Sums<T, N>,
     outcomes: [Option<Outcome>; LANES],
-    /// Lanes whose filter has stopped.
+    /// Lanes with a stopped filter.
     stopped: [bool; LANES],
     looks: [Vec<Look>; LANES],
 }
 
-/// Runs the filters, UKFs if so, else KFs and EKFs, and looks at them at these samples, which are in order; a lane without an
-/// outcome is left to the single filter.
+/// Runs the filters (UKFs if `UKF`, else KFs and EKFs), and looks at them at these samples, which are in order. A lane
+/// without an outcome is left to the single filter.
 #[inline(always)]
 pub(crate) fn run<P: Plant<N>, T: Lane, const N: usize, const E: usize, const UKF: bool>(
     token: T::Token,
@@ -101,7 +101,8 @@ pub(crate) fn run<P: Plant<N>, T: Lane, const N: usize, const E: usize, const UK
     batch.finish()
 }
 
-/// The sensors with a measurement at sample `k`, their number, and the lanes whose other sensors have none either.
+/// The sensors with a measurement at sample `k`, their number, and the lanes with measurements of exactly these
+/// sensors.
 #[inline(always)]
 fn look<T: Lane, const N: usize>(
     token: T::Token,

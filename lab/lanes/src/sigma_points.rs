@@ -38,7 +38,7 @@ trait Step<T, const N: usize> {
     fn step(&self, state: [T; N]) -> [T; N];
 }
 
-/// With parameters that stay as they are.
+/// With constant parameters.
 struct Held<P, T> {
     plant: PhantomData<P>,
     force: T,
@@ -84,7 +84,7 @@ impl<P: Plant<N>, T: Lane, const N: usize> Rate<T, N, N> for Decaying<P, T> {
     }
 }
 
-/// By the step of one state, of which the first `MOVING` components change.
+/// Predicts by `step`, the step of one state. It changes the first `MOVING` components.
 #[inline(always)]
 fn predict_by<T: Lane, S: Step<T, N>, const MOVING: usize, const N: usize, const E: usize>(
     belief: &mut Belief<T, N, E>,
@@ -130,7 +130,7 @@ fn predict_by<T: Lane, S: Step<T, N>, const MOVING: usize, const N: usize, const
         for i in j..N {
             let mut sum = zero;
             for k in 0..N {
-                // Above the diagonal of what does not move there are zeros.
+                // For components that do not move there are zeros above the diagonal.
                 if i < MOVING || k <= i {
                     sum = sum + root[i][k] * root[j][k];
                 }

@@ -67,7 +67,7 @@ impl<T: Lane, const N: usize> Sums<T, N> {
         }
     }
 
-    /// Takes in beliefs at sample `k`, of which the truth is known; returns their NEES, NaN where there is none.
+    /// Adds the errors of the beliefs at sample `k`, where the truth is known. Returns their NEES, or NaN without one.
     #[inline(always)]
     pub(crate) fn compare<P: Plant<N>, const E: usize>(
         &mut self,
@@ -174,8 +174,8 @@ impl<T: Lane, const N: usize> Sums<T, N> {
         self.taken[lane] += ln_determinant;
     }
 
-    /// The outcome of a lane after so many samples, from its first and last belief. `None` where a truth is not a number:
-    /// then the sums are none.
+    /// The outcome of a lane after `samples` samples, from its first and last belief. `None` if a truth is NaN, since
+    /// the sums are then NaN too.
     pub(crate) fn outcome(
         &self,
         lane: usize,
@@ -207,7 +207,7 @@ impl<T: Lane, const N: usize> Sums<T, N> {
         })
     }
 
-    /// The sums of the channels whose truth is known.
+    /// The sums of the channels with a known truth.
     fn channels(
         &self,
         lane: usize,

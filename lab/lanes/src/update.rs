@@ -85,7 +85,7 @@ pub(crate) fn by_expected<T: Lane, const N: usize, const E: usize, const M: usiz
         gain[i] = factor.divide(cross[i]);
     }
     let mut lower = belief.cov;
-    // Each row of `P - K (P Hᵀ)ᵀ`, or of P, and what the gains take from it.
+    // Each row of `P - K (P Hᵀ)ᵀ`, or of P, less the gains' terms.
     for i in 0..N {
         let (mut kept, mut taken) = ([zero; N], [zero; M]);
         for j in 0..N {
@@ -122,7 +122,7 @@ pub(crate) fn by_expected<T: Lane, const N: usize, const E: usize, const M: usiz
     finish(belief, &gain, &innovation, &factor)
 }
 
-/// Moves the mean, and looks whether the result can stand.
+/// Moves the mean, and checks whether the result is valid.
 #[inline(always)]
 fn finish<T: Lane, const N: usize, const E: usize, const M: usize>(
     belief: &mut Belief<T, N, E>,

@@ -65,7 +65,7 @@ fn cubic_stiffness(wild: bool) -> impl Strategy<Value = [f64; 3]> {
     (mean, zero_or(if wild { -2.0..6.0 } else { 0.0..2.5 }), zero_or(-5.0..1.0)).prop_map(|(a, b, c)| [a, b, c])
 }
 
-/// The scenario with an oscillator whose cubic stiffness is this, for filters that begin with these.
+/// The scenario with an oscillator of the cubic stiffness `truth`, and one filter for each initial guess.
 fn with_cubic_spring(mut scenario: Scenario, truth: f64, filters: &[[f64; 3]]) -> Scenario {
     let channel = Channel::CUBIC_STIFFNESS;
     scenario.plant = scenario.plant.of_kind(PlantKind::DUFFING).with(channel, truth);
@@ -77,7 +77,7 @@ fn with_cubic_spring(mut scenario: Scenario, truth: f64, filters: &[[f64; 3]]) -
     scenario
 }
 
-/// A scenario whose filters differ in numbers only.
+/// A scenario with filters that differ in numbers only.
 fn ensemble() -> impl Strategy<Value = Scenario> {
     let cubic = any::<bool>().prop_flat_map(|wild| proptest::collection::vec(cubic_stiffness(wild), 16));
     (linear_ensemble(), proptest::option::of((-20.0..400.0, cubic))).prop_map(|(scenario, cubic)| match cubic {
@@ -160,7 +160,7 @@ proptest! {
     }
 }
 
-/// The random ensembles above are of all kinds: most go in lanes, some stop, some need doubled steps.
+/// The random ensembles above are of all kinds: lanes serve most runs, some stop, some need doubled steps.
 #[test]
 fn random_ensembles_are_of_all_kinds() {
     let mut runner = TestRunner::new(config(1));
@@ -204,7 +204,7 @@ fn filters_of_several_plants_run_beside_each_other() {
 fn filters_that_stop_and_filters_that_do_not_share_a_batch() {
     let mut scenario = Scenario { duration: 20.0, ..Scenario::default() };
     let good = scenario.filters[0].clone();
-    // Lanes whose covariance overflows sooner or later, beside lanes that go on.
+    // Lanes with a covariance that overflows sooner or later, beside lanes that go on.
     scenario.filters = (0..16)
         .map(|i| {
             let mut filter = good.clone();

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Measure;
 
-/// The number that tuning makes as good as it can. In files it is the name of its measure.
+/// The number that tuning optimises. In files it is the name of its measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Measure", into = "Measure")]
 pub enum Goal {
@@ -29,7 +29,7 @@ impl Goal {
         }
     }
 
-    /// The number, of which more is better, for a value of the measure.
+    /// The number for a value of the measure; more is better.
     pub fn score(self, value: f64) -> f64 {
         match self {
             Self::Likelihood => value,
@@ -38,7 +38,7 @@ impl Goal {
         }
     }
 
-    /// A change of the score that is too small to mean anything.
+    /// The largest change of the score that is not significant.
     pub(super) const fn indifferent(self) -> f64 {
         match self {
             // A 95 % interval of one parameter: half the quantile 3.84 of χ² with one degree of freedom.

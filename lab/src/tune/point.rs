@@ -1,4 +1,4 @@
-//! Points that the optimiser reckons with.
+//! Points for the optimiser.
 
 use argmin_math::{ArgminAdd, ArgminMul, ArgminSub};
 

@@ -9,7 +9,7 @@ use kalmanscope_core::{Spacing, VerdictKind};
 /// A setting at this share of its axis from an end is at that end.
 const EDGE: f64 = 0.01;
 
-/// The factor that a flat setting can be turned by.
+/// A setting is flat if the score allows multiplying it by this factor.
 const TURN: f64 = 2.0;
 
 /// A warning about a result.
@@ -17,11 +17,11 @@ const TURN: f64 = 2.0;
 pub enum Remark {
     /// No values are better than the scenario's own.
     NoBetter,
-    /// The record hardly tells this setting: half and twice the value are as good.
+    /// The record has little information on this setting: half and twice the value are as good.
     Flat(String),
     /// The best value of this setting is at an end of its axis.
     Edge(String),
-    /// The goal prefers a filter that is not to be believed.
+    /// The goal prefers a filter with a bad verdict.
     Inconsistent(Goal, VerdictKind),
 }
 

@@ -32,7 +32,7 @@ pub(crate) fn loaded_message(loaded: &Result<Loaded, ImportError>, handed_over: 
     }
 }
 
-/// The file of a worker's message, or the reason why it cannot be read; none where the message is not of a file.
+/// The file of a worker's message, or the reason why it cannot be read. `None` if the message is not one of a file.
 pub fn loaded(value: &JsValue) -> Option<Result<Loaded, String>> {
     if let Some(reason) = value.as_string() {
         return Some(Err(reason));

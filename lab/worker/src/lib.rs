@@ -1,5 +1,6 @@
-//! The conversation between a page and one of its workers: the worker is given an ensemble, then cells of it, and answers with
-//! their rows; or an errand, a filter or the import of a record, then numbers of portions, and answers with what it has of it.
+//! The conversation between a page and one of its workers: the worker is given an ensemble, then cells of it, and
+//! answers with their rows; or an errand (a filter or the import of a record), then numbers of portions, and answers
+//! with the parts that are done.
 //!
 //! | from the page | from the worker |
 //! |---|---|
@@ -12,10 +13,11 @@
 //! | `["more", number, count]` | `["part", number, part, time]` |
 //! | `["forget", number]` | |
 //!
-//! A job is a number, an ensemble JSON. `record` is null, or `[dt, input, [key, column], …]` with a `Float64Array` for each column. A part of
-//! a filter is a `Float64Array`, the numbers of a tape. Of a file or start values it is the share that is done, and at last the outcome: of a
-//! file `[hash, table, column, …]` or a text with the reason why it cannot be read, of start values JSON. Columns of numbers are handed
-//! over, not copied. The time is that of the computation \[ms\].
+//! A job is a number, an ensemble JSON. `record` is null, or `[dt, input, [key, column], …]` with a `Float64Array` for
+//! each column. A part of a filter is a `Float64Array`, the numbers of a tape. A part of a file or of start values is
+//! the share that is done. The last part is the outcome: for a file `[hash, table, column, …]` or a text with the
+//! reason why it cannot be read, for start values JSON. Columns of numbers are handed over, not copied. The time is
+//! that of the computation \[ms\].
 
 #![cfg(target_arch = "wasm32")]
 

@@ -19,14 +19,14 @@ impl Words {
         self.get(at).as_string().unwrap_or_default()
     }
 
-    /// The job of which the message is; not a number where it is of none.
+    /// The job that the message belongs to, or NaN.
     pub fn job(&self) -> f64 {
         self.get(1).as_f64().unwrap_or(f64::NAN)
     }
 }
 
-/// Tells the page that the worker is ready, and gives it the page's messages for as long as it lives. What makes the program
-/// end is told to the page.
+/// Tells the page that the worker is ready, and calls `listener` with each message of the page. A panic is sent to the
+/// page as a message.
 pub fn hear(mut listener: impl FnMut(&Words) + 'static) {
     std::panic::set_hook(Box::new(|panic| {
         tell(&Array::of3(&"failed".into(), &JsValue::NULL, &panic.to_string().into()));
@@ -41,7 +41,7 @@ pub fn hear(mut listener: impl FnMut(&Words) + 'static) {
     tell(&Array::of1(&"ready".into()));
 }
 
-/// Tells how long a message takes.
+/// Measures the time that a message takes.
 pub struct Watch(f64);
 
 impl Watch {
@@ -72,7 +72,7 @@ pub fn answer(job: f64, cells: &[usize], rows: &[f64], watch: &Watch) {
 
 /// Sends a message, and hands over buffers in it.
 pub(crate) fn send(message: &Array, handed_over: &Array) {
-    // A page that has gone needs no numbers.
+    // A closed page needs no numbers.
     let _ = scope().post_message_with_transfer(message, handed_over);
 }
 

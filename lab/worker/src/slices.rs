@@ -1,4 +1,4 @@
-//! Work with an outcome in a worker: its share that is done is sent, and the outcome at last.
+//! Work with an outcome in a worker. It sends the share that is done, then the outcome.
 
 use js_sys::Array;
 use kalmanscope_core::InSlices;
@@ -13,7 +13,7 @@ pub(crate) struct Slices<S: InSlices> {
 }
 
 impl<S: InSlices> Slices<S> {
-    /// Work whose outcome is sent as this message.
+    /// Work and the function that makes a message of its outcome.
     pub(crate) fn new(work: S, message: fn(&S::Outcome, &Array) -> JsValue) -> Self {
         Self { work: Some(work), message }
     }

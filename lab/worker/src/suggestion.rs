@@ -28,7 +28,7 @@ pub(crate) fn suggestion_message(suggestion: &Suggestion, _: &Array) -> JsValue 
     Document::json(suggestion).unwrap_or_default().into()
 }
 
-/// The start values of a worker's message; none where it has none.
+/// The start values of a worker's message. `None` if it has none.
 pub fn suggestion(value: &JsValue) -> Option<Suggestion> {
     Document::read_json(&value.as_string()?).ok()
 }

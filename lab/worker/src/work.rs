@@ -9,7 +9,7 @@ pub(crate) trait Work {
     fn go_on(&mut self, count: usize, handed_over: &Array) -> JsValue;
 }
 
-/// The numbers of a message, whose buffer is handed over.
+/// Numbers for a message. Their buffer is handed over, not copied.
 pub(crate) fn numbers(values: &[f64], handed_over: &Array) -> JsValue {
     let values = js_sys::Float64Array::from(values);
     handed_over.push(&values.buffer());

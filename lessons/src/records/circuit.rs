@@ -49,7 +49,8 @@ pub(crate) fn file(seed: u64) -> String {
     text
 }
 
-/// A sine whose angle grows by the same step each time. To turn it takes four products, less time than a sine.
+/// A sine with an angle that grows by the same step each time. A step takes four products, less time than computing a
+/// sine.
 struct Sine {
     now: [f64; 2],
     step: [f64; 2],

@@ -1,4 +1,4 @@
-//! A beam whose support is moved in steps, shaken by an unknown force.
+//! A beam with a support that moves in steps, shaken by an unknown force.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

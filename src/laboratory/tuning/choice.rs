@@ -16,7 +16,7 @@ pub struct TuneChoice {
     pub filter: u32,
     /// The settings with their ranges. Keys have `*` for the filter's name, as in a map.
     pub axes: Vec<Axis>,
-    /// The number that is made as good as can be.
+    /// The number to optimise.
     pub goal: Goal,
 }
 
@@ -32,7 +32,7 @@ impl TuneChoice {
         Some(Self { filter, axes: keys.filter_map(axis).collect(), goal: Goal::Likelihood })
     }
 
-    /// Whether a search of this choice can be made in a scenario.
+    /// Checks that a scenario allows a search of this choice.
     ///
     /// # Errors
     /// A sentence that says what is wrong.
@@ -61,13 +61,14 @@ impl TuneChoice {
         }
     }
 
-    /// The same as far as the scenario has the filter, its settings and the sensor.
+    /// The choice, reduced to the settings that the scenario has. The usual choice if the scenario lacks the filter;
+    /// the goal is the likelihood if it lacks the sensor.
     pub(crate) fn fitted(&self, scenario: &Scenario) -> Option<Self> {
         if !scenario.filters.iter().any(|filter| filter.id == self.filter) {
             return Self::usual(scenario, None);
         }
         let part = part_of(scenario, &[self.filter]);
-        // The filter is the only one: its own settings are those of all, whatever it is called.
+        // The filter is the only one: its own settings are those of all filters.
         let of_all = |axis: &Axis| {
             let key =
                 part.filters_at(&axis.key).map_or_else(|| axis.key.clone(), |(_, key)| format!("filters.*.{key}"));
@@ -82,7 +83,7 @@ impl TuneChoice {
         Some(Self { filter: self.filter, axes, goal })
     }
 
-    /// Ticks a setting, with its usual range, or unticks it. Those that would set the same number are unticked.
+    /// Ticks a setting, with its usual range, or unticks it. Unticks all others that would set the same number.
     pub(crate) fn toggle(&mut self, key: &str, part: &Scenario) {
         let is_ticked = self.axes.iter().any(|axis| axis.key == key);
         self.axes.retain(|axis| !collide(&axis.key, key, part));

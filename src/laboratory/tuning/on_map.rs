@@ -1,4 +1,4 @@
-//! A search and a map that has settings of it as its axes: the map's best cell, and the path of the search in the map.
+//! A search and a map with some of its settings as axes: the map's best cell, and the path of the search in the map.
 
 use kalmanscope_core::setting::Address;
 use kalmanscope_core::{Axis, Scenario};
@@ -7,8 +7,8 @@ use kalmanscope_lab::tune::Try;
 use super::TuneChoice;
 use crate::laboratory::survey::Survey;
 
-/// The places, among the axes of a search, of a map's axes; none where it lacks one of them or the map lacks the filter. With
-/// them the filter's place in the map.
+/// The filter's place in the map, and the places of the map's axes among those of a search. `None` if the search lacks
+/// one of them or the map lacks the filter.
 fn places(survey: &Survey, choice: &TuneChoice) -> Option<(usize, [usize; 2])> {
     let filter = survey.filters().iter().position(|id| *id == choice.filter)?;
     let place = |key: &str| choice.axes.iter().position(|axis| axis.key == key);

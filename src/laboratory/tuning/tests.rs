@@ -5,7 +5,7 @@ use kalmanscope_core::{Axis, Channel, Quantity};
 use kalmanscope_lab::Measure;
 use kalmanscope_lab::tune::Goal;
 
-/// A session whose first filter takes its sensors for five times noisier than they are.
+/// A session with a first filter that assumes five times the sensors' true noise.
 fn session() -> Session {
     let mut scenario = Scenario { duration: 4.0, ..Scenario::default() };
     scenario.filters[0].sensor_std.iter_mut().for_each(|std| *std *= 5.0);

@@ -84,7 +84,7 @@ fn a_crash_is_told_and_its_settings_are_restored() {
     assert!(screen.state_mut().app().is_none(), "nothing is computed before the user has chosen");
     screen.get_by_label("the device is lost");
     screen.get_by_label_contains("src/main.rs:1:1, version 0.1.0");
-    // Closed without a choice, it is told again.
+    // Closed without a choice, the crash is shown again.
     drop(screen);
     let mut screen = started(folder.path());
     screen.get_by_label("Restore").click();

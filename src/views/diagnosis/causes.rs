@@ -16,10 +16,11 @@ use crate::view::ViewContext;
 /// Limits the causes that are shown at once.
 const LIKELIEST: usize = 3;
 
-/// The most settings whose values a button shows.
+/// Limits the settings that a button shows with their values.
 const SHOWN: usize = 2;
 
-/// The causes that were found so far, and the progress of the trials. While the hand is on them their rows stay as they are.
+/// The causes that were found so far, and the progress of the trials. While the pointer is on them, the rows stay in
+/// place.
 pub(super) fn causes_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
@@ -59,7 +60,7 @@ pub(super) fn causes_ui(
     } else if attempt.findings().is_empty() {
         ui.weak("None of the causes that are known makes the record likelier.");
     } else if !Finding::is_explained(attempt.findings()) {
-        // Below the rows, so that they stay where they are.
+        // Below the rows, so that these do not move.
         ui.label("None of these explains it: with the best of them it is still not to be believed.");
     }
 }
@@ -67,7 +68,7 @@ pub(super) fn causes_ui(
 /// The heading of causes in their order.
 const SORTED: &str = "Causes: what cures stands first, then the likeliest";
 
-/// A heading of one line, whatever its words.
+/// A heading of exactly one line.
 fn heading_ui(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).small().weak()).truncate());
 }

@@ -10,7 +10,7 @@ use crate::theme::Palette;
 /// The size of a bar \[points\].
 const BAR: Vec2 = Vec2::new(64.0, 9.0);
 
-/// The evidence that counts, the largest effect first; on demand also all that does not.
+/// The evidence that counts, the largest effect first; on demand also the evidence that does not count.
 pub(super) fn evidence_ui(ui: &mut Ui, evidence: &[Evidence], color: Color32, palette: &Palette) {
     let mut sorted: Vec<&Evidence> = evidence.iter().filter(|one| !one.sentence.is_empty()).collect();
     sort_short_by_key(&mut sorted, |one| (!one.counts, -one.effect));

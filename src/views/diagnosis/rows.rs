@@ -1,4 +1,4 @@
-//! The rows of causes, which stay where they are under a hand.
+//! The rows of causes, which do not move under the pointer.
 
 use std::sync::Arc;
 
@@ -7,19 +7,19 @@ use kalmanscope_core::diagnosis::Finding;
 
 use crate::session::Attempt;
 
-/// The rows of the last frame, and the number of the picture that they are of.
+/// The rows of the last frame, and the number of their picture.
 #[derive(Clone)]
 struct Rows {
     picture: u64,
     findings: Arc<Vec<Finding>>,
 }
 
-/// The rows to show: the findings in their order, or, while the hand is on the view, the rows of the last frame as they were with
+/// The rows to show: the findings in their order, or, while the pointer is on the view, the rows of the last frame with
 /// new findings after them.
 pub(super) fn on_screen(ui: &Ui, attempt: &Attempt, is_held: bool) -> Arc<Vec<Finding>> {
     let id = ui.scope_id().with("rows of causes");
     let before = ui.data(|data| data.get_temp::<Rows>(id));
-    // Rows of other settings are of no use.
+    // Rows of other settings are dropped.
     let before = before.filter(|rows| is_held && rows.picture == attempt.picture());
     let findings = match before {
         Some(before) => with_new(before.findings, attempt.findings()),
@@ -36,7 +36,7 @@ pub(super) fn is_in_order(rows: &[Finding], attempt: &Attempt) -> bool {
     rows.len() == attempt.findings().len() && rows.iter().zip(attempt.findings()).all(same)
 }
 
-/// The rows as they are, and after them the findings that begin with a cause that none of them has.
+/// The rows in their order, then the findings that begin with a new cause.
 fn with_new(mut rows: Arc<Vec<Finding>>, findings: &[Finding]) -> Arc<Vec<Finding>> {
     for finding in findings {
         if rows.iter().all(|row| key(row) != key(finding)) {
@@ -46,7 +46,7 @@ fn with_new(mut rows: Arc<Vec<Finding>>, findings: &[Finding]) -> Arc<Vec<Findin
     rows
 }
 
-/// The key of a finding's first cause, which no two findings share.
+/// The key of a finding's first cause; no two findings share it.
 fn key(finding: &Finding) -> &'static str {
     finding.suspect.cause.key
 }

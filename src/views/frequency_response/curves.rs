@@ -12,9 +12,10 @@ use crate::session::Session;
 
 /// Number of frequencies of a curve: enough for a peak of one per cent's width.
 const POINTS: usize = 385;
-/// Number of a curve's frequencies per frequency of the spectrum, whose windows cannot resolve sharper peaks.
+/// The number of a curve's frequencies per frequency of the spectrum. The spectrum's windows cannot resolve sharper
+/// peaks.
 const COARSER: usize = 2;
-/// Limits the range beyond the natural frequencies from below, as a ratio.
+/// The least range beyond the natural frequencies, as a ratio.
 const BEYOND: f64 = 4.0;
 /// Margin beyond round numbers, so that the last ticks' texts are not cut off, as a ratio.
 const ROOM: f64 = 1.15;
@@ -33,7 +34,7 @@ pub(super) struct Curves {
 }
 
 impl Curves {
-    /// The curves at sample `k` for the filters whose ids are shown; `ui`'s memory provides the unchanged ones.
+    /// The curves at sample `k` for the filters that are shown; unchanged ones come from `ui`'s memory.
     pub(super) fn at(ui: &Ui, session: &Session, k: usize, is_shown: impl Fn(u32) -> bool) -> Self {
         let range = range(session);
         ui.data_mut(|data| {

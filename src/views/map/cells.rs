@@ -1,4 +1,4 @@
-//! The numbers of a map's cells, and what came of the runs.
+//! The numbers of a map's cells, and the outcomes of the runs.
 
 use kalmanscope_lab::Measure;
 
@@ -53,7 +53,7 @@ pub(super) fn compared(a: &[Cell], b: &[Cell], measure: Measure) -> Vec<Cell> {
     a.iter().zip(b).map(cell).collect()
 }
 
-/// Whether two filters' scores are compared by their ratio: sizes are, numbers with a sign are not.
+/// Whether two filters' scores are compared by their ratio: true for sizes, false for numbers with a sign.
 pub(super) fn is_ratio(measure: Measure) -> bool {
     matches!(
         measure,

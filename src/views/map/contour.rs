@@ -23,8 +23,8 @@ pub(super) fn consistent(survey: &Survey, filter: usize) -> Vec<Piece> {
     [-CONSISTENT, CONSISTENT].into_iter().flat_map(|level| edge(&values, across, up, spread(level))).collect()
 }
 
-/// The lines on which numbers at the middles of cells, the second axis fastest, have a level: marching squares, after Lorensen
-/// and Cline (1987). The region is on the side of zero. A square with a corner that is no number has no line.
+/// The lines on which numbers at the middles of cells, the second axis fastest, have a level: marching squares, after
+/// Lorensen and Cline (1987). The region is on the side of zero. A square with a NaN at a corner has no line.
 fn edge(values: &[f64], across: usize, up: usize, level: f64) -> Vec<Piece> {
     let at = |x: usize, y: usize| values[x * up + y] - level;
     let mut pieces = Vec::new();

@@ -15,13 +15,13 @@ use crate::request::Request;
 use crate::theme::Palette;
 use crate::view::ViewContext;
 
-/// The values on both axes that have a button.
+/// The numbers of values on both axes that have a button.
 const COUNTS: [usize; 4] = [32, 64, 128, 256];
 
 /// The names of the axes, for labels.
 const WAYS: [&str; 2] = ["across", "up"];
 
-/// Shows the choices, and requests another map where one of them changes.
+/// Shows the choices, and requests another map if one of them changes.
 pub(super) fn head_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
@@ -169,7 +169,7 @@ fn range_ui(ui: &mut Ui, axis: &mut Axis, way: &str, part: &Scenario) {
             axis.from = axis.to / 1000.0;
         }
     }
-    // Half-typed ranges that no axis can have wait for the rest.
+    // Ignores half-typed, impossible ranges.
     if axis.check().is_err() || axis.from >= axis.to {
         *axis = before;
     }
@@ -184,7 +184,7 @@ fn precision_ui(ui: &mut Ui, precision: &mut Precision) {
     }
 }
 
-/// Says what has computed the map, and whether the graphics processor has failed.
+/// Shows what has computed the map, and whether the graphics processor has failed.
 fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
     let computers = laboratory.shown().map(Survey::computers).unwrap_or_default();
     let named: Vec<String> = computers.iter().filter(|by| **by != Computer::Frames).map(Computer::to_string).collect();
@@ -198,7 +198,7 @@ fn computers_ui(ui: &mut Ui, laboratory: &Laboratory) {
     }
 }
 
-/// Stops the work, and goes on with it; says how far it is.
+/// The button that stops the work or goes on with it, with the progress.
 fn work_ui(ui: &mut Ui, laboratory: &Laboratory, requests: &mut Vec<Request>) {
     let Some(share) = laboratory.progress() else { return };
     let is_stopped = laboratory.state().is_stopped();

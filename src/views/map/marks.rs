@@ -13,11 +13,11 @@ use crate::text::{parse, significant};
 use crate::theme::Palette;
 use crate::view::ViewContext;
 
-/// The radius of the dot, and of the room in which it is grasped by a pointer or a finger \[points\].
+/// The radius of the dot, and that of the area to grasp it by pointer or finger \[points\].
 const RADIUS: f32 = 6.0;
 const GRASP: (f32, f32) = (11.0, 22.0);
 
-/// Draws a line that is seen on any colour.
+/// Draws a line that is visible on any colour.
 fn line(ui: &Ui, points: Vec<egui::Pos2>, width: f32) -> [Shape; 2] {
     let width = if Medium::of(ui.ctx()) == Medium::Figure { 0.8 * width } else { width };
     [
@@ -40,7 +40,7 @@ pub(super) fn contour_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], contour: &[Pi
     for Piece { ends: [from, to], inwards } in contour {
         let (from, to) = (at(*from), at(*to));
         lines.push(line(ui, vec![from, to], 1.4));
-        // On the screen, where a cell is not square.
+        // Converted to the screen, where a cell is not square.
         let inwards = vec2((inwards[0] * counts[0] / size[0]) as f32, -(inwards[1] * counts[1] / size[1]) as f32);
         let middle = from + 0.5 * (to - from);
         let shares = graph.shares(middle);
@@ -56,7 +56,7 @@ pub(super) fn contour_ui(ui: &Ui, graph: &Graph, axes: [&Axis; 2], contour: &[Pi
     painter.extend(over);
 }
 
-/// The constant truth of the parameter whose guess an axis is.
+/// The constant truth of the parameter, if the axis varies its guess.
 fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
     let guess = Address::parse(scenario, &axis.key).ok().filter(|address| address.table() == Some(&INITIAL_MEAN))?;
     match scenario.plant.parameter(guess.channel()?)? {
@@ -65,7 +65,7 @@ fn truth(axis: &Axis, scenario: &Scenario) -> Option<f64> {
     }
 }
 
-/// The truth of each axis that is a guess of it, with the axis' place; those beyond the map's cells are left out.
+/// The truth of each axis that varies a guess, with the axis' place; truths outside the map's cells are left out.
 pub(super) fn truths(axes: [&Axis; 2], context: &ViewContext<'_>) -> Vec<(usize, f64)> {
     if !context.visible.truth || context.session.is_measured() {
         return Vec::new();
@@ -75,7 +75,7 @@ pub(super) fn truths(axes: [&Axis; 2], context: &ViewContext<'_>) -> Vec<(usize,
     truths.filter(|(_, value, axis)| axis.place_of(*value).is_some()).map(|(at, value, _)| (at, value)).collect()
 }
 
-/// Draws the truth on the axes that are guesses of it.
+/// Draws the truth on the axes that vary its guess.
 pub(super) fn truth_ui(ui: &Ui, graph: &Graph, truths: &[(usize, f64)]) {
     let rect = graph.rect;
     for (at, value) in truths {
@@ -94,8 +94,8 @@ pub(super) fn truth_ui(ui: &Ui, graph: &Graph, truths: &[(usize, f64)]) {
     }
 }
 
-/// Shows the dot of the present setting, which is dragged, or moved by the arrows while it has the focus. Outside the map it
-/// is at the edge.
+/// Shows the dot of the present setting, which is dragged, or moved by the arrows while it has the focus. If the
+/// setting is outside the map, the dot is at the edge.
 pub(super) fn dot_ui(
     ui: &Ui,
     key: &str,
@@ -160,7 +160,8 @@ pub(in crate::views) fn said(axis: &Axis, value: f64, survey: &Survey) -> String
     format!("{} {} {}", address.name(), significant(value, 4), address.unit()).trim_end().to_owned()
 }
 
-/// The value that a hand sets at a share of an axis' scale: at most three digits, and not beyond the middles of the last cells.
+/// The value for a dot dragged to a share of an axis' scale: at most three digits, and not beyond the middles of the
+/// last cells.
 fn dragged(survey: &Survey, at: usize, share: f64) -> f64 {
     let axis = survey.axes()[at];
     let steps = axis.count.saturating_sub(1).max(1) as f64;
@@ -170,7 +171,7 @@ fn dragged(survey: &Survey, at: usize, share: f64) -> f64 {
     if is_whole { value.round() } else { rounded }
 }
 
-/// The value some cells further, from the nearest cell on.
+/// The value `steps` cells from the nearest cell.
 fn stepped(axis: &Axis, value: f64, steps: f64) -> f64 {
     if steps == 0.0 {
         return value;

@@ -1,4 +1,4 @@
-//! One panel: its title, the cells, the axes, the bar of colours, and what a hand does with it.
+//! One panel: its title, the cells, the axes, the bar of colours, and its gestures.
 
 use egui::{Rect, RichText, Sense, TextStyle, Tooltip, Ui, UiBuilder, pos2, vec2};
 use kalmanscope_core::Spacing;
@@ -25,7 +25,7 @@ const TITLE: f32 = 17.0;
 /// The opacity of a picture of earlier settings.
 const OLD: f32 = 0.55;
 
-/// A panel with what it is made of.
+/// A panel with its inputs.
 pub(super) struct PanelView<'a> {
     pub(super) panel: &'a Panel,
     pub(super) survey: &'a Survey,
@@ -99,7 +99,7 @@ impl PanelView<'_> {
         let font = TextStyle::Small.resolve(ui.style());
         let galley = |text: String| ui.painter().layout_no_wrap(text, font.clone(), context.palette.text);
         let whole = galley(text);
-        // Where there is no room for the score, the menu above says it.
+        // The score may lack room here: the menu above names it too.
         let text = match (panel.contents, &filters[..]) {
             (Contents::Filter(at), [_, _, ..]) if start.x + whole.size().x > room.right() => {
                 galley(filters[at].name.clone())

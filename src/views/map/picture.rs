@@ -1,4 +1,4 @@
-//! The picture of a map: cells and lines of each filter and of their comparison, made anew when rows have come.
+//! The picture of a map: cells and lines of each filter and of their comparison, made again when rows have come.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub(super) struct Panel {
     pub(super) contour: Vec<Piece>,
     /// Cells across and up.
     counts: [usize; 2],
-    /// One texel a cell; none for a figure.
+    /// One texel a cell. `None` for a figure.
     texture: Option<TextureHandle>,
     shades: Vec<Option<Color32>>,
 }
@@ -49,10 +49,10 @@ struct Kept {
     cost: Duration,
 }
 
-/// The panels are made anew at most this share of the time while rows come.
+/// While rows come, making the panels takes at most one in `SHARE` + 1 parts of the time.
 const SHARE: u32 = 5;
 
-/// The panels, which are kept until something else is to be seen.
+/// The panels, which are kept until their contents change.
 pub(super) fn panels(
     ctx: &Context,
     laboratory: &Laboratory,
@@ -123,8 +123,8 @@ impl Panel {
         }
     }
 
-    /// One mesh of rectangles for each colour, which a figure can carry. Neighbours of one colour are one rectangle, and each
-    /// overlaps the next, so that no seams are seen.
+    /// One mesh of rectangles for each colour, which a figure can carry. Neighbours of one colour are one rectangle,
+    /// and each overlaps the next, so that no seams show.
     fn areas(&self, graph: &Graph) -> Vec<Shape> {
         const OVERLAP: f32 = 0.25;
         let [across, up] = self.counts;
@@ -190,7 +190,7 @@ impl Panel {
         lines
     }
 
-    /// Whether a cell ended so.
+    /// Whether any cell has this end.
     pub(super) fn has(&self, end: End) -> bool {
         self.cells.iter().any(|cell| cell.end == end)
     }

@@ -1,4 +1,4 @@
-//! The places of panels: side by side, one below the other, or one at a time where there is room for no more.
+//! The places of panels: side by side, one below the other, or one at a time if there is no room for more.
 
 use egui::{Id, Rect, Ui, UiBuilder, Vec2, vec2};
 
@@ -7,10 +7,10 @@ use super::picture::{Contents, Panel};
 use crate::laboratory::Survey;
 use crate::plot::medium::Medium;
 
-/// Limits the width of a panel below which panels are not side by side \[points\].
+/// The least width of panels side by side \[points\].
 const LEAST: f32 = 160.0;
 
-/// Limits the height of a panel below which panels are not one below the other \[points\].
+/// The least height of panels one below the other \[points\].
 const LOW: f32 = 180.0;
 
 /// Space between panels \[points\].

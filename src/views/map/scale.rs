@@ -17,7 +17,7 @@ pub(super) const CONSISTENT: f64 = 2.575_829_303_548_901;
 /// The ratio of the largest to the smallest score beyond which colours are logarithmic.
 const DECADES: f64 = 10.0;
 
-/// Limits the scores that the range of colours is taken from, and the share of them beyond either end.
+/// The range of colours follows from at most this many scores, and leaves out this share of them at either end.
 const MOST: usize = 4096;
 const BEYOND: f64 = 0.02;
 
@@ -26,7 +26,7 @@ const BEYOND: f64 = 0.02;
 pub(super) enum Colors {
     /// From dark to light, along a scale.
     Sequential(Scale),
-    /// About a middle.
+    /// Two hues, for scores below and above a middle.
     Diverging(Scale),
     /// The distance of a mean NIS from 1 in standard deviations, finest about zero.
     Distance(f64),
@@ -76,7 +76,7 @@ impl Colors {
         Self::Diverging(Scale::new(1.0 / most, most, true))
     }
 
-    /// The scale of the bar; none where each kind has a colour.
+    /// The scale of the colour bar. `None` for distances of the NIS and for kinds.
     pub(super) fn scale(&self) -> Option<Scale> {
         match self {
             Self::Sequential(scale) | Self::Diverging(scale) => Some(*scale),
@@ -103,7 +103,7 @@ impl Colors {
         }
     }
 
-    /// The colour of the kind at a place. The quiet one of two is the second.
+    /// The colour of the kind at a place. Of two kinds, the second has the less striking colour.
     pub(super) fn kind(&self, place: usize) -> Color32 {
         match self {
             Self::Kinds(names) if names.len() == 2 => {
@@ -117,7 +117,7 @@ impl Colors {
         }
     }
 
-    /// The colour of a cell; none where it is not known, and grey where there is no score.
+    /// The colour of a cell. `None` if it is not known; grey if there is no score.
     pub(super) fn of_cell(&self, cell: Cell, palette: &Palette) -> Option<Color32> {
         let Cell { value, end } = cell;
         match (self, end) {
@@ -130,7 +130,7 @@ impl Colors {
     }
 }
 
-/// Makes small distances wide and large ones narrow, with a sign.
+/// Stretches small distances and compresses large ones; keeps the sign.
 pub(super) fn spread(distance: f64) -> f64 {
     (distance / CONSISTENT).asinh()
 }

@@ -4,7 +4,7 @@ use egui::{Color32, Mesh, Painter, Pos2, Shape, Stroke};
 
 use crate::plot::graph::Graph;
 
-/// Fills the area between pairs of values; it has a gap where one of them is no number.
+/// Fills the area between pairs of values; it has a gap where one of them is NaN.
 pub(super) fn band(painter: &Painter, graph: &Graph, rungs: impl Iterator<Item = (f64, [f64; 2])>, color: Color32) {
     let mut mesh = Mesh::default();
     let mut before: Option<u32> = None;
@@ -26,7 +26,7 @@ pub(super) fn band(painter: &Painter, graph: &Graph, rungs: impl Iterator<Item =
     painter.add(Shape::mesh(mesh));
 }
 
-/// Draws a line through points; it has a gap where one is no number.
+/// Draws a line through points; it has a gap where one is NaN.
 pub(super) fn line(
     painter: &Painter,
     graph: &Graph,

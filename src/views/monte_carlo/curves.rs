@@ -1,4 +1,4 @@
-//! The numbers that are drawn, made anew when more seeds have come.
+//! The numbers that are drawn, computed again when more seeds have come.
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ pub(super) struct FilterCurves {
     /// The mean NEES over its expectation, and the band of 95 % of such means.
     pub(super) nees: Vec<f64>,
     pub(super) nees_band: Vec<Option<RangeInclusive<f64>>>,
-    /// The same of NIS.
+    /// The same for NIS.
     pub(super) nis: Vec<f64>,
     pub(super) nis_band: Vec<Option<RangeInclusive<f64>>>,
     /// Quantiles of the parameter's error, and the filter's own σ.
@@ -67,7 +67,7 @@ fn made(runs: &SeedRuns, wanted: Option<Channel>, context: &ViewContext<'_>) -> 
     for nth in 0..runs.filters().len() {
         for &channel in statistics.channels(nth).iter().filter(|channel| is_shown(channel)) {
             let at = statistics.channels(nth).iter().position(|other| *other == channel);
-            // A parameter that is taken for known has neither errors nor a spread.
+            // A parameter that the filter assumes known has neither errors nor a spread.
             let is_estimated = at.is_some_and(|at| statistics.std(nth, at).any(|std| std > 0.0));
             if is_estimated && !parameters.contains(&channel) {
                 parameters.push(channel);

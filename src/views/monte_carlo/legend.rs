@@ -1,4 +1,4 @@
-//! The lines above the charts that say what is in them: the seeds, each filter's share of lost runs, and the marks.
+//! The lines above the charts: the seeds, each filter's share of lost runs, and the marks.
 
 use egui::{RichText, Ui};
 
@@ -6,8 +6,8 @@ use super::curves::{Curves, FilterCurves};
 use super::over_time::color;
 use crate::view::ViewContext;
 
-/// Shows the seeds so far, and for each filter in its colour how many of its runs came to nothing; one below the other in a
-/// column.
+/// Shows the seeds so far, and for each filter in its colour its number of lost or stopped runs; one below the other in
+/// a column.
 pub(super) fn legend_ui(ui: &mut Ui, curves: &Curves, context: &ViewContext<'_>, is_old: bool, is_column: bool) {
     let lines = |ui: &mut Ui| {
         let of = if is_old { ", of the settings before" } else { "" };

@@ -100,7 +100,7 @@ impl Chart {
         let mut drawn: Vec<&[Option<RangeInclusive<f64>>]> = Vec::new();
         for filter in &curves.filters {
             let (_, bands) = self.ratios(filter);
-            // Filters with as many degrees of freedom have one band.
+            // Filters with equal degrees of freedom share one band.
             if drawn.contains(&bands) {
                 continue;
             }
@@ -168,12 +168,12 @@ pub(super) fn color(context: &ViewContext<'_>, id: u32) -> Color32 {
     own.map_or(context.palette.text, |filter| context.palette.shade(crate::controls::color::color_of(filter)))
 }
 
-/// The width of the line of the filter at a place: a line that coincides with the one before leaves that in sight.
+/// The width of the line of the filter at a place. Later lines are thinner, so that they do not hide earlier ones.
 fn width(at: usize) -> f32 {
     (3.4 - 1.4 * at as f32).max(1.4)
 }
 
-/// The largest error to be seen: the first tenth of the times, with their wide beliefs, may go beyond it.
+/// The largest error on the axis. The first tenth of the times, with their wide beliefs, may go beyond it.
 fn reach(curves: &Curves) -> f64 {
     let mut reach = 0.0_f64;
     for filter in &curves.filters {

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, Painter, Shape, Stroke, pos2, vec2};
 
 use super::stage::Stage;
 
-/// Draws the arrow of a force that is `share` of the largest, for the mass whose centre is at `x`.
+/// Draws the arrow of a force that is `share` of the largest, for the mass with its centre at `x`.
 pub(super) fn arrow(stage: &Stage, painter: &Painter, x: f32, share: f64, color: Color32) {
     let unit = stage.unit;
     let length = share.clamp(-1.0, 1.0) as f32 * stage.longest_arrow();
@@ -19,6 +19,6 @@ pub(super) fn arrow(stage: &Stage, painter: &Painter, x: f32, share: f64, color:
     if room < stage.font().size {
         return;
     }
-    // The label is above the mast: at the tip it would jump with every change of sign.
+    // The label is above the mast: at the tip it would jump at every change of sign.
     painter.text(tail - vec2(0.0, 3.0 * unit), Align2::CENTER_BOTTOM, "f", stage.font(), color);
 }

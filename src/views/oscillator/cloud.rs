@@ -7,7 +7,7 @@ use super::stage::Stage;
 /// The number of readings that are drawn.
 const READINGS: usize = 40;
 
-/// The same where the truth is unknown or hidden; the readings then stay in place while the mass moves on.
+/// The same if the truth is unknown or hidden: the readings then stay in place while the mass moves on.
 const BARE_READINGS: usize = 8;
 
 /// Draws the last readings up to sample `k`, older ones fainter. Each is as far from the mass at `x` \[m\] as it was

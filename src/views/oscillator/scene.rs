@@ -24,7 +24,7 @@ const CORNER: f32 = 10.0;
 /// Limits the share of the picture that an equation above it takes.
 const STRIP: f32 = 0.4;
 
-/// Limits the size of a typeset equation, whose subscripts are smaller \[points\].
+/// The least size of a typeset equation; its subscripts are smaller \[points\].
 const LEAST_EQUATION: f32 = 12.5;
 
 /// One moment and its stage.
@@ -148,8 +148,8 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The height of a strip above the picture for an equation that a user typed and that is too long for the room above the
-    /// spring; nothing where the picture would be too low under it \[points\].
+    /// The height of a strip above the picture \[points\], for a typed equation that is too long for the room above the
+    /// spring. `None` if no strip is needed, or the picture under it would be too low.
     pub(super) fn strip(&self) -> Option<f32> {
         let (room, rect) = (self.room().size(), self.stage.rect);
         self.context.session.run().scenario().plant.kind.own_equation()?;

@@ -90,7 +90,7 @@ impl Stage {
         f64::from(length) / self.scale
     }
 
-    /// The position of a mass's centre at the displacement `x` \[m\], on the stage or not.
+    /// The position of a mass's centre at the displacement `x` \[m\], even beyond the stage.
     pub(super) fn place(&self, mass: usize, x: f64) -> f32 {
         self.rest(mass) + self.length(x)
     }

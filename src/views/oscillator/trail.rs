@@ -63,7 +63,7 @@ impl<'a> Trail<'a> {
         for mass in 0..stage.masses() {
             painter.vline(stage.rest(mass), paper.y_range(), grid);
         }
-        // Not one after the other: far from zero, a second less is the same number.
+        // Multiplies instead of subtracting one by one: far from zero, subtracting a second changes nothing.
         let seconds = (0..=(paper.height() / SPEED).max(0.0) as usize).map(|age| now.floor() - age as f64);
         for second in seconds.take_while(|second| *second >= self.record.time(0)) {
             let y = paper.top() + SPEED * (now - second) as f32;
@@ -74,7 +74,7 @@ impl<'a> Trail<'a> {
         }
     }
 
-    /// Draws the path of a mass whose displacement at sample k is `x(k)` \[m\].
+    /// Draws the path of a mass with the displacement `x(k)` \[m\] at sample k.
     pub(super) fn line(&self, mass: usize, width: f32, color: Color32, x: impl Fn(usize) -> Option<f64>) {
         let at = |k| Some(self.at(mass, x(k).filter(|x| x.is_finite())?, k));
         let points: Vec<Pos2> = self.samples().filter_map(at).collect();

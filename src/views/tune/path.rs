@@ -13,7 +13,7 @@ const HEIGHT: f32 = 190.0;
 pub(super) fn path_ui(ui: &mut Ui, tuning: &Tuning, context: &ViewContext<'_>) {
     let is_score = |score: &f64| score.is_finite() && score.abs() < 1e99;
     let scores = || tuning.path().iter().map(|tried| tried.score);
-    // Where the filter stops at first, the gain is over the first try that comes to the end.
+    // If the first tries stop the filter, the gain is relative to the first try that does not.
     let Some(start) = scores().find(is_score) else { return };
     let gains = || scores().enumerate().filter(|(_, score)| is_score(score)).map(|(at, score)| (at, score - start));
     let high = gains().map(|(_, gain)| gain).fold(0.0, f64::max);

@@ -11,7 +11,7 @@ use crate::text::significant;
 use crate::verdict;
 use crate::view::ViewContext;
 
-/// Shows the result with the button that takes it.
+/// Shows the result with the button that applies it.
 pub(super) fn result_ui(ui: &mut Ui, result: &TuneResult, context: &ViewContext<'_>, requests: &mut Vec<Request>) {
     let tuned = result.tuned();
     let [first, .., last] = &tuned.path[..] else {
@@ -66,7 +66,7 @@ fn score_name(goal: Goal) -> &'static str {
     }
 }
 
-/// A score as the number that it stands for.
+/// A score as the number of its measure.
 fn score_text(goal: Goal, score: f64) -> String {
     match goal {
         _ if score.abs() > 1e99 => "none: the filter stops".to_owned(),

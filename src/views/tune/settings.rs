@@ -11,7 +11,7 @@ use crate::request::Request;
 use crate::text::significant;
 use crate::view::ViewContext;
 
-/// Shows filter, goal and the button, and requests another choice where one of them changes.
+/// Shows filter, goal and the button, and requests another choice if one of them changes.
 pub(super) fn head_ui(
     ui: &mut Ui,
     context: &ViewContext<'_>,
@@ -34,7 +34,7 @@ pub(super) fn head_ui(
     }
 }
 
-/// Shows the settings with their ranges, and requests another choice where one of them changes.
+/// Shows the settings with their ranges, and requests another choice if one of them changes.
 pub(super) fn settings_ui(ui: &mut Ui, context: &ViewContext<'_>, choice: &TuneChoice, requests: &mut Vec<Request>) {
     let mut next = choice.clone();
     let part = part_of(context.session.run().scenario(), &[choice.filter]);
@@ -104,7 +104,7 @@ fn setting_ui(ui: &mut Ui, choice: &mut TuneChoice, key: &str, part: &Scenario) 
         let scale = value.abs().max(1e-9);
         ui.allocate_ui(size, |ui| field(ui, value, f64::NEG_INFINITY, scale, &name, &name));
     }
-    // Half-typed ranges that no search can have wait for the rest.
+    // Ignores half-typed, impossible ranges.
     if axis.check().is_err() || axis.from >= axis.to {
         *axis = before;
     }

@@ -1,4 +1,4 @@
-//! Long work of the explorer in workers of the page: filters and imports, one a worker as far as there are workers.
+//! Long work of the explorer in workers of the page: filters and imports, one per worker.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -35,7 +35,7 @@ pub(super) struct Errand {
     ctx: Context,
 }
 
-/// Stands for the samples of work with an outcome, for which the page asks until the outcome comes.
+/// The number of samples of work with an outcome: the page asks for more until the outcome comes.
 const UNTIL_DONE: usize = usize::MAX;
 
 impl Errand {
@@ -181,7 +181,7 @@ fn give_up(team: &mut Team, number: u32) {
     let member = &members[place];
     let is_alone = member.is_free() && !errands.iter().any(|errand| errand.is_of(member));
     if is_alone && errand.portions.is_stuck() {
-        // Nothing else stops it. Another one is started when there is work for it.
+        // Only dropping the worker stops it. Another one starts when there is work.
         members.swap_remove(place);
         return;
     }

@@ -24,7 +24,7 @@ const FIRST: usize = 64;
 const PORTION: Duration = Duration::from_millis(200);
 const MOST: usize = 1 << 14;
 
-/// The graphics processor. Nobody looks for it before the first map.
+/// The graphics processor. The search begins with the first map.
 pub(super) struct Processor {
     /// Whether a program in its place will do.
     software: bool,
@@ -184,7 +184,7 @@ impl State {
     }
 }
 
-/// Starts the worker, if the browser offers a processor: most of the work of a start is saved where there is none.
+/// Starts the worker, if the browser offers a processor. Without one, this saves most of the work of a start.
 async fn start(state: Rc<RefCell<State>>, software: bool) {
     let offer = adapter::ask(software).await;
     let mut present = state.borrow_mut();

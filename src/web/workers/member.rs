@@ -25,7 +25,7 @@ pub(super) struct Member {
     worker: Worker,
     is_ready: bool,
     is_over: bool,
-    /// The job whose ensemble it knows.
+    /// The job that it has the ensemble of.
     job: Option<u32>,
     /// Cells that it has.
     portions: Portions,
@@ -34,10 +34,10 @@ pub(super) struct Member {
 }
 
 impl Member {
-    /// Starts a worker whose messages, and the reason why there are none, go to a listener.
+    /// Starts a worker. The listener receives its messages, or the reason why it failed.
     ///
     /// # Errors
-    /// The reason in words where the browser has no workers.
+    /// The reason in words if the browser has no workers.
     pub(super) fn new(
         number: u32,
         program: Program,
@@ -58,7 +58,7 @@ impl Member {
         Ok(Self { number, worker, is_ready: false, is_over: false, job: None, portions, _hear: hear, _fail: fail })
     }
 
-    /// Its number, which no other has.
+    /// Its number; no other worker has the same.
     pub(super) fn number(&self) -> u32 {
         self.number
     }
@@ -93,7 +93,7 @@ impl Member {
         self.job == Some(job)
     }
 
-    /// Notes the job whose ensemble it has been told, and the number of cells to give it first.
+    /// Notes that the worker has the ensemble of `job`, and the number of cells to give it first.
     pub(super) fn learn(&mut self, job: u32, first: usize) {
         self.job = Some(job);
         self.portions.begin_with(first);
@@ -104,7 +104,8 @@ impl Member {
         self.portions.size()
     }
 
-    /// Ends the worker before this is dropped, as where that cannot be: while the worker is listened to.
+    /// Ends the worker. Its listener calls this instead of dropping the worker, which would drop the listener while it
+    /// runs.
     pub(super) fn end(&mut self) {
         self.worker.terminate();
         (self.is_ready, self.is_over) = (false, true);

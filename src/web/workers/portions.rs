@@ -2,16 +2,16 @@
 
 use web_time::{Duration, Instant};
 
-/// The time of a portion: rows come soon, and other work is heard of soon.
+/// The time of a portion: short, so that rows come often and the worker soon sees other messages.
 const PORTION: Duration = Duration::from_millis(10);
 
-/// A portion that takes longer is not waited for.
+/// A worker that takes longer for a portion is stuck, and may be replaced.
 const LONG: Duration = Duration::from_millis(250);
 
 /// Portions that a worker has at once, at least and at most, so that it has something to do while the page draws a frame.
 const AT_ONCE: [usize; 2] = [2, 6];
 
-/// Limits the time of all portions that it has, where there are more than the least.
+/// Limits the time of all portions that a worker has, beyond the least number of them.
 const AHEAD: Duration = Duration::from_millis(60);
 
 /// Limits the size of a portion.
@@ -39,7 +39,7 @@ impl Portions {
         soon.min(units / (AT_ONCE[1] * workers)).clamp(1, MOST)
     }
 
-    /// Whether one has taken long.
+    /// Whether the first portion has taken longer than [`LONG`].
     pub(super) fn is_stuck(&self) -> bool {
         self.given.first().is_some_and(|begin| begin.elapsed() > LONG)
     }
@@ -77,7 +77,7 @@ impl Portions {
             return;
         }
         self.given.remove(0);
-        // The next one has waited for this one.
+        // The next portion begins only now.
         if let Some(next) = self.given.first_mut() {
             *next = Instant::now();
         }

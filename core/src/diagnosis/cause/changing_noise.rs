@@ -7,13 +7,13 @@ use crate::diagnosis::innovations::SensorInnovations;
 use crate::diagnosis::parts::{Chosen, PARTS};
 use crate::diagnosis::words::short;
 
-/// Limits the ratio of a change of variance from below.
+/// The least ratio of a change of variance.
 const RATIO: f64 = 1.5;
 
-/// Limits the correlation at lag 1 of innovations that are larger because of noise alone.
+/// Limits the correlation at lag 1 of innovations that grew through noise alone.
 const WHITE: f64 = 0.2;
 
-/// Limits the probability that chance explains a change, over all divisions that are looked at.
+/// Limits the probability that chance explains a change, over all divisions that are tried.
 const LEVEL: f64 = 1e-4;
 
 pub(super) static CAUSE: Cause = Cause {
@@ -24,8 +24,8 @@ pub(super) static CAUSE: Cause = Cause {
     suspects,
 };
 
-/// By the innovations² of each part of the record, where innovations stay white: a parameter that changes leaves them
-/// correlated.
+/// Uses the innovations² of each part of the record. The innovations must stay white: a changing parameter would leave
+/// them correlated.
 ///
 /// ```text
 /// L = ½ (n ln m - n₁ ln m₁ - n₂ ln m₂),  2 L ~ χ² where nothing changes
@@ -46,11 +46,11 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     found.push(Suspect { samples: Some(samples), ..Suspect::new(cause, weight, 1.0, knobs, sentence) });
 }
 
-/// Parts of a record in which the innovations² of a sensor are others than in the rest.
+/// Successive parts of a record with other innovations² of a sensor than the rest.
 struct Change {
     /// The first of these parts, and the first one after them.
     parts: (usize, usize),
-    /// The innovations² in the rest and there, relative to their expectation.
+    /// The innovations² in the rest and in these parts, relative to their expectation.
     levels: (f64, f64),
     /// The larger one over the smaller one.
     ratio: f64,

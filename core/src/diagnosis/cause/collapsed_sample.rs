@@ -4,7 +4,7 @@ use super::{Cause, Matter, Suspect};
 use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// Limits the effective sample size of a sound sample from below.
+/// The least effective sample size of a sound sample.
 const FEW: f64 = 3.0;
 
 /// Limits the proposed number of particles.

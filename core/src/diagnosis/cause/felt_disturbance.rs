@@ -36,7 +36,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     let sentence =
         format!("Q stands for a disturbance of {} m/s², which the accelerometer feels too", short(disturbance));
     found.push(Suspect::new(cause, weight, 0.0, vec![matter.knob("sensor_std", turned)], sentence.clone()));
-    // A white force of the same size tells what the accelerometer reads of it, which a larger R forgets.
+    // A white force of the same size also models the accelerometer's reading of it; a larger R does not.
     if !filter.augment.contains(&Channel::WHITE_FORCE) {
         let knobs = vec![
             matter.augmented(Channel::WHITE_FORCE),

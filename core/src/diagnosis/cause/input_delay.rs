@@ -26,7 +26,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     }
     for shift in (-MOST..=MOST).filter(|&shift| shift != 0) {
         let delay = matter.filter.input_delay + shift;
-        // Since the filter was as the user knows it.
+        // The change since the user's own settings.
         let since = delay - matter.origin.input_delay;
         let (count, word) = (since.abs(), if since < 0 { "late" } else { "early" });
         let plural = if count == 1 { "" } else { "s" };

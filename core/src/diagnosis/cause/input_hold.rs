@@ -1,4 +1,4 @@
-//! The input is not held as the filter takes it.
+//! The input is not held as the filter assumes.
 
 use super::{Cause, Matter, Suspect};
 use crate::Hold;

@@ -1,13 +1,13 @@
-//! Nothing in the record tells the parameters.
+//! The record has no information on the parameters.
 
 use super::{Cause, Matter, Suspect};
 use crate::Quantity;
 use crate::diagnosis::verdict_kind::VerdictKind;
 
-/// Limits the correlation at lag 1 of readings that are noise.
+/// Limits the correlation at lag 1 of readings that are only noise.
 const WHITE: f64 = 0.3;
 
-/// Limits the mean square of readings that are noise, over R.
+/// Limits the mean square of readings that are only noise, over R.
 const NOISE: f64 = 1.5;
 
 pub(super) static CAUSE: Cause = Cause {
@@ -30,8 +30,8 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     found.push(Suspect { certain: true, samples, ..Suspect::new(cause, 0.9 * weight, 0.0, Vec::new(), sentence) });
 }
 
-/// Whether what the sensors read is noise alone: white, and of the size that the filter expects of noise. An accelerometer
-/// reads a broadband force as white, too, but much more than noise.
+/// Whether the sensors read only noise: white, and of the size R. An accelerometer under a broadband force also reads a
+/// white signal, but a much larger one.
 fn is_still(matter: &Matter<'_>) -> bool {
     let is_noise = |sensor: Quantity| {
         let Some(values) = matter.case.record.measured_quantity(sensor) else { return true };

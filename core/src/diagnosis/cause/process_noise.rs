@@ -15,14 +15,14 @@ pub(super) static CAUSE: Cause = Cause {
     suspects,
 };
 
-/// By the signs of the innovations' correlation.
+/// Uses the signs of the innovations' correlation.
 ///
 /// Source: Mehra (1970), On the identification of variances and adaptive Kalman filtering.
 fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
     let (case, filter) = (matter.case, matter.filter);
     let first = case.sensors.iter().map(|one| one.autocorrelation(&case.kept)[0]);
     let first = first.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-    // Where a white force drives the motion, it is all of its noise.
+    // If a white force drives the motion, it is the motion's only process noise.
     let is_white = filter.augment.contains(&Channel::WHITE_FORCE) && filter.process_std[Channel::WHITE_FORCE] > 0.0;
     let moves = |channel: &Channel| if is_white { *channel == Channel::WHITE_FORCE } else { !channel.is_parameter() };
     let motions = || case.estimates.channels().iter().copied().filter(moves);
@@ -36,7 +36,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         });
         let agrees = (first > 0.0) == (factor > 1.0);
         let weight = if agrees { 2.0 * first.abs() / (1.0 + 2.0 * first.abs()) } else { 0.05 };
-        // Since the filter was as the user knows it.
+        // The change since the user's own settings.
         let since = factor * motions().next().map_or(1.0, |channel| turned_since(matter, channel));
         let (word, by) = if since > 1.0 { ("small", since) } else { ("large", 1.0 / since) };
         let sentence = format!(
@@ -48,12 +48,12 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     }
 }
 
-/// A process noise for a channel that has none: a thousandth of what is not known at first.
+/// A process noise for a channel without one: a thousandth of its initial standard deviation.
 fn smallest(matter: &Matter<'_>, channel: Channel) -> f64 {
     1e-3 * matter.filter.initial_std[channel]
 }
 
-/// The factor on the process noise of a channel since the filter was as the user knows it.
+/// The factor on the process noise of a channel since the user's own settings.
 fn turned_since(matter: &Matter<'_>, channel: Channel) -> f64 {
     let of = |std: f64| if std > 0.0 { std } else { smallest(matter, channel) };
     let factor = of(matter.filter.process_std[channel]) / of(matter.origin.process_std[channel]);

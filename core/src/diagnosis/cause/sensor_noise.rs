@@ -4,13 +4,13 @@ use super::{Cause, Matter, Suspect};
 use crate::diagnosis::parts;
 use crate::diagnosis::words::short;
 
-/// Limits the factors on a variance that are not worth a trial.
+/// Smaller factors on a variance are not worth a trial.
 const TOLERANCE: f64 = 1.15;
 
-/// Limits the factors on a variance that may stand first: a larger one takes the sensor out of use.
+/// Limits the factors on a variance that may come first: a larger one silences the sensor.
 const SILENCE: f64 = 100.0;
 
-/// Limits an estimate of R from below, relative to R.
+/// The least estimate of R, relative to R.
 const LEAST: f64 = 1e-4;
 
 pub(super) static CAUSE: Cause = Cause {
@@ -21,7 +21,7 @@ pub(super) static CAUSE: Cause = Cause {
     suspects,
 };
 
-/// By matching of covariances: the mean square of e is H P Hᵀ + R, whatever R was assumed.
+/// Matches covariances: the mean square of e is H P Hᵀ + R, whatever R was assumed.
 ///
 /// Source: Mehra (1972), Approaches to adaptive filtering, section IV.
 fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
@@ -49,7 +49,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
         if changed.is_empty() {
             return;
         }
-        // Since the filter was as the user knows it.
+        // The change since the user's own settings.
         let turned_since = |i: usize| assumed[i] / matter.origin.sensor_std.get(i).unwrap_or(&assumed[i]);
         let since = |i: usize| which(i) * turned_since(i) * turned_since(i);
         let of = |i: usize| {

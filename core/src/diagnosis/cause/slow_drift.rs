@@ -8,7 +8,7 @@ use crate::setting::Edit;
 /// The tried random walks over the record, relative to the parameters.
 const WALKS: [f64; 2] = [0.05, 0.3];
 
-/// Limits the parameters that are tried each alone.
+/// Limits the number of parameters that are also tried one by one.
 const SINGLY: usize = 4;
 
 pub(super) static CAUSE: Cause = Cause {
@@ -18,7 +18,7 @@ pub(super) static CAUSE: Cause = Cause {
     suspects,
 };
 
-/// All parameters together, and each alone: a walk of one that does not change only adds to its error.
+/// Tries all parameters together, and each alone: a random walk of a constant parameter only adds to its error.
 fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>) {
     let case = matter.case;
     let own = |channel: &Channel| channel.is_parameter() && !channel.is_augmentation();

@@ -1,20 +1,21 @@
-//! The input stands still for a while, but not the force.
+//! The recorded input is constant for a while, but not the force.
 
 use std::ops::Range;
 
 use super::{Cause, Matter, Suspect};
 use crate::diagnosis::words::short;
 
-/// Limits the share of a record in which an input that stands still is looked at from below.
+/// The least share of a record in which the input must stand still.
 const SHARE: f64 = 0.05;
 
-/// Limits the samples of such a part from below.
+/// The least number of samples of such a part.
 const SAMPLES: usize = 20;
 
-/// Limits the share of the other samples in which the input changes from below: a step or a train of blows stands still by itself.
+/// The least share of the other samples in which the input must change: a step or a train of blows is constant by
+/// nature.
 const MOVES: f64 = 0.5;
 
-/// Limits the innovations² in that part from below, relative to those elsewhere and to their expectation.
+/// The least innovations² in that part, relative to those elsewhere and to their expectation.
 const RISE: f64 = 1.5;
 
 pub(super) static CAUSE: Cause = Cause {
@@ -36,7 +37,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
     };
     let there = level(std::slice::from_ref(&part));
     let elsewhere = level(&[case.samples.start..part.start, part.end..case.samples.end]);
-    // Where there is no reading, the level is no number, and no evidence.
+    // Without readings the level is NaN, which is no evidence.
     let rises = there > RISE * elsewhere.max(1.0);
     if !rises {
         return;

@@ -1,4 +1,4 @@
-//! A parameter has changed at once.
+//! A parameter has changed suddenly.
 
 use super::{Cause, Matter, Suspect};
 use crate::diagnosis::change::{Change, change_point};
@@ -7,7 +7,7 @@ use crate::diagnosis::words::short;
 /// The least rise of the normalised squares that is a change.
 const RISE: f64 = 1.3;
 
-/// The weight of a fading memory beside a jump, which forgets nothing before the change.
+/// The weight of fading relative to a jump: fading also forgets information from before the change.
 const FADES: f64 = 0.9;
 
 /// Limits the probability that chance explains a change.

@@ -1,9 +1,9 @@
-//! A force acts that nobody records, and stays for longer than a sample.
+//! An unrecorded force acts, and lasts longer than a sample.
 
 use super::{Cause, Matter, Suspect};
 use crate::Channel;
 
-/// The change of a force over one period that costs one value a period: one that is free in each.
+/// The relative change of a force over one period that costs one fitted value per period.
 const FREE: f64 = 0.3;
 
 /// The tried changes of the force over one period of the oscillator, relative to the force that moves the spring.
@@ -37,7 +37,7 @@ fn suspects(matter: &Matter<'_>, cause: &'static Cause, found: &mut Vec<Suspect>
             matter.knob(&format!("process_std.{key}"), change * force / period.sqrt()),
         ];
         let sentence = "a force acts that the record lacks, and changes slowly".to_owned();
-        // A force that may change at will fits any record: its freedom has a price besides its two values.
+        // A force that changes freely fits any record: its freedom has a price on top of that of its two values.
         let fitted = 2.0 + periods * change / FREE;
         found.push(Suspect::new(cause, weight, fitted, knobs, sentence));
     }

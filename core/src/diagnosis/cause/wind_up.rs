@@ -1,4 +1,4 @@
-//! The filter forgets faster than it is told.
+//! The filter forgets faster than the measurements inform it.
 
 use super::{Cause, Matter, Suspect};
 use crate::diagnosis::verdict_kind::VerdictKind;

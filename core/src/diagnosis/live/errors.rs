@@ -1,4 +1,4 @@
-//! The errors of each channel whose truth is known, granule by granule.
+//! The errors of each channel with a known truth, granule by granule.
 
 use std::ops::Range;
 
@@ -40,7 +40,7 @@ struct Columns<'a> {
 }
 
 impl LiveErrors {
-    /// Of the channels whose truth a record has, before the sample with this number.
+    /// The channels with a truth in the record, before the sample `start`.
     pub(super) fn new(estimates: &Estimates, record: &Record, start: usize) -> Self {
         let all = estimates.channels().iter().enumerate();
         let known = all.filter(|(_, channel)| record.truth(**channel).is_some());
@@ -109,7 +109,7 @@ impl<'a> Columns<'a> {
 }
 
 impl Stretch {
-    /// Of some errors, at least one.
+    /// The sums of some known errors, at least one.
     fn of_known(errors: &[f64]) -> Self {
         let sums = Sums {
             count: errors.len() as f64,
@@ -120,7 +120,7 @@ impl Stretch {
         Self { sums, first: errors[0], last: errors[errors.len() - 1] }
     }
 
-    /// Of those errors that are known.
+    /// The sums of the errors that are known.
     fn of_any(errors: &[f64], variances: &[f64]) -> Self {
         let (mut sums, mut first, mut last) = (Sums::default(), 0.0, 0.0);
         for (&error, &variance) in errors.iter().zip(variances) {
@@ -133,7 +133,7 @@ impl Stretch {
         Self { sums, first, last }
     }
 
-    /// Adds to sums of the samples before, whose last known error is `before`.
+    /// Adds itself to the sums of the samples before it. `before` is their last known error.
     fn add_to(&self, sums: &mut Sums, before: &mut f64) {
         if self.sums.count == 0.0 {
             return;

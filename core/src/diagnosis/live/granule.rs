@@ -1,11 +1,11 @@
-//! Granules: short stretches of samples whose sums are kept.
+//! Granules: short stretches of samples with stored sums.
 
 use std::ops::Range;
 
 use crate::diagnosis::innovations::{FIRST_CROSS_LAG, LAGS};
 
-/// The samples of a granule; granule i begins with sample number 16 i. Fewer would mean more sums to add for a window, and more
-/// would mean more samples between the whole granules of its parts.
+/// The samples of a granule; granule i begins with sample number 16 i. With fewer there would be more sums to add for a
+/// window, with more there would be more samples outside whole granules.
 pub(super) const GRANULE: usize = 16;
 
 /// The samples before a granule that its products reach back to.
@@ -19,8 +19,8 @@ pub(super) const AFTER: usize = FIRST_CROSS_LAG.unsigned_abs() as usize;
 pub(super) struct Piece {
     /// The numbers of the samples.
     pub(super) samples: Range<usize>,
-    /// The number of the granule, where its sums stand for these samples: it is whole, and its products reach no sample outside
-    /// the window.
+    /// The number of the granule, if its stored sums serve for these samples: it is whole, and its products reach no
+    /// sample outside the window.
     pub(super) granule: Option<usize>,
 }
 
@@ -36,7 +36,7 @@ pub(super) fn pieces(samples: &Range<usize>, window: &Range<usize>) -> impl Iter
     })
 }
 
-/// The first granule that can stand for its samples in a window that begins here or later.
+/// The first granule with sums that serve in a window that begins at `start` or later.
 pub(super) fn first_in(start: usize) -> usize {
     (start + BEFORE).div_ceil(GRANULE)
 }

@@ -27,7 +27,7 @@ struct LiveSensor {
     squares: Series<f64>,
     /// ν of every sample, limited; 0 where nothing was measured.
     values: Series<f64>,
-    /// The sums of every granule; those with the input are with what it has above its mean in the granule.
+    /// The sums of every granule. In those with the input, the mean of the granule's input is subtracted.
     granules: Series<Sums>,
 }
 
@@ -35,7 +35,7 @@ struct LiveSensor {
 type Near = [f64; BEFORE + GRANULE];
 
 impl LiveInnovations {
-    /// Before the sample with this number.
+    /// No innovations yet, before the sample `start`.
     pub(super) fn new(estimates: &Estimates, start: usize) -> Self {
         let one = |&sensor: &Quantity| LiveSensor {
             sensor,
@@ -47,7 +47,7 @@ impl LiveInnovations {
         Self { known: start..start, sensors, input: Series::starting_at(first_in(start)) }
     }
 
-    /// Whether a window that begins with this sample needs none that has been forgotten, nor leaves out any.
+    /// Whether the next window can begin with this sample: it needs no forgotten sample, and skips none.
     pub(super) fn reaches(&self, start: usize) -> bool {
         (self.known.start..=self.known.end).contains(&start)
     }
@@ -121,7 +121,7 @@ impl LiveSensor {
         }
     }
 
-    /// The sums of some samples, at most a granule of them, with none outside a window.
+    /// The sums of some samples, at most a granule of them, without samples outside the window.
     fn sums(&self, samples: &Range<usize>, window: &Range<usize>, input: &NearInput) -> Sums {
         let mut near: Near = [0.0; BEFORE + GRANULE];
         let begin = samples.start.saturating_sub(BEFORE).max(window.start);
@@ -147,8 +147,8 @@ fn sums(squares: &[f64], near: &[f64], input: &NearInput) -> Sums {
     sums
 }
 
-/// Adds the sums of some samples, whose input is taken less a mean that is `above` the mean of the window, and the sum of the
-/// squares of their input.
+/// Adds the sums of some samples, and `input_square`, the sum of the squares of their input. In `of`, the input has a
+/// mean subtracted that is larger than the window's mean by `above`.
 fn add(sums: &mut Sums, of: &Sums, above: f64, input_square: f64) {
     sums.count += of.count;
     sums.square += of.square;

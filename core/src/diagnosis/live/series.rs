@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// Items that are numbered from the run's beginning, of which the last ones are kept.
+/// Items that are numbered from the run's beginning. Only the last ones are kept.
 #[derive(Clone, Debug)]
 pub(super) struct Series<T> {
     first: usize,
@@ -43,7 +43,7 @@ impl<T> Series<T> {
         &self.items[number - self.first]
     }
 
-    /// Begins again with the item of this number, where the next one is before it.
+    /// Begins again with the item of this number, if the series ends before it.
     pub(super) fn skip_to(&mut self, number: usize) {
         if self.end() < number {
             self.items.clear();

@@ -15,7 +15,7 @@ pub(super) struct LiveSpectra {
 }
 
 impl LiveSpectra {
-    /// Takes in the new windows in some samples, and forgets those before.
+    /// Takes in the new windows in some samples, and forgets the windows before.
     pub(super) fn follow(&mut self, samples: &Range<usize>, innovations: &LiveInnovations) {
         let length = WelchWindows::length_for(samples.len());
         if self.windows.as_ref().map(WelchWindows::length) != length {
@@ -51,7 +51,7 @@ impl LiveSpectra {
     }
 }
 
-/// The numbers of the windows of a length that fit into ranges, of which neighbours are one.
+/// The numbers of the windows of a length that fit into ranges. Adjacent ranges count as one.
 fn numbers(kept: &[Range<usize>], length: usize) -> Vec<usize> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for range in kept {

@@ -4,27 +4,28 @@ use super::{FILTERS, STEPS, Search, Stage, UNKNOWN_FORCE};
 use crate::diagnosis::path::Path;
 use crate::sorting::sort_short_by;
 
-/// The first causes on which others are tried before there are three.
+/// The number of first causes that others are tried on before any remedy has three.
 const FIRSTS: usize = 3;
 
 /// Limits the filters on which causes are tried once a remedy ends well.
 const FILTERS_ENOUGH: usize = 4;
 
-/// The share of its gain that an unknown force without a law of its own is charged for fitting any record, and that one with such
-/// a law has in advance of noise, which fits any record too.
+/// An unknown force without a law of its own pays this share of its gain, because it fits any record. One with such a
+/// law gets this share ahead of noise, which fits any record too.
 const PRICE: f64 = 0.05;
 
-/// Limits the gain of a path that is tried beside one with such a force from below, relative to its gain.
+/// The least gain of a path that is tried beside one with such a force, relative to that one's gain.
 const FAR_BEHIND: f64 = 0.7;
 
 impl Search {
-    /// Tries the causes of what is left on the best path that does not end well, if it can still become the best.
+    /// Tries causes of the remaining misfit on the best path without a good verdict, if it can still become the best.
     pub(super) fn try_next(&mut self) {
         let ends_well = |path: &Path| path.after.as_ref().is_some_and(|verdict| verdict.kind.is_good());
         let best_of = |is: &dyn Fn(&Path) -> bool| {
             self.paths.iter().filter(|path| ends_well(path) && is(path)).map(|path| self.rank(path)).reduce(f64::max)
         };
-        // A force that may be anything ends well whatever is the cause: others have their turn, if they are not far behind.
+        // A free force ends in a good verdict whatever the cause is: other paths are tried too, if they are not far
+        // behind.
         let well = best_of(&|path| !self.is_any_force(path));
         let least = well.or_else(|| best_of(&|_| true).map(|rank| FAR_BEHIND * rank));
         let limit = if well.is_some() { FILTERS_ENOUGH } else { FILTERS };
@@ -35,12 +36,13 @@ impl Search {
                 && least.is_none_or(|least| self.rank(path) > least)
         };
         let open = || self.paths.iter().enumerate().filter(|(_, path)| is_open(path));
-        // A path with more causes is likelier, also where it begins with a wrong one: the best first causes go ahead.
+        // A path with more causes is likelier, even if it begins with a wrong one: so the best first causes are tried
+        // first.
         let mut firsts: Vec<f64> =
             self.paths.iter().filter(|path| path.len() == 1).map(|path| self.rank(path)).collect();
         sort_short_by(&mut firsts, |a, b| b.total_cmp(a));
         let least_first = firsts.get(FIRSTS - 1).or(firsts.last()).copied().unwrap_or(f64::INFINITY);
-        // The order goes by what a filter with any noise would gain; the one that itself gains most is among them too.
+        // The order is that of the gain with all noise fitted. The path with the largest gain of its own is added.
         let most =
             self.paths.iter().filter(|path| path.len() == 1).map(|path| path.gain).fold(f64::NEG_INFINITY, f64::max);
         let is_first = |path: &Path| path.len() == 1 && (self.rank(path) >= least_first || path.gain >= most);
@@ -59,7 +61,7 @@ impl Search {
         }
     }
 
-    /// The gain that the order of a path goes by.
+    /// The gain that sorts a path.
     pub(super) fn rank(&self, path: &Path) -> f64 {
         if path.has(UNKNOWN_FORCE) { self.priced(path.rank) } else { path.rank }
     }

@@ -1,4 +1,4 @@
-//! Whether innovations are white, as they are where the gain is right.
+//! Whether innovations are white, as they are with the right gain.
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
@@ -9,7 +9,7 @@ use crate::diagnostics::chi_squared;
 /// Limits the correlations that do no harm.
 const TOLERANCE: f64 = 0.08;
 
-/// A first correlation that is smaller than this share of the largest tells no direction.
+/// A first correlation smaller than this share of the largest one gives no direction.
 const SLIGHT: f64 = 0.5;
 
 pub(super) static TEST: Test = Test {
@@ -50,11 +50,11 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     }
 }
 
-/// Limits the innovations² of all sensors, relative to their expectation, next to which one sensor's own may decide.
+/// Limits the innovations² of all sensors, relative to their expectation, up to which those of one sensor may decide.
 const ABOUT_RIGHT: f64 = 1.05;
 
-/// The verdict that a correlation speaks for. Where the filter expects larger innovations than there are, it trusts its
-/// sensors too little, whatever the sign; else innovations that resemble those before are errors that stay.
+/// The verdict that a correlation supports. If innovations are smaller than expected, the filter trusts its sensors too
+/// little. Otherwise correlated innovations are errors that last: the filter is overconfident.
 fn direction(case: &Case<'_>, correlation: f64, own: f64) -> VerdictKind {
     let (level, _) = case.nis(&case.kept);
     let are_small = level < 1.0 || own < 1.0 && level < ABOUT_RIGHT;

@@ -1,4 +1,4 @@
-//! Whether the sample of a particle filter still stands for a belief.
+//! Whether the sample of a particle filter still represents a belief.
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
@@ -8,7 +8,7 @@ use crate::diagnosis::words::short;
 /// Limits the fall of σ from one sample to the next.
 const FALL: f64 = 100.0;
 
-/// Limits the effective sample size from below.
+/// The least effective sample size.
 const FEWEST: f64 = 2.0;
 
 /// Limits the successive measurements with an effective sample size below [`FEWEST`].

@@ -1,4 +1,4 @@
-//! Whether the innovations know the input: what the filter makes of it is then wrong.
+//! Whether the innovations are correlated with the input: then the filter models its effect wrongly.
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::distributions::normal_p;

@@ -1,4 +1,5 @@
-//! Whether the particles of a particle filter agree on a parameter since the sensors say so, or since few of them are left.
+//! Whether the particles of a particle filter agree on a parameter because of the measurements, or because few of them
+//! are left.
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};
@@ -52,7 +53,7 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     }
 }
 
-/// The share of the variance of the channel at `place` that the measurements of sample `k` take away: K S Kᵀ / P.
+/// The share by which the measurements of sample `k` reduce the variance of the channel at `place`: K S Kᵀ / P.
 fn told(case: &Case<'_>, k: usize, place: usize) -> f64 {
     let (n, m) = (case.estimates.channels().len(), case.estimates.sensors().len());
     let (gain, cov) = (case.estimates.gain(k), case.estimates.innovation_cov(k));
@@ -68,7 +69,7 @@ fn told(case: &Case<'_>, k: usize, place: usize) -> f64 {
     if taken > 0.0 { taken / variance } else { 0.0 }
 }
 
-/// The decrease of ln σ where the variance loses this share.
+/// The decrease of ln σ if the variance loses this share.
 fn shrinks_by(share: f64) -> f64 {
     -0.5 * libm::log(1.0 - share.min(MOST))
 }

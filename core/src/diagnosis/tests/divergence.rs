@@ -1,4 +1,4 @@
-//! Whether the filter has stopped, or its errors have left all bounds.
+//! Whether the filter has stopped, or its errors have grown without bound.
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};

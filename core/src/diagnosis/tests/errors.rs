@@ -1,5 +1,5 @@
-//! Whether errors are as large as the covariance says, where the truth is known: channel by channel, so that a wrong one is
-//! not diluted by right ones, and all together.
+//! Whether errors are as large as the covariance says, if the truth is known: channel by channel, so that right ones do
+//! not dilute a wrong one, and all together.
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::distributions::{chi_squared_p, normal_p};
@@ -15,14 +15,14 @@ const OFF: f64 = 4.0;
 /// Limits the squared errors of a motion from above, relative to the covariance.
 const TOO_LARGE: f64 = 2.0;
 
-/// Limits the squared errors of a motion from below, relative to the covariance.
+/// The least squared errors of a motion, relative to the covariance.
 const TOO_SMALL: f64 = 0.3;
 
-/// Limits the share of the samples with the truth in the 95 % ellipsoid from below.
+/// The least share of the samples with the truth in the 95 % ellipsoid.
 const OUTSIDE: f64 = 0.5;
 
-/// The same where each channel by itself is inside: the errors are then outside in a direction across the channels only, in
-/// which linearised filters are too sure by nature.
+/// The same if each channel alone is inside. The errors are then outside only in a direction across the channels, in
+/// which linearised filters are always overconfident.
 const OUTSIDE_ACROSS: f64 = 0.25;
 
 pub(super) static CHANNELS: Test = Test {
@@ -55,7 +55,8 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             }
             found.push(Evidence {
                 statistic: off * off,
-                // Linearised filters are a little too sure by nature: a normal error would be less than this.
+                // Errors stay below `OFF` even with the slight overconfidence of linearised filters: a larger one
+                // counts as certain.
                 p_value: if off > OFF { 0.0 } else { normal_p(off) },
                 effect: off / OFF,
                 speaks_for: VerdictKind::Overconfident,
@@ -76,7 +77,7 @@ fn channels(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
         let (effect, kind) = if level > 1.0 {
             (libm::log(level) / libm::log(TOO_LARGE), VerdictKind::Overconfident)
         } else {
-            // Errors that are small by chance, or since nothing moves, come with innovations as large as expected.
+            // Small errors by chance, or because nothing moves, come with innovations as large as expected.
             let effect = if case.nis(&case.kept).0 < 0.9 { libm::log(level) / libm::log(TOO_SMALL) } else { 0.0 };
             (effect, VerdictKind::Underconfident)
         };
@@ -99,7 +100,7 @@ fn ellipsoid(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     let limit = if all_inside { OUTSIDE_ACROSS } else { OUTSIDE };
     found.push(Evidence {
         statistic: share,
-        // The errors of one record are as good as one.
+        // The errors of one record count as a single one.
         p_value: chi_squared::upper_tail(late.mean(), degrees).unwrap_or(1.0),
         effect: if share > 0.0 { limit / share } else { f64::MAX },
         speaks_for: VerdictKind::Overconfident,

@@ -6,7 +6,7 @@ use crate::diagnosis::parts::PARTS;
 use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// Limits σ of a parameter, relative to the initial one, where it still grows or is as large as the parameter.
+/// Limits σ of a parameter, relative to the initial one, if it still grows or is as large as the parameter.
 const GROWN: f64 = 3.0;
 
 /// Limits the growth of σ over the last third of the record.
@@ -62,7 +62,7 @@ fn unlearnt(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
             continue;
         }
         let share = case.estimates.std(last, place) / first;
-        // The last part in which anything was learnt.
+        // The last part in which the filter learnt anything.
         let at = |part: usize| case.estimates.std(case.part(part).end.max(1) - 1, place);
         let learnt = (1..PARTS).rev().find(|&part| at(part) < 0.98 * at(part - 1));
         let since = learnt.map_or(case.samples.start, |part| case.part(part).end.min(last));

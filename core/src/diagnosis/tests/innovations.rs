@@ -6,7 +6,7 @@ use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// Limits the factor by which innovations² may differ from their expectation, however significant the difference is.
+/// Limits the factor by which innovations² may differ from their expectation, even if the difference is significant.
 const TOLERANCE: f64 = 1.12;
 
 pub(super) static SENSORS: Test = Test {

@@ -1,4 +1,4 @@
-//! Whether the innovations have a line in their spectrum, as a mode leaves one that the model lacks.
+//! Whether the innovations have a line in their spectrum, which a mode that the model lacks would leave.
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::evidence::{Evidence, Subject, Test};

@@ -1,4 +1,4 @@
-//! Whether the estimates are those of an oscillator at all.
+//! Whether the estimates are possible for an oscillator.
 
 use std::f64::consts::PI;
 

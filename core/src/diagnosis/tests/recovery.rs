@@ -1,4 +1,4 @@
-//! Whether a part of the record was bad, and the filter has come back from it.
+//! Whether a part of the record was bad, and the filter has recovered from it.
 
 use crate::diagnosis::case::Case;
 use crate::diagnosis::errors::ChannelErrors;
@@ -6,10 +6,10 @@ use crate::diagnosis::evidence::{Evidence, Subject, Test};
 use crate::diagnosis::verdict_kind::VerdictKind;
 use crate::diagnosis::words::short;
 
-/// Innovations² that surprise nobody, over their expectation.
+/// The normal range of innovations², over their expectation.
 const CALM: std::ops::Range<f64> = 0.8..1.25;
 
-/// The error of a channel that is worth a word, in standard deviations.
+/// The least error of a channel that is mentioned, in standard deviations.
 const OFF: f64 = 2.0;
 
 pub(super) static TEST: Test = Test {
@@ -36,8 +36,8 @@ fn run(case: &Case<'_>, test: &'static Test, found: &mut Vec<Evidence>) {
     found.push(Evidence { statistic, samples, ..one });
 }
 
-/// The innovations² in the forgiven parts, over their expectation, and words for them: those of a sensor, where all sensors
-/// together are as expected.
+/// The innovations² in the forgiven parts, over their expectation, and words for them: those of one sensor, if all
+/// sensors together are as expected.
 fn innovations(case: &Case<'_>) -> (f64, String) {
     let level = case.nis(&case.forgiven).0;
     let distance = |level: f64| libm::log(level).abs();
@@ -50,8 +50,8 @@ fn innovations(case: &Case<'_>) -> (f64, String) {
     (level, format!("innovations²{whose} are {} times what the filter expects", short(level)))
 }
 
-/// The largest root mean square error of a channel in the forgiven parts, in standard deviations, and words for it; 0 where
-/// no truth is known.
+/// The largest root mean square error of a channel in the forgiven parts, in standard deviations, and words for it; 0
+/// without a known truth.
 fn errors(case: &Case<'_>) -> (f64, String) {
     let of = |one: &ChannelErrors| (one.level(&case.forgiven).sqrt(), one.channel.name());
     let known = case.errors.iter().map(of).filter(|(off, _)| !off.is_nan());

@@ -11,7 +11,7 @@ pub struct Typed {
     pub size: usize,
     /// The number of components that move, which come first.
     pub motion: usize,
-    /// The rates of what moves, from the components and the force.
+    /// The rates of the moving components, from the components and the force.
     pub rates: List,
     /// The derivatives of the rates that are not zero, to places column by column.
     pub jacobian: List,

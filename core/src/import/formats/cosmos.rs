@@ -1,5 +1,5 @@
-//! Strong motions of the California Strong Motion Instrumentation Program (volume 2) and of COSMOS: pages of header, then series of
-//! fixed width, whose numbers may abut.
+//! Strong motions of the California Strong Motion Instrumentation Program (volume 2) and of COSMOS: pages of header,
+//! then series of fixed width; their numbers may abut.
 //!
 //! Sources: Shakal and Huang (1985), Standard tape format for CSMIP strong-motion data tapes, OSMS 85-03; COSMOS (2001), Strong motion
 //! data format, version 1.20: the step is the real-header value 34.

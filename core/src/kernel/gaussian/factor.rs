@@ -19,8 +19,8 @@ impl<const M: usize> Factor<M> {
         Self::padded(s, M)
     }
 
-    /// As [`Self::new`], where only the first `count` rows and columns of `s` are not those of an identity. The determinant
-    /// is the product of their pivots alone: those of the rest are one but for rounding.
+    /// As [`Self::new`], if all but the first `count` rows and columns of `s` are those of an identity. The determinant
+    /// is the product of the first `count` pivots: the others are one up to rounding.
     #[inline]
     pub(crate) fn padded(s: &Matrix<M, M>, count: usize) -> Option<Self> {
         let mut columns = *s;
@@ -91,7 +91,7 @@ impl<const M: usize> Factor<M> {
         sum
     }
 
-    /// ln det S, which is a number even where the determinant is none.
+    /// ln det S, which is finite even if the determinant overflows or underflows.
     pub fn ln_determinant(&self) -> f64 {
         if self.determinant.is_normal() {
             libm::log(self.determinant)

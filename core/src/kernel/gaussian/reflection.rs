@@ -1,8 +1,8 @@
-//! Householder reflections of arrays, which square to covariances.
+//! Householder reflections of arrays, the roots of covariances.
 
 use super::Matrix;
 
-/// A reflection of the row `[pivot, rest]` of an array to `[length, 0]`, to be done to the rows after it.
+/// A reflection of the row `[pivot, rest]` of an array to `[length, 0]`; the rows after it need the same reflection.
 ///
 /// Source: Golub and Van Loan (2013), *Matrix Computations*, section 5.1.2.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub(crate) struct Reflection<const W: usize> {
 }
 
 impl<const W: usize> Reflection<W> {
-    /// The reflection of a row with a pivot that is not negative, or `None` where it is zero, or too small to square.
+    /// The reflection of a row with a pivot that is not negative. `None` if the row is zero, or too small to square.
     #[inline]
     pub(crate) fn new(pivot: f64, rest: [f64; W]) -> Option<Self> {
         let square = pivot * pivot + dot(&rest, &rest);
@@ -64,9 +64,9 @@ fn dot<const W: usize>(a: &[f64; W], b: &[f64; W]) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + last
 }
 
-/// Makes of the lower triangular root `L` that of `L Lᵀ + Dᵀ D`, where no more than the first `components` columns of D are
-/// other than zero and the rows of L after them are diagonal; no entry on L's diagonal may be negative. A component that
-/// has no variance keeps none.
+/// Replaces the lower triangular root `L` by that of `L Lᵀ + Dᵀ D`. Only the first `components` columns of D may be
+/// other than zero, the rows of L after them must be diagonal, and no entry on L's diagonal may be negative. A
+/// component without variance keeps none.
 #[inline]
 pub(crate) fn add_to_root<const N: usize, const W: usize>(
     root: &mut Matrix<N, N>,
@@ -77,7 +77,7 @@ pub(crate) fn add_to_root<const N: usize, const W: usize>(
         let Some(reflection) = Reflection::new(root[(j, j)], deviations.data.0[j]) else { continue };
         root[(j, j)] = reflection.length();
         if reflection.length() == f64::INFINITY {
-            // Its quotients would be zeros, and a row that is too large to square would vanish without a word.
+            // The quotients would be zero, and the overflow of the row would go unnoticed.
             return;
         }
         for i in j + 1..components {

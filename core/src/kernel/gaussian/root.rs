@@ -6,8 +6,8 @@ use crate::FilterError;
 /// The lower triangular `L` with `L Lᵀ = cov`, zero above the diagonal. A variance that is zero to rounding gives a column of
 /// zeros, so that a component known for certain stays so.
 ///
-/// Columns are scaled by their pivots' square roots only in the end: a pivot then waits for one division, not for a root
-/// and a division, and every other pivot for none.
+/// Columns are scaled by their pivots' square roots only in the end: a pivot then waits for one division, not for a
+/// root and a division, and every second pivot for none.
 ///
 /// # Errors
 /// [`FilterError::IndefiniteCovariance`] where a pivot is negative beyond rounding, [`FilterError::NotFinite`] where one is
@@ -23,7 +23,7 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
         Ok(())
     };
     if N == 4 {
-        // One by one: left as a loop, the usual size takes four times as many instructions.
+        // Unrolled by hand: as a loop, the usual size takes four times as many instructions.
         take(0)?;
         take(1)?;
         take(2)?;
@@ -34,8 +34,8 @@ pub fn lower_root<const N: usize>(cov: &Matrix<N, N>) -> Result<Matrix<N, N>, Fi
     Ok(root)
 }
 
-/// Makes column `j` of the root and takes its share from the columns after it. `known` is the pivot and its inverse, if the
-/// last column has found them; returns the next ones, if this one has.
+/// Makes column `j` of the root and subtracts its share from the columns after it. `known` is the pivot and its
+/// inverse, if the last column has found them; returns the next ones, if this one has.
 #[inline(always)]
 fn take_column<const N: usize>(
     cov: &Matrix<N, N>,
@@ -73,8 +73,8 @@ fn take_column<const N: usize>(
     }
 }
 
-/// Takes from the columns after `j` their share in it, half columns at a time, which the compiler turns into vector
-/// instructions; what that makes of the numbers above the diagonal does not matter.
+/// Subtracts the share of column `j` from the columns after it, half a column at a time, so that the compiler uses
+/// vector instructions. It also changes numbers above the diagonal, which are not used.
 #[inline]
 fn eliminate<const N: usize>(columns: &mut Matrix<N, N>, j: usize, inverse: f64) {
     let column = columns.data.0[j];

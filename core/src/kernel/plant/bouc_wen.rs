@@ -1,4 +1,4 @@
-//! An oscillator whose spring yields and remembers.
+//! An oscillator with a spring that yields and remembers.
 
 use crate::Channel;
 use crate::kernel::gaussian::{Matrix, Vector};
@@ -46,7 +46,7 @@ impl Model<8> for BoucWen {
         rate
     }
 
-    /// At the kinks `v = 0` and `z = 0` the derivative is that of the side of positive v.
+    /// At the kinks `v = 0` and `z = 0` this is the derivative on the side of positive v.
     #[inline]
     fn jacobian(&self, state: &Vector<8>) -> Matrix<8, 8> {
         let [[x, v, z, wn, zeta, alpha, beta, gamma]] = state.data.0;

@@ -1,4 +1,4 @@
-//! The matrix exponential of any size in one piece of program, for steps that are seldom taken.
+//! The matrix exponential of any size in one function, for steps that are seldom taken.
 
 use crate::integrate::{INVERSE_FACTORIAL, doublings};
 use crate::kernel::gaussian::Matrix;
@@ -6,8 +6,8 @@ use crate::kernel::gaussian::Matrix;
 /// Limits the number of rows.
 const LARGEST: usize = 13;
 
-/// [`exp_and_integral`](super::exp_and_integral) to the last bit, but slower: there each size has a program of its own,
-/// which is long; here all sizes share one.
+/// [`exp_and_integral`](super::exp_and_integral) to the last bit, but slower: there each size is compiled to code of
+/// its own, which is long; here all sizes share one function.
 pub(crate) fn shared_exp_and_integral<const N: usize>(a: &Matrix<N, N>, dt: f64) -> (Matrix<N, N>, Matrix<N, N>) {
     const { assert!(N <= LARGEST) };
     let (exp, integral) = of_square(&Square::new(N, a.as_slice()), dt);
@@ -62,7 +62,7 @@ impl Square {
         for (column, factors) in result.numbers.chunks_exact_mut(n).zip(other.values().chunks_exact(n)) {
             for (k, (own, factor)) in self.values().chunks_exact(n).zip(factors).enumerate() {
                 for (sum, x) in column.iter_mut().zip(own) {
-                    // A first term is not added to zero: that would lose the sign of a negative zero.
+                    // Does not add the first term to zero: that would lose the sign of a negative zero.
                     *sum = if k == 0 { x * factor } else { x * factor + *sum };
                 }
             }

@@ -33,7 +33,7 @@ pub(crate) struct ChainResponse<const M: usize> {
     pub(crate) decaying: Matrix<M, M>,
 }
 
-/// Parts of a response that the transition is made of, M × M each.
+/// The parts of the transition, M × M each.
 struct Parts<const M: usize> {
     /// `-q Dᵀ`
     drop_integral: Matrix<M, M>,
@@ -92,14 +92,14 @@ impl<const M: usize> Chain<M> {
     /// r = t² Σ dₙ/(n+2)!,  dₙ₊₁ = cₙ₊₁ - η t dₙ
     /// ```
     ///
-    /// Its length follows from the stiffness's square root, as a time scale does, and not from the norm of the matrix of
-    /// the first-order equations, whose rows have different units.
+    /// Its length follows from the stiffness's square root, as a time scale does, and not from the norm of the matrix
+    /// of the first-order equations: its rows have different units.
     #[inline]
     pub(crate) fn response(&self, eta: f64, dt: f64) -> ChainResponse<M> {
         let size = self.size(eta) * dt;
         match SERIES.iter().find(|(longest, _)| size <= *longest) {
             Some(&(_, terms)) => self.series(eta, dt, terms),
-            // A step whose square leaves the range of numbers overflows, and is found by the update.
+            // If the step's square leaves the range of numbers, the result overflows, and the update reports it.
             None => self.doubled(eta, dt, if size * size < 1e300 { doublings(size) } else { 0 }),
         }
     }
@@ -176,8 +176,8 @@ pub const SERIES: [(f64, usize); 5] = [(0.05, 8), (0.14, 10), (0.3, 12), (0.4, 1
 /// Limits the number of terms.
 const LONGEST: usize = 15;
 
-/// One step of local linearisation of a chain whose parameters decay at the rate `eta` \[1/s\]: the state
-/// `[x, v, κ, c]` after `dt` \[s\] under the force over mass `force` \[m/s²\] on every mass, and its transition matrix.
+/// One step of local linearisation of a chain with parameters that decay at the rate `eta` \[1/s\]: the state `[x, v,
+/// κ, c]` after `dt` \[s\] under the force over mass `force` \[m/s²\] on every mass, and its transition matrix.
 ///
 /// ```text
 /// Φ = [I - q K, h, -r Dᵀ diag(δ), -r Dᵀ δ'; -h K, I - q K - h C, -r' Dᵀ diag(δ), -r' Dᵀ δ'; 0, 0, exp(-η dt) I]

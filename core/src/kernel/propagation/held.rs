@@ -1,12 +1,12 @@
-//! Steps of plants whose parameters do not move, or decay: only the motion has an exponential.
+//! Steps of plants with parameters that are constant or decay: only the motion has an exponential.
 
 use super::chain::{Chain, ChainResponse};
 use super::{ImpulseResponse, exp_and_integral, shared_exp_and_integral};
 use crate::kernel::gaussian::{Matrix, Vector};
 
-/// One step of local linearisation of an oscillator `[x, v, parameters]` whose parameters decay at the rate `eta`: the
-/// state after `dt` \[s\] and its transition matrix, from `A` and `g` at its beginning. All of it follows from the impulse
-/// response of `A`'s second row:
+/// One step of local linearisation of an oscillator `[x, v, parameters]` with parameters that decay at the rate `eta`:
+/// the state after `dt` \[s\] and its transition matrix, from `A` and `g` at its beginning. All of it follows from the
+/// impulse response of `A`'s second row:
 ///
 /// ```text
 /// Φ = [1 + a q, h, q c; a h, 1 + a q + b h, h c; 0, 0, I],  A's second row [a, b, c],  η = 0
@@ -39,7 +39,7 @@ pub fn oscillator_step<const N: usize>(
     (mean, transition)
 }
 
-/// [`oscillator_step`] with a decay; apart, so that the step without one stays short.
+/// [`oscillator_step`] with a decay, in a function of its own, so that the step without one stays short.
 ///
 /// ```text
 /// Φ = [1 + a q, h, r c; a h, 1 + a q + b h, r' c; 0, 0, exp(-η dt) I],  r = ∫₀^dt h(dt - s) exp(-η s) ds,  r' = h - η r
@@ -75,8 +75,8 @@ fn decaying_oscillator_step<const N: usize>(
     (mean, transition)
 }
 
-/// One step of local linearisation of a plant with M moving components whose parameters p decay at the rate `eta`: the
-/// state after `dt` \[s\] and its transition matrix, from `A` and `g` at its beginning.
+/// One step of local linearisation of a plant with M moving components and parameters p that decay at the rate `eta`:
+/// the state after `dt` \[s\] and its transition matrix, from `A` and `g` at its beginning.
 ///
 /// ```text
 /// A = [F, C; 0, -η I],  Φ = [exp(F dt), G C; 0, exp(-η dt) I],  Γ = dt φ₁(F dt)
@@ -107,7 +107,7 @@ pub fn held_parameters_step<const M: usize, const N: usize>(
     (mean, transition)
 }
 
-/// [`held_parameters_step`] with a decay; apart, so that the step without one stays short.
+/// [`held_parameters_step`] with a decay, in a function of its own, so that the step without one stays short.
 #[inline(never)]
 fn decaying_parameters_step<const M: usize, const N: usize>(
     state: &Vector<N>,
@@ -117,7 +117,7 @@ fn decaying_parameters_step<const M: usize, const N: usize>(
     dt: f64,
 ) -> (Vector<N>, Matrix<N, N>) {
     if eta * dt > 1.0 {
-        // Beside so fast a decay exp((F + η I) dt) may overflow.
+        // With so fast a decay, exp((F + η I) dt) may overflow.
         let (transition, integral) = shared_exp_and_integral(jacobian, dt);
         return (state + integral * rate, transition);
     }
@@ -142,8 +142,8 @@ fn decaying_parameters_step<const M: usize, const N: usize>(
     (mean, transition)
 }
 
-/// [`runge_kutta`](super::runge_kutta) of a state `[motion, parameters]` whose parameters are held: its motion after the step, from the
-/// motion's rate.
+/// [`runge_kutta`](super::runge_kutta) of a state `[motion, parameters]` with constant parameters: its motion after the
+/// step, from the motion's rate.
 #[inline]
 pub(crate) fn held_runge_kutta<const M: usize, const N: usize>(
     state: [f64; N],
@@ -165,8 +165,8 @@ pub(crate) fn held_runge_kutta<const M: usize, const N: usize>(
     std::array::from_fn(|i| state[i] + (k1[i] + (k2[i] + k3[i]) * 2.0 + k4[i]) * (dt / 6.0))
 }
 
-/// The images of several states, one a row, whose first M components move and whose other ones are held. Without branches
-/// in `motion` the compiler takes rows two at a time.
+/// Several states after a step, one a row. `motion` gives the first M components; the others are held. If `motion` has
+/// no branches, the compiler takes two rows at a time.
 #[inline]
 pub(crate) fn held_rows<const M: usize, const N: usize, const B: usize>(
     states: &Matrix<B, N>,

@@ -1,13 +1,14 @@
-//! The laboratory's graphics processor in a browser's worker, in single precision: a worker as others, with these messages
-//! more.
+//! The laboratory's graphics processor in a browser's worker, in single precision: a worker like the others, with these
+//! additional messages.
 //!
 //! | from the page | from the worker |
 //! |---|---|
 //! | `["graphics", software]` | `["graphics", name]`, or `["no graphics", reason]` |
 //! | `["cells", …]` | `["refused", job]` where the ensemble is not served, `["lost", job, reason]` when the processor fails |
 //!
-//! `software` is true where a program in its place will do. Cells are not served before the processor is there. Those that it
-//! does not serve are missing in the rows, and cells of a job that is not the last one are not answered.
+//! `software` is true if a software adapter is accepted. The worker serves no cells before it has found the processor.
+//! Cells that the processor does not serve are missing in the rows, and cells of a job before the last one get no
+//! answer.
 
 #[cfg(target_arch = "wasm32")]
 mod graphics;

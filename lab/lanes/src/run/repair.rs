@@ -12,8 +12,8 @@ use crate::observation::Run;
 use crate::plant::Plant;
 
 impl<P: Plant<N>, T: Lane, const N: usize, const E: usize> Batch<'_, P, T, N, E> {
-    /// The single filter takes the step to sample `k` again in the lanes that do not hold. Returns NIS and det S of all
-    /// lanes, of which `expected` sensors count.
+    /// Repeats the step to sample `k` by the single filter in the lanes for which it did not hold. Returns NIS and det
+    /// S of all lanes.
     #[cold]
     #[inline(never)]
     pub(super) fn repair(

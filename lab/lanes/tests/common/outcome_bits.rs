@@ -2,7 +2,7 @@
 
 use kalmanscope_core::score::Outcome;
 
-/// Every number of an outcome, bit by bit; one NaN is as good as another.
+/// Every number of an outcome, bit by bit; all NaNs count as equal.
 pub(crate) fn bits(outcome: &Outcome) -> (Vec<u64>, String) {
     let Outcome { samples, nees, nis, log_likelihood, stop, diverged, channels, mean, std, looks } = outcome;
     let mut numbers = vec![nees.sum, nis.sum, *log_likelihood];

@@ -1,4 +1,4 @@
-//! The filters whose steps are counted.
+//! The filters with counted steps.
 
 use std::hint::black_box;
 
@@ -9,11 +9,11 @@ use kalmanscope_lanes::{LANES, LaneRun, Level, outcomes_with};
 pub(crate) struct Case {
     pub(crate) name: String,
     scenario: Scenario,
-    /// The instructions of lanes; none for a filter alone.
+    /// The instruction set of the lanes. `None` for a single filter.
     pub(crate) level: Option<Level>,
 }
 
-/// The cases whose names have all of these words.
+/// The cases with all of these words in their names.
 pub(crate) fn chosen(words: &[String]) -> Vec<Case> {
     let mut cases = all();
     cases.retain(|case| words.iter().all(|word| case.name.split([' ', ',']).any(|other| other == word)));

@@ -31,13 +31,13 @@ pub(crate) fn work(cases: &[Case]) {
     }
 }
 
-/// Callgrind writes down its counts where this function begins, and starts anew.
+/// Callgrind writes its counts to a file when this function begins, and starts again from zero.
 #[inline(never)]
 fn mark() {
     black_box(());
 }
 
-/// Counts the cases whose names have these words. A case whose instructions the processor lacks is left out.
+/// Counts the cases with these words in their names. Leaves out a case if the processor lacks its instructions.
 ///
 /// # Errors
 /// Why nothing could be counted.

@@ -7,9 +7,8 @@
 //! cargo test --profile counting -p kalmanscope-lanes --test instructions -- --update      writes the table
 //! ```
 //!
-//! Needs valgrind, whose counts are the same on a busy machine. The profile is that of a release: with fewer optimisations AVX2
-//! saves little beside the moves of memory, and its loss is not seen. Counts depend on the compiler too: the table says which
-//! one it is of.
+//! Needs valgrind: its counts are the same on a busy machine. The profile is that of a release: with fewer
+//! optimisations, moves of memory hide what AVX2 saves. Counts depend on the compiler too; the table names it.
 
 mod cases;
 mod counting;
@@ -17,7 +16,7 @@ mod table;
 
 use std::process::ExitCode;
 
-/// The argument of the process whose instructions are counted.
+/// The argument that starts the process to count.
 const WORK: &str = "--work";
 
 fn main() -> ExitCode {
