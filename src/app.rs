@@ -76,7 +76,7 @@ pub struct App {
     choose: Option<Choose>,
     /// Receives the files that the user chooses.
     inbox: Inbox,
-    /// The address at which links begin; empty where no page is known.
+    /// The address at which links begin; empty if no page is known.
     page: String,
     /// Whether another page embeds this one, which shows plots and transport only.
     embedded: bool,
@@ -141,7 +141,7 @@ impl App {
     }
 
     /// Requires that [`eframe::App::clear_color`] clears the window, so that no pixel is filled twice with the ground's
-    /// colour. Filling costs time where no graphics card draws.
+    /// colour. Filling is slow without a graphics card.
     #[must_use]
     pub fn on_cleared_window(self) -> Self {
         Self { cleared: true, ..self }
@@ -269,7 +269,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        // The session of the whole explorer stays as it is.
+        // An embedded explorer does not overwrite the saved session.
         if self.embedded {
             return;
         }

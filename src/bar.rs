@@ -17,7 +17,7 @@ use crate::views::view;
 /// Limits the width below which the program's name and the two settings are left out \[points\].
 const ROOMY: f32 = 1000.0;
 
-/// Limits the width below which the transport has its own row, all of it and the short one \[points\].
+/// The least width with the transport in the same row: the full one, and the short one \[points\].
 const ONE_ROW: [f32; 2] = [960.0, 780.0];
 
 /// The inputs of the bar.

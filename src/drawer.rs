@@ -1,5 +1,5 @@
-//! The drawer at the foot of a narrow window, for the settings or a lesson: a handle and two heights. Most of the window
-//! stays with the plots.
+//! The drawer at the foot of a narrow window, for the settings or a lesson: a handle and two heights. The plots keep
+//! most of the window.
 
 use egui::{Align, Button, Frame, Layout, Panel, Rect, Response, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 

@@ -21,7 +21,7 @@ pub(crate) fn first() -> Option<PlantKind> {
     PlantKind::of_equation(&EquationSettings::new(FIRST)).ok()
 }
 
-/// The equation of a plant as one would type it; the linear oscillator's where that of a built-in plant cannot be typed.
+/// The equation of a plant in the form to type it; that of the linear oscillator if the plant's cannot be typed.
 fn typed(kind: PlantKind) -> EquationSettings {
     if let Some(own) = kind.own_equation() {
         return own.settings().clone();

@@ -165,7 +165,7 @@ impl Layout {
             Some(root) if tree.tiles.get_container(root).is_some() => {
                 tree.move_tile_to_container(tile, root, usize::MAX, true);
                 if let Some(Tile::Container(Container::Linear(rows))) = tree.tiles.get_mut(root) {
-                    // As much room as the others have on average, or more where it needs that.
+                    // The average room of the others, or more if it needs more.
                     let others: Vec<f32> =
                         rows.children.iter().filter(|row| **row != tile).map(|row| rows.shares[*row]).collect();
                     let mean = others.iter().sum::<f32>() / others.len().max(1) as f32;

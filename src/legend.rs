@@ -66,7 +66,7 @@ impl Legend<'_> {
         match self.session.before() {
             Some(before) => self.before_ui(ui, &format!("before: {}", before.words()), requests),
             None if inviting => tutor::invitation_ui(ui, requests),
-            // A change has its chip here: nothing else moves then.
+            // Reserves the room of the change's chip, so that nothing else moves when it appears.
             None => _ = ui.allocate_exact_size(Vec2::new(CHIP, HEIGHT), Sense::hover()),
         }
     }
@@ -175,7 +175,7 @@ fn short(before: &Before, changed: &[(usize, &Estimates)]) -> String {
 /// The width of the cross and the edges of a chip \[points\].
 const CHIP_EDGES: f32 = 34.0;
 
-/// A text that is cut off with an ellipsis where it is wider than the room \[points\].
+/// A text, cut off with an ellipsis if it is wider than the room \[points\].
 fn fitted(ui: &Ui, text: &str, room: f32) -> String {
     let font = TextStyle::Button.resolve(ui.style());
     let width = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), font.clone(), Color32::WHITE).size().x;

@@ -5,7 +5,7 @@ use egui::{Align2, Area, Button, Context, Frame, Id, Label, Order, Rect, RichTex
 use crate::request::Request;
 use crate::theme::Palette;
 
-/// The time for which a message about something that has been done stays \[s\].
+/// The time that a message about a finished action stays \[s\].
 const STAYS: f64 = 8.0;
 
 /// The distance of a message from the foot and the sides of the plots \[points\].
@@ -28,7 +28,7 @@ impl Notice {
         Self { sentence: sentence.to_owned(), is_failure: false, since: None }
     }
 
-    /// Whether the message has been there for long enough. A failure stays until it is dismissed.
+    /// Whether the message has been shown for long enough. A failure stays until it is dismissed.
     pub(crate) fn is_over(&mut self, ctx: &Context) -> bool {
         if self.is_failure {
             return false;

@@ -119,7 +119,7 @@ pub enum Request {
     MarkTime(f64),
     /// Move a mark to a time \[s\].
     PlaceMark(End, f64),
-    /// Mark the time that is shown, or take the mark away where it already is.
+    /// Mark the time on screen, or remove the mark if it is already there.
     ToggleMark(End),
     /// Take both marks away.
     ClearMarks,

@@ -54,7 +54,7 @@ impl Ruler {
         self.times[end as usize] = Some(time);
     }
 
-    /// Puts a mark at a time \[s\], or takes it away where it already is.
+    /// Puts a mark at a time \[s\], or removes it if it is already there.
     pub fn toggle(&mut self, end: End, time: f64) {
         let mark = &mut self.times[end as usize];
         *mark = if *mark == Some(time) { None } else { Some(time) };

@@ -201,7 +201,7 @@ struct Reader {
 }
 
 impl Reader {
-    /// The part under a key, or its default where it is missing or unreadable.
+    /// The part under a key, or its default if it is missing or unreadable.
     fn part<T: DeserializeOwned>(&mut self, key: &str, usual: T) -> T {
         let part = self.document.get(key).map(Document::read);
         part.and_then(|part| self.note(key, part)).unwrap_or(usual)

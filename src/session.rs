@@ -239,7 +239,7 @@ impl Session {
         self.can_be_whole
     }
 
-    /// Why the scenario as edited cannot be run, if so; the last one that could stays on screen.
+    /// Why the edited scenario cannot be run, if so; the last possible one stays on screen.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }

@@ -13,7 +13,7 @@ use crate::text::{clock, parse_clock, significant};
 pub(crate) enum Extent {
     /// All of it.
     Full,
-    /// The buttons of playback and the time, where a lesson chooses the rest.
+    /// The buttons of playback and the time; a lesson chooses the rest.
     Short,
     /// Nothing, where settings need the room.
     Nothing,
@@ -118,7 +118,7 @@ fn time_ui(ui: &mut Ui, session: &Session, requests: &mut Vec<Request>) {
     if let Some(share) = session.progress() {
         progress_ui(ui, share);
     } else if end > LONG {
-        // A pixel of the slider may be minutes of a day, so that a time can be typed as well.
+        // A pixel of the slider may be minutes of a day: so a time can be typed, too.
         let field = DragValue::new(&mut time).range(0.0..=session.end()).speed(1.0).update_while_editing(false);
         let field = field.custom_formatter(|time, _| clock(start + time));
         let field = ui.add(field.custom_parser(|text| parse_clock(text).map(|time| time - start)));

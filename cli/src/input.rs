@@ -78,7 +78,7 @@ pub(crate) fn read_record(file: &Path) -> Result<Vec<u8>, InputError> {
     read_limited(file, LARGEST)?.map_err(too_large)
 }
 
-/// The bytes of a file, or else its size if it has more than `most`; at least one more, where it does not say.
+/// The bytes of a file, or else its size if it has more than `most`; `most` + 1 if the file does not report its size.
 fn read_limited(file: &Path, most: u64) -> Result<Result<Vec<u8>, u64>, InputError> {
     let unread = |error| InputError::Read { file: file.to_owned(), error };
     let mut bytes = Vec::new();

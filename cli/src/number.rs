@@ -10,7 +10,7 @@ fn no_number(value: f64) -> Option<&'static str> {
     }
 }
 
-/// A number with this many decimals, or in scientific notation where it has too many digits.
+/// A number with this many decimals, or in scientific notation if it has too many digits.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     match no_number(value) {
         Some(sign) => sign.to_owned(),

@@ -9,9 +9,9 @@ const MOST_LINKS: usize = 40;
 /// Limits the names that are tried for a temporary file.
 const MOST_NAMES: u32 = 100;
 
-/// Writes a file: first into a temporary one beside it, which then takes its name, so that an old file stays whole until
-/// the new one is. The new one has the permissions of the old one. Where the name is a symbolic link, the file that it points to is
-/// replaced, not the link. Devices and pipes are written directly.
+/// Writes a file: first into a temporary one beside it, which then takes its name, so that an old file stays whole
+/// until the new one is. The new one has the permissions of the old one. If the name is a symbolic link, the file that
+/// it points to is replaced, not the link. Devices and pipes are written directly.
 ///
 /// # Errors
 /// Those of `fill`, and [`io::Error`] where a file cannot be made or written. The old file is then as it was.

@@ -1,4 +1,4 @@
-//! The progress of long work, on standard error where that is a terminal.
+//! The progress of long work, on standard error if that is a terminal.
 
 use std::time::{Duration, Instant};
 

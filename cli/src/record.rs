@@ -63,8 +63,8 @@ pub(crate) fn measured(source: &SourceArgs, scenario: &mut Scenario) -> Result<O
     read(&path, scenario).map(Some)
 }
 
-/// The record in a file, with the meaning that the scenario gives its columns. A record that was written when it had that
-/// meaning has it already.
+/// The record in a file, with the meaning that the scenario gives its columns. A record that the program has written
+/// already has that meaning.
 pub(crate) fn read(path: &Path, scenario: &mut Scenario) -> Result<Imported, InputError> {
     let bytes = read_record(path)?;
     let mapping = scenario.record.clone().unwrap_or_default();

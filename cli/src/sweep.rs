@@ -170,7 +170,7 @@ fn fingerprint(args: &SweepArgs, ensemble: &Ensemble, record: &str) -> String {
     hash(all.as_bytes())
 }
 
-/// The bar on standard error; it hides itself where that is no terminal.
+/// The bar on standard error; hidden if that is no terminal.
 fn bar(cells: usize, done: usize) -> ProgressBar {
     let bar = ProgressBar::new(cells as u64).with_position(done as u64);
     let template = "{bar:40} {percent} %  {human_pos} of {human_len} runs, {per_sec}, {eta} left";

@@ -325,7 +325,7 @@ impl<B: Belief + ?Sized> Filter<B> {
         let mut wide = None;
         if let Some(widening) = jump.as_mut().and_then(Jump::widening) {
             let Noise { process, .. } = wide.insert(noise.clone());
-            // A force that is another one at each sample is as wide as it can be.
+            // A force that is drawn again at each sample always has its full variance.
             let is_kept = |(i, _): &(usize, f64)| white.is_none_or(|white| white.place != *i);
             widening.enumerate().filter(is_kept).for_each(|(i, variance)| process[(i, i)] += variance);
         }

@@ -69,8 +69,8 @@ pub struct Correction<const N: usize> {
     pub nis: f64,
     /// det S over the sensors that were not skipped; zero or infinite where it leaves the range of numbers.
     pub determinant: f64,
-    /// Of a particle filter, the logarithm of the mean likelihood of its particles; NaN for any other, where it follows from
-    /// NIS and det S.
+    /// For a particle filter, the logarithm of the mean likelihood of its particles. NaN for any other filter: there it
+    /// follows from NIS and det S.
     pub log_likelihood: f64,
     /// Effective sample size of a particle filter before it resampled; NaN for any other.
     pub effective_samples: f64,

@@ -17,8 +17,8 @@ pub type Vector = DVector<f64>;
 /// A rectangle of numbers.
 pub type Matrix = DMatrix<f64>;
 
-/// Gives a matrix these numbers of rows and columns, in the memory that it has where that suffices. Its entries are of no
-/// meaning then, unless it had this shape before.
+/// Gives a matrix these numbers of rows and columns, and uses its memory again if that is large enough. The entries are
+/// meaningless, unless it had this shape before.
 pub fn fit(matrix: &mut Matrix, rows: usize, columns: usize) {
     if matrix.shape() == (rows, columns) {
         return;
@@ -38,7 +38,7 @@ pub fn fit_vector(vector: &mut Vector, rows: usize) {
     *vector = Vector::from_vec(entries);
 }
 
-/// Makes `out` a copy, in the memory that it has where that suffices.
+/// Copies to `out`, and uses its memory again if that is large enough.
 pub fn copy(out: &mut Matrix, of: &Matrix) {
     fit(out, of.nrows(), of.ncols());
     out.as_mut_slice().copy_from_slice(of.as_slice());

@@ -100,7 +100,7 @@ impl Model {
         Self { eta, ..self }
     }
 
-    /// With the logarithms of positive parameters in the state, if so wished.
+    /// With the logarithms of positive parameters in the state if `log_parameters`.
     #[must_use]
     pub fn with_logarithms(self, log_parameters: bool) -> Self {
         let parameters = self.motion..self.own;

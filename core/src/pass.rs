@@ -16,7 +16,7 @@ pub struct Pass {
     input_delay: i32,
     done: usize,
     stop: Option<Stop>,
-    /// The next sample, where it has been computed ahead.
+    /// The next sample, if it has been computed ahead.
     ahead: Option<Tape>,
 }
 

@@ -119,7 +119,7 @@ impl PlantKind {
         Self::ALL.into_iter().find(|kind| kind.key() == key)
     }
 
-    /// Whether it is a user's own with a key of the registry: a file would mean the other one.
+    /// Whether it is a user's own plant with a key of the registry: a file with this key would mean the registry's.
     pub(crate) fn is_impostor(self) -> bool {
         Self::from_key(self.key()).is_some_and(|known| known.type_id() != self.type_id())
     }

@@ -35,7 +35,7 @@ impl Cells {
     /// The axes.
     ///
     /// # Errors
-    /// [`LessonError::Axis`] where a text is none.
+    /// [`LessonError::Axis`] where a text is not an axis.
     pub(crate) fn axes(&self) -> Result<Vec<Axis>, LessonError> {
         [Some(&self.x), self.y.as_ref()].into_iter().flatten().map(|text| grid::axis(text)).collect()
     }
@@ -43,7 +43,8 @@ impl Cells {
     /// Checks that all cells can be run.
     ///
     /// # Errors
-    /// [`LessonError`] where an axis is none, or varies something that the scenario lacks or the seed, which is tried anyway.
+    /// [`LessonError`] where a text is not an axis, or an axis varies something that the scenario lacks, or the seed,
+    /// which is varied anyway.
     pub(crate) fn validate(&self, scenario: &Scenario) -> Result<(), LessonError> {
         let axes = self.axes()?;
         if axes.iter().any(|axis| axis.key == SEED.key) {

@@ -57,8 +57,8 @@ pub struct Check {
     pub below: Option<f64>,
     /// The result must be this.
     pub is: Option<Expected>,
-    /// The share of all records in which the check holds; nearly all if left out: 98 %. The text of the step says it
-    /// where it is less.
+    /// The share of all records in which the check holds; nearly all if left out: 98 %. The text of the step must state
+    /// a lower share.
     #[serde(default = "nearly_all")]
     pub share: f64,
     /// The only seed to check, for a step about one particular record.

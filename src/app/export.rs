@@ -29,7 +29,7 @@ impl App {
         ViewContext::new(session, palette, visible, axis, ruler).in_laboratory(Some(laboratory))
     }
 
-    /// Makes a file and delivers it; says where it is, or why it cannot be written.
+    /// Makes a file and delivers it. Shows its place, or the reason why it cannot be written.
     pub(super) fn export(&mut self, export: Export) {
         let palette = Palette::of(egui::Theme::Light);
         let made = export::file(export, &self.figure_context(&palette), &self.layout);

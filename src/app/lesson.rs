@@ -44,7 +44,7 @@ impl App {
         self.show_step();
     }
 
-    /// Chooses the map that the lesson's step asks for; without one that of the user stays.
+    /// Chooses the map of the lesson's step. Without one, the user's map stays.
     fn show_map(&mut self) {
         let Self { session, laboratory, tutor: Some(lesson), .. } = self else { return };
         match lesson.map(session.scenario()) {

@@ -182,7 +182,7 @@ impl App {
         legend.ui(ui, extent, *inviting, requests);
     }
 
-    /// Legend, where it has no panel of its own, and views.
+    /// The views, and the legend if it has no panel of its own.
     fn centre_ui(&mut self, ui: &mut Ui, palette: &Palette, narrow: bool) {
         if !narrow {
             self.legend_ui(ui, palette);

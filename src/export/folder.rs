@@ -56,7 +56,7 @@ fn downloads() -> PathBuf {
     places.into_iter().flatten().find(|place| place.is_dir()).unwrap_or_else(|| PathBuf::from("."))
 }
 
-/// The folder that a desktop's own file names, as it does where folders have names of another language.
+/// The folder that the desktop's configuration names; its name may be in another language.
 fn named_download(home: &Path) -> Option<PathBuf> {
     let text = std::fs::read_to_string(home.join(".config/user-dirs.dirs")).ok()?;
     download_of(&text, home)

@@ -28,7 +28,7 @@ const NAME: f32 = 17.0;
 /// Limits the width below which plots of one view are in one column \[points of the canvas\].
 const TWO_COLUMNS: f32 = 480.0;
 
-/// Room for text that is as long as it wants to be \[points of the canvas\].
+/// Room for text of any length \[points of the canvas\].
 const AMPLE: f32 = 3000.0;
 
 /// The largest canvas of a slide, relative to that with type of the wanted size.
@@ -135,7 +135,7 @@ impl Sheet<'_> {
         Medium::take_plots(self.canvas.ctx()).unwrap_or(1)
     }
 
-    /// The size of a view that is text: as wide as its tables, and as high as its lines. None for a picture.
+    /// The size of a view that is text: as wide as its tables, and as high as its lines. `None` for a picture.
     fn text_size(&self, kind: ViewKind, width: f32) -> Option<Vec2> {
         let room = match kind {
             ViewKind::Matrices | ViewKind::Scores | ViewKind::Filters => AMPLE,
@@ -174,7 +174,7 @@ impl Sheet<'_> {
         })
     }
 
-    /// A view in its room. One that is text is made smaller where it is too large.
+    /// A view in its room. A view of text is scaled down if it is too large.
     fn part(&self, kind: ViewKind, corner: Pos2, room: Vec2) -> Part {
         let natural = self.text_size(kind, room.x);
         let scaling = natural.map_or(1.0, |natural| (room / natural).min_elem().min(1.0));

@@ -16,8 +16,8 @@ impl Pen {
         Self { curves }
     }
 
-    /// The width in the figure of a line that is so wide on a screen. Lines finer than any curve, as those of the grid, stay
-    /// finer.
+    /// The width in the figure of a line with the width `on_screen`. Lines finer than any curve, such as those of the
+    /// grid, stay finer.
     fn width(&self, on_screen: f32) -> f32 {
         let ([fine, bold], [least, most]) = (self.curves, ON_SCREEN);
         let share = ((on_screen - least) / (most - least)).min(1.0);

@@ -1,4 +1,4 @@
-//! Text in SVG, as text: it can be searched and edited. Its length is fixed, so that it fits also in another font.
+//! Text in SVG, as text: it can be searched and edited. Its length is fixed, so that it also fits in another font.
 
 use std::fmt::Write as _;
 

@@ -289,7 +289,7 @@ mod tests {
         };
         assert!(pieces(&mut draft) < 10 && draft.spectra().is_none(), "nothing is taken away");
         draft.mapping.band = Some([2.0, 40.0]);
-        // Two spectra of overlapping windows, none of which takes as long as the whole.
+        // Two spectra of overlapping windows; each window takes a small part of the time.
         let windows = 2 * (40_000 - 1024) / 256;
         assert!(pieces(&mut draft) >= windows);
         let [before, after] = draft.spectra().expect("a band has spectra").curves();

@@ -34,7 +34,7 @@ pub(super) struct Crash {
     time: u64,
     /// The file of the saved state.
     pub(super) state: String,
-    /// The state as of the crash, where it could be read.
+    /// The state at the crash, if it could be read.
     pub(super) session: Option<String>,
 }
 

@@ -12,7 +12,7 @@ use rfd::AsyncFileDialog;
 /// dialog like one that could not open.
 const FAST: Duration = Duration::from_millis(500);
 
-/// Said where no dialog opens.
+/// The message if no dialog opens.
 const NO_DIALOG: &str = "This desktop opens no dialog for files: neither its portal nor zenity answers. Drop the file on the \
                          window, or start the program with it: kalmanscope FILE.";
 

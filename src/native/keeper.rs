@@ -1,4 +1,4 @@
-//! Saves the state soon after each change, on a thread of its own: at rest no frame would do it.
+//! Saves the state soon after each change, on a thread of its own, since there are no frames while nothing changes.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::{self, JoinHandle};

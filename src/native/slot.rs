@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Limits the running instances that keep their state.
 const MOST: u32 = 16;
 
-/// The names of the files of one instance, which are its own for as long as it lives.
+/// The names of the files of one instance, reserved while it runs.
 #[derive(Debug)]
 pub(super) struct Slot {
     folder: PathBuf,
@@ -20,7 +20,7 @@ impl Slot {
     /// The first names in a folder that no other instance uses.
     ///
     /// # Errors
-    /// The reason in words where there are none.
+    /// The reason in words if there are none.
     pub(super) fn take(folder: &Path) -> Result<Self, String> {
         let reason = |error: io::Error| format!("{}: {error}", folder.display());
         fs::create_dir_all(folder).map_err(reason)?;

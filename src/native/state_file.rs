@@ -41,7 +41,7 @@ struct Written {
 }
 
 impl StateFile {
-    /// The state of an instance, and a sentence where it is not the one that was saved last. A further instance begins
+    /// The state of an instance, and a sentence if it is not the one that was saved last. A further instance begins
     /// with the state of the first.
     pub(super) fn open(slot: &Slot) -> (Self, Option<String>) {
         let (path, copy) = (slot.path("state"), slot.path("state-before"));

@@ -101,7 +101,7 @@ fn runs(are_drawn: impl IntoIterator<Item = bool>) -> Vec<Range<usize>> {
     runs
 }
 
-/// Whether a line is drawn in a column: where it lies on this many earlier ones, every colour has its turn.
+/// Whether a line is drawn in a column: on top of this many earlier lines, all colours take turns.
 fn is_its_turn(column: &Column, below: i64, record: &Record, scale: Scale) -> bool {
     if below == 0 {
         return true;

@@ -1,4 +1,4 @@
-//! Handles: settings that are dragged where they are seen.
+//! Handles: settings that are dragged in the plots.
 
 use egui::{Color32, CursorIcon, Id, InputState, Rect, Sense, Stroke, Ui, pos2, vec2};
 use egui_plot::PlotTransform;

@@ -11,9 +11,9 @@ use crate::theme;
 /// A value in a heading.
 pub(crate) struct Readout {
     pub(crate) text: String,
-    /// The same in another unit, shown where there is room.
+    /// The same in another unit, shown if there is room.
     pub(crate) aside: Option<String>,
-    /// The colour of its owner; transparent where it has none.
+    /// The colour of its owner; transparent if it has none.
     pub(crate) color: Color32,
     /// The owner of the value.
     pub(crate) hint: String,

@@ -6,8 +6,8 @@ use egui_plot::GridMark;
 
 use crate::text::{fixed, significant};
 
-/// Multiples of 1, 2 or 5 times a power of ten: about `count`, and at least two where they fit, because one tick shows
-/// no scale.
+/// Multiples of 1, 2 or 5 times a power of ten: about `count`, and at least two if they fit, because one tick shows no
+/// scale.
 pub(crate) fn ticks((low, high): (f64, f64), count: f32) -> Vec<GridMark> {
     let rough = (high - low) / f64::from(count.max(2.0));
     if !rough.is_finite() || rough <= 0.0 {

@@ -35,7 +35,7 @@ impl Before {
         all.iter().find(|estimates| estimates.id() == id).filter(|estimates| !estimates.is_empty())
     }
 
-    /// Their diagnostics, where they are wanted.
+    /// Their diagnostics, if they are wanted.
     pub fn diagnostics(&self, id: u32) -> Option<(&Diagnostics, &Estimates)> {
         let (analysis, all) = (self.study.analysis(), self.study.run().estimates());
         analysis.diagnostics().iter().zip(all).find(|(_, estimates)| estimates.id() == id)
@@ -120,7 +120,7 @@ impl Session {
         self.setting
     }
 
-    /// Whether there is another setting to go to.
+    /// Whether there is another setting to switch to.
     pub fn has_other_setting(&self) -> bool {
         self.other.is_some()
     }

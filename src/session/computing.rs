@@ -127,7 +127,7 @@ impl Session {
         }
         let source = self.run().source();
         self.slices = 0;
-        // An impossible scenario has no run: that of the last possible one stays.
+        // An impossible scenario has no run: the last possible one's stays.
         let scenario = self.run().scenario().clone();
         self.job = Job::new(&mut self.study, &scenario, Some(source), goal).ok();
     }

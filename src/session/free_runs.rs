@@ -100,7 +100,7 @@ impl Session {
         Some((run.estimates().iter().position(is_due)?, of))
     }
 
-    /// Goes on with the free runs, one filter after the other, for one slice. What is complete stays until then.
+    /// Goes on with the free runs, one filter after the other, for one slice. The complete ones stay until then.
     pub(super) fn run_freely(&mut self) {
         let mut while_time = self.budget.slice();
         while let Some((place, of)) = self.free_due() {

@@ -55,7 +55,7 @@ impl Hand {
 }
 
 impl Session {
-    /// Says whether the user holds the pointer down. While a number is dragged, diagnoses of a whole record are made
+    /// Notes whether the user holds the pointer down. While a number is dragged, diagnoses of a whole record are made
     /// only a few times a second: nobody reads more of them, and each takes about as long as its filter.
     pub fn hold(&mut self, is_down: bool) {
         self.hand.is_down = is_down;

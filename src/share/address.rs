@@ -129,7 +129,7 @@ fn value<'a>(address: &'a str, key: &str) -> Option<&'a str> {
         .map(|it| it.1)
 }
 
-/// A name as it fits into a sentence.
+/// A name, shortened to fit into a sentence.
 fn shortened(name: &str) -> String {
     name.chars().take(60).collect()
 }

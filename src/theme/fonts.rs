@@ -13,7 +13,7 @@ macro_rules! font {
     };
 }
 
-/// Asked in this order where a text font lacks a glyph.
+/// Used in this order if a text font lacks a glyph.
 const SYMBOLS: [(&str, &[u8]); 3] =
     [font!("NotoSansMath-Regular"), font!("NotoSansSymbols-Regular"), font!("NotoSansSymbols2-Regular")];
 

@@ -7,8 +7,8 @@ const BLOCK: usize = 16;
 
 /// Rows of numbers, and the sums of their columns over any range of rows.
 ///
-/// A difference of running totals loses the digits of a range where a term before it is large. Here a range is the sum of
-/// whole blocks of 16, 256, 4096, … rows and of the rows at its edges, so that no term outside it has a part in it. A row
+/// A difference of running totals loses the digits of a range where a term before it is large. Here a range is the sum
+/// of whole blocks of 16, 256, 4096, … rows and of the rows at its edges, so that no term outside it enters it. A row
 /// takes one addition a column more than a running total, and a range about thirty for each level.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RangeSums {

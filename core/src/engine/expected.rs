@@ -129,7 +129,7 @@ impl<T: Number> Expected<T> {
         }
     }
 
-    /// As an EKF has it: h at the mean, or from another state, and H.
+    /// The prediction of an EKF: h at the mean, or from another state, and H.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "those of the update")]
     fn linearise<L: Level, C: Count>(

@@ -60,7 +60,7 @@ pub struct Exponential<T> {
     pub transition: Vec<T>,
     /// `Γ₁ = dt φ₁(A dt)`
     pub constant: Vec<T>,
-    /// `Γ₂ = dt² φ₂(A dt)`, where it was asked for.
+    /// `Γ₂ = dt² φ₂(A dt)`, if the caller wants it.
     pub slope: Vec<T>,
     powers: [Vec<T>; 4],
     work: Vec<T>,

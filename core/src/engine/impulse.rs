@@ -19,7 +19,7 @@ pub struct Impulse<T> {
     pub h: T,
     /// q \[s²\]
     pub q: T,
-    /// p \[s³\], where it was asked for.
+    /// p \[s³\], if the caller wants it.
     pub p: T,
 }
 

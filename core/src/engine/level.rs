@@ -1,12 +1,13 @@
 //! The instructions that a step is compiled for.
 
-/// A set of instructions. A program that knows of better ones while it runs brings a set of its own.
+/// A set of instructions. A program that detects better ones at run time implements its own set.
 pub trait Level: Copy {
     /// Whether the compiler knows the sizes.
     const IS_KNOWN: bool = false;
 
-    /// Does some work in a function of its own, compiled for these instructions: so that a step is some functions of moderate
-    /// size, each once in the program. Sizes are asked for inside: the compiler does not know the numbers that work brings along.
+    /// Does some work in a function of its own, compiled for these instructions: a step then consists of functions of
+    /// moderate size, each once in the program. `work` must ask for sizes inside: the compiler does not know the values
+    /// of captured variables.
     fn apart<R>(self, work: impl FnOnce() -> R) -> R;
 
     /// n, which the compiler may know.

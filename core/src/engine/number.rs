@@ -4,7 +4,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use super::function::Function;
 
-/// A number of a plant's equation. Its operations round once, so that no processor has other bits than another.
+/// A number of a plant's equation. Its operations round once, so that all processors give the same bits.
 pub trait Real:
     Copy
     + Add<Output = Self>

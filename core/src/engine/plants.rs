@@ -248,7 +248,7 @@ fn linearise<E: Equation, T: Number, L: Level>(
         return;
     }
     if E::IS_SMALL {
-        // Numbers of its own, which the compiler can see through.
+        // A local array, which the compiler can keep in registers.
         let mut duals = [Dual::constant(T::of(0.0)); 2 * FEW];
         differentiate(equation, state, force, 0, &mut out, &mut duals);
         if own > AT_ONCE {

@@ -124,7 +124,8 @@ fn is_usual(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
         && context.model(settings).size() <= MOST
 }
 
-/// Whether lanes of its own or a kernel take such a filter. The choice must not depend on the processor, since it is one of bits.
+/// Whether lanes of its own or a kernel serve such a filter. The choice must not depend on the processor, since it
+/// decides the bits of the result.
 fn is_done_as_fast(settings: &FilterSettings, context: &FilterContext<'_>) -> bool {
     const WITH_LANES: [PlantKind; 2] = [PlantKind::SDOF, PlantKind::DUFFING];
     const WITH_STRUCTURE: [PlantKind; 3] = [PlantKind::SHEAR_2, PlantKind::SHEAR_3, PlantKind::SHEAR_4];

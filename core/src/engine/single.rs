@@ -131,8 +131,8 @@ impl Single {
         }
     }
 
-    /// Conditions a belief on measurements. `report` is called with the first update, and with the last one where the sensors
-    /// are linearised again.
+    /// Conditions a belief on measurements. `report` is called with the first update, and with the last one if the
+    /// sensors are linearised again.
     ///
     /// # Errors
     /// Those of the [update](crate::filter::Filter::update).

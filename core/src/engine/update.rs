@@ -215,8 +215,8 @@ impl<T: Number> Update<T> {
         Told { nis, determinant, measured, holds: held.all() }
     }
 
-    /// Makes of P the covariance `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which stays positive semidefinite where sensors are far
-    /// more precise than the belief; written as two updates of the sensors' rank:
+    /// Replaces P by `(I - K H) P (I - K H)ᵀ + K R Kᵀ`, which stays positive semidefinite even if sensors are far more
+    /// precise than the belief; written as two updates of the sensors' rank:
     ///
     /// ```text
     /// M = P - K (P Hᵀ)ᵀ,  P⁺ = M - (M Hᵀ - K R) Kᵀ
@@ -274,7 +274,7 @@ impl<T: Number> Update<T> {
         super::columns::mirror(super::level::Baseline, &mut self.innovation_cov[..m * m], m);
     }
 
-    /// H, m × n, written over `out`; `false` where there is none.
+    /// H, m × n, written over `out`; false if there is none.
     pub(super) fn jacobian_into(&self, design: &Design, out: &mut [T]) -> bool {
         if self.expected.is_linear {
             let m = self.active.len();

@@ -50,7 +50,7 @@ impl Equation {
         Ok(Self { info, settings: settings.clone(), typed })
     }
 
-    /// The equation as a scenario has it.
+    /// The equation's settings, as in a scenario.
     pub fn settings(&self) -> &EquationSettings {
         &self.settings
     }
@@ -60,7 +60,7 @@ impl Equation {
         self.info.is_linear
     }
 
-    /// The equation as the engine has it.
+    /// The equation in the engine's form.
     pub fn typed(&'static self) -> &'static Typed {
         &self.typed
     }

@@ -22,7 +22,7 @@ use crate::channel::Sign;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table")]
 pub struct EquationSettings {
-    /// The equation; several are apart by `;`.
+    /// The equation; `;` separates several.
     pub equation: String,
     /// Names, units and usual numbers of parameters and internal states, by their symbols; all others have the usual ones.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -78,7 +78,7 @@ pub struct Numbers {
 }
 
 impl ParameterSettings {
-    /// The numbers, the usual ones where they are left out.
+    /// The numbers, with the usual ones in place of missing ones.
     pub fn numbers(&self, is_parameter: bool) -> Numbers {
         let mean = self.guess.unwrap_or(if is_parameter { 1.0 } else { 0.0 });
         let size = size(mean);
@@ -124,10 +124,10 @@ impl EquationSettings {
         self.parameters.entry(name.unwrap_or_else(|| of.to_owned())).or_default()
     }
 
-    /// The same without the numbers of parameters that the equation has not, if it is one.
+    /// The same without the numbers of parameters that the equation does not have.
     ///
     /// # Errors
-    /// [`EquationError`] where it is none.
+    /// [`EquationError`] if the text is not an equation.
     pub fn checked(&self) -> Result<Self, EquationError> {
         let components = solve(&self.equation)?.components;
         let has = |name: &str| {

@@ -39,10 +39,10 @@ impl EquationSettings {
 }
 
 impl Scenario {
-    /// Takes an equation as the truth's plant. Filters begin with its guesses, where these are others than those from before.
+    /// Makes an equation the truth's plant. Filters begin with its guesses, if these differ from the earlier ones.
     ///
     /// # Errors
-    /// [`EquationError`] where it is no plant; nothing changes then.
+    /// [`EquationError`] if it is no plant; nothing changes then.
     pub fn set_equation(&mut self, settings: &EquationSettings) -> Result<(), EquationError> {
         let kind = PlantKind::of_equation(settings)?;
         let before = self.plant.kind.channels();

@@ -98,7 +98,7 @@ impl Line {
         }
     }
 
-    /// Writes a term, in brackets where it is looser than `least`.
+    /// Writes a term, in brackets if it binds less tightly than `least`.
     fn put(&mut self, tree: &Tree, least: Tie) {
         if tie(tree) < least {
             self.enclosed("(", tree, ")");

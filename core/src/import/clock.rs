@@ -1,8 +1,8 @@
 //! Times of day and dates in cells.
 
-/// A time of day, or a date with one, in seconds, and whether there is a date: `hh:mm:ss` with a fraction, `AM` or `PM` and a zone
-/// such as `+01:00` or `Z`, behind a date with the year first (`2024-05-01`), the day first (`01.05.2024`, `01-May-2024`) or, with
-/// slashes, the month first where it can be one (`05/01/2024`).
+/// A time of day, or a date with one, in seconds, and whether there is a date: `hh:mm:ss` with a fraction, `AM` or `PM`
+/// and a zone such as `+01:00` or `Z`, behind a date with the year first (`2024-05-01`), the day first (`01.05.2024`,
+/// `01-May-2024`) or, with slashes, the month first if it can be one (`05/01/2024`).
 pub(super) fn clock(cell: &str) -> Option<(f64, bool)> {
     let (date, time) = match cell.split_once(['T', ' ']) {
         Some((date, time)) if !date.contains(':') => (Some(date), time.trim()),

@@ -52,7 +52,7 @@ impl<'a> Conditioning<'a> {
         resample::interpolate(&values, self.mapping.interpolate)
     }
 
-    /// The samples of a sensor. What is missing stays so.
+    /// The samples of a sensor. Missing values stay missing.
     pub(super) fn sensor(&self, mut values: Vec<f64>) -> Vec<f64> {
         let mut missing: Vec<f64> = values.clone();
         let changes = self.mapping.band.is_some() || self.mapping.every > 1;

@@ -24,7 +24,7 @@ pub struct Mapping {
     /// A hash of the file's bytes ([`super::hash`]), to recognise the same file; may be empty.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub hash: String,
-    /// The file's form, where it is not to be found by looking.
+    /// The file's form, if it cannot be guessed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dialect: Option<Dialect>,
     /// The times of the samples.
@@ -32,7 +32,7 @@ pub struct Mapping {
     /// The input; without one it is zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub input: Option<MappedColumn>,
-    /// Whether no input was recorded, so that no column is guessed to be it where the columns of the sensors are guessed.
+    /// Whether no input was recorded: the guess of the sensors' columns then takes no column as the input.
     #[serde(skip_serializing_if = "is_default")]
     pub no_input: bool,
     /// The sensors' columns.

@@ -20,7 +20,7 @@ pub enum Decimal {
 pub(super) enum Found {
     /// A number.
     Number(f64),
-    /// A number with thousands apart that reads in one way only, such as `1.234,5`.
+    /// A number with thousands separators that has one reading only, such as `1.234,5`.
     Grouped(f64),
     /// A time \[s\]: since midnight, or with a date since 1970.
     Clock {
@@ -48,9 +48,9 @@ impl Found {
 }
 
 impl Decimal {
-    /// The number in a cell: NaN in an empty one and for `nan`, `OVLD` and the like, `None` in one with other text. Thousands
-    /// may be apart, as in `1.234,5`, and the exponent may be Fortran's, as in `1.5D-3`. Times of day such as `13:05:00.25`,
-    /// with or without a date, are in seconds.
+    /// The number in a cell: NaN in an empty one and for `nan`, `OVLD` and the like, `None` in one with other text.
+    /// Thousands may be separated, as in `1.234,5`, and the exponent may be Fortran's, as in `1.5D-3`. Times of day
+    /// such as `13:05:00.25`, with or without a date, are in seconds.
     pub fn number(self, cell: &str) -> Option<f64> {
         let found = self.read(cell, false);
         (found != Found::Text).then(|| found.value())
@@ -94,7 +94,8 @@ impl Decimal {
         }
     }
 
-    /// A number with thousands apart, in groups of three digits, as Rust writes it; and whether it can be nothing else.
+    /// A number with thousands separators, in groups of three digits, as Rust writes it; and whether this is its only
+    /// reading.
     fn ungrouped(self, cell: &str) -> Option<(String, bool)> {
         let (point, other) = match self {
             Self::Point => ('.', ','),

@@ -67,7 +67,7 @@ fn kernel(share: f64) -> Vec<f64> {
         sinc * bessel(KAISER * libm::sqrt((1.0 - window * window).max(0.0))) / bessel(KAISER)
     };
     let weights: Vec<f64> = (1 - REACH..=REACH).map(weight).collect();
-    // A constant stays one.
+    // A constant stays constant.
     let sum: f64 = weights.iter().sum();
     weights.into_iter().map(|weight| weight / sum).collect()
 }

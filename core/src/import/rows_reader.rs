@@ -187,7 +187,7 @@ fn named(dialect: &Dialect, lines: &[&str], width: usize) -> usize {
 }
 
 impl Column {
-    /// Takes the number in a cell. Returns whether it has thousands apart.
+    /// Takes the number in a cell. Returns whether it has thousands separators.
     fn push(&mut self, cell: &str, dialect: Dialect, line: usize) -> bool {
         let found = dialect.decimal.read(cell, dialect.thousands);
         let quoted = || {

@@ -75,7 +75,7 @@ struct Form {
     lines: Vec<Counts>,
     /// The number of cells of most lines.
     columns: usize,
-    /// Whether a number has thousands apart.
+    /// Whether a number has thousands separators.
     thousands: bool,
 }
 

@@ -8,7 +8,7 @@ use super::{Column, Table};
 /// Seconds of a day.
 const DAY: f64 = 86_400.0;
 
-/// Times without a unit that are this far apart or further are asked about \[s\].
+/// The least step of times without a unit that the user is asked about \[s\].
 const SLOW: f64 = 1.0;
 
 /// The times of a column in seconds, up to the last row that has one; those after midnight are of the next day. What is changed is
@@ -49,7 +49,7 @@ pub(super) fn of<'a>(table: &Table, column: &'a Column, text: &str, remarks: &mu
     times
 }
 
-/// A question about times without a unit that are far apart for a measured motion.
+/// A question about times without a unit, if their step is long for a measured motion.
 pub(super) fn question(column: &Column, text: &str, dt: f64) -> Option<String> {
     // Times of day and dates have a known unit.
     let is_told = !text.trim().is_empty() || column.is_time_of_day || column.is_dated;

@@ -123,7 +123,7 @@ impl Timing {
                         row += 1;
                     }
                     let share = (time - times[row]) / (times[row + 1] - times[row]);
-                    // Between values that are far apart nothing is known.
+                    // A gap between distant values is not interpolated.
                     let is_gap = times[row + 1] - times[row] > MOST_APART;
                     match share {
                         share if share <= 0.0 => rows[row],

@@ -10,7 +10,7 @@ pub struct Integrals {
     pub transition: Matrix,
     /// `Γ₁ = ∫₀^dt exp(A s) ds = dt φ₁(A dt)`, n × n: the effect of a constant.
     pub constant: Matrix,
-    /// `Γ₂ = ∫₀^dt Γ₁(s) ds = dt² φ₂(A dt)`, n × n: the effect of a slope. Of no meaning where it was not asked for.
+    /// `Γ₂ = ∫₀^dt Γ₁(s) ds = dt² φ₂(A dt)`, n × n: the effect of a slope. Meaningless if the caller did not want it.
     pub slope: Matrix,
     powers: Powers,
 }

@@ -47,8 +47,8 @@ pub fn multiply_sparse(out: &mut Matrix, a: &Matrix, h: &Matrix) {
     }
 }
 
-/// Makes the lower triangle of the square `out` that of `w A Bᵀ`, a matrix that is symmetric, such as `A Aᵀ`. Where A has
-/// fewer rows than `out`, it makes the first rows and columns, and the rest stays. Of B only as many rows count as A has.
+/// Writes the lower triangle of `w A Bᵀ`, which must be symmetric (such as `A Aᵀ`), to the square `out`. If A has fewer
+/// rows than `out`, it writes the first rows and columns only. It reads as many rows of B as A has.
 pub fn multiply_symmetric(out: &mut Matrix, w: f64, a: &Matrix, b: &Matrix) {
     let (r, c, lead) = (a.nrows(), b.nrows(), out.nrows());
     for j in 0..r {

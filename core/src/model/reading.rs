@@ -19,7 +19,7 @@ pub struct Reading {
 }
 
 impl Model {
-    /// Where a sensor for `quantity` reads, if the plant has it.
+    /// The reading of a sensor for `quantity`, if the plant has it.
     pub fn reading(&self, quantity: Quantity) -> Option<Reading> {
         let mut reading = Reading { state: Vec::new(), rates: Vec::new(), ground: 0.0, component: None };
         for (term, factor) in quantity.reads() {
@@ -135,7 +135,7 @@ impl Reading {
         !self.rates.is_empty()
     }
 
-    /// Whether it is linear in the state, whatever the plant.
+    /// Whether it is linear in the state for every plant.
     pub fn is_of_components(&self) -> bool {
         self.rates.is_empty() && self.ground == 0.0
     }

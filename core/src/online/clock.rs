@@ -19,7 +19,7 @@ impl Clock {
     /// Moves on to the time of the next sample \[s\]. Returns the number of steps since the last one; 1 for the first sample.
     ///
     /// # Errors
-    /// [`OnlineError`] where the time is none that a sample can have; the clock is then as it was.
+    /// [`OnlineError`] if no sample can have this time; the clock then stays unchanged.
     pub(super) fn advance(&mut self, time: f64) -> Result<usize, OnlineError> {
         let Self { dt, last } = *self;
         if !time.is_finite() {

@@ -18,7 +18,7 @@ pub(crate) struct Response {
     exact: Option<(Vec<f64>, Exact)>,
     /// Memory for the rates of the motion, and for its change over a step.
     work: [Vector; 2],
-    /// The step of a plant that is not linear, where it is under way.
+    /// The step of a plant that is not linear, if one is under way.
     step: Option<Refinement>,
     /// The number of times that steps have been halved.
     halved: u64,

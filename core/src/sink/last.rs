@@ -23,7 +23,7 @@ pub struct LastSample {
 }
 
 impl LastSample {
-    /// Asks for the belief before the update, or does so no longer.
+    /// Sets whether it wants the belief before the update.
     pub fn want_prior(&mut self, wants: bool) {
         self.without_prior = !wants;
     }

@@ -198,7 +198,7 @@ impl Lines<'_> {
         errors.iter().all(|error| error.is_finite()).then_some([errors[0], errors[1]])
     }
 
-    /// The least cost that scoring reaches from a point, and where it is.
+    /// The least cost that scoring reaches from a point, and its place.
     fn descend(&self, begin: Vector4<f64>) -> (f64, Vector4<f64>) {
         let (mut at, mut spectrum, mut other) = (begin, Vec::new(), Vec::new());
         self.model(&at, &mut spectrum);

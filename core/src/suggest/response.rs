@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::spectra::{Gaps, LONG, Spectra};
 use crate::{Aspect, Hold, Quantity, Record};
 
-/// An oscillator as its response over frequency shows it.
+/// An oscillator, identified from its frequency response.
 #[derive(Clone, Debug)]
 pub(super) struct Response {
     /// ωₙ \[rad/s\]

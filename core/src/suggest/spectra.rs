@@ -152,7 +152,7 @@ impl Spectra {
         TAU * place as f64 / (self.length as f64 * self.dt)
     }
 
-    /// The coherence that noise alone stays below at a frequency in 99 of 100 cases.
+    /// The 99 % quantile of the coherence of pure noise at a frequency.
     ///
     /// Source: Bendat and Piersol (2010), *Random Data*, section 9.2; Carter (1987), Coherence and time delay estimation.
     pub(super) fn coherence_of_chance(&self) -> f64 {

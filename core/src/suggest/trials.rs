@@ -82,7 +82,7 @@ impl Suggest {
 
     /// Takes noise, guess and spread from the data. `lost` names the gaps that were filled.
     fn begin(&mut self, lost: Option<&Lost>) {
-        // Without a mapping the record stays as it is, and the filters know its offsets.
+        // Without a mapping the record stays unchanged, and the filters get its offsets as known.
         let as_it_is = self.suggestion.scenario.record.is_none().then(|| self.record.clone());
         if self.suggestion.knows_zero() {
             let reason = "the means of input and readings stay: an equation that is not linear says where zero is";

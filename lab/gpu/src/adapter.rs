@@ -47,7 +47,7 @@ impl Gpu {
         Ok(Self { name, programs, trouble })
     }
 
-    /// The adapter's name, as its driver has it.
+    /// The adapter's name, from its driver.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -11,7 +11,7 @@ use crate::layout::Shape;
 use crate::text::{Text, literal};
 use crate::unroll::unrolled;
 
-/// The number of threads in a group, as `main.wgsl` has it.
+/// The number of threads in a group, as in `main.wgsl`.
 pub(crate) const GROUP: u32 = 64;
 
 /// Limits the components of a state. Its numbers are kept in registers by unrolled loops; with more components programs
@@ -186,7 +186,7 @@ fn sums(name: &str, count: &str, sums: &[(usize, Vec<String>)]) -> String {
     text + "  return out;\n}\n"
 }
 
-/// The functions of some numbers, and of their changes.
+/// The functions of some numbers, and of their derivatives.
 fn apart(notes: &Notes, name: &str, count: &str, nodes: &[Node]) -> Option<String> {
     let outputs: Vec<(usize, Node)> = nodes.iter().copied().enumerate().collect();
     let text = Text { builder: &notes.builder, size: notes.size };

@@ -1,4 +1,4 @@
-//! Runs that the engine takes side by side. A page has none of them, to stay small.
+//! Runs that the engine runs side by side. A page does not include this, to stay small.
 
 use kalmanscope_core::RunError;
 use kalmanscope_core::score::Outcome;

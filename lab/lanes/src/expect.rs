@@ -62,7 +62,7 @@ fn read<P: Plant<N>, T: Lane, const N: usize>(output: Output, state: &[T; N], fo
     }
 }
 
-/// As the EKF has it.
+/// The prediction of the EKF.
 #[inline(always)]
 pub(crate) fn linearised<P: Plant<N>, T: Lane, const N: usize, const E: usize, const M: usize>(
     belief: &Belief<T, N, E>,

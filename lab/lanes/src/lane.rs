@@ -12,8 +12,8 @@ pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not
     fn all(self) -> bool;
 }
 
-/// A number in each lane. Operations of IEEE 754 that round once, and comparisons: nothing whose bits depend on the
-/// processor, and so no fused multiply-add.
+/// A number in each lane. Operations of IEEE 754 that round once, and comparisons: no operation with bits that depend
+/// on the processor, and so no fused multiply-add.
 pub(crate) trait Lane:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {

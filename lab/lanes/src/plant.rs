@@ -47,7 +47,7 @@ pub(crate) trait Visitor {
     fn visit<P: Plant<N>, const N: usize, const E: usize>(&mut self);
 }
 
-/// Lets the visitor work with each plant. The page has but one, to stay small.
+/// Calls the visitor with each plant. The page includes only one, to stay small.
 pub(crate) fn visit(visitor: &mut impl Visitor) {
     visitor.visit::<Sdof, 4, 10>();
     #[cfg(not(target_arch = "wasm32"))]

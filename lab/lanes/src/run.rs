@@ -146,7 +146,7 @@ fn condition<P: Plant<N>, T: Lane, const N: usize, const E: usize, const UKF: bo
     }
 }
 
-/// [`update::by_components`] apart, for all kinds of filters.
+/// [`update::by_components`] in a function of its own, shared by all kinds of filters.
 #[inline(always)]
 fn by_components<T: Lane, const N: usize, const E: usize, const M: usize>(
     belief: &mut Belief<T, N, E>,

@@ -14,10 +14,10 @@ pub fn suggest_message(number: u32, scenario: &Scenario, record: &Record) -> Arr
     Array::of4(&"suggest".into(), &number.into(), &scenario.into(), &filtered(record))
 }
 
-/// The making of start values that a message asks for.
+/// The search for start values that a message asks for.
 ///
 /// # Errors
-/// The reason in words where it cannot be.
+/// The reason in words if it cannot begin.
 pub(crate) fn suggest(words: &Words) -> Result<Suggest, String> {
     let (scenario, record) = scenario_and_record(&words.text(2), words.get(3))?;
     Ok(Suggest::new(&scenario, record))

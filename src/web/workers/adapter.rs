@@ -4,10 +4,10 @@ use js_sys::{Function, Promise, Reflect};
 use wasm_bindgen::{JsCast as _, JsValue};
 use wasm_bindgen_futures::JsFuture;
 
-/// Asks the browser for a graphics processor, or for a program in its place where that will do.
+/// Asks the browser for a graphics processor, or for a software adapter if that is accepted.
 ///
 /// # Errors
-/// The reason in words where it offers none.
+/// The reason in words if it offers none.
 pub(super) async fn ask(software: bool) -> Result<(), String> {
     let navigator = web_sys::window().map(|window| JsValue::from(window.navigator())).unwrap_or_default();
     let gpu = get(&navigator, "gpu").filter(JsValue::is_object).ok_or("this browser has no WebGPU")?;

@@ -88,7 +88,7 @@ impl Member {
         self.is_ready && self.portions.want_more()
     }
 
-    /// Whether it knows the ensemble of a job.
+    /// Whether it has the ensemble of a job.
     pub(super) fn knows(&self, job: u32) -> bool {
         self.job == Some(job)
     }

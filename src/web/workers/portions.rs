@@ -32,8 +32,8 @@ impl Portions {
         Self { given: Vec::new(), size: 4, last: PORTION }
     }
 
-    /// The size of a first portion where one unit takes this time \[s\] by estimate, so that each of some workers has its share of
-    /// the first units.
+    /// The size of a first portion where one unit takes this time \[s\] by estimate, so that each worker gets a share
+    /// of the first units.
     pub(super) fn first(time: f64, units: usize, workers: usize) -> usize {
         let soon = (PORTION.as_secs_f64() / time) as usize;
         soon.min(units / (AT_ONCE[1] * workers)).clamp(1, MOST)
