@@ -33,7 +33,7 @@ pub struct Address(Place);
 pub struct UnknownSetting {
     /// The text.
     pub key: String,
-    /// The end of the sentence: the filters that there are, or their numbers, where the text is of none of them.
+    /// The end of the sentence: what there is in its place.
     instead: String,
 }
 
@@ -278,7 +278,14 @@ mod tests {
             let instead = match key.strip_prefix("filters.") {
                 Some(rest) if rest.starts_with("KF.") => "; its filters are `EKF` and `UKF`",
                 Some(rest) if rest.starts_with("EKF.") => "; a filter has `fading`, `jump`, `eta`, ",
-                _ => "",
+                Some(_) => "",
+                None if key.starts_with("plant") => {
+                    "; its plant has `natural_frequency`, `damping_ratio`, `initial.displacement`, "
+                }
+                None if key.starts_with("sensors") => {
+                    "; a sensor has `noise_std`, and its sensors are `displacement`, `velocity`"
+                }
+                None => "; it has `seed`, `dt`, `duration`, and numbers of its `plant`, `sensors` and `filters`",
             };
             let (begin, unknown) =
                 (format!("the scenario has no number `{key}` to vary{instead}"), unknown.to_string());

@@ -8,6 +8,9 @@ use crate::quantity::Quantity;
 use crate::scenario::address::is_of_all;
 use crate::scenario::{FilterSettings, Scenario, Sensor};
 
+/// The beginning of addresses of the plant.
+const PLANT: &str = "plant.";
+
 /// The place of a number in a scenario.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Place {
@@ -87,15 +90,46 @@ impl Place {
         Some(Self::Filters(filters, member?))
     }
 
-    /// The end of a sentence about a text that is no place: the filters that there are, or the numbers of a filter.
+    /// The end of a sentence about a text that is no place: the filters, the numbers of a filter or of the plant, the sensors, or
+    /// the numbers of the scenario.
     pub(super) fn instead(scenario: &Scenario, text: &str) -> String {
-        if scenario.filters_at(text).is_none() {
+        if scenario.filters_at(text).is_some() {
+            let numbers = OF_FILTER.into_iter().flatten().map(|info| info.key);
+            let keys = listed(numbers.chain(TABLES.map(|table| table.key)));
+            return format!(
+                "; a filter has {keys}, and in the last {} a number for each channel or sensor",
+                TABLES.len()
+            );
+        }
+        if text.starts_with("filters") {
             return scenario.filters_instead_of(text);
         }
-        let numbers = OF_FILTER.into_iter().flatten().map(|info| info.key);
-        let keys: Vec<String> = numbers.chain(TABLES.map(|table| table.key)).map(|key| format!("`{key}`")).collect();
-        format!("; a filter has {}, and in these tables a number for each channel or sensor", keys.join(", "))
+        let serving = OF_SCENARIO.iter().filter(|info| (info.serves)(scenario, scenario.plant.kind));
+        let (of_plant, others): (Vec<&str>, Vec<&str>) =
+            serving.map(|info| info.key).partition(|key| key.starts_with(PLANT));
+        if text.starts_with(PLANT) {
+            let parameters = scenario.plant.parameters().map(Channel::key);
+            return format!(
+                "; its plant has {}",
+                listed(parameters.chain(of_plant.into_iter().map(|key| &key[PLANT.len()..])))
+            );
+        }
+        if text.starts_with("sensors") {
+            return match &scenario.sensors[..] {
+                [] => "; it has no sensor".to_owned(),
+                sensors => {
+                    let keys = listed(sensors.iter().map(|sensor| sensor.measures.key()));
+                    format!("; a sensor has `noise_std`, and its sensors are {keys}")
+                }
+            };
+        }
+        format!("; it has {}, and numbers of its `plant`, `sensors` and `filters`", listed(others.into_iter()))
     }
+}
+
+/// Keys as a sentence lists them.
+fn listed<'a>(keys: impl Iterator<Item = &'a str>) -> String {
+    keys.map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ")
 }
 
 /// The quantity of a sensor by its key, or by its number from 0 on.
