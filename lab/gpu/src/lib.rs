@@ -12,9 +12,9 @@
 //! path another one, as at the border of the guesses from which it converges, the results differ altogether.
 //!
 //! ```no_run
-//! use kalmanscope_core::{Scenario, Source};
+//! use kalmanscope_core::{Axis, Scenario, Source};
 //! use kalmanscope_gpu::{Gpu, Software};
-//! use kalmanscope_lab::{Axis, Ensemble, Plan, Runner};
+//! use kalmanscope_lab::{Ensemble, Plan, Runner};
 //! # async fn example() -> Result<(), Box<dyn std::error::Error>> {
 //! let axis = Axis::parse("filters.EKF.initial_mean.natural_frequency=4:12:3")?;
 //! let measures = vec!["rmse.natural_frequency".parse()?];
