@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Ui};
 use kalmanscope_core::setting::{GUESSES, OPTIONS, SMOOTHER};
-use kalmanscope_core::{Channel, FilterKind, FilterSettings, PlantKind, Propagation, Sensor, augment};
+use kalmanscope_core::{Channel, FilterSettings, PlantKind, Propagation, Sensor, augment};
 
 use super::lit::lit;
 use super::row::filter_row_ui;
@@ -12,7 +12,7 @@ pub(super) fn options_ui(ui: &mut Ui, filter: &mut FilterSettings, truth: PlantK
     egui::CollapsingHeader::new("Options").id_salt(("options", filter.id)).show_unindented(ui, |ui| {
         plant_ui(ui, filter);
         augment_ui(ui, filter, filter.plant.unwrap_or(truth), sensors);
-        if [FilterKind::KF, FilterKind::EKF, FilterKind::IEKF, FilterKind::RBPF].contains(&filter.kind) {
+        if filter.kind.info().has_propagation {
             lit(ui, &filter.address("propagation"), |ui| propagation_ui(ui, filter));
         }
         if !(GUESSES.serves)(filter, truth) {

@@ -57,7 +57,8 @@ fn control_ui<T>(ui: &mut Ui, info: &SettingInfo<T>, label: &str, name: Named<'_
         }
         Allowed::Whole(..) => {
             let mut whole = *value as i64;
-            let field = DragValue::new(&mut whole).range(low as i64..=high as i64);
+            // A number from a file beyond the range stays until it is dragged.
+            let field = DragValue::new(&mut whole).range(low as i64..=high as i64).clamp_existing_to_range(false);
             let row = ui.horizontal(|ui| {
                 ui.label(label).on_hover_text(info.hint);
                 ui.add(field)

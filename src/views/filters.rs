@@ -122,11 +122,18 @@ fn rows(scenario: &Scenario) -> Vec<Row> {
     rows
 }
 
-/// The address of the number of a row in a filter that has it and does not take it for known.
-fn address(row: &Row, scenario: &Scenario, filter: &FilterSettings) -> Option<Address> {
-    let address = Address::parse(scenario, &filter.address(&row.key)).ok()?;
+/// The address of the number of a row in a filter.
+///
+/// # Errors
+/// A word in place of the number, and its explanation.
+fn address(row: &Row, scenario: &Scenario, filter: &FilterSettings) -> Result<Address, [&'static str; 2]> {
+    let address = Address::parse(scenario, &filter.address(&row.key));
+    let address = address.map_err(|_| ["–", "This filter does not have the number"])?;
     let is_std = address.table().is_some_and(|table| table.factor.is_some());
-    (!is_std || address.channel().is_none_or(|channel| !filter.knows(channel))).then_some(address)
+    if is_std && address.channel().is_some_and(|channel| filter.knows(channel)) {
+        return Err(["known", "This filter takes the number for known"]);
+    }
+    Ok(address)
 }
 
 fn row_ui(ui: &mut Ui, row: &Row, scenario: &mut Scenario, palette: &Palette) {
@@ -136,9 +143,12 @@ fn row_ui(ui: &mut Ui, row: &Row, scenario: &mut Scenario, palette: &Palette) {
         let (id, name) = (filter.id, format!("{}: {}", filter.name, row.name));
         let address = address(row, scenario, filter);
         ui.horizontal(|ui| {
-            let Some(address) = address else {
-                ui.weak("known");
-                return;
+            let address = match address {
+                Ok(address) => address,
+                Err([word, hint]) => {
+                    ui.weak(word).on_hover_text(hint);
+                    return;
+                }
             };
             let mut value = address.get(scenario);
             let is_other = *first.get_or_insert(value) != value;

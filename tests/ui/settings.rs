@@ -201,3 +201,31 @@ fn a_day_can_be_set_and_is_live_only() {
     screen.run_steps(3);
     assert_eq!((screen.state().session().mode(), screen.state().session().run().len()), (Mode::Whole, 6001));
 }
+
+#[test]
+fn a_number_of_a_file_beyond_its_slider_stays() {
+    let mut screen = workbench();
+    let mut given = Scenario::default();
+    given.filters[0].substeps = 50;
+    screen.state_mut().session_mut().set_scenario(given);
+    screen.run_steps(2);
+    let options = screen.get_all_by_label("Options").next().expect("the first filter has options");
+    options.click();
+    screen.run_steps(4);
+    assert!(screen.query_by_label("EKF steps a sample").is_some(), "the options are open");
+    assert_eq!(scenario(&screen).filters[0].substeps, 50);
+    set(&mut screen, "EKF steps a sample", 3.0);
+    assert_eq!(scenario(&screen).filters[0].substeps, 3);
+}
+
+#[test]
+fn a_number_that_a_filter_lacks_is_not_called_known() {
+    let mut screen = workbench();
+    let mut given = Scenario::default();
+    given.filters[0].augment = vec![Channel::INPUT_GAIN];
+    screen.state_mut().session_mut().set_scenario(given);
+    *screen.state_mut().layout_mut() = Layout::column(&[ViewKind::Filters]);
+    screen.run_steps(4);
+    assert_eq!(screen.query_all_by_label("–").count(), 3, "guess, σ and √Q of the gain of the UKF");
+    assert_eq!(screen.query_all_by_label("known").count(), 0);
+}
