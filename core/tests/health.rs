@@ -29,7 +29,7 @@ fn config(cases: u32) -> ProptestConfig {
 fn a_million_steps_of_random_scenarios_are_valid_or_stop_with_a_reason() {
     let steps = Cell::new(0);
     let any_bytes = proptest::collection::vec(any::<u8>(), 400);
-    let result = TestRunner::new(config(4900)).run(&any_bytes, |bytes| {
+    let result = TestRunner::new(config(5500)).run(&any_bytes, |bytes| {
         let (scenario, gap) = scenario_of(&bytes);
         prop_assert_eq!(scenario.validate(), Ok(()));
         let done = check_scenario(&scenario, gap);
@@ -314,4 +314,11 @@ fn learnt_noise_that_vanishes_or_grows_is_remarked() {
     let run = finished(&scenario);
     let growing = remark(&run.estimates()[0], Trouble::GrowingSensorNoise(Quantity::DISPLACEMENT));
     assert!(growing.is_some(), "{:?}", run.estimates()[0].remarks());
+}
+
+#[test]
+fn a_marginalised_filter_stops_where_its_gain_is_not_finite() {
+    let path = format!("{}/../tests/hostile/infinite-gain.toml", env!("CARGO_MANIFEST_DIR"));
+    let scenario = Scenario::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap();
+    assert_eq!(stop(&scenario), Some(Stop { sample: 16, reason: FilterError::NotFinite }));
 }

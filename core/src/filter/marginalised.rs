@@ -274,6 +274,10 @@ fn report_moments(
     let cov = symmetric(cov);
     let factor = kalman::factor(&cov)?;
     let gain = factor.divide(&cross);
+    // No particle moves by this gain, so no other check would notice.
+    if !gain.sum().is_finite() {
+        return Err(FilterError::NotFinite);
+    }
     correction.report(observation, &innovation, &cov, &factor, &gain);
     Ok(())
 }
