@@ -6,10 +6,11 @@
 //!    └ what it does not serve: the caller's processor
 //! ```
 //!
-//! KF, EKF, UKF and CKF of built-in plants and of equations go there, with up to nine components ([`serves`]). The program of a kind of
-//! filters is written from the list of operations that their plant and sensors take ([`program`]), and compiled once. Sums, like everything else, are of `f32`, so the numbers differ
-//! from those of the core: errors by some thousandths where a filter has converged. Where rounding makes a filter's
-//! path another one, as at the border of the guesses from which it converges, the results differ altogether.
+//! KF, EKF, UKF and CKF of built-in plants and of equations go there, with up to nine components ([`serves`]). The
+//! program of a kind of filters is written from the list of operations that their plant and sensors take ([`program`]),
+//! and compiled once. Sums, like everything else, are of `f32`, so the numbers differ from those of the core: errors by
+//! some thousandths where a filter has converged. Where rounding makes a filter's path another one, as at the border of
+//! the guesses from which it converges, the results differ altogether.
 //!
 //! ```no_run
 //! use kalmanscope_core::{Axis, Scenario, Source};
