@@ -63,7 +63,16 @@ proptest! {
 }
 
 fn built_in(name: &str) -> Scenario {
-    let path = format!("{}/../assets/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    file("assets/scenarios", name)
+}
+
+/// A scenario that broke something.
+fn hostile(name: &str) -> Scenario {
+    file("tests/hostile", name)
+}
+
+fn file(folder: &str, name: &str) -> Scenario {
+    let path = format!("{}/../{folder}/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     Scenario::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
@@ -318,7 +327,10 @@ fn learnt_noise_that_vanishes_or_grows_is_remarked() {
 
 #[test]
 fn a_marginalised_filter_stops_where_its_gain_is_not_finite() {
-    let path = format!("{}/../tests/hostile/infinite-gain.toml", env!("CARGO_MANIFEST_DIR"));
-    let scenario = Scenario::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap();
-    assert_eq!(stop(&scenario), Some(Stop { sample: 16, reason: FilterError::NotFinite }));
+    assert_eq!(stop(&hostile("infinite-gain")), Some(Stop { sample: 16, reason: FilterError::NotFinite }));
+}
+
+#[test]
+fn what_a_marginalised_filter_knows_stays_known_while_it_learns_q() {
+    check_scenario(&hostile("known-while-learning"), 0).unwrap();
 }

@@ -258,11 +258,14 @@ fn report_moments(
 ) -> Result<(), FilterError> {
     let n = told[0].mean.len();
     let m = observation.len();
+    let first = &told[0].mean;
     let (mut mean, mut innovation) = (Vector::zeros(n), Vector::zeros(m));
     for (told, &weight) in told.iter().zip(weights) {
-        mean.axpy(weight, &told.mean, 1.0);
+        // About the first: a component that is the same in all particles stays exact.
+        mean += (&told.mean - first) * weight;
         innovation.axpy(weight, &told.innovation, 1.0);
     }
+    mean += first;
     let (mut cov, mut cross) = (Matrix::zeros(m, m), Matrix::zeros(n, m));
     for (told, &weight) in told.iter().zip(weights) {
         let reading = &innovation - &told.innovation;
