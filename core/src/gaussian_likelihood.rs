@@ -19,11 +19,12 @@ pub fn ln_determinant(determinant: f64, innovation_cov: &[f64], m: usize) -> f64
     if determinant.is_normal() {
         return libm::log(determinant);
     }
-    // A sensor without a measurement keeps its row of the identity, which leaves the determinant unchanged.
+    // Sensors that measured come first, as in a filter; the rest of the identity leaves the determinant unchanged.
     let mut cov = Matrix::<MAX_SENSORS, MAX_SENSORS>::identity();
-    for (i, row) in innovation_cov.chunks(m).enumerate() {
-        for (j, &entry) in row.iter().enumerate().filter(|(_, entry)| !entry.is_nan()) {
-            cov[(i, j)] = entry;
+    let measured = || (0..m).filter(|i| !innovation_cov[i * m + i].is_nan());
+    for (row, i) in measured().enumerate() {
+        for (column, j) in measured().enumerate() {
+            cov[(row, column)] = innovation_cov[i * m + j];
         }
     }
     // Where S is singular up to rounding, one of the two eliminations may fail; the one that the filter has used succeeds.
